@@ -1,0 +1,25 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+#include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame {
+
+/// A homogeneous ellipsoid, axes along the local x, y, z.
+struct EllipsoidLayer {
+  Vec3 centre;             ///< [m] local frame
+  Vec3 semi_axes;          ///< [m]
+  double temperature = 0;  ///< [K]
+  double absorption = 0;   ///< [1/m]
+};
+
+/// Stratified flame of homogeneous ellipsoids: exact. Where several overlap the first listed wins.
+/// @param to_world places the local frame. @throws InputError without layers or channels.
+std::unique_ptr<Medium> make_layered_medium(std::vector<EllipsoidLayer> layers,
+                                            const RigidTransform& to_world,
+                                            std::vector<SourceFunction> channels);
+
+}  // namespace plenoflame

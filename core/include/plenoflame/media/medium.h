@@ -1,0 +1,80 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/isa.h"
+#include "plenoflame/math/ray_batch.h"
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// Results for a RayBatch: arrays of batch.size entries. Overwritten, not added to.
+template <class Real>
+struct RadianceBatch {
+  /// [W/(m^2 sr)] radiance that reaches t_near, channel c at radiance + c * stride.
+  Real* radiance = nullptr;
+  int stride = 0;
+  Real* transmittance = nullptr;  ///< exp(-optical thickness) of the whole segment
+};
+
+/// What a participating medium is at a point.
+struct MediumSample {
+  double temperature = 0;  ///< [K]
+  double absorption = 0;   ///< [1/m]
+};
+
+/// Work that a medium left out or did; summed over batches by the caller.
+struct MediumCounters {
+  double rays = 0;             ///< rays that met the medium's bounds
+  double cells = 0;            ///< quadrature intervals computed
+  double skipped_empty = 0;    ///< empty bricks stepped over
+  double skipped_constant = 0; ///< bricks integrated in closed form
+  double opaque_tails = 0;     ///< rays cut below the transmittance limit
+};
+
+struct MediumOptions {
+  Isa isa = best_isa();
+  bool skip = true;  ///< false: no empty, constant or opaque skipping (for comparison)
+};
+
+/// An emitting and absorbing medium, compiled and immutable; safe to use from many threads.
+/// Emission and absorption follow dL/ds = -kappa L + kappa S_c(T) for each channel c with which it
+/// was compiled, and are integrated deterministically.
+class Medium {
+ public:
+  virtual ~Medium() = default;
+
+  virtual int channel_count() const = 0;
+  /// World box outside of which absorption is zero.
+  virtual Box bounds() const = 0;
+  /// Smallest length over which the medium varies (a voxel, a semi-axis) [m].
+  virtual double feature_size() const = 0;
+
+  virtual void integrate(const RayBatch<float>& rays, const MediumOptions& options,
+                         RadianceBatch<float> out, MediumCounters& counters) const = 0;
+  /// The same formulas in double precision: the reference for the single precision path.
+  virtual void integrate(const RayBatch<double>& rays, const MediumOptions& options,
+                         RadianceBatch<double> out, MediumCounters& counters) const = 0;
+
+  virtual MediumSample sample(Vec3 world) const = 0;
+  /// Source function of a channel [W/(m^2 sr)].
+  virtual double source(int channel, double temperature) const = 0;
+  /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
+  /// surfaces, cell faces), unsorted: between neighbouring values all fields are smooth.
+  virtual void append_breakpoints(const Ray& ray, std::vector<double>& t) const = 0;
+  /// One line for statistics and `info`.
+  virtual std::string description() const = 0;
+};
+
+/// Reference integrator for any medium: adaptive Gauss-Kronrod between the breakpoints, in double.
+/// Slow; for tests, and for media that overlap.
+/// @return radiance per channel [W/(m^2 sr)], then the optical thickness as the last entry.
+std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, double t_near,
+                                        double t_far, double relative_tolerance = 1e-10);
+
+/// Several media as one: absorption and emission coefficients add where they overlap. Rays on which
+/// the media's extents are disjoint are composed exactly from their own integrals.
+std::unique_ptr<Medium> make_composite_medium(std::vector<std::unique_ptr<Medium>> media);
+
+}  // namespace plenoflame

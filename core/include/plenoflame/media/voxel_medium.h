@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+#include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame {
+
+/// Affine map: world = linear * index + translation.
+struct AffineTransform {
+  Mat3 linear;
+  Vec3 translation;
+  constexpr Vec3 point(Vec3 p) const { return linear * p + translation; }
+};
+
+/// A scalar field on a sparse lattice in plain arrays: what a VDB grid becomes. Samples sit at whole
+/// index coordinates; bricks hold 8 x 8 x 8 of them, value (i, j, k) of brick b at
+/// values[b * 512 + (i * 8 + j) * 8 + k]; everywhere else the field is `background`.
+struct VoxelField {
+  std::vector<std::array<int, 3>> brick_origins;  ///< lowest index of each brick, multiples of 8
+  std::vector<float> values;                      ///< 512 per brick
+  float background = 0;
+  AffineTransform index_to_world;
+  std::string name;
+};
+
+enum class VoxelInterpolation {
+  trilinear,  ///< between the samples around a point; values of temperature and absorption
+  constant,   ///< each voxel (half a spacing to each side of its sample) has one value
+};
+
+/// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
+/// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
+/// `trilinear` (docs/theory.md), stable for any optical thickness.
+/// @throws InputError for a background other than 0, a singular transform, or NaN or negative
+///         values (names field and index).
+std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
+                                          VoxelInterpolation interpolation,
+                                          std::vector<SourceFunction> channels);
+
+}  // namespace plenoflame

@@ -1,0 +1,191 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+
+/// The scene as plain values, SI units, as a file states it. Nothing here computes; validation and
+/// reading live in scene_file.h, the compiled forms in camera/ and media/.
+namespace plenoflame {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Whether an element refracts at its real surfaces or by its paraxial transform.
+enum class LensModel {
+  real,   ///< exact refraction at every surface
+  ideal,  ///< the paraxial transform between the principal planes: no aberrations
+};
+
+/// One surface of the main lens. Surfaces are listed from the scene to the sensor.
+struct SurfaceSpec {
+  double radius = kInfinity;  ///< [m] > 0: centre of curvature on the sensor's side; inf: plane
+  double thickness = 0;       ///< [m] to the vertex of the next surface
+  double index = 1;           ///< refractive index behind the surface (towards the sensor)
+  double diameter = 0;        ///< [m] clear diameter
+  bool stop = false;          ///< the aperture stop (exactly one surface)
+  friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
+};
+
+/// The main lens: either surfaces, or (model ideal only) focal length and diameter alone.
+struct MainLensSpec {
+  LensModel model = LensModel::real;
+  std::vector<SurfaceSpec> surfaces;
+  double focal_length = 0;  ///< [m] used when there are no surfaces: a thin ideal lens at z = 0
+  double diameter = 0;      ///< [m] its stop, at the lens
+  friend bool operator==(const MainLensSpec&, const MainLensSpec&) = default;
+};
+
+enum class Lattice { square, hexagonal };
+
+/// One of the interleaved kinds of microlenses.
+struct MicrolensSpec {
+  std::string name;
+  double radius_front = kInfinity;  ///< [m] scene side; > 0: convex
+  double radius_back = kInfinity;   ///< [m] sensor side; > 0: convex
+  double index = 1.5;
+  double focal_length = 0;  ///< [m] model ideal without radii: a thin ideal lens
+  friend bool operator==(const MicrolensSpec&, const MicrolensSpec&) = default;
+};
+
+/// From where the distance between array and sensor is measured.
+enum class ArrayReference {
+  principal_plane,  ///< rear principal plane of the first type: B of the paraxial formulas
+  vertex,           ///< rear vertices of the microlenses
+};
+
+/// The microlens array. Lens (q, r) is centred at pitch*(q + r/2, r*cos 30) (hexagonal) or
+/// pitch*(q, r) (square) in camera x, y, then rotated and moved by `offset`.
+struct ArraySpec {
+  bool present = false;
+  Lattice lattice = Lattice::hexagonal;
+  LensModel model = LensModel::real;
+  double pitch = 0;      ///< [m] between neighbouring centres
+  double diameter = 0;   ///< [m] clear diameter of a microlens, at most the pitch
+  double thickness = 0;  ///< [m] between the vertices
+  std::vector<MicrolensSpec> types;  ///< 1 to 3
+  bool opaque_between = true;        ///< the area between the lenses: opaque, or clear air
+  double rotation = 0;               ///< [rad] about the optical axis, x towards y
+  Vec2 offset;                       ///< [m]
+  double sensor_distance = 0;        ///< [m] from `measured_from` to the sensor
+  ArrayReference measured_from = ArrayReference::principal_plane;
+  friend bool operator==(const ArraySpec&, const ArraySpec&) = default;
+};
+
+struct SensorSpec {
+  int columns = 0;
+  int rows = 0;
+  double pixel_pitch = 0;  ///< [m] square pixels
+  friend bool operator==(const SensorSpec&, const SensorSpec&) = default;
+};
+
+/// How the distance between main lens and array (or sensor) is found.
+enum class FocusMode {
+  distance,  ///< given by lens_distance
+  paraxial,  ///< object_distance is imaged paraxially on the conjugate plane
+  best,      ///< least RMS spot of real rays from the axial point at object_distance
+};
+
+struct FocusSpec {
+  FocusMode mode = FocusMode::paraxial;
+  double lens_distance = 0;    ///< [m] mode distance: rear vertex of the main lens to the front
+                               ///< vertices of the microlenses, or to the sensor without array
+  double object_distance = 0;  ///< [m] from the front vertex of the main lens
+  /// What is conjugate to the object: "array" (plenoptic 1.0: the front principal plane of the
+  /// first type), the name of a microlens type (2.0: the plane on which that type is sharp), or
+  /// "sensor" (only without array).
+  std::string conjugate = "array";
+  friend bool operator==(const FocusSpec&, const FocusSpec&) = default;
+};
+
+struct CameraSpec {
+  Vec3 position;               ///< [m] world, of the front vertex of the main lens
+  Vec3 look_direction{1, 0, 0};///< world
+  Vec3 up{0, 0, 1};            ///< world; camera y (down) is the part of -up across the axis
+  MainLensSpec lens;
+  ArraySpec array;
+  SensorSpec sensor;
+  FocusSpec focus;
+  friend bool operator==(const CameraSpec&, const CameraSpec&) = default;
+};
+
+/// One layer of a stratified flame: an ellipsoid with axes along the flame's x, y, z.
+struct EllipsoidSpec {
+  std::string name;
+  Vec3 centre;         ///< [m] flame frame
+  Vec3 semi_axes;      ///< [m]
+  double temperature = 0;  ///< [K]
+  double absorption = 0;   ///< [1/m]
+  friend bool operator==(const EllipsoidSpec&, const EllipsoidSpec&) = default;
+};
+
+/// How a grid of a file becomes a physical quantity: value = scale * stored + offset, then `unit`.
+struct GridSpec {
+  std::string grid;   ///< name in the file; empty: the default name and its known aliases
+  std::string unit;   ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
+  double scale = 1;
+  double offset = 0;
+  friend bool operator==(const GridSpec&, const GridSpec&) = default;
+};
+
+enum class FlameKind { layered, vdb };
+enum class Interpolation { trilinear, constant };
+
+struct FlameSpec {
+  FlameKind kind = FlameKind::layered;
+  std::string name;
+  Vec3 position;   ///< [m] world place of the flame frame's origin
+  Vec3 rotation;   ///< [rad] about x, then y, then z of the world
+  std::vector<EllipsoidSpec> layers;  ///< layered: where several overlap, the first listed wins
+  std::string file;                   ///< vdb: path as in the scene file, relative to it
+  GridSpec temperature;
+  GridSpec absorption;
+  Interpolation interpolation = Interpolation::trilinear;
+  friend bool operator==(const FlameSpec&, const FlameSpec&) = default;
+};
+
+enum class ChannelKind {
+  total,  ///< all wavelengths: source function sigma T^4 / pi
+  band,   ///< `width` around `wavelength`: the Planck function integrated over the band
+};
+
+struct ChannelSpec {
+  std::string name = "total";
+  ChannelKind kind = ChannelKind::total;
+  double wavelength = 0;  ///< [m] centre, vacuum
+  double width = 0;       ///< [m] full width
+  friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
+};
+
+enum class Estimator { backward, forward };
+
+/// Defaults of a run; the command line overrides them.
+struct RenderSpec {
+  Estimator estimator = Estimator::backward;
+  int samples = 64;      ///< rays per pixel and microlens that covers it
+  std::uint64_t seed = 1;
+  friend bool operator==(const RenderSpec&, const RenderSpec&) = default;
+};
+
+enum class ToneCurve { linear, display };
+
+/// How `develop` turns flux into digital numbers.
+struct DevelopSpec {
+  double saturation = 0;  ///< [W] per pixel; 0: automatic exposure
+  int bits = 14;
+  ToneCurve curve = ToneCurve::display;
+  friend bool operator==(const DevelopSpec&, const DevelopSpec&) = default;
+};
+
+struct Scene {
+  std::string file;  ///< where it was read from; relative paths start there; empty: none
+  CameraSpec camera;
+  std::vector<FlameSpec> flames;
+  std::vector<ChannelSpec> channels{ChannelSpec{}};
+  RenderSpec render;
+  DevelopSpec develop;
+  friend bool operator==(const Scene&, const Scene&) = default;
+};
+
+}  // namespace plenoflame
