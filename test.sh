@@ -1,0 +1,108 @@
+#!/bin/bash
+# Installs what is missing, builds, and runs all tests.
+#
+#   ./test.sh            release build with warnings as errors, core alone, and the tests again under
+#                        AddressSanitizer + UndefinedBehaviorSanitizer and under ThreadSanitizer
+#   ./test.sh --quick    the release build and its tests only
+#   ./test.sh --no-setup installs nothing (for machines without apt-get)
+#
+# The last line is a summary like that of ctest; the status is 0 only if everything passed.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+quick=no
+setup=yes
+for argument in "$@"; do
+  case "$argument" in
+    --quick) quick=yes ;;
+    --no-setup) setup=no ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) echo "test.sh: unknown option $argument (see --help)" >&2; exit 2 ;;
+  esac
+done
+
+jobs=${PLENOFLAME_JOBS:-$(nproc)}
+logs=build/logs
+mkdir -p "$logs"
+total=0
+failed=0
+broken=()
+
+say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
+
+# stage NAME COMMAND...: what is not a CTest run counts as one test.
+stage() {
+  local name=$1
+  shift
+  say "$name"
+  total=$((total + 1))
+  if "$@"; then return 0; fi
+  failed=$((failed + 1))
+  broken+=("$name")
+  return 1
+}
+
+# run_tests PRESET [ctest options]
+run_tests() {
+  local preset=$1 status=0 log="$logs/ctest-$1.log" line
+  shift
+  say "tests: $preset"
+  "${run[@]}" ctest --preset "$preset" -j "$jobs" --no-tests=error "$@" | tee "$log" |
+    grep -vE '^ +Start +[0-9]+:| +Passed +[0-9.]+ sec$' || status=$?
+  line=$(grep -E '^[0-9]+% tests passed, [0-9]+ tests? failed out of [0-9]+' "$log" | tail -1 || true)
+  if [[ "$line" =~ \ ([0-9]+)\ tests?\ failed\ out\ of\ ([0-9]+) ]]; then
+    total=$((total + BASH_REMATCH[2]))
+    failed=$((failed + BASH_REMATCH[1]))
+    [ "${BASH_REMATCH[1]}" -eq 0 ] || broken+=("tests: $preset")
+    [ "$status" -eq 0 ] || [ "${BASH_REMATCH[1]}" -gt 0 ] || status=2
+  else
+    status=2
+  fi
+  if [ "$status" -eq 2 ]; then  # ctest itself failed: nothing ran, or it broke off
+    total=$((total + 1))
+    failed=$((failed + 1))
+    broken+=("tests: $preset (ctest ended early)")
+  fi
+}
+
+build() {
+  "${run[@]}" cmake --preset "$1" -S . >"$logs/configure-$1.log" 2>&1 || {
+    cat "$logs/configure-$1.log"
+    return 1
+  }
+  "${run[@]}" cmake --build --preset "$1" -j "$jobs" >"$logs/build-$1.log" 2>&1 || {
+    tail -n 200 "$logs/build-$1.log"
+    return 1
+  }
+  tail -n 1 "$logs/build-$1.log"
+}
+
+summary() {
+  local percent=$((total > 0 ? 100 * (total - failed) / total : 0))
+  [ ${#broken[@]} -eq 0 ] || printf '\nFailed: %s\n' "$(IFS=';' && echo "${broken[*]}")"
+  printf '\n%d%% tests passed, %d tests failed out of %d\n' "$percent" "$failed" "$total"
+  [ "$failed" -eq 0 ] && [ "$total" -gt 0 ]
+}
+
+run=()
+if [ "$setup" = yes ]; then
+  say "packages"
+  tools/setup.sh core volumes cli tests || exit 1
+fi
+
+if stage "build: release" build release; then
+  run_tests release
+fi
+if [ "$quick" = no ]; then
+  stage "build: core alone" build core-only || true
+  # What takes long in the release build already ran there (label slow).
+  if stage "build: address and undefined-behaviour sanitizers" build asan; then
+    run_tests asan -LE 'slow|meta'
+  fi
+  # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
+  if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
+  if stage "build: thread sanitizer" build tsan; then
+    run_tests tsan -LE 'slow|meta'
+  fi
+fi
+summary

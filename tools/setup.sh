@@ -1,0 +1,106 @@
+#!/bin/bash
+# Installs the Debian packages that Plenoflame is built and tested with, as far as they are missing.
+#
+#   tools/setup.sh [GROUP ...]      groups as listed below; without any: core volumes cli
+#   tools/setup.sh --list [GROUP ...]   prints the packages and why each is needed, installs nothing
+#
+# Uses apt-get as root, or through sudo. Where it may not install, it lists what is missing and
+# ends with status 1. Nothing is downloaded when everything is there.
+set -euo pipefail
+
+# group       package                  what for
+packages='
+core          g++                      C++20 compiler
+core          cmake                    build system
+core          ninja-build              build tool
+core          ccache                   compiles nothing twice across the build configurations
+core          libopenexr-dev           light-field images (EXR)
+core          libimath-dev             half floats and boxes of OpenEXR
+core          libpng-dev               developed pictures
+core          zlib1g-dev               compression of PNG and EXR
+core          libfmt-dev               formatted messages
+core          libtomlplusplus-dev      scene files with positions in messages
+core          nlohmann-json3-dev       statistics and figures as JSON
+core          libeigen3-dev            small dense linear algebra
+volumes       libopenvdb-dev           flames as OpenVDB grids
+volumes       libtbb-dev               threads of OpenVDB
+volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find module asks for it)
+volumes       libblosc-dev             compression of OpenVDB files
+cli           libcli11-dev             command line
+tests         libgtest-dev             unit tests
+tests         python3                  tests of the architecture and of the documentation
+tests         binutils                 nm: tests for symbols that must not exist
+tests         clang-format-14          format check
+bench         libbenchmark-dev         micro-benchmarks
+dev           clang-tidy-14            static analysis (tools/tidy.sh)
+dev           lcov                     coverage report
+dev           git                      changed files in tools/tidy.sh
+'
+
+list_only=no
+groups=()
+for argument in "$@"; do
+  case "$argument" in
+    --list) list_only=yes ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -*) echo "setup.sh: unknown option $argument (see --help)" >&2; exit 2 ;;
+    *) groups+=("$argument") ;;
+  esac
+done
+[ ${#groups[@]} -gt 0 ] || groups=(core volumes cli)
+
+known=" $(awk 'NF {print $1}' <<<"$packages" | sort -u | tr '\n' ' ')"
+wanted=()
+for group in "${groups[@]}"; do
+  if [[ "$known" != *" $group "* ]]; then
+    echo "setup.sh: unknown group $group; known are:$known" >&2
+    exit 2
+  fi
+  if [ "$list_only" = yes ]; then
+    awk -v group="$group" '$1 == group' <<<"$packages"
+  fi
+  while read -r package; do wanted+=("$package"); done \
+    < <(awk -v group="$group" '$1 == group {print $2}' <<<"$packages")
+done
+[ "$list_only" = no ] || exit 0
+
+missing=()
+if ! command -v dpkg-query >/dev/null; then
+  missing=("${wanted[@]}")
+else
+  for package in "${wanted[@]}"; do
+    status=$(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null || true)
+    grep -qx installed <<<"$status" || missing+=("$package")
+  done
+fi
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+give_up() {
+  {
+    echo "setup.sh: $1 These packages are missing (Debian 12 names):"
+    printf '  %s\n' "${missing[@]}"
+    echo "Install them, for example as root: apt-get install --no-install-recommends ${missing[*]}"
+  } >&2
+  exit 1
+}
+
+command -v apt-get >/dev/null || give_up "there is no apt-get here."
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || give_up "installing needs root, and there is no sudo."
+  if sudo -n true 2>/dev/null; then
+    as_root=(sudo -n)
+  elif [ -t 0 ] && [ -t 2 ]; then
+    as_root=(sudo)  # asks for the password
+  else
+    give_up "installing needs root, and sudo wants a password."
+  fi
+fi
+
+echo "Installing: ${missing[*]}"
+# A fresh machine may still be running its first automatic update: wait for its lock.
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300
+  -o Acquire::Retries=3)
+"${apt[@]}" update || give_up "the package lists could not be fetched."
+"${apt[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null ||
+  give_up "apt-get could not install everything."
