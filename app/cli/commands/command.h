@@ -1,0 +1,38 @@
+#pragma once
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace plenoflame::cli {
+
+/// What the chosen command does once the whole command line was accepted. @return the exit status
+using Action = std::function<int()>;
+
+/// What a command registers itself with. Parsing sets `action`; it runs after parsing, so that
+/// nothing is read or written when a later option is wrong.
+struct Registry {
+  CLI::App& app;
+  Action& action;
+};
+
+/// Adds a subcommand whose help ends with an example. A command is one file commands/NAME.cpp:
+///
+///     void register_example(const Registry& registry) {
+///       auto settings = std::make_shared<Settings>();
+///       CLI::App& command = add_command(registry, "example", "What it does", "plenoflame example x");
+///       command.add_option("FILE", settings->file, "What it is")->required();
+///       on_chosen(command, registry, [settings] { return run(*settings); });
+///     }
+///
+/// declared and called in commands.cpp and commands.h, listed in CMakeLists.txt.
+/// @param example one or more lines that can be pasted into a shell
+CLI::App& add_command(const Registry& registry, const std::string& name,
+                      const std::string& description, const std::string& example);
+
+/// Runs `action` if `command` is the one that was given.
+void on_chosen(CLI::App& command, const Registry& registry, Action action);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,27 @@
+#pragma once
+#include <stop_token>
+#include <thread>
+
+namespace plenoflame::cli {
+
+/// While it exists, the first SIGINT (Ctrl-C) or SIGTERM requests a stop; the second ends the
+/// process at once, as if no handler were there. One at a time.
+class InterruptHandler {
+ public:
+  /// @throws Error when the handlers cannot be installed
+  InterruptHandler();
+  ~InterruptHandler();
+  InterruptHandler(const InterruptHandler&) = delete;
+  InterruptHandler& operator=(const InterruptHandler&) = delete;
+
+  std::stop_token token() const { return stop_.get_token(); }
+  /// Whether a signal came.
+  bool interrupted() const { return stop_.stop_requested(); }
+
+ private:
+  std::stop_source stop_;
+  int read_end_ = -1;
+  std::jthread watcher_;
+};
+
+}  // namespace plenoflame::cli
