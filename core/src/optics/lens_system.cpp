@@ -1,0 +1,73 @@
+#include "plenoflame/optics/lens_system.h"
+
+#include <utility>
+
+#include "optics/surface_kernel.h"
+
+namespace plenoflame {
+
+std::string to_string(RayStatus status) {
+  switch (status) {
+    case RayStatus::vignetted: return "vignetted";
+    case RayStatus::total_internal_reflection: return "total internal reflection";
+    case RayStatus::missed: return "missed";
+    case RayStatus::reached: break;
+  }
+  return "reached";
+}
+
+LensSystem::LensSystem(std::vector<SurfaceSpec> surfaces, double first_vertex)
+    : surfaces_(std::move(surfaces)) {
+  double z = first_vertex;
+  for (const SurfaceSpec& surface : surfaces_) {
+    vertices_.push_back(z);
+    z -= surface.thickness;
+  }
+}
+
+TraceStatus LensSystem::trace_to_scene(Ray& ray, std::vector<Vec3>* path) const {
+  return trace(ray, true, path);
+}
+
+TraceStatus LensSystem::trace_to_sensor(Ray& ray, std::vector<Vec3>* path) const {
+  return trace(ray, false, path);
+}
+
+TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) const {
+  // The kernel propagates towards +z: mirror z for rays towards the sensor.
+  const double sign = to_scene ? 1.0 : -1.0;
+  const int count = static_cast<int>(surfaces_.size());
+  Vec3 p = ray.origin, d = ray.direction;
+  d.z *= sign;
+  for (int step = 0; step < count; ++step) {
+    const int i = to_scene ? count - 1 - step : step;
+    const SurfaceSpec& surface = surfaces_[static_cast<std::size_t>(i)];
+    const double vertex = vertices_[static_cast<std::size_t>(i)];
+    const double index_scene_side = i > 0 ? surfaces_[static_cast<std::size_t>(i) - 1].index : 1.0;
+    const double before = to_scene ? surface.index : index_scene_side;
+    const double behind = to_scene ? index_scene_side : surface.index;
+    // radius > 0 has its centre on the sensor's side, which is behind for rays to the scene.
+    const double curvature = (to_scene ? -1.0 : 1.0) / surface.radius;
+    const double radius = 0.5 * surface.diameter;
+    const scalar::KernelSurface<double> kernel{
+        0.0, curvature, radius * radius, before / behind,
+        (behind - before) * (behind + before) / (behind * behind)};
+    double z = sign * (p.z - vertex);
+    int code = 0;
+    scalar::refract_at(kernel, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
+    p.z = vertex + sign * z;
+    if (path) path->push_back(p);
+    if (code != 0) {
+      ray = {p, {d.x, d.y, sign * d.z}};
+      const int cause = code % 4;
+      return {cause == scalar::kCauseVignetted         ? RayStatus::vignetted
+              : cause == scalar::kCauseTotalReflection ? RayStatus::total_internal_reflection
+                                                       : RayStatus::missed,
+              i};
+    }
+  }
+  ray = {p, {d.x, d.y, sign * d.z}};
+  return {};
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,1 @@
+list(APPEND core_sources src/optics/first_order.cpp src/optics/lens_system.cpp)

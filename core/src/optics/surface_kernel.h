@@ -1,0 +1,67 @@
+// Intersection with, and refraction at, one spherical or plane surface: shared by the vector kernels
+// and the double path. Coordinates are relative to the surface's vertex, z along the propagation.
+#pragma once
+#include "math/kernel_math.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+
+/// Ray codes: 0 alive, otherwise 4 * surface + cause of the first failure.
+enum : int { kCauseVignetted = 1, kCauseTotalReflection = 2, kCauseMissed = 3 };
+
+template <class Real>
+struct KernelSurface {
+  Real gap;            ///< from the previous reference plane to this vertex
+  Real curvature;      ///< > 0: centre ahead in the direction of propagation
+  Real aperture2;      ///< clear radius squared
+  Real mu;             ///< index before / index behind
+  Real one_minus_mu2;  ///< (n' - n)(n' + n) / n'^2: exact for the smallest index steps
+};
+
+/// Moves the ray from the previous reference plane (z = 0 there) to the surface, tests aperture and
+/// refracts. Afterwards z is relative to this surface's vertex.
+///
+/// Closest-approach form (Feder 1951; Welford, Aberrations of Optical Systems, 1986, ch. 4):
+/// from the vertex plane t = F / (G + sqrt(G^2 - c F)), which is exact for planes (c = 0) and keeps
+/// its digits for every radius. sqrt(G^2 - c F) is also the cosine of incidence, and
+/// cos t' - mu cos t = (1 - mu^2) / (cos t' + mu cos t) keeps them for small index steps.
+template <class Real>
+PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_base, Real& x,
+                                  Real& y, Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+  const Real c = surface.curvature;
+  const Real to_plane = (surface.gap - z) / dz;
+  x += to_plane * dx;
+  y += to_plane * dy;
+  const Real f = c * (x * x + y * y);
+  const Real g = dz - c * (x * dx + y * dy);
+  const Real discriminant = g * g - c * f;
+  const Real cos_in = square_root(greatest(discriminant, Real(0)));
+  const Real t = f / (g + cos_in);
+  x += t * dx;
+  y += t * dy;
+  z = t * dz;
+  const Real cos_out2 = surface.one_minus_mu2 + surface.mu * surface.mu * (cos_in * cos_in);
+  const Real cos_out = square_root(greatest(cos_out2, Real(0)));
+  const Real along_normal = surface.one_minus_mu2 / (cos_out + surface.mu * cos_in);
+  dx = surface.mu * dx - along_normal * (c * x);
+  dy = surface.mu * dy - along_normal * (c * y);
+  dz = surface.mu * dz + along_normal * (Real(1) - c * z);
+  // The geometric cause wins: a ray that misses the sphere has no angle of incidence.
+  int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
+  failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
+  failure = discriminant > Real(0) ? failure : code_base + kCauseMissed;
+  code = code != 0 ? code : failure;
+}
+
+/// A plane without refraction (the stop): only the aperture is tested.
+template <class Real>
+PLENOFLAME_INLINE void pass_plane(const KernelSurface<Real>& surface, int code_base, Real& x,
+                                  Real& y, Real& z, Real dx, Real dy, Real dz, int& code) {
+  const Real to_plane = (surface.gap - z) / dz;
+  x += to_plane * dx;
+  y += to_plane * dy;
+  z = Real(0);
+  const int failure = x * x + y * y <= surface.aperture2 ? 0 : code_base + kCauseVignetted;
+  code = code != 0 ? code : failure;
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA
