@@ -1,0 +1,129 @@
+"""Who may include whom (docs/developer/architecture.md): judge() decides one #include line."""
+
+import re
+
+INCLUDE = re.compile(r'\s*#\s*include\s*(?P<quote>[<"])(?P<name>[^>"]+)[>"]')
+
+# An area of core may include areas with a lower number, and itself.
+LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "film": 2, "media": 3,
+          "optics": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6}
+# Plain values, visible below their level: (from area, header).
+EXCEPTIONS = {("optics", "scene/scene.h"), ("camera", "scene/scene.h"), ("lightfield", "scene/scene.h")}
+
+POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|sys/\w+)\.h$")
+LIBRARIES = {
+    "OpenEXR": re.compile(r"(OpenEXR/|Imath/|Imf|Iex|IlmThread|Imath|half\.h)"),
+    "libpng": re.compile(r"png\.h$"),
+    "zlib": re.compile(r"zlib\.h$"),
+    "toml++": re.compile(r"toml\+\+/|toml\.hpp$"),
+    "nlohmann-json": re.compile(r"nlohmann/"),
+    "fmt": re.compile(r"fmt/"),
+    "Eigen": re.compile(r"Eigen/"),
+    "OpenVDB": re.compile(r"openvdb/|nanovdb/"),
+    "TBB": re.compile(r"tbb/|oneapi/"),
+    "CLI11": re.compile(r"CLI/"),
+    "VTK": re.compile(r"vtk|QVTK"),
+    "Qt": re.compile(r"Q[A-Z]|Qt[A-Z]"),
+    "GoogleTest": re.compile(r"g(test|mock)/"),
+    "Google Benchmark": re.compile(r"benchmark/"),
+    "POSIX": POSIX,
+}
+STANDARD = re.compile(r"[a-z_0-9]+$")
+
+CORE_SRC = {"OpenEXR", "libpng", "zlib", "toml++", "nlohmann-json", "fmt", "Eigen", "POSIX"}
+VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
+CLI = {"CLI11", "nlohmann-json", "fmt", "POSIX"}
+VTK_MODULE = {"VTK"}
+ANY = set(LIBRARIES)
+
+
+def library_of(name):
+    """The library that a system include belongs to; None for the standard library."""
+    if STANDARD.match(name):
+        return None
+    for library, pattern in LIBRARIES.items():
+        if library != "Qt" and library != "VTK" and pattern.match(name):
+            return library
+    for library in ("VTK", "Qt"):
+        if LIBRARIES[library].match(name):
+            return library
+    return f"<{name}>"
+
+
+def allowed_libraries(path):
+    """The libraries that a source file may include, from its place in the tree."""
+    parts = path.parts
+    place = "/".join(parts[:2])
+    if place == "core/include" or parts[0] == "examples":
+        return set()
+    if place == "core/src":
+        return CORE_SRC
+    if place == "volumes/include":
+        return {"OpenVDB"} if path.name == "interop.h" else set()
+    if place == "volumes/src":
+        return VOLUMES_SRC
+    if place == "app/cli":
+        return CLI
+    if place == "app/vtk":
+        return VTK_MODULE
+    if place == "tests/core":
+        return CORE_SRC | {"GoogleTest"}
+    return ANY
+
+
+def area_of(path):
+    """The area of a file of core, or None."""
+    parts = path.parts
+    if parts[:3] == ("core", "include", "plenoflame") and len(parts) > 4:
+        return parts[3]
+    if parts[:2] == ("core", "src") and len(parts) > 3:
+        return parts[2]
+    return None
+
+
+def judge_area(area, header):
+    """header is AREA/FILE, relative to core/include/plenoflame or core/src."""
+    target = header.split("/")[0]
+    for name in (area, target):
+        if name not in LEVELS:
+            return f"unknown area {name} of core"
+    if target == area or LEVELS[target] < LEVELS[area] or (area, header) in EXCEPTIONS:
+        return None
+    return f"area {area} (layer {LEVELS[area]}) may not see {header} (layer {LEVELS[target]})"
+
+
+def judge_kernel(path, name, system):
+    """A vector kernel sees nothing that could emit a weak symbol."""
+    if system or not re.search(r"(^|/)\w*kernel\w*(\.inl)?\.h$", name):
+        return f"a kernel may not include {name}: only headers written for kernels"
+    return None
+
+
+def judge(path, name, system):
+    """None when the file at path may include name, otherwise what is wrong."""
+    if re.search(r"kernel(_\w+)?(\.inl)?\.h$|\.inl\.h$", path.name) and path.parts[:2] == ("core", "src"):
+        return judge_kernel(path, name, system)
+    area = area_of(path)
+    if name.startswith("plenoflame/"):
+        if system:
+            return f"project header {name} in angle brackets"
+        header = name[len("plenoflame/"):]
+        if header.startswith("volumes/"):
+            if path.parts[0] == "core" or path.parts[:2] == ("tests", "core"):
+                return f"core may not see {name}"
+            return None
+        return judge_area(area, header) if area else None
+    if system:
+        library = library_of(name)
+        if library is None or library in allowed_libraries(path):
+            return None
+        return f"{library} may not be included here"
+    if library_of(name) in LIBRARIES:
+        return f"{name} belongs to a library: use angle brackets"
+    if path.parts[:2] == ("core", "include") or path.parts[:2] == ("volumes", "include"):
+        return f"a public header may not see {name}: only plenoflame/..."
+    if area and "/" in name:
+        return judge_area(area, name)
+    if name.startswith("../"):
+        return f"{name} leaves its folder"
+    return None
