@@ -24,23 +24,35 @@ struct LightField {
   std::vector<LightFieldChannel> channels;
   std::map<std::string, Image> layers;  ///< further per-pixel results by name, e.g. ground truth
 
-  std::string scene_text;       ///< TOML, complete (presets and files resolved)
-  std::string estimator;        ///< "backward" or "forward"
+  std::string scene_text;  ///< TOML, complete (presets and files resolved)
+  std::string estimator;   ///< "backward" or "forward"
   std::uint64_t seed = 0;
-  double samples = 0;           ///< rays per lit pixel and microlens (backward), bundles (forward)
-  bool complete = true;         ///< false: the run was stopped early
-  std::string version;          ///< of Plenoflame
-  std::map<std::string, double> numbers;        ///< derived figures, e.g. "array.pitch" [m]
-  std::map<std::string, std::string> texts;     ///< further attributes
+  double samples = 0;    ///< rays per lit pixel and microlens (backward), bundles (forward)
+  bool complete = true;  ///< false: the run was stopped early
+  std::string version;   ///< of Plenoflame
+  std::map<std::string, double> numbers;     ///< derived figures, e.g. "array.pitch" [m]
+  std::map<std::string, std::string> texts;  ///< further attributes
 };
 
 /// Writes a multi-channel float EXR (flux "NAME", standard error "NAME.error", layers by name),
-/// under a temporary name that is renamed at the end.
-/// @throws FileError naming the file and the cause (folder missing, disk full, ...)
+/// under a temporary name that is renamed at the end. Data window: `window` within a display window
+/// of the whole sensor. Attributes: "plenoflame.format" (1), "plenoflame.unit" ("W"), .version,
+/// .scene, .estimator, .seed (decimal text), .samples, .complete, .channels and .layers (names, in
+/// order), .number.KEY (double, SI), .text.KEY. From these entries of `numbers` the standard
+/// attributes of OpenEXR are written besides, in the units that it defines: lens.focal_length
+/// (effectiveFocalLength, mm), lens.f_number (aperture), focus.object_distance (focus, m),
+/// sensor.pixel_pitch (sensorPhotositePitch, um; sensorOverallDimensions, mm).
+/// The same light field gives the same bytes.
+/// @throws FileError naming the file and the cause (folder missing, disk full, ...),
+///         InputError when window, images and names do not fit together
 void write_light_field(const std::string& path, const LightField& light_field);
 
-/// Reads what write_light_field wrote. @throws FileError (cannot be read, not an EXR),
+/// Reads what write_light_field wrote. @throws FileError (cannot be read, not an EXR, damaged),
 /// InputError (an EXR from elsewhere: names the missing attribute).
 LightField read_light_field(const std::string& path);
+
+/// The same without pixels: all images are empty; channels without standard error cannot be told
+/// from those with one.
+LightField read_light_field_header(const std::string& path);
 
 }  // namespace plenoflame

@@ -1,0 +1,44 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace plenoflame {
+
+/// How sample values relate to light.
+enum class Transfer {
+  srgb,    ///< IEC 61966-2-1: for display (chunk sRGB)
+  linear,  ///< proportional to light (chunk gAMA = 1)
+};
+
+/// A grey or RGB picture of whole numbers, row by row from the top left, channels interleaved.
+struct PngImage {
+  int width = 0;
+  int height = 0;
+  int channels = 1;  ///< 1: grey, 3: RGB
+  int bits = 8;      ///< per sample: 8 or 16
+  /// How many of the bits carry information (chunk sBIT); 0: all. The value itself is
+  /// sample >> (bits - significant_bits); the lower bits repeat the upper ones.
+  int significant_bits = 0;
+  Transfer transfer = Transfer::srgb;
+  std::vector<std::uint16_t> samples;
+  std::map<std::string, std::string> texts;  ///< keyword (1 to 79 characters) and text
+
+  std::size_t sample_count() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+           static_cast<std::size_t>(channels);
+  }
+};
+
+/// Writes a PNG under a temporary name that is renamed at the end.
+/// @throws FileError (cannot be written), InputError (sizes that do not fit together, a sample
+///         that exceeds the bits)
+void write_png(const std::string& path, const PngImage& image);
+
+/// Reads any PNG as grey or RGB: palettes are resolved, transparency is dropped, less than 8 bits
+/// become 8. @throws FileError (cannot be read, not a PNG, damaged)
+PngImage read_png(const std::string& path);
+
+}  // namespace plenoflame

@@ -1,0 +1,303 @@
+#include "plenoflame/image/light_field.h"
+
+#include <Iex.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "exr_stream.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr std::string_view kPrefix = "plenoflame.";
+constexpr std::string_view kNumberPrefix = "plenoflame.number.";
+constexpr std::string_view kTextPrefix = "plenoflame.text.";
+constexpr std::string_view kErrorSuffix = ".error";
+constexpr int kFormat = 1;
+
+std::string joined(std::string_view a, std::string_view b) {
+  return std::string(a).append(b);
+}
+
+/// Every image of a light field with its EXR channel's name.
+template <class Field, class Visit>
+void for_each_image(Field& light_field, Visit visit) {
+  for (auto& channel : light_field.channels) {
+    visit(channel.name, channel.flux);
+    visit(joined(channel.name, kErrorSuffix), channel.standard_error);
+  }
+  for (auto& [name, image] : light_field.layers) visit(name, image);
+}
+
+void check(const LightField& light_field) {
+  const PixelWindow& window = light_field.window;
+  if (window.width <= 0 || window.height <= 0 || window.x < 0 || window.y < 0 ||
+      window.x > light_field.sensor_width - window.width ||
+      window.y > light_field.sensor_height - window.height)
+    throw InputError("a light field's window must lie within its sensor and hold a pixel");
+  if (light_field.channels.empty()) throw InputError("a light field needs a channel");
+  std::set<std::string> names;
+  for_each_image(light_field, [&](const std::string& name, const Image& image) {
+    if (name.empty() || name.size() > 255 || name.find('\0') != std::string::npos)
+      throw InputError("a channel's name has 1 to 255 characters: '" + name + "'");
+    if (!names.insert(name).second)
+      throw InputError("two images of a light field have the name '" + name + "'");
+    const bool optional = name.ends_with(kErrorSuffix);
+    if (optional && image.empty()) return;
+    if (image.width != window.width || image.height != window.height ||
+        image.pixels.size() !=
+            static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height))
+      throw InputError("image '" + name + "' of a light field does not have its window's size");
+  });
+  const auto check_key = [](const std::string& key) {
+    if (key.empty() || key.size() > 200)
+      throw InputError("a light field's attributes have names of 1 to 200 characters: '" + key +
+                       "'");
+  };
+  for (const auto& entry : light_field.numbers) check_key(entry.first);
+  for (const auto& entry : light_field.texts) check_key(entry.first);
+}
+
+void add_standard_attributes(Imf::Header& header, const LightField& light_field) {
+  const auto with = [&](const char* key, auto use) {
+    const auto entry = light_field.numbers.find(key);
+    if (entry != light_field.numbers.end()) use(entry->second);
+  };
+  const auto insert = [&](const char* name, double value) {
+    header.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
+  };
+  with("lens.focal_length", [&](double f) { insert("effectiveFocalLength", 1e3 * f); });
+  with("lens.f_number", [&](double number) { insert("aperture", number); });
+  with("focus.object_distance", [&](double distance) { insert("focus", distance); });
+  with("sensor.pixel_pitch", [&](double pitch) {
+    insert("sensorPhotositePitch", 1e6 * pitch);
+    header.insert("sensorOverallDimensions",
+                  Imf::V2fAttribute({static_cast<float>(1e3 * pitch * light_field.sensor_width),
+                                     static_cast<float>(1e3 * pitch * light_field.sensor_height)}));
+  });
+}
+
+Imf::Header make_header(const LightField& light_field) {
+  const PixelWindow& window = light_field.window;
+  const Imath::Box2i display({0, 0}, {light_field.sensor_width - 1, light_field.sensor_height - 1});
+  const Imath::Box2i data({window.x, window.y},
+                          {window.x + window.width - 1, window.y + window.height - 1});
+  // Noise does not compress: ZIP makes files 3 % smaller and takes ten times as long
+  // (docs/benchmarks.md).
+  Imf::Header header(display, data, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::NO_COMPRESSION);
+  for_each_image(light_field, [&](const std::string& name, const Image& image) {
+    if (!image.empty()) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  });
+  Imf::StringVector channels, layers;
+  for (const auto& channel : light_field.channels) channels.push_back(channel.name);
+  for (const auto& layer : light_field.layers) layers.push_back(layer.first);
+  const auto text = [&](const std::string& key, const std::string& value) {
+    header.insert(joined(kPrefix, key), Imf::StringAttribute(value));
+  };
+  header.insert(joined(kPrefix, "format"), Imf::IntAttribute(kFormat));
+  header.insert(joined(kPrefix, "channels"), Imf::StringVectorAttribute(channels));
+  header.insert(joined(kPrefix, "layers"), Imf::StringVectorAttribute(layers));
+  header.insert(joined(kPrefix, "samples"), Imf::DoubleAttribute(light_field.samples));
+  header.insert(joined(kPrefix, "complete"), Imf::IntAttribute(light_field.complete ? 1 : 0));
+  text("unit", "W");
+  text("version", light_field.version);
+  text("scene", light_field.scene_text);
+  text("estimator", light_field.estimator);
+  text("seed", std::to_string(light_field.seed));
+  for (const auto& [key, value] : light_field.numbers)
+    header.insert(joined(kNumberPrefix, key), Imf::DoubleAttribute(value));
+  for (const auto& [key, value] : light_field.texts)
+    header.insert(joined(kTextPrefix, key), Imf::StringAttribute(value));
+  header.insert("comments", Imf::StringAttribute("Raw light-field image of Plenoflame: radiant "
+                                                 "flux in W per pixel; NAME.error: its standard "
+                                                 "error"));
+  add_standard_attributes(header, light_field);
+  return header;
+}
+
+/// A frame buffer on images that cover `window`; OpenEXR addresses pixels by sensor coordinates.
+template <class Field>
+Imf::FrameBuffer make_frame_buffer(Field& light_field) {
+  const PixelWindow& window = light_field.window;
+  const Imath::Box2i data({window.x, window.y},
+                          {window.x + window.width - 1, window.y + window.height - 1});
+  Imf::FrameBuffer buffer;
+  for_each_image(light_field, [&](const std::string& name, auto& image) {
+    if (!image.empty())
+      buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, image.pixels.data(), data));
+  });
+  return buffer;
+}
+
+/// Attributes of a header, each of which must be there.
+class Attributes {
+ public:
+  Attributes(const std::string& path, const Imf::Header& header) : path_(path), header_(header) {}
+
+  template <class T>
+  const T& get(const std::string& key) const {
+    const auto* attribute =
+        header_.findTypedAttribute<Imf::TypedAttribute<T>>(joined(kPrefix, key));
+    if (attribute == nullptr)
+      throw InputError("'" + path_ + "' is not a light field of Plenoflame: the attribute '" +
+                       joined(kPrefix, key) + "' is missing");
+    return attribute->value();
+  }
+
+ private:
+  const std::string& path_;
+  const Imf::Header& header_;
+};
+
+LightField from_header(const std::string& path, const Imf::Header& header) {
+  const Attributes attributes(path, header);
+  const int format = attributes.get<int>("format");
+  if (format != kFormat)
+    throw InputError("'" + path + "' has format " + std::to_string(format) +
+                     " of light fields; this version of Plenoflame reads format " +
+                     std::to_string(kFormat));
+  LightField light_field;
+  const Imath::Box2i& display = header.displayWindow();
+  const Imath::Box2i& data = header.dataWindow();
+  // In 64 bits: a damaged window may span the whole range of int.
+  const auto extent = [](int low, int high) { return std::int64_t{high} - low + 1; };
+  const std::int64_t width = extent(data.min.x, data.max.x);
+  const std::int64_t height = extent(data.min.y, data.max.y);
+  if (display.min != Imath::V2i(0, 0) || data.min.x < 0 || data.min.y < 0 || width <= 0 ||
+      height <= 0 || data.max.x > display.max.x || data.max.y > display.max.y ||
+      display.max.x == std::numeric_limits<int>::max() ||
+      display.max.y == std::numeric_limits<int>::max())
+    throw InputError("'" + path + "': the data window does not lie within the sensor");
+  light_field.sensor_width = display.max.x + 1;
+  light_field.sensor_height = display.max.y + 1;
+  light_field.window = {data.min.x, data.min.y, static_cast<int>(width), static_cast<int>(height)};
+  light_field.scene_text = attributes.get<std::string>("scene");
+  light_field.estimator = attributes.get<std::string>("estimator");
+  light_field.version = attributes.get<std::string>("version");
+  light_field.samples = attributes.get<double>("samples");
+  light_field.complete = attributes.get<int>("complete") != 0;
+  const std::string& seed = attributes.get<std::string>("seed");
+  const auto parsed = std::from_chars(seed.data(), seed.data() + seed.size(), light_field.seed);
+  if (parsed.ec != std::errc() || parsed.ptr != seed.data() + seed.size())
+    throw InputError("'" + path + "': the attribute '" + joined(kPrefix, "seed") +
+                     "' is not a number: '" + seed + "'");
+  for (const std::string& name : attributes.get<Imf::StringVector>("channels"))
+    light_field.channels.push_back({name, {}, {}});
+  for (const std::string& name : attributes.get<Imf::StringVector>("layers"))
+    light_field.layers[name];
+  for (auto entry = header.begin(); entry != header.end(); ++entry) {
+    const std::string name = entry.name();
+    if (name.starts_with(kNumberPrefix)) {
+      if (const auto* number = dynamic_cast<const Imf::DoubleAttribute*>(&entry.attribute()))
+        light_field.numbers[name.substr(kNumberPrefix.size())] = number->value();
+    } else if (name.starts_with(kTextPrefix)) {
+      if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute()))
+        light_field.texts[name.substr(kTextPrefix.size())] = text->value();
+    }
+  }
+  if (light_field.channels.empty()) throw InputError("'" + path + "' has no channels");
+  return light_field;
+}
+
+/// Gives every image that the file holds its memory.
+void allocate_images(const std::string& path, const Imf::Header& header, std::uint64_t file_size,
+                     LightField& light_field) {
+  const PixelWindow& window = light_field.window;
+  std::uint64_t images = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1)
+      throw InputError("'" + path + "': channel '" + channel.name() + "' is subsampled");
+    ++images;
+  }
+  // What the header promises must be possible: uncompressed, a half takes 2 bytes; no
+  // compression of OpenEXR packs more than about 1000 to 1.
+  const std::uint64_t pixels =
+      static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height);
+  const std::uint64_t ratio = header.compression() == Imf::NO_COMPRESSION ? 1 : 1100;
+  if (pixels > ratio * file_size / 2 / std::max<std::uint64_t>(images, 1))
+    throw FileError("cannot read '" + path + "': the file is truncated");
+  for_each_image(light_field, [&](const std::string& name, Image& image) {
+    if (header.channels().findChannel(name) != nullptr)
+      image = Image(window.width, window.height);
+    else if (!name.ends_with(kErrorSuffix))
+      throw InputError("'" + path + "' has no channel '" + name + "' although its list has");
+  });
+}
+
+LightField read(const std::string& path, bool with_pixels) {
+  ExrInput input(path);
+  input.check_header();
+  try {
+    Imf::Header header;
+    {
+      char start[8];
+      int version = 0;
+      input.read(start, 8);
+      version = static_cast<unsigned char>(start[4]) | static_cast<unsigned char>(start[5]) << 8;
+      header.readFrom(input, version);
+      input.seekg(0);
+    }
+    header.sanityCheck();
+    LightField light_field = from_header(path, header);
+    if (!with_pixels) return light_field;
+    allocate_images(path, header, input.size(), light_field);
+    Imf::InputFile file(input);
+    file.setFrameBuffer(make_frame_buffer(light_field));
+    file.readPixels(light_field.window.y, light_field.window.y + light_field.window.height - 1);
+    return light_field;
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& failure) {
+    throw FileError("cannot read '" + path + "': damaged EXR (" + failure.what() + ")");
+  }
+}
+
+}  // namespace
+
+void write_light_field(const std::string& path, const LightField& light_field) {
+  check(light_field);
+  AtomicFile file(path);
+  ExrOutput output(file, path);
+  try {
+    Imf::OutputFile exr(output, make_header(light_field));
+    exr.setFrameBuffer(make_frame_buffer(light_field));
+    exr.writePixels(light_field.window.height);
+  } catch (const std::exception& failure) {
+    if (output.error() != 0) file.fail(output.error());
+    throw FileError("cannot write '" + path + "': " + failure.what());
+  }
+  if (output.error() != 0) file.fail(output.error());
+  file.commit();
+}
+
+LightField read_light_field(const std::string& path) {
+  return read(path, true);
+}
+
+LightField read_light_field_header(const std::string& path) {
+  return read(path, false);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,193 @@
+#include "plenoflame/image/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <functional>
+
+#include "plenoflame/base/error.h"
+#include "support/temporary_folder.h"
+
+namespace plenoflame {
+namespace {
+
+namespace fs = std::filesystem;
+using test::read_bytes;
+using test::TemporaryFolder;
+using test::write_bytes;
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "no FileError";
+}
+
+void expect_mentions(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+/// Root may write everywhere; permissions are tested as somebody else.
+class Unprivileged {
+ public:
+  explicit Unprivileged(const TemporaryFolder& folder) {
+    if (geteuid() != 0) return;
+    EXPECT_EQ(chmod(folder.path().c_str(), 0755), 0);
+    EXPECT_EQ(seteuid(65534), 0);
+    changed_ = true;
+  }
+  ~Unprivileged() {
+    if (changed_) {
+      EXPECT_EQ(seteuid(0), 0);
+    }
+  }
+
+ private:
+  bool changed_ = false;
+};
+
+TEST(AtomicFile, AppearsOnlyWhenCommitted) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.txt");
+  AtomicFile file(path);
+  file.write("first ");
+  EXPECT_FALSE(fs::exists(path));
+  file.write("second");
+  file.commit();
+  EXPECT_EQ(read_bytes(path), "first second");
+  EXPECT_EQ(folder.names().size(), 1U);
+}
+
+TEST(AtomicFile, LeavesTheOldFileWhenGivenUp) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.txt");
+  write_bytes(path, "old");
+  {
+    AtomicFile file(path);
+    file.write("new");
+    EXPECT_EQ(read_bytes(path), "old");
+  }
+  EXPECT_EQ(read_bytes(path), "old");
+  EXPECT_EQ(folder.names().size(), 1U);
+}
+
+TEST(AtomicFile, TwoAtOnceDoNotMix) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.txt");
+  AtomicFile one(path), two(path);
+  one.write("one");
+  two.write("two");
+  one.commit();
+  EXPECT_EQ(read_bytes(path), "one");
+  two.commit();
+  EXPECT_EQ(read_bytes(path), "two");
+}
+
+TEST(AtomicFile, KeepsPermissionsAndFollowsLinks) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.txt"), link = folder.file("link.txt");
+  write_bytes(path, "old");
+  ASSERT_EQ(chmod(path.c_str(), 0640), 0);
+  fs::create_symlink("a.txt", link);
+  write_file(link, "new");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(read_bytes(path), "new");
+  struct stat status {};
+  ASSERT_EQ(stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777, 0640U);
+
+  // A new file has what the process's mask leaves, like any other.
+  const mode_t mask = umask(027);
+  write_file(folder.file("b.txt"), "b");
+  umask(mask);
+  ASSERT_EQ(stat(folder.file("b.txt").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777, 0640U);
+}
+
+TEST(AtomicFile, NamesTheCause) {
+  const TemporaryFolder folder;
+  expect_mentions(message_of([&] { write_file(folder.file("none/a.txt"), ""); }),
+                  "none' does not exist");
+  write_bytes(folder.file("plain"), "");
+  expect_mentions(message_of([&] { write_file(folder.file("plain/a.txt"), ""); }),
+                  "plain' is not a folder");
+  expect_mentions(message_of([&] { write_file(folder.path(), ""); }), "is a folder");
+  expect_mentions(message_of([&] { write_file(folder.path() + "/", ""); }), "is a folder");
+  expect_mentions(message_of([&] { write_file("/dev/null", ""); }), "not a regular file");
+  expect_mentions(message_of([&] { write_file("", ""); }), "without a name");
+  expect_mentions(message_of([&] { write_file(folder.file(std::string(300, 'n')), ""); }),
+                  "too long");
+  EXPECT_EQ(folder.names().size(), 1U);
+}
+
+TEST(AtomicFile, LongNamesWork) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file(std::string(250, 'n'));
+  write_file(path, "long");
+  EXPECT_EQ(read_bytes(path), "long");
+}
+
+TEST(AtomicFile, NamesMissingPermission) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.file("locked"));
+  write_bytes(folder.file("protected.txt"), "old");
+  ASSERT_EQ(chmod(folder.file("protected.txt").c_str(), 0444), 0);
+  ASSERT_EQ(chmod(folder.file("locked").c_str(), 0555), 0);
+  {
+    const Unprivileged guard(folder);
+    expect_mentions(message_of([&] { check_writable(folder.file("locked/a.txt")); }),
+                    "no permission to write in folder");
+    expect_mentions(message_of([&] { write_file(folder.file("protected.txt"), "new"); }),
+                    "write-protected");
+  }
+  ASSERT_EQ(chmod(folder.file("locked").c_str(), 0755), 0);
+  EXPECT_EQ(read_bytes(folder.file("protected.txt")), "old");
+}
+
+/// A limit on file sizes fails in the same calls as a full disk, and needs no privileges.
+TEST(AtomicFile, FindsWritesThatFail) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.bin");
+  write_bytes(path, "old");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{1000, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  // Small: fails when the buffer is flushed by commit(). Large: fails in write().
+  const std::string small = message_of([&] { write_file(path, std::string(2000, 'x')); });
+  const std::string large = message_of([&] { write_file(path, std::string(1 << 20, 'x')); });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, ignored);
+  expect_mentions(small, "largest file size");
+  expect_mentions(large, "largest file size");
+  EXPECT_EQ(read_bytes(path), "old");
+  EXPECT_EQ(folder.names().size(), 1U);
+}
+
+TEST(AtomicFile, CheckWritableLeavesNothing) {
+  const TemporaryFolder folder;
+  check_writable(folder.file("a.txt"));
+  EXPECT_TRUE(folder.names().empty());
+  EXPECT_THROW(check_writable(folder.file("none/a.txt")), FileError);
+}
+
+TEST(ReadFile, ReadsBytesAndNamesTheCause) {
+  const TemporaryFolder folder;
+  std::string bytes;
+  for (int i = 0; i < 200000; ++i) bytes += static_cast<char>(i * 7 % 256);
+  write_bytes(folder.file("b.bin"), bytes);
+  EXPECT_EQ(read_file(folder.file("b.bin")), bytes);
+  expect_mentions(message_of([&] { read_file(folder.file("none")); }), "No such file");
+  expect_mentions(message_of([&] { read_file(folder.path()); }), "directory");
+}
+
+}  // namespace
+}  // namespace plenoflame
