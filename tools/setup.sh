@@ -34,6 +34,7 @@ tests         clang-format-14          format check
 bench         libbenchmark-dev         micro-benchmarks
 dev           clang-tidy-14            static analysis (tools/tidy.sh)
 dev           lcov                     coverage report
+dev           imagemagick              pictures of the documentation (tools/make_pictures.sh)
 dev           git                      changed files in tools/tidy.sh
 '
 
