@@ -1,0 +1,81 @@
+// What the voxel medium's kernels read and write: plain data, no inline functions, so that kernels
+// compiled for different processors may share it.
+#pragma once
+
+namespace plenoflame::voxel {
+
+inline constexpr int kBrickSide = 8;               // cells along a brick
+inline constexpr int kApronSide = kBrickSide + 1;  // samples along a brick
+inline constexpr int kBrickPairs = kApronSide * kApronSide * kApronSide;
+inline constexpr int kLanes = 16;  // rays that advance together
+
+/// Bricks of (temperature [K], absorption [1/m]) pairs and the table that finds them. Sample
+/// (i, j, k) of a brick is pair (i * 9 + j) * 9 + k. Coordinates count cells from the lowest brick.
+struct LatticeView {
+  const float* values;
+  /// table[top[block] + brick within its block]: -1 empty; 2 n: values of brick n; 2 n + 1: the
+  /// constant brick n. Both run with the last axis fastest; top is -1 for a block without bricks.
+  const int* top;
+  const int* table;
+  int blocks[3];
+  int bricks[3];
+  double lower[3], upper[3];  ///< box outside of which there is only background
+  const int* constant_data;   ///< brick of the values that holds constant brick n
+  int one_value_per_cell;     ///< 1: a cell has the value of its lowest sample
+  float background_temperature;
+};
+
+/// A channel's source function.
+template <class Real>
+struct SourceView {
+  const Real* exponents;  ///< [K]
+  const Real* weights;    ///< [W/(m^2 sr)]
+  int count;              ///< 0: sigma T^4 / pi
+};
+
+/// The medium as the kernel sees it.
+template <class Real>
+struct MediumView {
+  LatticeView cells;                ///< absorption, and temperature when `temperature` is null
+  const LatticeView* temperature;   ///< temperature on a lattice of its own
+  const Real* constant_absorption;  ///< of constant brick n [1/m]
+  const Real* constant_source;      ///< of constant brick n and channel c at [c * constants + n]
+  int constants;
+  const SourceView<Real>* sources;
+  int channels;
+};
+
+/// From world to cell coordinates: cell = linear * (offset from the anchor) + origin.
+struct CellMap {
+  double linear[9];
+  double origin[3];
+};
+
+struct Counters {
+  double rays, cells, skipped_empty, skipped_constant, opaque_tails;
+};
+
+template <class Real>
+struct Call {
+  const MediumView<Real>* medium;
+  CellMap to_cells;
+  CellMap to_temperature;
+  const Real *x, *y, *z, *dx, *dy, *dz, *t_near, *t_far;
+  int size;
+  int skip;
+  Real* radiance;
+  int stride;
+  Real* transmittance;
+};
+
+}  // namespace plenoflame::voxel
+
+#define PLENOFLAME_DECLARE_VOXEL_KERNEL(isa)                                         \
+  namespace plenoflame::isa {                                                        \
+  void integrate_voxels(const voxel::Call<float>& call, voxel::Counters& counters);  \
+  void integrate_voxels(const voxel::Call<double>& call, voxel::Counters& counters); \
+  }
+PLENOFLAME_DECLARE_VOXEL_KERNEL(baseline)
+PLENOFLAME_DECLARE_VOXEL_KERNEL(avx2)
+PLENOFLAME_DECLARE_VOXEL_KERNEL(avx512)
+#undef PLENOFLAME_DECLARE_VOXEL_KERNEL

@@ -1,0 +1,330 @@
+#include "media/voxel_lattice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame::voxel {
+namespace {
+
+// Bricks beyond +-2^20 are refused: their keys would collide, and single precision could not place
+// samples there.
+constexpr int kFarthestBrick = 1 << 20;
+// Blocks of the table: 64 million, 256 MB.
+constexpr double kMostBlocks = 1 << 26;
+
+std::uint64_t key(Index b) {
+  const auto part = [](int i) { return static_cast<std::uint64_t>(i + kFarthestBrick) & 0x1FFFFF; };
+  return part(b[0]) << 42 | part(b[1]) << 21 | part(b[2]);
+}
+
+int floor_div(int a, int b) {
+  return a / b - (a % b < 0 ? 1 : 0);
+}
+
+}  // namespace
+
+AffineTransform inverse(const AffineTransform& map, const std::string& name) {
+  const auto& r = map.linear.rows;
+  const Vec3 c0 = cross(r[1], r[2]), c1 = cross(r[2], r[0]), c2 = cross(r[0], r[1]);
+  const double determinant = dot(r[0], c0);
+  const double size = length(r[0]) * length(r[1]) * length(r[2]);
+  // Rotation and scale by row give |determinant| = size; what is below this is rounding.
+  if (!(std::fabs(determinant) > 1e-12 * size) || !std::isfinite(determinant) ||
+      !std::isfinite(1 / determinant))
+    throw InputError("field '" + name +
+                     "': its transform is singular; give it three independent axes");
+  const double s = 1 / determinant;
+  const Mat3 linear = transpose(Mat3{{{s * c0, s * c1, s * c2}}});
+  return {linear, -(linear * map.translation)};
+}
+
+FieldReader::FieldReader(const VoxelField& field) : field_(&field) {
+  const std::size_t count = field.brick_origins.size();
+  if (field.values.size() != count * 512)
+    throw InputError(fmt::format("field '{}': {} values for {} bricks; it needs 512 per brick",
+                                 field.name, field.values.size(), count));
+  if (!(field.background >= 0) || !std::isfinite(field.background))
+    throw InputError(fmt::format("field '{}': background {} must be finite and not negative",
+                                 field.name, field.background));
+  inverse(field.index_to_world, field.name);
+  bricks_.reserve(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const auto& o = field.brick_origins[b];
+    Index brick;
+    for (int a = 0; a < 3; ++a) {
+      if (o[a] % 8 != 0 || std::abs(o[a] / 8) >= kFarthestBrick)
+        throw InputError(fmt::format(
+            "field '{}': brick origin ({}, {}, {}) must be a multiple of 8 and within +-{}",
+            field.name, o[0], o[1], o[2], 8 * kFarthestBrick));
+      brick[a] = o[a] / 8;
+    }
+    if (!bricks_.emplace(key(brick), b).second)
+      throw InputError(fmt::format("field '{}': brick ({}, {}, {}) is given twice", field.name,
+                                   o[0], o[1], o[2]));
+    for (int v = 0; v < 512; ++v) {
+      const float value = field.values[b * 512 + v];
+      if (!(value >= 0) || !std::isfinite(value))
+        throw InputError(fmt::format(
+            "field '{}': value {} at index ({}, {}, {}); values must be finite and not negative",
+            field.name, value, o[0] + v / 64, o[1] + v / 8 % 8, o[2] + v % 8));
+    }
+  }
+}
+
+const float* FieldReader::brick(Index brick) const {
+  const auto found = bricks_.find(key(brick));
+  return found == bricks_.end() ? nullptr : field_->values.data() + found->second * 512;
+}
+
+float FieldReader::at(int i, int j, int k) const {
+  const float* values = brick({floor_div(i, 8), floor_div(j, 8), floor_div(k, 8)});
+  return values ? values[((i & 7) * 8 + (j & 7)) * 8 + (k & 7)] : field_->background;
+}
+
+Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation)
+    : index_to_world_(primary.field().index_to_world),
+      one_value_per_cell_(interpolation == VoxelInterpolation::constant) {
+  // A voxel reaches half a spacing to each side of its sample.
+  if (one_value_per_cell_) index_to_world_.translation = index_to_world_.point({-0.5, -0.5, -0.5});
+  world_to_index_ = inverse(index_to_world_, primary.field().name);
+}
+
+namespace {
+
+// Bricks of cells touched by samples that differ from the background, in ascending order.
+std::vector<Index> touched_bricks(const FieldReader& reader, bool one_value_per_cell) {
+  std::unordered_map<std::uint64_t, Index> touched;
+  const VoxelField& field = reader.field();
+  for (std::size_t b = 0; b < field.brick_origins.size(); ++b) {
+    const auto& o = field.brick_origins[b];
+    bool any[2][2][2] = {};  // whether cells of the brick below along (x, y, z) are touched
+    for (int v = 0; v < 512; ++v) {
+      if (field.values[b * 512 + v] == field.background) continue;
+      const bool x = v < 64 && !one_value_per_cell, y = v % 64 < 8 && !one_value_per_cell,
+                 z = v % 8 == 0 && !one_value_per_cell;
+      for (int m = 0; m < 8; ++m)
+        if ((m & 1 ? x : true) && (m & 2 ? y : true) && (m & 4 ? z : true))
+          any[m & 1][m >> 1 & 1][m >> 2] = true;
+    }
+    for (int m = 0; m < 8; ++m)
+      if (any[m & 1][m >> 1 & 1][m >> 2]) {
+        const Index brick{o[0] / 8 - (m & 1), o[1] / 8 - (m >> 1 & 1), o[2] / 8 - (m >> 2)};
+        touched.emplace(key(brick), brick);
+      }
+  }
+  std::vector<Index> bricks;
+  bricks.reserve(touched.size());
+  for (const auto& [unused, brick] : touched) bricks.push_back(brick);
+  std::sort(bricks.begin(), bricks.end());
+  return bricks;
+}
+
+}  // namespace
+
+Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader* temperature,
+                               Index temperature_shift, VoxelInterpolation interpolation) {
+  Lattice lattice(absorption, interpolation);
+  if (temperature) lattice.background_temperature_ = temperature->field().background;
+  lattice.store(touched_bricks(absorption, lattice.one_value_per_cell_), &absorption, temperature,
+                temperature_shift);
+  return lattice;
+}
+
+Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation) {
+  Lattice lattice(temperature, interpolation);
+  lattice.background_temperature_ = temperature.field().background;
+  lattice.store(touched_bricks(temperature, lattice.one_value_per_cell_), nullptr, &temperature,
+                {});
+  return lattice;
+}
+
+void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorption,
+                    const FieldReader* temperature, Index shift) {
+  temperature_range_ = {background_temperature_, background_temperature_};
+  if (bricks.empty()) return;
+  const FieldReader& primary = absorption ? *absorption : *temperature;
+  Index low = bricks[0], high = bricks[0];
+  for (const Index& b : bricks)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], b[a]);
+      high[a] = std::max(high[a], b[a]);
+    }
+  origin_ = low;
+  double block_count = 1;
+  for (int a = 0; a < 3; ++a) {
+    bricks_[a] = high[a] - low[a] + 1;
+    blocks_[a] = (bricks_[a] + 7) / 8;
+    block_count *= blocks_[a];
+  }
+  if (block_count > kMostBlocks)
+    throw InputError(fmt::format(
+        "field '{}': its values are spread over {} x {} x {} voxels; remove stray voxels",
+        primary.field().name, 8 * bricks_[0], 8 * bricks_[1], 8 * bricks_[2]));
+  top_.assign(static_cast<std::size_t>(block_count), -1);
+
+  Index tight_low{std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
+                  std::numeric_limits<int>::max()};
+  Index tight_high{std::numeric_limits<int>::min(), std::numeric_limits<int>::min(),
+                   std::numeric_limits<int>::min()};
+  std::map<std::pair<float, float>, int> constant_data;
+  std::vector<float> pairs(2 * kBrickPairs);
+  const int checked = one_value_per_cell_ ? kBrickSide : kApronSide;
+  for (const Index& b : bricks) {
+    bool constant = true;
+    float* out = pairs.data();
+    for (int i = 0; i < kApronSide; ++i)
+      for (int j = 0; j < kApronSide; ++j)
+        for (int k = 0; k < kApronSide; ++k, out += 2) {
+          const int x = 8 * b[0] + i, y = 8 * b[1] + j, z = 8 * b[2] + k;
+          out[0] = temperature ? temperature->at(x + shift[0], y + shift[1], z + shift[2]) : 0;
+          out[1] = absorption ? absorption->at(x, y, z) : 0;
+          const bool counts = i < checked && j < checked && k < checked;
+          if (counts && (out[0] != pairs[0] || out[1] != pairs[1])) constant = false;
+          if (counts && (absorption ? out[1] != 0 : out[0] != background_temperature_))
+            for (int a = 0; a < 3; ++a) {
+              const int at = a == 0 ? x : a == 1 ? y : z;
+              tight_low[a] = std::min(tight_low[a], at - (one_value_per_cell_ ? 0 : 1));
+              tight_high[a] = std::max(tight_high[a], at + 1);
+            }
+          if (temperature && counts) {
+            temperature_range_[0] = std::min(temperature_range_[0], out[0]);
+            temperature_range_[1] = std::max(temperature_range_[1], out[0]);
+          }
+        }
+    const auto append = [&] {
+      values_.insert(values_.end(), pairs.begin(), pairs.end());
+      return static_cast<int>(values_.size() / pairs.size()) - 1;
+    };
+    int entry;
+    if (constant) {
+      const auto [at, fresh] = constant_data.try_emplace({pairs[0], pairs[1]}, 0);
+      if (fresh) at->second = append();
+      entry = 2 * static_cast<int>(constants_.size()) + 1;
+      constants_.push_back({pairs[0], pairs[1], at->second});
+      constant_data_.push_back(at->second);
+    } else {
+      entry = 2 * append();
+      ++varying_;
+    }
+    Index local;
+    std::size_t block = 0;
+    for (int a = 0; a < 3; ++a) {
+      local[a] = b[a] - low[a];
+      block = block * blocks_[a] + local[a] / 8;
+    }
+    if (top_[block] < 0) {
+      top_[block] = static_cast<int>(table_.size());
+      table_.resize(table_.size() + 512, -1);
+    }
+    table_[top_[block] + ((local[0] & 7) * 8 + (local[1] & 7)) * 8 + (local[2] & 7)] = entry;
+  }
+  lower_ = {double(tight_low[0]), double(tight_low[1]), double(tight_low[2])};
+  upper_ = {double(tight_high[0]), double(tight_high[1]), double(tight_high[2])};
+}
+
+int Lattice::entry(Index brick) const {
+  Index local;
+  std::size_t block = 0;
+  for (int a = 0; a < 3; ++a) {
+    local[a] = brick[a] - origin_[a];
+    if (local[a] < 0 || local[a] >= bricks_[a]) return -1;
+    block = block * blocks_[a] + local[a] / 8;
+  }
+  if (top_[block] < 0) return -1;
+  return table_[top_[block] + ((local[0] & 7) * 8 + (local[1] & 7)) * 8 + (local[2] & 7)];
+}
+
+namespace {
+
+struct Place {
+  Index brick{}, cell{};
+  Vec3 fraction;
+  bool valid = false;
+};
+
+Place place(Vec3 p) {
+  Place result;
+  const double coordinates[3] = {p.x, p.y, p.z};
+  double fractions[3];
+  for (int a = 0; a < 3; ++a) {
+    const double whole = std::floor(coordinates[a]);
+    if (!(std::fabs(whole) < 8.0 * kFarthestBrick)) return result;
+    fractions[a] = coordinates[a] - whole;
+    result.brick[a] = floor_div(static_cast<int>(whole), 8);
+    result.cell[a] = static_cast<int>(whole) - 8 * result.brick[a];
+  }
+  result.fraction = {fractions[0], fractions[1], fractions[2]};
+  result.valid = true;
+  return result;
+}
+
+}  // namespace
+
+bool Lattice::occupied(Vec3 index) const {
+  const Place at = place(index);
+  return at.valid && !empty() && entry(at.brick) >= 0;
+}
+
+std::array<double, 2> Lattice::sample(Vec3 index) const {
+  const Place at = place(index);
+  const int found = at.valid && !empty() ? entry(at.brick) : -1;
+  if (found < 0) return {background_temperature_, 0};
+  const std::size_t data = found & 1 ? constants_[found / 2].data : found / 2;
+  const float* values = values_.data() + 2 * kBrickPairs * data;
+  std::array<double, 2> sum{0, 0};
+  const double f[3] = {at.fraction.x, at.fraction.y, at.fraction.z};
+  for (int m = 0; m < (one_value_per_cell_ ? 1 : 8); ++m) {
+    const int step[3] = {m >> 2, m >> 1 & 1, m & 1};
+    double weight = 1;
+    int pair = 0;
+    for (int a = 0; a < 3; ++a) {
+      if (!one_value_per_cell_) weight *= step[a] ? f[a] : 1 - f[a];
+      pair = pair * kApronSide + at.cell[a] + step[a];
+    }
+    sum[0] += weight * values[2 * pair];
+    sum[1] += weight * values[2 * pair + 1];
+  }
+  return sum;
+}
+
+LatticeView Lattice::view() const {
+  LatticeView view{};
+  view.values = values_.data();
+  view.top = top_.data();
+  view.table = table_.data();
+  const double low[3] = {lower_.x, lower_.y, lower_.z}, high[3] = {upper_.x, upper_.y, upper_.z};
+  for (int a = 0; a < 3; ++a) {
+    view.blocks[a] = blocks_[a];
+    view.bricks[a] = bricks_[a];
+    view.lower[a] = low[a] - 8.0 * origin_[a];
+    view.upper[a] = high[a] - 8.0 * origin_[a];
+  }
+  view.constant_data = constant_data_.data();
+  view.one_value_per_cell = one_value_per_cell_;
+  view.background_temperature = background_temperature_;
+  return view;
+}
+
+Vec3 Lattice::origin() const {
+  return {8.0 * origin_[0], 8.0 * origin_[1], 8.0 * origin_[2]};
+}
+
+double Lattice::spacing() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Vec3& row : world_to_index_.linear.rows)
+    smallest = std::min(smallest, 1 / length(row));
+  return smallest;
+}
+
+std::size_t Lattice::bytes() const {
+  return values_.size() * sizeof(float) + (top_.size() + table_.size()) * sizeof(int);
+}
+
+}  // namespace plenoflame::voxel

@@ -1,0 +1,98 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "media/voxel_kernel.h"
+#include "plenoflame/media/voxel_medium.h"
+
+namespace plenoflame::voxel {
+
+using Index = std::array<int, 3>;
+
+/// Random access to a VoxelField by sample index.
+class FieldReader {
+ public:
+  /// @throws InputError for values that are NaN, infinite or negative, misplaced or repeated
+  ///         bricks, and a singular transform; messages name the field and the index.
+  explicit FieldReader(const VoxelField& field);
+  float at(int i, int j, int k) const;
+  /// Values of a brick by its origin / 8, nullptr where the field is background.
+  const float* brick(Index brick) const;
+  const VoxelField& field() const { return *field_; }
+
+ private:
+  const VoxelField* field_;
+  std::unordered_map<std::uint64_t, std::size_t> bricks_;
+};
+
+/// One or two fields on the same samples as bricks of 8 x 8 x 8 cells with an apron, ready for the
+/// kernel. Index coordinates here are those of the field, shifted by half a spacing when every
+/// voxel has one value, so that a cell always reaches from one whole coordinate to the next.
+class Lattice {
+ public:
+  /// Cells where `absorption` is not 0. Temperature sample i + temperature_shift belongs to sample
+  /// i; without a temperature field only absorption is stored.
+  static Lattice of_absorption(const FieldReader& absorption, const FieldReader* temperature,
+                               Index temperature_shift, VoxelInterpolation interpolation);
+  /// Cells where `temperature` differs from its background.
+  static Lattice of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation);
+
+  /// (temperature, absorption) at an index coordinate; the background outside of stored bricks.
+  std::array<double, 2> sample(Vec3 index) const;
+  /// Whether the brick around an index coordinate is stored.
+  bool occupied(Vec3 index) const;
+  /// What the kernel reads. Valid as long as this lattice is.
+  LatticeView view() const;
+
+  const AffineTransform& index_to_world() const { return index_to_world_; }
+  const AffineTransform& world_to_index() const { return world_to_index_; }
+  bool empty() const { return table_.empty(); }
+  /// Index of the first cell of the table: where the view's coordinates count from.
+  Vec3 origin() const;
+  /// Tight box around the cells that are not background, index coordinates.
+  Vec3 lower() const { return lower_; }
+  Vec3 upper() const { return upper_; }
+  /// Smallest distance between neighbouring planes of samples [m].
+  double spacing() const;
+
+  std::size_t varying_bricks() const { return varying_; }
+  std::size_t constant_bricks() const { return constants_.size(); }
+  /// Temperature and absorption of each constant brick.
+  struct Constant {
+    float temperature, absorption;
+    int data;  ///< its brick in the values, shared by equal ones
+  };
+  const std::vector<Constant>& constants() const { return constants_; }
+  std::size_t bytes() const;
+  /// Lowest and highest stored temperature [K].
+  std::array<float, 2> temperature_range() const { return temperature_range_; }
+
+ private:
+  Lattice(const FieldReader& primary, VoxelInterpolation interpolation);
+  void store(const std::vector<Index>& bricks, const FieldReader* absorption,
+             const FieldReader* temperature, Index temperature_shift);
+  int entry(Index brick) const;
+
+  AffineTransform index_to_world_, world_to_index_;
+  bool one_value_per_cell_ = false;
+  float background_temperature_ = 0;
+  Vec3 lower_, upper_;
+  Index origin_{};          // lowest brick
+  Index bricks_{};          // number of bricks along each axis
+  Index blocks_{};          // number of blocks of 8 x 8 x 8 bricks
+  std::vector<int> top_;    // first entry of a block in table_, -1: empty
+  std::vector<int> table_;  // entries of bricks, see LatticeView
+  std::vector<float> values_;
+  std::size_t varying_ = 0;
+  std::vector<Constant> constants_;
+  std::vector<int> constant_data_;  // the same bricks' data, for the kernel
+  std::array<float, 2> temperature_range_{0, 0};
+};
+
+/// Inverse of an affine map. @throws InputError naming `name` when it has none.
+AffineTransform inverse(const AffineTransform& map, const std::string& name);
+
+}  // namespace plenoflame::voxel

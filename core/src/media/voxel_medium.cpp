@@ -1,0 +1,302 @@
+#include "plenoflame/media/voxel_medium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "media/voxel_lattice.h"
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+using voxel::Index;
+using voxel::Lattice;
+
+// Whole-sample shift between two lattices with the same axes: temperature index = absorption index
+// + shift. None when they differ by more than rounding.
+std::optional<Index> shift_between(const AffineTransform& temperature,
+                                   const AffineTransform& absorption, const std::string& name) {
+  const AffineTransform back = voxel::inverse(temperature, name);
+  const Mat3 linear = back.linear * absorption.linear;
+  const Vec3 offset = back.linear * (absorption.translation - temperature.translation);
+  const Mat3 unit;
+  const double offsets[3] = {offset.x, offset.y, offset.z};
+  Index shift;
+  for (int a = 0; a < 3; ++a) {
+    // Over 1e5 samples the lattices stay together to 1e-7 of a spacing.
+    if (!(length(linear.rows[a] - unit.rows[a]) < 1e-12)) return std::nullopt;
+    if (!(std::fabs(offsets[a]) < 1e6)) return std::nullopt;
+    shift[a] = static_cast<int>(std::lround(offsets[a]));
+    if (!(std::fabs(offsets[a] - shift[a]) < 1e-7)) return std::nullopt;
+  }
+  return shift;
+}
+
+voxel::CellMap cell_map(const Lattice& lattice, Vec3 anchor) {
+  const AffineTransform& map = lattice.world_to_index();
+  voxel::CellMap out{};
+  // The differences first: anchor and translation may be large and nearly equal.
+  const Vec3 origin =
+      map.linear * (anchor - lattice.index_to_world().translation) - lattice.origin();
+  const double parts[3] = {origin.x, origin.y, origin.z};
+  for (int a = 0; a < 3; ++a) {
+    const Vec3& row = map.linear.rows[a];
+    out.linear[3 * a] = row.x;
+    out.linear[3 * a + 1] = row.y;
+    out.linear[3 * a + 2] = row.z;
+    out.origin[a] = parts[a];
+  }
+  return out;
+}
+
+// What the kernel needs in one precision.
+template <class Real>
+struct Tables {
+  std::vector<std::vector<Real>> exponents, weights;
+  std::vector<voxel::SourceView<Real>> sources;
+  std::vector<Real> constant_absorption, constant_source;
+
+  Tables(const std::vector<SourceFunction>& channels, const Lattice& cells) {
+    for (const SourceFunction& channel : channels) {
+      auto& e = exponents.emplace_back();
+      auto& w = weights.emplace_back();
+      for (const auto& node : channel.nodes()) {
+        e.push_back(static_cast<Real>(node.exponent));
+        w.push_back(static_cast<Real>(node.weight));
+      }
+      for (const auto& constant : cells.constants())
+        constant_source.push_back(static_cast<Real>(channel(constant.temperature)));
+    }
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      sources.push_back(
+          {exponents[c].data(), weights[c].data(), static_cast<int>(exponents[c].size())});
+    for (const auto& constant : cells.constants())
+      constant_absorption.push_back(constant.absorption);
+  }
+};
+
+class VoxelMedium final : public Medium {
+ public:
+  VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
+              VoxelInterpolation interpolation, std::vector<SourceFunction> channels)
+      : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
+                    std::move(channels)) {}
+
+  int channel_count() const override { return static_cast<int>(channels_.size()); }
+
+  Box bounds() const override { return bounds_; }
+
+  double feature_size() const override {
+    return temperature_ ? std::min(cells_.spacing(), temperature_->spacing()) : cells_.spacing();
+  }
+
+  void integrate(const RayBatch<float>& rays, const MediumOptions& options,
+                 RadianceBatch<float> out, MediumCounters& counters) const override {
+    integrate_batch(rays, single_, options, out, counters);
+  }
+
+  void integrate(const RayBatch<double>& rays, const MediumOptions& options,
+                 RadianceBatch<double> out, MediumCounters& counters) const override {
+    integrate_batch(rays, double_, options, out, counters);
+  }
+
+  MediumSample sample(Vec3 world) const override {
+    const auto both = cells_.sample(cells_.world_to_index().point(world));
+    if (!temperature_) return {both[0], both[1]};
+    return {temperature_->sample(temperature_->world_to_index().point(world))[0], both[1]};
+  }
+
+  double source(int channel, double temperature) const override {
+    return channels_.at(static_cast<std::size_t>(channel))(temperature);
+  }
+
+  void append_breakpoints(const Ray& ray, std::vector<double>& t) const override;
+
+  std::string description() const override {
+    const std::size_t bytes = cells_.bytes() + (temperature_ ? temperature_->bytes() : 0);
+    return fmt::format(
+        "voxels of {:.4g} mm, {}, {} varying and {} constant bricks of 8^3, {}{:.1f} MB",
+        1e3 * cells_.spacing(), constant_ ? "one value each" : "trilinear", cells_.varying_bricks(),
+        cells_.constant_bricks(), temperature_ ? "temperature on a lattice of its own, " : "",
+        1e-6 * double(bytes));
+  }
+
+ private:
+  VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
+              VoxelInterpolation interpolation, std::vector<SourceFunction> channels)
+      : VoxelMedium(temperature, absorption, interpolation, std::move(channels),
+                    shift_between(temperature.field().index_to_world,
+                                  absorption.field().index_to_world, temperature.field().name)) {}
+
+  VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
+              VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
+              const std::optional<Index>& shift)
+      : channels_(std::move(channels)),
+        constant_(interpolation == VoxelInterpolation::constant),
+        cells_(Lattice::of_absorption(absorption, shift ? &temperature : nullptr,
+                                      shift.value_or(Index{}), interpolation)),
+        single_(channels_, cells_),
+        double_(channels_, cells_) {
+    if (!shift) temperature_.emplace(Lattice::of_temperature(temperature, interpolation));
+    if (!cells_.empty()) set_bounds();
+  }
+
+  void set_bounds() {
+    const double infinity = std::numeric_limits<double>::infinity();
+    bounds_ = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    const Vec3 low = cells_.lower(), high = cells_.upper();
+    for (int m = 0; m < 8; ++m) {
+      const Vec3 p = cells_.index_to_world().point(
+          {m & 1 ? high.x : low.x, m & 2 ? high.y : low.y, m & 4 ? high.z : low.z});
+      bounds_.lower = {std::min(bounds_.lower.x, p.x), std::min(bounds_.lower.y, p.y),
+                       std::min(bounds_.lower.z, p.z)};
+      bounds_.upper = {std::max(bounds_.upper.x, p.x), std::max(bounds_.upper.y, p.y),
+                       std::max(bounds_.upper.z, p.z)};
+    }
+  }
+
+  template <class Real>
+  void integrate_batch(const RayBatch<Real>& rays, const Tables<Real>& tables,
+                       const MediumOptions& options, RadianceBatch<Real> out,
+                       MediumCounters& counters) const;
+
+  std::vector<SourceFunction> channels_;
+  bool constant_;
+  Lattice cells_;
+  std::optional<Lattice> temperature_;
+  Tables<float> single_;
+  Tables<double> double_;
+  Box bounds_;
+};
+
+template <class Real>
+void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>& tables,
+                                  const MediumOptions& options, RadianceBatch<Real> out,
+                                  MediumCounters& counters) const {
+  if (cells_.empty()) {
+    for (int c = 0; c < channel_count(); ++c)
+      std::fill_n(out.radiance + static_cast<std::ptrdiff_t>(c) * out.stride, rays.size, Real(0));
+    std::fill_n(out.transmittance, rays.size, Real(1));
+    return;
+  }
+  voxel::MediumView<Real> medium{};
+  voxel::LatticeView temperature{};
+  medium.cells = cells_.view();
+  if (temperature_) {
+    temperature = temperature_->view();
+    medium.temperature = &temperature;
+  }
+  medium.constant_absorption = tables.constant_absorption.data();
+  medium.constant_source = tables.constant_source.data();
+  medium.constants = static_cast<int>(tables.constant_absorption.size());
+  medium.sources = tables.sources.data();
+  medium.channels = channel_count();
+
+  voxel::Call<Real> call{};
+  call.medium = &medium;
+  call.to_cells = cell_map(cells_, rays.anchor);
+  if (temperature_) call.to_temperature = cell_map(*temperature_, rays.anchor);
+  call.x = rays.x;
+  call.y = rays.y;
+  call.z = rays.z;
+  call.dx = rays.dx;
+  call.dy = rays.dy;
+  call.dz = rays.dz;
+  call.t_near = rays.t_near;
+  call.t_far = rays.t_far;
+  call.size = rays.size;
+  call.skip = options.skip;
+  call.radiance = out.radiance;
+  call.stride = out.stride;
+  call.transmittance = out.transmittance;
+
+  voxel::Counters counted{};
+  switch (options.isa) {
+#if defined(__x86_64__)
+    case Isa::avx512:
+      avx512::integrate_voxels(call, counted);
+      break;
+    case Isa::avx2:
+      avx2::integrate_voxels(call, counted);
+      break;
+#endif
+    default:
+      baseline::integrate_voxels(call, counted);
+  }
+  counters.rays += counted.rays;
+  counters.cells += counted.cells;
+  counters.skipped_empty += counted.skipped_empty;
+  counters.skipped_constant += counted.skipped_constant;
+  counters.opaque_tails += counted.opaque_tails;
+}
+
+// Appends where origin + t * direction is a whole number, between t = begin and end.
+void append_crossings(double origin, double direction, double begin, double end, double spacing,
+                      std::vector<double>& t) {
+  if (direction == 0) return;
+  const double first = (origin + begin * direction) / spacing;
+  const double last = (origin + end * direction) / spacing;
+  const double low = std::ceil(std::min(first, last)), high = std::floor(std::max(first, last));
+  for (double plane = low; plane <= high; ++plane)
+    t.push_back((plane * spacing - origin) / direction);
+}
+
+void VoxelMedium::append_breakpoints(const Ray& ray, std::vector<double>& t) const {
+  if (cells_.empty()) return;
+  const AffineTransform& to_index = cells_.world_to_index();
+  const Vec3 o = to_index.linear * (ray.origin - cells_.index_to_world().translation);
+  const Vec3 d = to_index.linear * ray.direction;
+  const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z};
+  const Vec3 low = cells_.lower(), high = cells_.upper();
+  const double lower[3] = {low.x, low.y, low.z}, upper[3] = {high.x, high.y, high.z};
+  double begin = -std::numeric_limits<double>::infinity(), end = -begin;
+  for (int a = 0; a < 3; ++a) {
+    if (direction[a] == 0) {
+      if (origin[a] < lower[a] || origin[a] > upper[a]) return;
+      continue;
+    }
+    const double t0 = (lower[a] - origin[a]) / direction[a];
+    const double t1 = (upper[a] - origin[a]) / direction[a];
+    begin = std::max(begin, std::min(t0, t1));
+    end = std::min(end, std::max(t0, t1));
+  }
+  if (!(end > begin) || !std::isfinite(end - begin)) return;
+
+  std::vector<double> faces{begin, end};
+  for (int a = 0; a < 3; ++a) append_crossings(origin[a], direction[a], begin, end, 8, faces);
+  std::sort(faces.begin(), faces.end());
+  for (std::size_t f = 0; f + 1 < faces.size(); ++f) {
+    const double t0 = faces[f], t1 = faces[f + 1];
+    if (!(t1 > t0) || !cells_.occupied(o + (0.5 * (t0 + t1)) * d)) continue;
+    t.push_back(t0);
+    t.push_back(t1);
+    for (int a = 0; a < 3; ++a) append_crossings(origin[a], direction[a], t0, t1, 1, t);
+    if (!temperature_) continue;
+    const AffineTransform& map = temperature_->world_to_index();
+    const Vec3 ot = map.linear * (ray.origin - temperature_->index_to_world().translation);
+    const Vec3 dt = map.linear * ray.direction;
+    append_crossings(ot.x, dt.x, t0, t1, 1, t);
+    append_crossings(ot.y, dt.y, t0, t1, 1, t);
+    append_crossings(ot.z, dt.z, t0, t1, 1, t);
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
+                                          VoxelInterpolation interpolation,
+                                          std::vector<SourceFunction> channels) {
+  if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
+  if (absorption.background != 0)
+    throw InputError(fmt::format(
+        "field '{}': absorption's background is {} 1/m; it must be 0, or the flame has no end",
+        absorption.name, absorption.background));
+  return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels));
+}
+
+}  // namespace plenoflame
