@@ -102,7 +102,7 @@ if [ "$quick" = no ]; then
   # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
   if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
   if stage "build: thread sanitizer" build tsan; then
-    run_tests tsan -LE 'slow|meta'
+    run_tests tsan -LE 'slow|meta|fuzz'
   fi
 fi
 summary
