@@ -60,6 +60,10 @@ class Medium {
   virtual MediumSample sample(Vec3 world) const = 0;
   /// Source function of a channel [W/(m^2 sr)].
   virtual double source(int channel, double temperature) const = 0;
+  /// Coefficients at a point. @param emission receives channel_count() values, absorption times
+  /// source function [W/(m^3 sr)]. @return absorption [1/m]. Made from sample() and source() unless
+  /// a medium knows better: several in one place have no common temperature.
+  virtual double coefficients(Vec3 world, double* emission) const;
   /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
   /// surfaces, cell faces), unsorted: between neighbouring values all fields are smooth.
   virtual void append_breakpoints(const Ray& ray, std::vector<double>& t) const = 0;

@@ -1,0 +1,305 @@
+// Radiance through homogeneous ellipsoids: plain loops over a block of rays per step, each with
+// many independent rays in flight; the vectoriser turns every one of them into vector code.
+#include "math/kernel_exp.h"
+#include "media/layered_kernel.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+/// Views into the scratch memory: arrays of kLayeredBlock values.
+template <class Real>
+struct LayeredScratch {
+  Real *px, *py, *pz, *dx, *dy, *dz, *near, *far;
+  Real* entry;   // layers arrays
+  Real* exit;    // layers arrays
+  Real* weight;  // layers arrays: transmittance in front times emissivity, summed over a layer
+  Real* ends;    // 2 * layers arrays, sorted (overlapping layers only)
+  Real *middle, *kappa, *winner;
+};
+
+template <class Real>
+PLENOFLAME_INLINE LayeredScratch<Real> make_scratch(Real* p, int layers) {
+  constexpr int n = kLayeredBlock;
+  LayeredScratch<Real> s;
+  s.px = p, s.py = p + n, s.pz = p + 2 * n, s.dx = p + 3 * n, s.dy = p + 4 * n, s.dz = p + 5 * n;
+  s.near = p + 6 * n, s.far = p + 7 * n;
+  p += 8 * n;
+  s.entry = p, s.exit = p + layers * n, s.weight = p + 2 * layers * n, s.ends = p + 3 * layers * n;
+  p += 5 * layers * n;
+  s.middle = p, s.kappa = p + n, s.winner = p + 2 * n;
+  return s;
+}
+
+/// Into the local frame, each ray's point moved to where the ray passes the medium's origin, so
+/// that every later t is of the medium's size and keeps its digits.
+template <class Real>
+PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int count,
+                                const LayeredScratch<Real>& s) {
+  const Real* __restrict x = task.position[0] + first;
+  const Real* __restrict y = task.position[1] + first;
+  const Real* __restrict z = task.position[2] + first;
+  const Real* __restrict u = task.direction[0] + first;
+  const Real* __restrict v = task.direction[1] + first;
+  const Real* __restrict w = task.direction[2] + first;
+  Real* __restrict px = s.px, * __restrict py = s.py, * __restrict pz = s.pz;
+  Real* __restrict dx = s.dx, * __restrict dy = s.dy, * __restrict dz = s.dz;
+  Real* __restrict shift = s.middle;
+  const Real r0 = task.rotation[0], r1 = task.rotation[1], r2 = task.rotation[2];
+  const Real r3 = task.rotation[3], r4 = task.rotation[4], r5 = task.rotation[5];
+  const Real r6 = task.rotation[6], r7 = task.rotation[7], r8 = task.rotation[8];
+  const Real ax = task.anchor[0], ay = task.anchor[1], az = task.anchor[2];
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real a = r0 * u[i] + r1 * v[i] + r2 * w[i];
+    const Real b = r3 * u[i] + r4 * v[i] + r5 * w[i];
+    const Real c = r6 * u[i] + r7 * v[i] + r8 * w[i];
+    const Real lx = r0 * x[i] + r1 * y[i] + r2 * z[i] + ax;
+    const Real ly = r3 * x[i] + r4 * y[i] + r5 * z[i] + ay;
+    const Real lz = r6 * x[i] + r7 * y[i] + r8 * z[i] + az;
+    const Real t = -(lx * a + ly * b + lz * c);
+    px[i] = lx + t * a;
+    py[i] = ly + t * b;
+    pz[i] = lz + t * c;
+    dx[i] = a;
+    dy[i] = b;
+    dz[i] = c;
+    shift[i] = t;
+  }
+  Real* __restrict near = s.near, * __restrict far = s.far;
+  const Real infinity = Real(__builtin_inff());
+  if (task.t_near) {
+    const Real* __restrict t = task.t_near + first;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) near[i] = t[i] - shift[i];
+  } else {
+#pragma omp simd
+    for (int i = 0; i < count; ++i) near[i] = -infinity;
+  }
+  if (task.t_far) {
+    const Real* __restrict t = task.t_far + first;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) far[i] = t[i] - shift[i];
+  } else {
+#pragma omp simd
+    for (int i = 0; i < count; ++i) far[i] = infinity;
+  }
+}
+
+/// Where the rays enter and leave one layer, clamped to [low, high]. In the space where the
+/// ellipsoid is the unit sphere, from the point q nearest to its centre: half chord
+/// sqrt((1 - q.q) / (v.v)), which loses no digits to the distance. A miss gives an empty interval.
+template <class Real>
+PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int count,
+                                 const LayeredScratch<Real>& s, const Real* __restrict low,
+                                 const Real* __restrict high) {
+  const Real* g = task.geometry + 6 * layer;
+  const Real cx = g[0], cy = g[1], cz = g[2], ix = g[3], iy = g[4], iz = g[5];
+  const Real* __restrict px = s.px, * __restrict py = s.py, * __restrict pz = s.pz;
+  const Real* __restrict dx = s.dx, * __restrict dy = s.dy, * __restrict dz = s.dz;
+  Real* __restrict entry = s.entry + layer * kLayeredBlock;
+  Real* __restrict exit = s.exit + layer * kLayeredBlock;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real ux = (px[i] - cx) * ix, uy = (py[i] - cy) * iy, uz = (pz[i] - cz) * iz;
+    const Real vx = dx[i] * ix, vy = dy[i] * iy, vz = dz[i] * iz;
+    const Real inverse = Real(1) / (vx * vx + vy * vy + vz * vz);
+    const Real t = -(ux * vx + uy * vy + uz * vz) * inverse;
+    const Real qx = ux + t * vx, qy = uy + t * vy, qz = uz + t * vz;
+    const Real inside = Real(1) - (qx * qx + qy * qy + qz * qz);
+    const Real half = square_root(greatest(inside, Real(0)) * inverse);
+    entry[i] = clamp(t - half, low[i], high[i]);
+    exit[i] = clamp(t + half, low[i], high[i]);
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE int count_hits(int count, const Real* __restrict entry,
+                                 const Real* __restrict exit) {
+  int hits = 0;
+#pragma omp simd reduction(+ : hits)
+  for (int i = 0; i < count; ++i) hits += entry[i] < exit[i] ? 1 : 0;
+  return hits;
+}
+
+/// One homogeneous interval [from, to] of a layer, behind what has been passed so far.
+template <class Real>
+PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
+                            const Real* __restrict to, Real* __restrict transmittance,
+                            Real* __restrict weight) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Attenuation<Real> a = attenuation(kappa * (to[i] - from[i]));
+    weight[i] += transmittance[i] * a.emissivity;
+    transmittance[i] *= a.transmittance;
+  }
+}
+
+/// Layers of which each lies inside the next: from the outermost inwards, and out again.
+template <class Real>
+PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, int count,
+                                   const LayeredScratch<Real>& s, Real* transmittance) {
+  constexpr int n = kLayeredBlock;
+  for (int k = task.layers - 1; k > 0; --k)
+    pass(count, task.absorption[k], s.entry + k * n, s.entry + (k - 1) * n, transmittance,
+         s.weight + k * n);
+  pass(count, task.absorption[0], s.entry, s.exit, transmittance, s.weight);
+  for (int k = 1; k < task.layers; ++k)
+    pass(count, task.absorption[k], s.exit + (k - 1) * n, s.exit + k * n, transmittance,
+         s.weight + k * n);
+}
+
+template <class Real>
+PLENOFLAME_INLINE void order(int count, Real* __restrict a, Real* __restrict b) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real low = least(a[i], b[i]), high = greatest(a[i], b[i]);
+    a[i] = low;
+    b[i] = high;
+  }
+}
+
+/// Sorts the ends of all intervals per ray: Batcher's odd-even merge sort for any count (Knuth, The
+/// Art of Computer Programming 3, 5.2.2 M). Pairs (entry, exit) are in order already.
+template <class Real>
+PLENOFLAME_INLINE void sort_ends(int layers, int count, const LayeredScratch<Real>& s) {
+  constexpr int n = kLayeredBlock;
+  for (int k = 0; k < layers; ++k) {
+    const Real* __restrict entry = s.entry + k * n, * __restrict exit = s.exit + k * n;
+    Real* __restrict a = s.ends + 2 * k * n, * __restrict b = s.ends + (2 * k + 1) * n;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      a[i] = entry[i];
+      b[i] = exit[i];
+    }
+  }
+  const int ends = 2 * layers;
+  for (int p = 2; p < ends; p *= 2)
+    for (int k = p; k >= 1; k /= 2)
+      for (int j = k % p; j <= ends - 1 - k; j += 2 * k)
+        for (int i = 0; i < k && i + j + k < ends; ++i)
+          if ((i + j) / (2 * p) == (i + j + k) / (2 * p))
+            order(count, s.ends + (i + j) * n, s.ends + (i + j + k) * n);
+}
+
+/// Any layers: between neighbouring ends the first listed layer that holds the middle counts.
+template <class Real>
+PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, int count,
+                                        const LayeredScratch<Real>& s,
+                                        Real* __restrict transmittance) {
+  constexpr int n = kLayeredBlock;
+  sort_ends(task.layers, count, s);
+  Real* __restrict middle = s.middle, * __restrict kappa = s.kappa, * __restrict winner = s.winner;
+  for (int segment = 0; segment + 1 < 2 * task.layers; ++segment) {
+    const Real* __restrict from = s.ends + segment * n;
+    const Real* __restrict to = from + n;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      middle[i] = Real(0.5) * (from[i] + to[i]);
+      kappa[i] = 0;
+      winner[i] = -1;
+    }
+    for (int k = task.layers - 1; k >= 0; --k) {
+      const Real* __restrict entry = s.entry + k * n, * __restrict exit = s.exit + k * n;
+      const Real absorption = task.absorption[k], number = Real(k);
+#pragma omp simd
+      for (int i = 0; i < count; ++i) {
+        // Loads before the choices: a conditional load would be a branch where there are no masks.
+        const Real old_kappa = kappa[i], old_winner = winner[i];
+        const bool inside = (entry[i] <= middle[i]) & (middle[i] < exit[i]);
+        kappa[i] = inside ? absorption : old_kappa;
+        winner[i] = inside ? number : old_winner;
+      }
+    }
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      const Attenuation<Real> a = attenuation(kappa[i] * (to[i] - from[i]));
+      kappa[i] = transmittance[i] * a.emissivity;
+      transmittance[i] *= a.transmittance;
+    }
+    for (int k = 0; k < task.layers; ++k) {
+      Real* __restrict weight = s.weight + k * n;
+      const Real number = Real(k);
+#pragma omp simd
+      for (int i = 0; i < count; ++i) {
+        const Real passed = kappa[i];
+        weight[i] += winner[i] == number ? passed : Real(0);
+      }
+    }
+  }
+}
+
+/// Channels differ in what the layers emit only: the weights are shared.
+template <class Real>
+PLENOFLAME_INLINE void emit(const LayeredTask<Real>& task, int first, int count,
+                            const LayeredScratch<Real>& s) {
+  for (int channel = 0; channel < task.channels; ++channel) {
+    Real* __restrict radiance = task.radiance + channel * task.stride + first;
+    const Real* sources = task.sources + channel * task.layers;
+    const Real source = sources[0];
+    const Real* __restrict weight = s.weight;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) radiance[i] = source * weight[i];
+    for (int k = 1; k < task.layers; ++k) {
+      const Real next_source = sources[k];
+      const Real* __restrict next_weight = s.weight + k * kLayeredBlock;
+#pragma omp simd
+      for (int i = 0; i < count; ++i) radiance[i] += next_source * next_weight[i];
+    }
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void fill(Real* __restrict out, int count, Real value) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) out[i] = value;
+}
+
+template <class Real>
+PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int count) {
+  constexpr int n = kLayeredBlock;
+  const LayeredScratch<Real> s = make_scratch(task.scratch, task.layers);
+  Real* transmittance = task.transmittance + first;
+  localise(task, first, count, s);
+  int hits = 0;
+  const int last = task.layers - 1;
+  for (int k = last; k >= 0; --k) {
+    const bool within_next = task.nested && k < last;
+    intersect(task, k, count, s, within_next ? s.entry + (k + 1) * n : s.near,
+              within_next ? s.exit + (k + 1) * n : s.far);
+    if (within_next) continue;
+    hits += count_hits(count, s.entry + k * n, s.exit + k * n);
+    if (task.nested && hits == 0 && task.skip) break;
+  }
+  fill(transmittance, count, Real(1));
+  if (hits == 0 && task.skip) {
+    for (int c = 0; c < task.channels; ++c)
+      fill(task.radiance + c * task.stride + first, count, Real(0));
+    return;
+  }
+  for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
+  if (task.nested)
+    pass_nested(task, count, s, transmittance);
+  else
+    pass_overlapping(task, count, s, transmittance);
+  emit(task, first, count, s);
+  task.hits += hits < count ? hits : count;
+  task.intervals += static_cast<long>(count) * (2 * task.layers - 1);
+}
+
+template <class Real>
+PLENOFLAME_INLINE void integrate_all(LayeredTask<Real>& task) {
+  for (int first = 0; first < task.size; first += kLayeredBlock)
+    integrate_block(task, first,
+                    task.size - first < kLayeredBlock ? task.size - first : kLayeredBlock);
+}
+
+}  // namespace
+
+void integrate_layers(LayeredTask<float>& task) {
+  integrate_all(task);
+}
+void integrate_layers(LayeredTask<double>& task) {
+  integrate_all(task);
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA

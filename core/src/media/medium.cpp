@@ -1,0 +1,36 @@
+#include "plenoflame/media/medium.h"
+
+#include <algorithm>
+
+#include "media/transfer.h"
+
+namespace plenoflame {
+
+double Medium::coefficients(Vec3 world, double* emission) const {
+  const MediumSample here = sample(world);
+  for (int c = 0; c < channel_count(); ++c)
+    emission[c] = here.absorption * source(c, here.temperature);
+  return here.absorption;
+}
+
+std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, double t_near,
+                                        double t_far, double relative_tolerance) {
+  const RaySpan span = clip_to_box(medium.bounds(), ray, t_near, t_far);
+  TransferResult result;
+  result.radiance.assign(static_cast<std::size_t>(medium.channel_count()), 0.0);
+  if (!span.empty()) {
+    std::vector<double> all, limits{span.near};
+    medium.append_breakpoints(ray, all);
+    std::sort(all.begin(), all.end());
+    for (const double t : all)
+      if (t > limits.back() && t < span.far) limits.push_back(t);
+    limits.push_back(span.far);
+    result = integrate_transfer(
+        [&](double t, double* emission) { return medium.coefficients(ray.at(t), emission); },
+        medium.channel_count(), limits, relative_tolerance);
+  }
+  result.radiance.push_back(result.optical_thickness);
+  return result.radiance;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,36 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// Absorption [1/m] at a place t [m] of a ray; writes the emission per channel [W/(m^3 sr)].
+using RayCoefficients = std::function<double(double t, double* emission)>;
+
+struct TransferResult {
+  std::vector<double> radiance;  ///< per channel, at the near end [W/(m^2 sr)]
+  double optical_thickness = 0;
+};
+
+/// Integrates dL/dt = -kappa L + j over [limits.front(), limits.back()], light travelling towards
+/// the front. Adaptive Gauss-Kronrod (7, 15) with bisection, front to back: the optical thickness
+/// in front of each node comes from integrating the interpolating polynomial of the absorption.
+/// Emission behind an optical thickness of 100 is left out (a factor of 4e-44).
+/// @param limits ascending; the coefficients are smooth between neighbours
+/// @param tolerance relative, per interval; emission has no sign, so it holds for the sum as well
+TransferResult integrate_transfer(const RayCoefficients& coefficients, int channels,
+                                  const std::vector<double>& limits, double tolerance);
+
+/// Part of a ray within a box.
+struct RaySpan {
+  double near = 0, far = 0;
+  bool empty() const { return !(near < far); }
+};
+
+/// [near, far] restricted to the box, which is widened by a few ulp so that nothing is cut off.
+/// Empty for rays that are not finite.
+RaySpan clip_to_box(const Box& box, const Ray& ray, double near, double far);
+
+}  // namespace plenoflame
