@@ -276,6 +276,17 @@ LightField read(const std::string& path, bool with_pixels) {
 
 }  // namespace
 
+const LightFieldChannel& find_channel(const LightField& light_field, const std::string& name,
+                                      const std::string& what) {
+  std::string names;
+  for (const LightFieldChannel& channel : light_field.channels) {
+    if (name.empty() || channel.name == name) return channel;
+    names.append(names.empty() ? "" : ", ").append(channel.name);
+  }
+  throw InputError(what + " has no channel '" + name +
+                   "'; it has: " + (names.empty() ? "none" : names));
+}
+
 void write_light_field(const std::string& path, const LightField& light_field) {
   check(light_field);
   AtomicFile file(path);

@@ -34,6 +34,12 @@ struct LightField {
   std::map<std::string, std::string> texts;  ///< further attributes
 };
 
+/// The channel of this name; the first when `name` is empty.
+/// @param what names the light field in messages
+/// @throws InputError that lists the channels present
+const LightFieldChannel& find_channel(const LightField& light_field, const std::string& name,
+                                      const std::string& what = "the light field");
+
 /// Writes a multi-channel float EXR (flux "NAME", standard error "NAME.error", layers by name),
 /// under a temporary name that is renamed at the end. Data window: `window` within a display window
 /// of the whole sensor. Attributes: "plenoflame.format" (1), "plenoflame.unit" ("W"), .version,

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstddef>
+#include <string>
+
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame {
+
+/// How one image differs from a reference, over the pixels that both hold. A pixel is lit when the
+/// reference's flux is above 0. Sums marked * use the standard errors s of both images, s^2 =
+/// s_a^2 + s_b^2 (an image without standard errors counts as exact), plus the rounding of the
+/// stored single precision; they take the errors of different pixels as independent.
+struct Comparison {
+  PixelWindow window;  ///< common part of both
+  std::size_t lit_pixels = 0;
+  double mean = 0;            ///< [W] of a, over lit pixels
+  double reference_mean = 0;  ///< [W] of the reference, over lit pixels
+  double relative_rmse = 0;   ///< sqrt(mean((a - b)^2)) / mean(b) over lit pixels
+  double relative_bias = 0;   ///< mean(a - b) / mean(b) over lit pixels
+  /// Flux of a in pixels that are not lit, as a share of a's flux: what relative_rmse misses.
+  double stray_share = 0;
+  double largest_difference = 0;  ///< [W] of a - b by magnitude, over all pixels; with its sign
+  int largest_column = 0, largest_row = 0;  ///< where (of the sensor)
+
+  bool has_standard_errors = false;  ///< either has; all below is 0 otherwise
+  double relative_bias_error = 0;    ///< * standard error of relative_bias
+  /// * What an unbiased a would have as relative_rmse: sqrt(mean(s^2)) / mean(b).
+  double expected_rmse = 0;
+  double largest_z = 0;  ///< * (a - b) / s, largest by magnitude; with its sign
+  int largest_z_column = 0, largest_z_row = 0;
+  double largest_z_probability = 1;  ///< * of one as large among so many pixels (Sidak), if normal
+  /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. 1 is expected; a little
+  /// more when s was estimated from few randomisations ((R - 1) / (R - 3) for R of them).
+  double chi_square = 0;
+  std::size_t chi_square_pixels = 0;
+  /// * The same of sums over blocks of kBlock x kBlock pixels: sees differences that are small in
+  /// each pixel but alike among neighbours, and hardly suffers from the few randomisations.
+  double block_chi_square = 0;
+  std::size_t blocks = 0;
+  /// * How far block_chi_square is above 1, in standard deviations of a normal distribution
+  /// (Wilson and Hilferty, PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
+  double block_score = 0;
+
+  static constexpr int kBlock = 16;
+};
+
+/// Compares channel `channel` (empty: the first of `reference`) of a light field with a reference.
+/// @throws InputError when sensors differ, windows don't overlap, a channel is missing (the message
+///         lists those present), no pixel is lit, or a pixel isn't finite
+Comparison compare(const LightField& a, const LightField& reference,
+                   const std::string& channel = "");
+
+}  // namespace plenoflame

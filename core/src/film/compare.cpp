@@ -1,0 +1,152 @@
+#include "plenoflame/film/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+PixelWindow common_window(const PixelWindow& a, const PixelWindow& b) {
+  const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
+  return {x, y, std::min(a.x + a.width, b.x + b.width) - x,
+          std::min(a.y + a.height, b.y + b.height) - y};
+}
+
+/// One image of a light field, addressed by columns and rows of the sensor.
+class SensorImage {
+ public:
+  SensorImage(const Image& image, const PixelWindow& window) : image_(image), window_(window) {}
+  bool empty() const { return image_.empty(); }
+  double at(int column, int row) const {
+    return empty() ? 0.0 : static_cast<double>(image_.at(column - window_.x, row - window_.y));
+  }
+
+ private:
+  const Image& image_;
+  const PixelWindow& window_;
+};
+
+void check_finite(double flux, double error, int column, int row, const char* which) {
+  if (std::isfinite(flux) && std::isfinite(error)) return;
+  throw InputError(std::string(which) + " holds a value that is not finite, in column " +
+                   std::to_string(column) + ", row " + std::to_string(row));
+}
+
+/// Normal score of a chi-square sum with n degrees of freedom, by Wilson and Hilferty.
+double normal_score(double sum, double n) {
+  const double variance = 2.0 / (9.0 * n);
+  return (std::cbrt(sum / n) - (1.0 - variance)) / std::sqrt(variance);
+}
+
+/// Probability that the largest of n normal numbers is at least |z| in magnitude.
+double largest_probability(double z, double n) {
+  const double one = std::erfc(std::fabs(z) / std::sqrt(2.0));
+  return one >= 1 ? 1 : -std::expm1(n * std::log1p(-one));
+}
+
+struct Block {
+  double difference = 0;
+  double variance = 0;
+};
+
+}  // namespace
+
+Comparison compare(const LightField& a, const LightField& reference, const std::string& channel) {
+  if (a.sensor_width != reference.sensor_width || a.sensor_height != reference.sensor_height)
+    throw InputError("the images are of different sensors: " + std::to_string(a.sensor_width) +
+                     " x " + std::to_string(a.sensor_height) + " and " +
+                     std::to_string(reference.sensor_width) + " x " +
+                     std::to_string(reference.sensor_height) + " pixels");
+  Comparison result;
+  const PixelWindow window = common_window(a.window, reference.window);
+  if (window.width <= 0 || window.height <= 0)
+    throw InputError("the images have no pixel in common: their windows don't overlap");
+  result.window = window;
+  const LightFieldChannel& channel_b = find_channel(reference, channel, "the reference");
+  const LightFieldChannel& channel_a = find_channel(a, channel_b.name, "the first image");
+  const SensorImage flux_a(channel_a.flux, a.window), flux_b(channel_b.flux, reference.window);
+  const SensorImage error_a(channel_a.standard_error, a.window);
+  const SensorImage error_b(channel_b.standard_error, reference.window);
+  if (flux_a.empty() || flux_b.empty()) throw InputError("an image was read without its pixels");
+  result.has_standard_errors = !error_a.empty() || !error_b.empty();
+
+  constexpr int kBlock = Comparison::kBlock;
+  // Half a unit in the last place of single precision: values were rounded when stored.
+  constexpr double kRounding = 0x1p-24;
+  double sum_a = 0, sum_b = 0, difference_sum = 0, square_sum = 0, variance_sum = 0;
+  double flux = 0, stray = 0, chi_sum = 0, block_sum = 0;
+  std::vector<Block> blocks(static_cast<std::size_t>((window.width + kBlock - 1) / kBlock));
+  for (int y = 0; y < window.height; ++y) {
+    for (int x = 0; x < window.width; ++x) {
+      const int column = window.x + x, row = window.y + y;
+      const double va = flux_a.at(column, row), vb = flux_b.at(column, row);
+      const double ea = error_a.at(column, row), eb = error_b.at(column, row);
+      check_finite(va, ea, column, row, "the first image");
+      check_finite(vb, eb, column, row, "the reference");
+      const double difference = va - vb;
+      flux += va;
+      if (std::fabs(difference) > std::fabs(result.largest_difference)) {
+        result.largest_difference = difference;
+        result.largest_column = column;
+        result.largest_row = row;
+      }
+      const double rounding = kRounding * kRounding * (va * va + vb * vb);
+      const double variance = result.has_standard_errors ? ea * ea + eb * eb + rounding : 0;
+      if (vb > 0) {
+        ++result.lit_pixels;
+        sum_a += va;
+        sum_b += vb;
+        difference_sum += difference;
+        square_sum += difference * difference;
+        variance_sum += variance;
+      } else {
+        stray += va;
+      }
+      if (!(variance > 0)) continue;
+      const double z = difference / std::sqrt(variance);
+      chi_sum += z * z;
+      ++result.chi_square_pixels;
+      if (std::fabs(z) > std::fabs(result.largest_z)) {
+        result.largest_z = z;
+        result.largest_z_column = column;
+        result.largest_z_row = row;
+      }
+      Block& block = blocks[static_cast<std::size_t>(x / kBlock)];
+      block.difference += difference;
+      block.variance += variance;
+    }
+    if ((y + 1) % kBlock != 0 && y + 1 != window.height) continue;
+    for (Block& block : blocks) {
+      if (block.variance > 0) {
+        block_sum += block.difference * block.difference / block.variance;
+        ++result.blocks;
+      }
+      block = {};
+    }
+  }
+  if (result.lit_pixels == 0)
+    throw InputError("the reference is dark: no pixel in common has a flux above 0");
+
+  const auto n = static_cast<double>(result.lit_pixels);
+  result.mean = sum_a / n;
+  result.reference_mean = sum_b / n;
+  result.relative_rmse = std::sqrt(square_sum / n) / result.reference_mean;
+  result.relative_bias = difference_sum / n / result.reference_mean;
+  result.stray_share = flux > 0 ? stray / flux : 0;
+  if (result.chi_square_pixels > 0) {
+    const auto pixels = static_cast<double>(result.chi_square_pixels);
+    const auto count = static_cast<double>(result.blocks);
+    result.relative_bias_error = std::sqrt(variance_sum) / n / result.reference_mean;
+    result.expected_rmse = std::sqrt(variance_sum / n) / result.reference_mean;
+    result.largest_z_probability = largest_probability(result.largest_z, pixels);
+    result.chi_square = chi_sum / pixels;
+    result.block_chi_square = block_sum / count;
+    result.block_score = normal_score(block_sum, count);
+  }
+  return result;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,1 @@
+list(APPEND core_sources src/lightfield/develop.cpp)

@@ -1,0 +1,208 @@
+#include "plenoflame/film/compare.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "plenoflame/base/error.h"
+#include "support/approx.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+
+LightField make_field(int width, int height, bool errors) {
+  LightField field;
+  field.sensor_width = width;
+  field.sensor_height = height;
+  field.window = {0, 0, width, height};
+  field.channels.push_back({"total", Image(width, height), {}});
+  if (errors) field.channels[0].standard_error = Image(width, height);
+  return field;
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+// Expected values: rational arithmetic and square roots with 30 digits in mpmath. The tolerance is
+// that of the inputs, which are rounded to single precision.
+TEST(Compare, FollowsItsDefinitions) {
+  LightField a = make_field(5, 1, true), b = make_field(5, 1, true);
+  // Fluxes of a real image's size: an absolute tolerance anywhere would show.
+  const float unit = 0x1p-30F;
+  const float va[] = {1.5F, 2.25F, 2.75F, 0.25F, 0.5F}, vb[] = {1, 2, 3, 1, 0};
+  const float ea[] = {.1F, .2F, .05F, .1F, .05F}, eb[] = {0, .1F, .12F, .02F, 0};
+  for (int i = 0; i < 5; ++i) {
+    a.channels[0].flux.at(i, 0) = unit * va[i];
+    b.channels[0].flux.at(i, 0) = unit * vb[i];
+    a.channels[0].standard_error.at(i, 0) = unit * ea[i];
+    b.channels[0].standard_error.at(i, 0) = unit * eb[i];
+  }
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.lit_pixels, 4U);
+  EXPECT_EQ(c.mean, 1.6875 * unit);
+  EXPECT_EQ(c.reference_mean, 1.75 * unit);
+  EXPECT_TRUE(relative(c.relative_rmse, 0.27664166758624409, 1e-12));
+  EXPECT_TRUE(relative(c.relative_bias, -0.035714285714285712, 1e-12));
+  EXPECT_TRUE(relative(c.stray_share, 0.068965517241379309, 1e-12));
+  EXPECT_EQ(c.largest_difference, -0.75 * unit);
+  EXPECT_EQ(c.largest_column, 3);
+  EXPECT_TRUE(c.has_standard_errors);
+  EXPECT_TRUE(relative(c.relative_bias_error, 0.042209390579126163, 1e-7));
+  EXPECT_TRUE(relative(c.expected_rmse, 0.084418781158252326, 1e-7));
+  EXPECT_TRUE(relative(c.largest_z, 10, 1e-7));
+  EXPECT_EQ(c.largest_z_column, 4);
+  EXPECT_TRUE(relative(c.chi_square, 36.806952662721891, 1e-6));
+  EXPECT_EQ(c.chi_square_pixels, 5U);
+  EXPECT_EQ(c.blocks, 1U);
+  EXPECT_TRUE(relative(c.block_chi_square, 0.69599109131403103, 1e-6));
+}
+
+TEST(Compare, WithoutStandardErrorsSaysSo) {
+  LightField a = make_field(3, 1, false), b = a;
+  b.channels[0].flux = Image(3, 1, 2e-9F);
+  a.channels[0].flux = Image(3, 1, 3e-9F);
+  const Comparison c = compare(a, b);
+  EXPECT_FALSE(c.has_standard_errors);
+  EXPECT_EQ(c.chi_square_pixels, 0U);
+  EXPECT_TRUE(relative(c.relative_rmse, 0.5, 1e-6));
+  EXPECT_TRUE(relative(c.relative_bias, 0.5, 1e-6));
+}
+
+// Equal up to the rounding of single precision, with no noise at all: not 1e7 standard errors
+// apart.
+TEST(Compare, KnowsThatValuesWereRounded) {
+  LightField a = make_field(16, 16, true), b = a;
+  b.channels[0].flux = Image(16, 16, 1e-9F);
+  a.channels[0].flux = Image(16, 16, std::nextafter(1e-9F, 1.0F));
+  const Comparison c = compare(a, b);
+  EXPECT_LT(std::fabs(c.largest_z), 2.0);
+  EXPECT_GT(std::fabs(c.largest_z), 0.5);
+}
+
+/// a = 1 + bias + noise of standard deviation `noise`, reference 1: fixed seed per call.
+Comparison noisy(double bias, double noise, std::uint64_t seed) {
+  LightField a = make_field(100, 75, true), b = make_field(100, 75, false);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < 7500; ++i) {
+    a.channels[0].flux.pixels[i] = static_cast<float>(1e-9 * (1 + bias + noise * normal(random)));
+    a.channels[0].standard_error.pixels[i] = static_cast<float>(1e-9 * noise);
+    b.channels[0].flux.pixels[i] = 1e-9F;
+  }
+  return compare(a, b);
+}
+
+// Limits of 5 standard deviations: false alarm below 1e-6 per comparison.
+TEST(Compare, PureNoiseIsExplained) {
+  for (const std::uint64_t seed : {11ULL, 12ULL, 13ULL}) {
+    const Comparison c = noisy(0, 0.05, seed);
+    EXPECT_TRUE(test::within_standard_errors(c.relative_bias, 0, c.relative_bias_error, 5));
+    EXPECT_TRUE(relative(c.relative_bias_error, 0.05 / std::sqrt(7500.0), 1e-5));
+    EXPECT_TRUE(relative(c.relative_rmse, 0.05, 5 / std::sqrt(2 * 7500.0)));
+    EXPECT_TRUE(relative(c.expected_rmse, 0.05, 1e-5));
+    EXPECT_TRUE(relative(c.chi_square, 1, 5 * std::sqrt(2 / 7500.0)));
+    EXPECT_LT(std::fabs(c.block_score), 5);
+    EXPECT_GT(c.largest_z_probability, 1e-6);
+    EXPECT_EQ(c.blocks, 35U);  // 7 x 5, those at the edge are smaller
+  }
+}
+
+// A bias of a fifth of a pixel's noise is invisible in single pixels and plain in blocks.
+TEST(Compare, SmallBiasIsSeenInBlocks) {
+  const Comparison c = noisy(0.01, 0.05, 14);
+  EXPECT_TRUE(test::within_standard_errors(c.relative_bias, 0.01, c.relative_bias_error, 5));
+  EXPECT_GT(c.relative_bias, 10 * c.relative_bias_error);
+  EXPECT_GT(c.block_score, 8);
+  EXPECT_GT(c.largest_z_probability, 1e-6);
+}
+
+// mpmath: the 99.9 % quantile of chi-square with 10 degrees of freedom is 29.588..., that of the
+// normal distribution 3.0902...; Wilson and Hilferty's approximation is good to 1 % here.
+TEST(Compare, BlockScoreIsANormalScore) {
+  LightField a = make_field(160, 16, true), b = make_field(160, 16, false);
+  const double z = std::sqrt(29.588298445074419 / 10);
+  for (int block = 0; block < 10; ++block) {
+    b.channels[0].flux.at(16 * block + 5, 9) = 1;
+    a.channels[0].flux.at(16 * block + 5, 9) = static_cast<float>(1 + 0.01 * z);
+    a.channels[0].standard_error.at(16 * block + 5, 9) = 0.01F;
+  }
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.blocks, 10U);
+  EXPECT_TRUE(relative(c.block_score, 3.0902323061678135, 0.01));
+}
+
+// mpmath: 1 - erf(k / sqrt 2)^100.
+TEST(Compare, LargestZCountsThePixels) {
+  const auto probability = [](double z) {
+    LightField a = make_field(10, 10, true), b = make_field(10, 10, false);
+    b.channels[0].flux = Image(10, 10, 1);
+    a.channels[0].flux = Image(10, 10, 1);
+    a.channels[0].standard_error = Image(10, 10, 0x1p-7F);
+    a.channels[0].flux.at(3, 4) = static_cast<float>(1 - z * 0x1p-7);
+    const Comparison c = compare(a, b);
+    EXPECT_EQ(c.largest_z_column, 3);
+    EXPECT_EQ(c.largest_z_row, 4);
+    EXPECT_LT(c.largest_z, 0);
+    return c.largest_z_probability;
+  };
+  EXPECT_TRUE(relative(probability(2), 0.99050311310401604, 1e-6));
+  EXPECT_TRUE(relative(probability(6), 1.9731750973510828e-7, 1e-6));
+}
+
+TEST(Compare, UsesWhatBothWindowsHold) {
+  LightField a = make_field(20, 10, false), b = make_field(20, 10, false);
+  a.window = {2, 1, 6, 5};
+  b.window = {5, 3, 8, 7};
+  a.channels[0].flux = Image(6, 5, 1);
+  b.channels[0].flux = Image(8, 7, 1);
+  a.channels[0].flux.at(7 - 2, 4 - 1) = 3;  // column 7, row 4 of the sensor
+  b.channels[0].flux.at(5, 5) = 100;        // outside of a
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.window, (PixelWindow{5, 3, 3, 3}));
+  EXPECT_EQ(c.lit_pixels, 9U);
+  EXPECT_EQ(c.largest_difference, 2);
+  EXPECT_EQ(c.largest_column, 7);
+  EXPECT_EQ(c.largest_row, 4);
+}
+
+TEST(Compare, RefusesWhatCannotBeCompared) {
+  LightField a = make_field(4, 3, true), b = make_field(4, 3, true);
+  b.channels[0].flux = a.channels[0].flux = Image(4, 3, 1);
+  const auto mentions = [&](const std::string& part) {
+    const std::string message = message_of([&] { compare(a, b); });
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  EXPECT_EQ(compare(a, b).relative_rmse, 0);
+  a.sensor_width = 5;
+  mentions("5 x 3 and 4 x 3");
+  a = b;
+  a.sensor_width = b.sensor_width = 20;
+  a.window.x = 4;
+  mentions("don't overlap");
+  b.window = a.window;
+  a.channels[0].name = "650nm";
+  mentions("no channel 'total'; it has: 650nm");
+  a = b;
+  a.channels[0].flux.at(1, 2) = std::numeric_limits<float>::infinity();
+  mentions("first image holds a value that is not finite, in column 5, row 2");
+  a = b;
+  b.channels[0].standard_error.at(3, 0) = std::numeric_limits<float>::quiet_NaN();
+  mentions("reference holds a value that is not finite, in column 7, row 0");
+  b = a;
+  b.channels[0].flux = Image(4, 3, 0);
+  mentions("dark");
+}
+
+}  // namespace
+}  // namespace plenoflame
