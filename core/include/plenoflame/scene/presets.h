@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plenoflame {
+
+/// What a preset may be started from in: "[camera] preset = ..." or "[[flames]] preset = ...".
+enum class PresetKind { camera, flame };
+
+/// Names of the presets of a kind, sorted.
+std::vector<std::string> preset_names(PresetKind kind);
+
+/// The preset as the text of a scene-file fragment, comments included: what the source leaves open
+/// and was chosen is said there. @throws InputError naming the nearest preset
+std::string_view preset_text(PresetKind kind, std::string_view name);
+
+/// One sentence about it: the first comment line of its text.
+std::string preset_description(PresetKind kind, std::string_view name);
+
+}  // namespace plenoflame

@@ -1,0 +1,49 @@
+#pragma once
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame {
+
+/// Where in its file each key of a scene stands, for messages about values that turn out to be
+/// impossible later on. A key that a preset gave is at "preset NAME:line:column".
+class PositionMap {
+ public:
+  void set(const std::string& path, const SourcePosition& position) { positions_[path] = position; }
+  /// Forgets a path and everything below it.
+  void erase(std::string_view path);
+  /// Position of "camera.lens.surfaces[0].radius", or of the nearest table around it; unknown when
+  /// the scene does not come from a file.
+  SourcePosition find(std::string_view path) const;
+  bool empty() const { return positions_.empty(); }
+
+ private:
+  std::map<std::string, SourcePosition, std::less<>> positions_;
+};
+
+struct SceneDocument {
+  Scene scene;
+  PositionMap positions;
+};
+
+/// Reads a scene from TOML. Every value given is checked: known key, type, unit, range. What only
+/// makes sense together is left to validate() in scene/validate.h.
+/// @param name of the file, for messages and as the start of relative paths (Scene::file)
+/// @throws InputError "file:line:column: ..." that says what to do
+SceneDocument parse_scene(std::string_view text, const std::string& name);
+
+/// The same from a file. @throws FileError when it cannot be read, InputError as parse_scene
+SceneDocument read_scene_file(const std::string& path);
+
+/// The whole scene as TOML, every key that has a value; parse_scene gives back an equal scene, bit
+/// for bit. Presets and comments of a file that was read are not kept.
+/// @throws InputError when a value is NaN or a text is not UTF-8
+std::string write_scene(const Scene& scene);
+
+/// Writes to a temporary name in the same folder and renames. @throws FileError
+void write_scene_file(const std::string& path, const Scene& scene);
+
+}  // namespace plenoflame

@@ -1,0 +1,38 @@
+#pragma once
+#include "plenoflame/scene/validate.h"
+
+namespace plenoflame {
+
+/// Collects what the parts of check_scene find.
+class Issues {
+ public:
+  explicit Issues(const PositionMap& positions) : positions_(positions) {}
+  void error(const std::string& key, const std::string& message) { add(true, key, message); }
+  void warning(const std::string& key, const std::string& message) { add(false, key, message); }
+  std::size_t errors() const { return errors_; }
+  std::vector<SceneIssue> take() { return std::move(list_); }
+
+ private:
+  void add(bool is_error, const std::string& key, const std::string& message) {
+    errors_ += is_error ? 1 : 0;
+    list_.push_back({is_error, key, positions_.find(key), message});
+  }
+  const PositionMap& positions_;
+  std::vector<SceneIssue> list_;
+  std::size_t errors_ = 0;
+};
+
+/// Geometry of lens, array, sensor and focus.
+void check_camera(const CameraSpec& camera, Issues& issues);
+/// Flames; where they lie relative to the camera only when `camera_is_sound`.
+void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues);
+void check_channels(const Scene& scene, Issues& issues);
+
+/// Distance along the axis from a surface's vertex to its point at height h, positive towards the
+/// sensor for a positive radius [m]. |radius| >= h.
+double sag(double radius, double height);
+
+/// A length for a message, to four digits: "295.9 mm".
+std::string short_length(double value);
+
+}  // namespace plenoflame

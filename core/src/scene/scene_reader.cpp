@@ -1,0 +1,339 @@
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/presets.h"
+#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/scene_schema.h"
+#include "scene/nearest.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kDeepestPreset = 4;  // presets may start from another preset
+
+std::string type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "a whole number";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+std::string expected_type(const SchemaKey& key) {
+  const std::string unit = key.dimension == Dimension::none ? "a number"
+                           : key.dimension == Dimension::length
+                               ? "text such as \"0.1 mm\""
+                               : "text such as \"1 " + std::string(si_unit(key.dimension)) + "\"";
+  switch (key.type) {
+    case ValueType::boolean:
+      return "true or false";
+    case ValueType::integer:
+    case ValueType::natural:
+      return "a whole number";
+    case ValueType::number:
+      return unit;
+    case ValueType::text:
+      return "text";
+    case ValueType::choice:
+      return "one of the words " + range_text(key);
+    case ValueType::vector2:
+      return "an array of two, each " + unit;
+    case ValueType::vector3:
+      return "an array of three, each " + unit;
+  }
+  return "";
+}
+
+/// Puts the values of a parsed file into a scene.
+class Reader {
+ public:
+  Reader(Scene& scene, PositionMap& positions, std::string file, int depth)
+      : scene_(scene), positions_(positions), file_(std::move(file)), depth_(depth) {}
+
+  /// @param table its schema path, "" for the whole file; @param path the same with indices
+  void read_table(const toml::table& toml, const std::string& table, const std::string& path,
+                  const std::vector<std::size_t>& indices) {
+    if (table == "camera.array" && !toml.contains("present")) scene_.camera.array.present = true;
+    read_preset(toml, table, path, indices);
+    for (const auto& [name, node] : in_file_order(toml)) {
+      const std::string key_name(name->str());
+      if (key_name == "preset" && takes_preset(table)) continue;
+      const std::string below = table.empty() ? key_name : table + "." + key_name;
+      const std::string here = path.empty() ? key_name : path + "." + key_name;
+      // "a.b" in quotes or with brackets is one odd name, never a path.
+      const bool plain = key_name.find_first_of(".[]") == std::string::npos;
+      if (const SchemaKey* key = plain ? find_schema_key(below) : nullptr) {
+        read_value(*key, *node, here, indices);
+      } else if (const SchemaList* list = plain ? find_schema_list(below) : nullptr) {
+        read_list(*list, *node, here, indices);
+      } else if (plain && is_table(below)) {
+        if (!node->is_table())
+          fail(*node, here + " is " + type_name(*node) + ", but it is a table of keys: write [" +
+                          below + "]");
+        positions_.set(here, position(*node));
+        read_table(*node->as_table(), below, here, indices);
+      } else {
+        throw InputError(position(name->source()), "unknown key " + quote_for_message(key_name) +
+                                                       (table.empty() ? "" : " in " + path) +
+                                                       suggestion(key_name, known_names(table)));
+      }
+    }
+  }
+
+  SourcePosition position(const toml::source_region& source) const {
+    return {file_, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+  }
+
+ private:
+  using Entry = std::pair<const toml::key*, const toml::node*>;
+
+  SourcePosition position(const toml::node& node) const { return position(node.source()); }
+
+  [[noreturn]] void fail(const toml::node& node, const std::string& message) const {
+    throw InputError(position(node), message);
+  }
+
+  /// So that the first mistake of the file is the one reported.
+  static std::vector<Entry> in_file_order(const toml::table& toml) {
+    std::vector<Entry> entries;
+    for (const auto& [key, node] : toml) entries.emplace_back(&key, &node);
+    std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+      const auto& p = a.first->source().begin;
+      const auto& q = b.first->source().begin;
+      return p.line != q.line ? p.line < q.line : p.column < q.column;
+    });
+    return entries;
+  }
+
+  static bool takes_preset(std::string_view table) {
+    for (const SchemaTable& row : schema_tables())
+      if (row.path == table) return row.has_preset;
+    return false;
+  }
+
+  static bool is_table(std::string_view path) {
+    for (const SchemaTable& row : schema_tables())
+      if (row.path == path) return true;
+    return false;
+  }
+
+  /// Names that may stand in a table: keys, lists and tables directly below it.
+  static std::vector<std::string> known_names(const std::string& table) {
+    std::vector<std::string> names;
+    const std::string prefix = table.empty() ? "" : table + ".";
+    const auto add = [&](std::string_view path) {
+      if (!path.starts_with(prefix)) return;
+      const std::string_view rest = path.substr(prefix.size());
+      const std::string name(rest.substr(0, rest.find_first_of(".[")));
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    if (takes_preset(table)) names.emplace_back("preset");
+    for (const SchemaKey& key : schema_keys()) add(key.path);
+    return names;
+  }
+
+  void read_preset(const toml::table& toml, const std::string& table, const std::string& path,
+                   const std::vector<std::size_t>& indices) {
+    const toml::node* node = toml.get("preset");
+    if (!node || !takes_preset(table)) return;
+    const auto name = node->value<std::string>();
+    if (!node->is_string() || !name)
+      fail(*node, path + ".preset is " + type_name(*node) + ", but it must be text");
+    if (depth_ >= kDeepestPreset) fail(*node, "presets start from each other in a circle");
+    const PresetKind kind = table == "camera" ? PresetKind::camera : PresetKind::flame;
+    std::string_view text;
+    try {
+      text = preset_text(kind, *name);
+    } catch (const InputError& error) {
+      fail(*node, error.what());
+    }
+    const std::string origin = "preset " + *name;
+    const toml::table parsed = toml::parse(text, origin);
+    Reader inner(scene_, positions_, origin, depth_ + 1);
+    const toml::table* fragment =
+        kind == PresetKind::camera ? parsed["camera"].as_table() : parsed["flames"][0].as_table();
+    if (fragment) inner.read_table(*fragment, table, path, indices);
+  }
+
+  void read_list(const SchemaList& list, const toml::node& node, const std::string& path,
+                 const std::vector<std::size_t>& indices) {
+    const toml::array* items = node.as_array();
+    const std::string name(path.substr(path.rfind('.') + 1));
+    if (!items)
+      fail(node, path + " is " + type_name(node) + ", but it is a list of tables: write [[" +
+                     strip(path) + "]]");
+    if (items->size() < list.fewest || items->size() > list.most)
+      fail(node, path + " has " + std::to_string(items->size()) + " items, but " +
+                     std::to_string(list.fewest) + " to " + std::to_string(list.most) +
+                     " are allowed");
+    // A list replaces the one that a preset or the defaults gave.
+    list.resize(scene_, indices, 0);
+    list.resize(scene_, indices, items->size());
+    positions_.erase(path);
+    positions_.set(path, position(node));
+    for (std::size_t i = 0; i < items->size(); ++i) {
+      const toml::node& item = *items->get(i);
+      const std::string here = path + "[" + std::to_string(i) + "]";
+      if (!item.is_table())
+        fail(item, here + " is " + type_name(item) + ", but it must be a table");
+      positions_.set(here, position(item));
+      std::vector<std::size_t> deeper = indices;
+      deeper.push_back(i);
+      read_table(*item.as_table(), std::string(list.path) + "[]", here, deeper);
+    }
+  }
+
+  /// "flames[2].layers" as it is written in TOML: "flames.layers".
+  static std::string strip(const std::string& path) {
+    std::string text;
+    bool inside = false;
+    for (const char c : path) {
+      if (c == '[') inside = true;
+      if (!inside) text += c;
+      if (c == ']') inside = false;
+    }
+    return text;
+  }
+
+  void read_value(const SchemaKey& key, const toml::node& node, const std::string& path,
+                  const std::vector<std::size_t>& indices) {
+    const toml::node* at = &node;
+    try {
+      const SchemaValue value = convert(key, node, at);
+      check_range(key, value);
+      key.set(scene_, indices, value);
+      positions_.set(path, position(node));
+    } catch (const InputError& error) {
+      fail(*at, path + ": " + error.what());
+    }
+  }
+
+  [[noreturn]] static void wrong_type(const SchemaKey& key, const toml::node& node) {
+    throw InputError("this is " + type_name(node) + ", but " + expected_type(key) + " is expected");
+  }
+
+  /// @param at is set to the node that a message should point at
+  static SchemaValue convert(const SchemaKey& key, const toml::node& node, const toml::node*& at) {
+    switch (key.type) {
+      case ValueType::boolean:
+        if (const auto* value = node.as_boolean()) return value->get();
+        break;
+      case ValueType::integer:
+        if (const auto* value = node.as_integer()) return value->get();
+        break;
+      case ValueType::natural:
+        if (const auto* value = node.as_integer()) {
+          if (value->get() < 0)
+            throw InputError("a negative number is not possible here; " + range_text(key) +
+                             " is allowed");
+          return static_cast<std::uint64_t>(value->get());
+        }
+        if (const auto* value = node.as_string()) return value_from_text(key, value->get());
+        break;
+      case ValueType::text:
+      case ValueType::choice:
+        if (const auto* value = node.as_string()) return value_from_text(key, value->get());
+        break;
+      case ValueType::number:
+        return number(key, node);
+      case ValueType::vector2:
+      case ValueType::vector3: {
+        const std::size_t count = key.type == ValueType::vector2 ? 2 : 3;
+        const toml::array* array = node.as_array();
+        if (!array) break;
+        if (array->size() != count)
+          throw InputError("this has " + std::to_string(array->size()) + " components, but " +
+                           std::to_string(count) + " are expected");
+        double c[3] = {};
+        for (std::size_t i = 0; i < count; ++i) {
+          at = array->get(i);
+          c[i] = number(key, *at);
+        }
+        at = &node;
+        if (count == 2) return Vec2{c[0], c[1]};
+        return Vec3{c[0], c[1], c[2]};
+      }
+    }
+    wrong_type(key, node);
+  }
+
+  static double number(const SchemaKey& key, const toml::node& node) {
+    if (const auto* text = node.as_string()) return parse_quantity(text->get(), key.dimension);
+    double value = 0;
+    if (const auto* integer = node.as_integer()) {
+      value = static_cast<double>(integer->get());
+    } else if (const auto* floating = node.as_floating_point()) {
+      value = floating->get();
+    } else {
+      wrong_type(key, node);
+    }
+    if (std::isnan(value)) throw InputError("nan is not a number");
+    const bool infinite_length = std::isinf(value) && key.dimension == Dimension::length;
+    if (key.dimension == Dimension::none && std::isinf(value))
+      throw InputError("an infinite number is not possible here");
+    if (key.dimension != Dimension::none && !infinite_length) {
+      std::string units;
+      for (const std::string& unit : accepted_units(key.dimension))
+        units.append(units.empty() ? "" : ", ").append(unit);
+      std::ostringstream written;
+      written.imbue(std::locale::classic());
+      written << value;
+      throw InputError(
+          "a unit is missing: write it in quotes with one of " + units + ", for example \"" +
+          written.str() + " " +
+          (key.dimension == Dimension::length ? "mm" : std::string(si_unit(key.dimension))) + "\"");
+    }
+    return value;
+  }
+
+  Scene& scene_;
+  PositionMap& positions_;
+  std::string file_;
+  int depth_;
+};
+
+}  // namespace
+
+SceneDocument parse_scene(std::string_view text, const std::string& name) {
+  SceneDocument document;
+  document.scene.file = name;
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    const auto& source = error.source();
+    std::string message(error.description());
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    throw InputError(
+        {name, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)},
+        "this is not TOML: " + message);
+  }
+  Reader(document.scene, document.positions, name, 0).read_table(parsed, "", "", {});
+  // Without an array the sensor is what the object is conjugate to.
+  CameraSpec& camera = document.scene.camera;
+  if (!camera.array.present && !parsed["camera"]["focus"]["conjugate"])
+    camera.focus.conjugate = "sensor";
+  return document;
+}
+
+SceneDocument read_scene_file(const std::string& path) {
+  return parse_scene(read_file(path), path);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,263 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/optics/first_order.h"
+#include "scene/issues.h"
+#include "scene/nearest.h"
+
+namespace plenoflame {
+
+double sag(double radius, double height) {
+  if (std::isinf(radius)) return 0;
+  // h^2 / (R (1 + sqrt(1 - h^2/R^2))), which keeps its digits for a flat surface.
+  const double c = height / radius;
+  return height * c / (1 + std::sqrt(std::max(0.0, 1 - c * c)));
+}
+
+std::string short_length(double value) {
+  const double size = std::fabs(value);
+  if (size >= 1 || size == 0) return fmt::format("{:.4g} m", value);
+  if (size >= 1e-3) return fmt::format("{:.4g} mm", value * 1e3);
+  if (size >= 1e-6) return fmt::format("{:.4g} um", value * 1e6);
+  return fmt::format("{:.4g} nm", value * 1e9);
+}
+
+namespace {
+
+constexpr double kMostPixels = 1e9;
+/// Faces may touch; this much of the length at hand is rounding.
+constexpr double kTouch = 1e-12;
+
+void check_orientation(const CameraSpec& camera, Issues& issues) {
+  const double look = length(camera.look_direction);
+  const double up = length(camera.up);
+  if (look == 0) {
+    issues.error("camera.look_direction",
+                 "camera.look_direction is 0, 0, 0; give the direction in which the camera looks");
+    return;
+  }
+  if (up == 0 || length(cross(camera.look_direction, camera.up)) <= 1e-9 * look * up)
+    issues.error("camera.up",
+                 "camera.up is parallel to camera.look_direction; give another direction that is "
+                 "up in the picture");
+}
+
+/// Two surfaces that follow each other must not cross within the clear diameter of both. The gap
+/// changes monotonically with the height, so its ends are enough.
+void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& issues) {
+  const SurfaceSpec& a = surfaces[i];
+  const SurfaceSpec& b = surfaces[i + 1];
+  const double height = 0.5 * std::min(a.diameter, b.diameter);
+  const double gap = a.thickness + sag(b.radius, height) - sag(a.radius, height);
+  if (gap >= -kTouch * (a.thickness + height)) return;
+  issues.error(fmt::format("camera.lens.surfaces[{}].thickness", i),
+               fmt::format("surfaces {} and {} of the main lens overlap by {} at their common rim, "
+                           "{} from the axis; "
+                           "make the thickness {} or more, or a diameter smaller",
+                           i, i + 1, short_length(-gap), short_length(height),
+                           short_length(a.thickness - gap)));
+}
+
+void check_lens(const MainLensSpec& lens, Issues& issues) {
+  if (lens.surfaces.empty()) {
+    if (lens.model == LensModel::real) {
+      issues.error("camera.lens",
+                   "the main lens has no surfaces; list them as [[camera.lens.surfaces]], or set "
+                   "camera.lens.model = \"ideal\" with focal_length and diameter");
+      return;
+    }
+    if (lens.focal_length <= 0)
+      issues.error("camera.lens.focal_length",
+                   "camera.lens.focal_length is missing: an ideal lens without surfaces needs it");
+    if (lens.diameter <= 0)
+      issues.error("camera.lens.diameter",
+                   "camera.lens.diameter is missing: an ideal lens without surfaces needs it");
+    return;
+  }
+  const std::size_t errors = issues.errors();
+  std::vector<std::size_t> stops;
+  for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
+    const SurfaceSpec& surface = lens.surfaces[i];
+    if (surface.stop) stops.push_back(i);
+    if (surface.diameter > 2 * std::fabs(surface.radius))
+      issues.error(
+          fmt::format("camera.lens.surfaces[{}].diameter", i),
+          fmt::format("surface {} of the main lens has a diameter of {}, but a sphere of radius {} "
+                      "allows at most {}",
+                      i, short_length(surface.diameter), short_length(std::fabs(surface.radius)),
+                      short_length(2 * std::fabs(surface.radius))));
+  }
+  if (stops.empty())
+    issues.error("camera.lens.surfaces",
+                 "no surface of the main lens is the stop; set stop = true on one of them");
+  if (stops.size() > 1)
+    issues.error(
+        fmt::format("camera.lens.surfaces[{}].stop", stops[1]),
+        fmt::format("surfaces {} and {} of the main lens are both the stop; only one can be",
+                    stops[0], stops[1]));
+  if (lens.surfaces.back().index != 1)
+    issues.error(fmt::format("camera.lens.surfaces[{}].index", lens.surfaces.size() - 1),
+                 "the index behind the last surface of the main lens must be 1: the light leaves "
+                 "it into air");
+  if (issues.errors() == errors)
+    for (std::size_t i = 0; i + 1 < lens.surfaces.size(); ++i) check_gap(lens.surfaces, i, issues);
+  if (issues.errors() != errors) return;
+  const double focal_length = first_order(lens).focal_length;
+  if (!(focal_length > 0) || std::isinf(focal_length))
+    issues.error("camera.lens.surfaces",
+                 "the main lens does not converge, so it forms no image; its focal length is " +
+                     (std::isfinite(focal_length) ? short_length(focal_length) : "infinite"));
+  if (lens.focal_length != 0)
+    issues.warning("camera.lens.focal_length",
+                   "camera.lens.focal_length is not used, because the lens has surfaces");
+}
+
+void check_type(const ArraySpec& array, std::size_t i, Issues& issues) {
+  const MicrolensSpec& type = array.types[i];
+  const std::string path = fmt::format("camera.array.types[{}].", i);
+  const double height = 0.5 * array.diameter;
+  const std::size_t errors = issues.errors();
+  const auto check_radius = [&](const char* name, double radius) {
+    if (array.diameter > 2 * std::fabs(radius))
+      issues.error(path + name,
+                   fmt::format("microlens type {} has a {} of {}, too small for the diameter of {}",
+                               i, name, short_length(radius), short_length(array.diameter)));
+  };
+  check_radius("radius_front", type.radius_front);
+  check_radius("radius_back", type.radius_back);
+  if (issues.errors() != errors) return;
+  const bool planes = std::isinf(type.radius_front) && std::isinf(type.radius_back);
+  if (planes && array.model == LensModel::real) {
+    issues.error(
+        path + "radius_front",
+        fmt::format(
+            "microlens type {} has two plane faces; give it a radius_front or a radius_back", i));
+    return;
+  }
+  if (planes && type.focal_length == 0)
+    issues.error(path + "focal_length",
+                 fmt::format("microlens type {} needs a focal_length, or radii", i));
+  if (!planes && type.focal_length != 0)
+    issues.warning(path + "focal_length",
+                   path + "focal_length is not used, because the type has radii");
+  // Faces must not cross at the rim; convex ones take this much of the thickness.
+  const double taken = sag(type.radius_front, height) + sag(type.radius_back, height);
+  if (array.model == LensModel::real &&
+      array.thickness - taken < -kTouch * (array.thickness + height))
+    issues.error("camera.array.thickness",
+                 fmt::format("the faces of microlens type {} overlap at its rim; a thickness of at "
+                             "least {} is needed",
+                             i, short_length(taken)));
+}
+
+void check_array(const CameraSpec& camera, Issues& issues) {
+  const ArraySpec& array = camera.array;
+  if (!array.present) return;
+  const std::size_t errors = issues.errors();
+  if (array.types.empty() || array.types.size() > 3)
+    issues.error(
+        "camera.array.types",
+        fmt::format("the microlens array has {} types; list 1 to 3 as [[camera.array.types]]",
+                    array.types.size()));
+  for (std::size_t i = 0; i < array.types.size(); ++i) {
+    const std::string& name = array.types[i].name;
+    const std::string path = fmt::format("camera.array.types[{}].name", i);
+    if (name.empty()) issues.error(path, fmt::format("microlens type {} has no name", i));
+    if (name == "array" || name == "sensor")
+      issues.error(path, "a microlens type cannot be named \"" + name +
+                             "\", which has a meaning in camera.focus.conjugate");
+    for (std::size_t k = 0; k < i; ++k)
+      if (!name.empty() && array.types[k].name == name)
+        issues.error(
+            path, fmt::format("microlens types {} and {} are both named {}; names must differ", k,
+                              i, quote_for_message(name)));
+  }
+  if (array.diameter > array.pitch)
+    issues.error("camera.array.diameter",
+                 fmt::format("the microlenses have a diameter of {} at a pitch of {}, so they "
+                             "overlap; make the diameter at "
+                             "most the pitch",
+                             short_length(array.diameter), short_length(array.pitch)));
+  for (std::size_t i = 0; i < array.types.size(); ++i) check_type(array, i, issues);
+  if (issues.errors() != errors) return;
+
+  // From the rear vertices to the sensor; a concave rear face reaches further back at its rim.
+  const double rear_principal = first_order(array, array.types[0]).rear_principal;
+  const bool from_vertex =
+      array.measured_from == ArrayReference::vertex || array.model == LensModel::ideal;
+  const double gap = array.sensor_distance + (from_vertex ? 0 : rear_principal);
+  double reach = 0;
+  if (array.model == LensModel::real)
+    for (const MicrolensSpec& type : array.types)
+      reach = std::max(reach, -sag(type.radius_back, 0.5 * array.diameter));
+  if (!(gap > reach))
+    issues.error(
+        "camera.array.sensor_distance",
+        fmt::format(
+            "the sensor would lie inside the microlenses, {} from their rear vertices; make "
+            "camera.array.sensor_distance larger",
+            short_length(gap)));
+  if (camera.sensor.pixel_pitch > array.pitch)
+    issues.warning(
+        "camera.sensor.pixel_pitch",
+        fmt::format(
+            "a pixel of {} is larger than a microlens of {}, so micro-images are not resolved",
+            short_length(camera.sensor.pixel_pitch), short_length(array.pitch)));
+}
+
+void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
+  const FocusSpec& focus = camera.focus;
+  std::vector<std::string> allowed;
+  if (camera.array.present) {
+    allowed.emplace_back("array");
+    for (const MicrolensSpec& type : camera.array.types) allowed.push_back(type.name);
+  } else {
+    allowed.emplace_back("sensor");
+  }
+  if (std::find(allowed.begin(), allowed.end(), focus.conjugate) == allowed.end()) {
+    std::string list;
+    for (const std::string& name : allowed) list.append(list.empty() ? "" : ", ").append(name);
+    issues.error("camera.focus.conjugate", "camera.focus.conjugate is " +
+                                               quote_for_message(focus.conjugate) +
+                                               ", but with this camera it can be " + list);
+  }
+  if (focus.mode == FocusMode::distance) {
+    if (focus.lens_distance <= 0)
+      issues.error("camera.focus.lens_distance",
+                   "camera.focus.lens_distance is missing: mode \"distance\" needs it");
+    return;
+  }
+  if (focus.object_distance <= 0) {
+    issues.error(
+        "camera.focus.object_distance",
+        "camera.focus.object_distance is missing: modes \"paraxial\" and \"best\" need it");
+    return;
+  }
+  if (!lens_is_sound) return;
+  const double focal_point = -first_order(camera.lens).front_focal_distance;
+  if (focus.object_distance <= focal_point)
+    issues.warning("camera.focus.object_distance",
+                   fmt::format("the object plane at {} lies inside the front focal point at {}, so "
+                               "its image is virtual "
+                               "and cannot be in focus; move it farther away",
+                               short_length(focus.object_distance), short_length(focal_point)));
+}
+
+}  // namespace
+
+void check_camera(const CameraSpec& camera, Issues& issues) {
+  check_orientation(camera, issues);
+  const std::size_t errors = issues.errors();
+  check_lens(camera.lens, issues);
+  const bool lens_is_sound = issues.errors() == errors;
+  check_array(camera, issues);
+  if (double(camera.sensor.columns) * camera.sensor.rows > kMostPixels)
+    issues.error("camera.sensor.columns",
+                 fmt::format("the sensor has {} x {} pixels; at most {:.0e} are possible",
+                             camera.sensor.columns, camera.sensor.rows, kMostPixels));
+  check_focus(camera, lens_is_sound, issues);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/units.h"
+#include "plenoflame/optics/first_order.h"
+#include "scene/issues.h"
+#include "scene/nearest.h"
+
+namespace plenoflame {
+namespace {
+
+/// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
+double camera_front(const CameraSpec& camera) {
+  if (camera.lens.surfaces.empty()) return 0;
+  const SurfaceSpec& first = camera.lens.surfaces.front();
+  return std::max(0.0, -sag(first.radius, 0.5 * first.diameter));
+}
+
+/// @param nearest, farthest distance of the flame from the front vertex along the optical axis [m]
+void check_depth(const CameraSpec& camera, const std::string& what, double nearest, double farthest,
+                 const std::string& key, Issues& issues) {
+  if (nearest <= camera_front(camera)) {
+    issues.error(
+        key,
+        farthest <= 0
+            ? fmt::format(
+                  "{} lies behind the front of the camera; move it to where the camera looks", what)
+            : fmt::format("{} reaches into the camera: it extends from {} to {} in front of the "
+                          "front vertex; "
+                          "move it away",
+                          what, short_length(nearest), short_length(farthest)));
+    return;
+  }
+  const double focal_point = -first_order(camera.lens).front_focal_distance;
+  if (nearest < focal_point)
+    issues.warning(
+        key,
+        fmt::format(
+            "{} begins {} in front of the front vertex, inside the front focal point at {}: the "
+            "image of that part is virtual and far out of focus",
+            what, short_length(nearest), short_length(focal_point)));
+}
+
+/// Half the extent of an ellipsoid along a direction [m].
+double support(const Mat3& rotation, Vec3 semi_axes, Vec3 direction) {
+  const Vec3 d = transpose(rotation) * direction;
+  return length({semi_axes.x * d.x, semi_axes.y * d.y, semi_axes.z * d.z});
+}
+
+void check_layered(const Scene& scene, const FlameSpec& flame, const std::string& path,
+                   const std::string& what, bool camera_is_sound, Issues& issues) {
+  if (flame.layers.empty()) {
+    issues.error(
+        path,
+        what + " has no layers; list them as [[flames.layers]], or set preset = \"paper-layered\"");
+    return;
+  }
+  if (!flame.file.empty())
+    issues.warning(path + ".file", what + " is layered, so its file is not used");
+  if (!camera_is_sound) return;
+  const Mat3 rotation = rotation_xyz(flame.rotation);
+  const Vec3 axis = normalize(scene.camera.look_direction);
+  double nearest = kInfinity, farthest = -kInfinity;
+  for (const EllipsoidSpec& layer : flame.layers) {
+    const Vec3 centre = flame.position + rotation * layer.centre;
+    const double distance = dot(axis, centre - scene.camera.position);
+    const double half = support(rotation, layer.semi_axes, axis);
+    nearest = std::min(nearest, distance - half);
+    farthest = std::max(farthest, distance + half);
+  }
+  check_depth(scene.camera, what, nearest, farthest, path + ".position", issues);
+}
+
+void check_unit(const GridSpec& grid, Dimension dimension, const std::string& path,
+                Issues& issues) {
+  if (grid.unit.empty()) return;
+  const auto units = accepted_units(dimension);
+  if (std::find(units.begin(), units.end(), grid.unit) != units.end()) return;
+  std::string list;
+  for (const std::string& unit : units) list.append(list.empty() ? "" : ", ").append(unit);
+  issues.error(path, fmt::format("{} is {}; it must be one of {}", path,
+                                 quote_for_message(grid.unit), list));
+}
+
+bool is_channel_name(const std::string& name) {
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && std::all_of(name.begin(), name.end(), good);
+}
+
+}  // namespace
+
+void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues) {
+  if (scene.flames.empty())
+    issues.warning("flames", "the scene has no flame, so its picture is black");
+  for (std::size_t i = 0; i < scene.flames.size(); ++i) {
+    const FlameSpec& flame = scene.flames[i];
+    const std::string path = fmt::format("flames[{}]", i);
+    const std::string what =
+        flame.name.empty() ? fmt::format("flame {}", i) : "flame " + quote_for_message(flame.name);
+    check_unit(flame.temperature, Dimension::temperature, path + ".temperature.unit", issues);
+    check_unit(flame.absorption, Dimension::absorption, path + ".absorption.unit", issues);
+    if (flame.kind == FlameKind::layered) {
+      check_layered(scene, flame, path, what, camera_is_sound, issues);
+      continue;
+    }
+    if (flame.file.empty())
+      issues.error(path, what + " is of kind \"vdb\" and needs a file; set file = \"NAME.vdb\"");
+    if (!flame.layers.empty())
+      issues.warning(path + ".layers", what + " comes from a file, so its layers are not used");
+  }
+}
+
+void check_channels(const Scene& scene, Issues& issues) {
+  for (std::size_t i = 0; i < scene.channels.size(); ++i) {
+    const ChannelSpec& channel = scene.channels[i];
+    const std::string path = fmt::format("channels[{}]", i);
+    if (!is_channel_name(channel.name))
+      issues.error(path + ".name",
+                   fmt::format("the channel name {} is not made of letters, digits, _ and -",
+                               quote_for_message(channel.name)));
+    for (std::size_t k = 0; k < i; ++k)
+      if (scene.channels[k].name == channel.name)
+        issues.error(path + ".name",
+                     fmt::format("channels {} and {} are both named {}; names must differ", k, i,
+                                 quote_for_message(channel.name)));
+    if (channel.kind == ChannelKind::total) {
+      if (channel.wavelength != 0 || channel.width != 0)
+        issues.warning(
+            path,
+            fmt::format(
+                "channel {} measures all wavelengths, so its wavelength and width are not used; "
+                "set kind = \"band\" for a band",
+                quote_for_message(channel.name)));
+      continue;
+    }
+    if (channel.wavelength <= 0)
+      issues.error(path + ".wavelength", fmt::format("channel {} is a band and needs a wavelength",
+                                                     quote_for_message(channel.name)));
+    if (channel.width <= 0)
+      issues.error(path + ".width", fmt::format("channel {} is a band and needs a width",
+                                                quote_for_message(channel.name)));
+    if (channel.wavelength > 0 && channel.width >= 2 * channel.wavelength)
+      issues.error(path + ".width",
+                   fmt::format("channel {} has a band that begins at or below a wavelength of 0",
+                               quote_for_message(channel.name)));
+  }
+}
+
+std::vector<SceneIssue> check_flame_box(const CameraSpec& camera, const std::string& flame_name,
+                                        const Box& world, const std::string& key,
+                                        const PositionMap& positions) {
+  Issues issues(positions);
+  if (world.empty()) return {};
+  const Vec3 axis = normalize(camera.look_direction);
+  const Vec3 half = 0.5 * (world.upper - world.lower);
+  const double distance = dot(axis, 0.5 * (world.upper + world.lower) - camera.position);
+  const double reach =
+      half.x * std::fabs(axis.x) + half.y * std::fabs(axis.y) + half.z * std::fabs(axis.z);
+  check_depth(camera, "flame " + quote_for_message(flame_name), distance - reach, distance + reach,
+              key, issues);
+  return issues.take();
+}
+
+}  // namespace plenoflame

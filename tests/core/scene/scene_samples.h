@@ -1,0 +1,74 @@
+#pragma once
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/scene_file.h"
+
+/// Scenes and helpers that the tests of scene files share.
+namespace plenoflame::test {
+
+/// The message of the InputError that a call throws; empty when it throws none.
+template <class Call>
+std::string message_of(Call&& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline std::string source_text(const std::string& path) {
+  std::ifstream file(std::string(PLENOFLAME_SOURCE_DIR) + "/" + path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Every member different from its default, lists of different lengths, odd numbers and texts.
+inline Scene full_scene() {
+  Scene scene;
+  scene.file = "full.toml";
+  CameraSpec& camera = scene.camera;
+  camera.position = {0.1, -0.2, 1.0 / 3};
+  camera.look_direction = {0.6, 0.8, -0.0};
+  camera.up = {0, 0.1, 2};
+  camera.lens.model = LensModel::ideal;
+  camera.lens.surfaces = {{0.3, 0.02426, 1.5, 0.12, false},
+                          {-0.3, 0, 1, 0.119, false},
+                          {kInfinity, 0.001, 1, 0.1, true}};
+  camera.lens.focal_length = 0.3040987;
+  camera.lens.diameter = 0.1;
+  camera.array = {
+      true,          Lattice::square, LensModel::ideal,      1e-4, 9.9e-5, 5e-5, {}, false, 0.3,
+      {1e-6, -2e-6}, 2.534e-4,        ArrayReference::vertex};
+  camera.array.types = {{"type \"1\"", 2.25e-4, kInfinity, 1.5, 1e-3},
+                        {"a\\b\n\t\x7f", 2.25e-4, -3e-4, 1.59, -2e-3},
+                        {"\xC3\xA4\xE2\x82\xAC", kInfinity, 2.25e-4, 1.69, 0}};
+  camera.sensor = {3000, 2001, 1e-5};
+  camera.focus = {FocusMode::best, 0.4272409, 0.1 + 0.2, "type \"1\""};
+  FlameSpec layered;
+  layered.name = "first";
+  layered.position = {1, 2, -0.029};
+  layered.rotation = {0.1, -0.2, 0.3};
+  layered.layers = {{"core", {0, 0, 0.014}, {0.004, 0.0041, 0.012}, 1200, 1.0},
+                    {"", {1e-3, 0, 0}, {0.1, 1, 10}, 1650.5, 30}};
+  layered.interpolation = Interpolation::constant;
+  FlameSpec grid;
+  grid.kind = FlameKind::vdb;
+  grid.name = "#2";
+  grid.file = "sub folder/candle.vdb";
+  grid.temperature = {"T", "degC", 1234.5, -0.125};
+  grid.absorption = {"k", "1/mm", 1e-3, 7};
+  grid.layers = {{"unused", {0, 0, 0}, {1, 1, 1}, 300, 0.5}};
+  scene.flames = {layered, grid};
+  scene.channels = {{"red", ChannelKind::band, 650e-9, 10e-9},
+                    {"total", ChannelKind::total, 1e-9, 2e-9}};
+  scene.render = {Estimator::forward, 17, 0xFFFFFFFFFFFFFFFEu};
+  scene.develop = {5e-6, 12, ToneCurve::linear};
+  return scene;
+}
+
+}  // namespace plenoflame::test

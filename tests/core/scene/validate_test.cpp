@@ -1,0 +1,279 @@
+#include "plenoflame/scene/validate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "plenoflame/scene/scene_file.h"
+#include "scene/issues.h"
+#include "scene_samples.h"
+#include "support/approx.h"
+
+namespace plenoflame {
+namespace {
+
+using test::message_of;
+
+constexpr const char* kScene =
+    "[camera]\npreset = \"paper-plenoptic2\"\n"
+    "[[flames]]\npreset = \"paper-layered\"\nposition = [\"1 m\", \"0 m\", \"-29 mm\"]\n";
+
+Scene sound() {
+  return parse_scene(kScene, "").scene;
+}
+
+/// The first error after a change of a sound scene.
+std::string error_after(const std::function<void(Scene&)>& change) {
+  Scene scene = sound();
+  change(scene);
+  return message_of([&] { validate(scene); });
+}
+
+/// The only warning after a change of a sound scene.
+std::string warning_after(const std::function<void(Scene&)>& change) {
+  Scene scene = sound();
+  change(scene);
+  const auto warnings = validate(scene);
+  return warnings.size() == 1 ? warnings[0].message : std::to_string(warnings.size()) + " warnings";
+}
+
+TEST(Validate, SoundSceneHasNoIssues) {
+  EXPECT_TRUE(validate(sound()).empty());
+}
+
+TEST(Validate, SagIsThatOfTheCircle) {
+  // mpmath, 30 digits: R - sqrt(R^2 - h^2).
+  EXPECT_TRUE(test::relative(sag(0.3, 0.06), 6.06123086601863e-3, 1e-14));
+  EXPECT_TRUE(test::relative(sag(-0.3, 0.06), -6.06123086601863e-3, 1e-14));
+  EXPECT_TRUE(test::relative(sag(1e6, 1e-3), 5.00000000000000000125e-13, 1e-14));
+  EXPECT_EQ(sag(2.0, 2.0), 2.0);
+  EXPECT_EQ(sag(kInfinity, 1.0), 0.0);
+}
+
+TEST(Validate, MainLens) {
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces.clear(); }),
+            "the main lens has no surfaces; list them as [[camera.lens.surfaces]], or set "
+            "camera.lens.model = "
+            "\"ideal\" with focal_length and diameter");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[2].stop = false; }),
+            "no surface of the main lens is the stop; set stop = true on one of them");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[0].stop = true; }),
+            "surfaces 0 and 2 of the main lens are both the stop; only one can be");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[0].diameter = 0.61; }),
+            "surface 0 of the main lens has a diameter of 610 mm, but a sphere of radius 300 mm "
+            "allows at most 600 mm");
+  // Both faces are 6.0612 mm deep at the rim: 12.122 mm are needed, 24.26 mm there.
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[0].thickness = 0.0121; }),
+            "surfaces 0 and 1 of the main lens overlap by 22.46 um at their common rim, 60 mm from "
+            "the axis; make the "
+            "thickness 12.12 mm or more, or a diameter smaller");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[0].thickness = 0.012123; }), "");
+  // Only as far out as both surfaces reach.
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.lens.surfaces[0].thickness = 0.0121;
+              s.camera.lens.surfaces[1].diameter = 0.1;
+            }),
+            "");
+  EXPECT_EQ(
+      error_after([](Scene& s) { s.camera.lens.surfaces[2].index = 1.5; }),
+      "the index behind the last surface of the main lens must be 1: the light leaves it into air");
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.lens.surfaces[0].radius = -0.3;
+              s.camera.lens.surfaces[1].radius = 0.3;
+              s.camera.lens.surfaces[1].thickness = 0.005;
+            }).substr(0, 53),
+            "the main lens does not converge, so it forms no image");
+  EXPECT_NE(error_after([](Scene& s) { s.camera.lens.surfaces[0].index = 0.99; }), "");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[1].diameter = 0; }),
+            "camera.lens.surfaces[1].diameter is missing; above 0 m, at most 100 m is allowed");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[1].radius = std::nan(""); }),
+            "camera.lens.surfaces[1].radius: a length is not a number (NaN)");
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.lens = {LensModel::ideal, {}, 0, 0.1};
+            }).find("camera.lens.focal_length"),
+            std::string::npos);
+  EXPECT_NE(warning_after([](Scene& s) { s.camera.lens.focal_length = 0.3; }).find("not used"),
+            std::string::npos);
+}
+
+TEST(Validate, Orientation) {
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.look_direction = {0, 0, 0};
+            }).find("camera.look_direction"),
+            std::string::npos);
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.up = {-3, 0, 0};
+            }).find("parallel"),
+            std::string::npos);
+}
+
+TEST(Validate, Array) {
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.pitch = 0.9e-4; }),
+            "the microlenses have a diameter of 100 um at a pitch of 90 um, so they overlap; make "
+            "the diameter at most "
+            "the pitch");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.types.clear(); }),
+            "the microlens array has 0 types; list 1 to 3 as [[camera.array.types]]");
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.array.types.resize(4, {"d", 1e-3, 1e-3, 1.5, 0});
+            }),
+            "camera.array.types has 4 items; 0 to 3 are allowed");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.types[2].name = "type1"; }),
+            "microlens types 0 and 2 are both named \"type1\"; names must differ");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.types[2].name.clear(); }),
+            "microlens type 2 has no name");
+  EXPECT_NE(error_after([](Scene& s) { s.camera.array.types[2].name = "sensor"; }), "");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.types[1].radius_back = 4.9e-5; }),
+            "microlens type 1 has a radius_back of 49 um, too small for the diameter of 100 um");
+  // 2 * (0.225 - sqrt(0.225^2 - 0.05^2)) mm = 11.253 um.
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.thickness = 11.2e-6; }),
+            "the faces of microlens type 0 overlap at its rim; a thickness of at least 11.25 um is "
+            "needed");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.thickness = 11.3e-6; }), "");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.sensor_distance = 0; }),
+            "camera.array.sensor_distance is missing; above 0 m, at most 10 m is allowed");
+  // The principal plane lies 17.3077 um inside (closed form of the symmetric thick lens).
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.sensor_distance = 17.3e-6; }).substr(0, 50),
+            "the sensor would lie inside the microlenses, -7.69");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.sensor_distance = 17.31e-6; }), "");
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.array.sensor_distance = 17.3e-6;
+              s.camera.array.measured_from = ArrayReference::vertex;
+            }),
+            "");
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.array.types[1].radius_front = s.camera.array.types[1].radius_back =
+                  kInfinity;
+            }),
+            "");
+  EXPECT_NE(warning_after([](Scene& s) {
+              s.camera.sensor.pixel_pitch = 2e-4;
+            }).find("larger than a microlens"),
+            std::string::npos);
+  // Without an array its values do not matter.
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.array = {};
+              s.camera.focus.conjugate = "sensor";
+            }),
+            "");
+}
+
+TEST(Validate, SensorAndFocus) {
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.sensor.columns = 0; }),
+            "camera.sensor.columns is missing; at least 1, at most 65536 is allowed");
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.sensor = {65536, 65536, 1e-6};
+            }),
+            "the sensor has 65536 x 65536 pixels; at most 1e+09 are possible");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.focus.conjugate = "type4"; }),
+            "camera.focus.conjugate is \"type4\", but with this camera it can be array, type1, "
+            "type2, type3");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.present = false; }),
+            "camera.focus.conjugate is \"type2\", but with this camera it can be sensor");
+  EXPECT_NE(error_after([](Scene& s) { s.camera.focus.object_distance = 0; }).find("is missing"),
+            std::string::npos);
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.focus.mode = FocusMode::distance;
+            }).find("lens_distance is missing"),
+            std::string::npos);
+  // The front focal point is 295.9014 mm in front of the vertex.
+  EXPECT_EQ(warning_after([](Scene& s) { s.camera.focus.object_distance = 0.2959; }),
+            "the object plane at 295.9 mm lies inside the front focal point at 295.9 mm, so its "
+            "image is virtual and "
+            "cannot be in focus; move it farther away");
+  EXPECT_EQ(warning_after([](Scene& s) { s.camera.focus.object_distance = 0.29591; }),
+            "0 warnings");
+  EXPECT_EQ(warning_after([](Scene& s) { s.camera.focus.object_distance = kInfinity; }),
+            "0 warnings");
+}
+
+TEST(Validate, FlamesAndWhereTheyAre) {
+  EXPECT_EQ(warning_after([](Scene& s) { s.flames.clear(); }),
+            "the scene has no flame, so its picture is black");
+  EXPECT_NE(error_after([](Scene& s) { s.flames[0].layers.clear(); }).find("has no layers"),
+            std::string::npos);
+  EXPECT_NE(error_after([](Scene& s) { s.flames[0].kind = FlameKind::vdb; }).find("needs a file"),
+            std::string::npos);
+  EXPECT_EQ(error_after([](Scene& s) { s.flames[0].temperature.unit = "1/m"; }),
+            "flames[0].temperature.unit is \"1/m\"; it must be one of K, degC");
+  EXPECT_EQ(error_after([](Scene& s) { s.flames[0].layers[1].temperature = 0; }),
+            "flames[0].layers[1].temperature is missing; above 0 K, at most 100000 K is allowed");
+  EXPECT_EQ(error_after([](Scene& s) { s.flames[0].position.x = 0.005; }),
+            "flame \"paper-layered\" reaches into the camera: it extends from -5 mm to 15 mm in "
+            "front of the front "
+            "vertex; move it away");
+  EXPECT_EQ(error_after([](Scene& s) { s.flames[0].position.x = -1; }),
+            "flame \"paper-layered\" lies behind the front of the camera; move it to where the "
+            "camera looks");
+  // Lying on its side it reaches 59 mm along the axis: rotated by +90 degrees about y, z becomes x.
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.flames[0].rotation.y = std::acos(-1.0) / 2;
+              s.flames[0].position = {-0.010, 0, 0};
+            }),
+            "flame \"paper-layered\" reaches into the camera: it extends from -11 mm to 49 mm in "
+            "front of the front "
+            "vertex; move it away");
+  EXPECT_EQ(warning_after([](Scene& s) { s.flames[0].position.x = 0.3; }),
+            "flame \"paper-layered\" begins 290 mm in front of the front vertex, inside the front "
+            "focal point at 295.9 "
+            "mm: the image of that part is virtual and far out of focus");
+  EXPECT_EQ(warning_after([](Scene& s) { s.flames[0].position.x = 0.306; }), "0 warnings");
+  // The camera moved and turned with the flame sees the same.
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.position = {5, 0, 0};
+              s.camera.look_direction = {-2, 0, 0};
+              s.flames[0].position.x = 4.995;
+            }).find("extends from -5 mm to 15 mm"),
+            std::string::npos);
+}
+
+TEST(Validate, FlameBoxOfAFile) {
+  const Scene scene = sound();
+  const auto check = [&](Vec3 lower, Vec3 upper) {
+    return check_flame_box(scene.camera, "c", {lower, upper}, "flames[0]");
+  };
+  EXPECT_TRUE(check({0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}).empty());
+  EXPECT_TRUE(check({1, 1, 1}, {-1, -1, -1}).empty());  // an empty box
+  ASSERT_EQ(check({-0.1, -0.1, -0.1}, {1.1, 0.1, 0.1}).size(), 1u);
+  EXPECT_TRUE(check({-0.1, -0.1, -0.1}, {1.1, 0.1, 0.1})[0].is_error);
+  ASSERT_EQ(check({0.2, -0.1, -0.1}, {1.1, 0.1, 0.1}).size(), 1u);
+  EXPECT_FALSE(check({0.2, -0.1, -0.1}, {1.1, 0.1, 0.1})[0].is_error);
+}
+
+TEST(Validate, Channels) {
+  const auto band = [](const char* name, double wavelength, double width) {
+    return [=](Scene& s) { s.channels.push_back({name, ChannelKind::band, wavelength, width}); };
+  };
+  EXPECT_EQ(error_after(band("red", 650e-9, 10e-9)), "");
+  EXPECT_EQ(error_after(band("total", 650e-9, 10e-9)),
+            "channels 0 and 1 are both named \"total\"; names must differ");
+  EXPECT_EQ(error_after(band("a.b", 650e-9, 10e-9)),
+            "the channel name \"a.b\" is not made of letters, digits, _ and -");
+  EXPECT_EQ(error_after(band("red", 0, 10e-9)), "channel \"red\" is a band and needs a wavelength");
+  EXPECT_EQ(error_after(band("red", 650e-9, 0)), "channel \"red\" is a band and needs a width");
+  EXPECT_NE(error_after(band("red", 650e-9, 1300e-9)), "");
+  EXPECT_NE(error_after([](Scene& s) { s.channels.clear(); }), "");
+  EXPECT_NE(warning_after([](Scene& s) { s.channels[0].width = 1e-8; }).find("not used"),
+            std::string::npos);
+}
+
+TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
+  const SceneDocument document = parse_scene(
+      std::string(kScene) + "[camera.array]\n  pitch = \"90 um\"\n[camera.sensor]\nrows = 9\n",
+      "s.toml");
+  // The diameter, which comes from the preset, is what the message is about.
+  const std::string message = message_of([&] { validate(document); });
+  EXPECT_EQ(message.substr(0, 24), "preset paper-plenoptic2:") << message;
+  const SceneDocument focus =
+      parse_scene(std::string(kScene) + "[camera.focus]\nconjugate = \"typ2\"\n", "s.toml");
+  EXPECT_EQ(message_of([&] { validate(focus); }).substr(0, 14), "s.toml:7:13: c");
+  const SceneDocument near =
+      parse_scene(std::string(kScene) + "[camera.focus]\nobject_distance = \"10 cm\"\n", "s.toml");
+  ASSERT_EQ(validate(near).size(), 1u);
+  EXPECT_EQ(to_string(validate(near)[0]).substr(0, 13), "s.toml:7:19: ");
+}
+
+}  // namespace
+}  // namespace plenoflame
