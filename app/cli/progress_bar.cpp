@@ -74,7 +74,9 @@ ProgressBar::ProgressBar(bool quiet)
 ProgressBar::ProgressBar(std::ostream& stream, bool is_terminal, bool quiet, int columns)
     : stream_(stream), drawing_(is_terminal && !quiet), quiet_(quiet), columns_(columns) {}
 
-ProgressBar::~ProgressBar() { finish(); }
+ProgressBar::~ProgressBar() {
+  finish();
+}
 
 void ProgressBar::update(const Progress& progress) {
   if (!drawing_) return;
@@ -108,7 +110,9 @@ void ProgressBar::clear() {
 
 void ProgressBar::connect(Execution& execution) {
   execution.progress = [this](const Progress& progress) { update(progress); };
-  execution.message = [this](Severity severity, const std::string& text) { message(severity, text); };
+  execution.message = [this](Severity severity, const std::string& text) {
+    message(severity, text);
+  };
 }
 
 }  // namespace plenoflame::cli

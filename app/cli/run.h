@@ -4,8 +4,8 @@ namespace plenoflame::cli {
 
 /// Exit statuses of the command.
 inline constexpr int kSuccess = 0;
-inline constexpr int kFailure = 1;   ///< the input or the machine is at fault
-inline constexpr int kBadUse = 2;    ///< the command line is at fault
+inline constexpr int kFailure = 1;  ///< the input or the machine is at fault
+inline constexpr int kBadUse = 2;   ///< the command line is at fault
 
 /// The command `plenoflame`: parses, calls the chosen command, turns every exception into one line
 /// on standard error. @return the exit status

@@ -17,7 +17,8 @@ CLI::App& add_command(const Registry& registry, const std::string& name,
 }
 
 void on_chosen(CLI::App& command, const Registry& registry, Action action) {
-  command.final_callback([&target = registry.action, action = std::move(action)] { target = action; });
+  command.final_callback(
+      [&target = registry.action, action = std::move(action)] { target = action; });
 }
 
 }  // namespace plenoflame::cli

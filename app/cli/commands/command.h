@@ -22,8 +22,8 @@ struct Registry {
 ///
 ///     void register_example(const Registry& registry) {
 ///       auto settings = std::make_shared<Settings>();
-///       CLI::App& command = add_command(registry, "example", "What it does", "plenoflame example x");
-///       command.add_option("FILE", settings->file, "What it is")->required();
+///       CLI::App& command = add_command(registry, "example", "What it does", "plenoflame example
+///       x"); command.add_option("FILE", settings->file, "What it is")->required();
 ///       on_chosen(command, registry, [settings] { return run(*settings); });
 ///     }
 ///

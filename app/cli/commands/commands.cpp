@@ -2,6 +2,10 @@
 
 namespace plenoflame::cli {
 
-void register_commands([[maybe_unused]] const Registry& registry) {}
+void register_commands(const Registry& registry) {
+  register_develop(registry);
+  register_compare(registry);
+  register_info(registry);
+}
 
 }  // namespace plenoflame::cli

@@ -4,6 +4,9 @@
 namespace plenoflame::cli {
 
 // One function per command, in commands/NAME.cpp.
+void register_develop(const Registry& registry);
+void register_compare(const Registry& registry);
+void register_info(const Registry& registry);
 
 /// Registers every command, in the order in which --help lists them.
 void register_commands(const Registry& registry);

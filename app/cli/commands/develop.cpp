@@ -1,0 +1,120 @@
+#include "plenoflame/lightfield/develop.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "commands/commands.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/png_file.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string input;
+  std::string output;
+  std::string saturation;
+  int bits = 0;
+  std::string curve;
+  std::string channel;
+  bool json = false;
+};
+
+/// What the scene says, overridden by the command line.
+DevelopSpec effective_spec(const Settings& settings) {
+  DevelopSpec spec;
+  if (settings.saturation == "auto") {
+    spec.saturation = 0;
+  } else if (!settings.saturation.empty()) {
+    spec.saturation = quantity_option("--saturation", settings.saturation, Dimension::flux);
+    if (!(spec.saturation > 0))
+      throw UsageError("--saturation: a flux above 0 W, or 'auto' for automatic exposure");
+  }
+  if (settings.bits > 0) spec.bits = settings.bits;
+  if (!settings.curve.empty())
+    spec.curve = settings.curve == "linear" ? ToneCurve::linear : ToneCurve::display;
+  return spec;
+}
+
+int run_develop(const Settings& settings) {
+  const std::string output =
+      settings.output.empty()
+          ? std::filesystem::path(settings.input).replace_extension(".png").string()
+          : settings.output;
+  check_not_overwritten("--output", output, settings.input);
+  const DevelopSpec requested = effective_spec(settings);
+  check_writable(output);
+  const LightField light_field = read_light_field(settings.input);
+  DevelopedImage image = develop(light_field, requested, settings.channel);
+  const std::string& channel = find_channel(light_field, settings.channel).name;
+  const std::string curve = requested.curve == ToneCurve::linear ? "linear" : "display";
+  image.picture.texts = {
+      {"Software", "Plenoflame " + light_field.version},
+      {"Comment", "channel " + channel + ", saturation " +
+                      format_quantity(image.saturation, Dimension::flux) + " per pixel, " +
+                      std::to_string(requested.bits) + " bits, curve " + curve}};
+  write_png(output, image.picture);
+  if (image.lit == 0)
+    std::cerr << "plenoflame: warning: no pixel of '" << settings.input
+              << "' has a flux above 0: the picture is black\n";
+
+  Report report;
+  report.add("picture", output, "picture", output);
+  report.add("size",
+             std::to_string(image.picture.width) + " x " + std::to_string(image.picture.height),
+             "size", {image.picture.width, image.picture.height});
+  report.add("channel", channel, "channel", channel);
+  report.add("saturation",
+             readable(image.saturation, Dimension::flux) + " per pixel" +
+                 (image.automatic ? " (automatic)" : ""),
+             "saturation_W", image.saturation);
+  report.add_json("automatic_exposure", image.automatic);
+  report.add("bits", std::to_string(requested.bits), "bits", requested.bits);
+  report.add("curve", curve, "curve", curve);
+  report.add("lit pixels", std::to_string(image.lit), "lit_pixels", image.lit);
+  report.add("saturated", readable_percent(image.saturated_share) + " of all pixels",
+             "saturated_share", image.saturated_share);
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_develop(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(
+      registry, "develop", "Turn a raw light field into a 16-bit PNG, as a sensor would see it",
+      "plenoflame develop flame.exr -o flame.png --saturation \"5000 nW\" --bits 14");
+  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  command
+      .add_option("-o,--output", settings->output,
+                  "Picture to write; without it, RAW's name with .png")
+      ->option_text("FILE");
+  command
+      .add_option(
+          "--saturation", settings->saturation,
+          "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or auto: "
+          "99.9 % of the lit pixels do not exceed it (auto)")
+      ->option_text("FLUX");
+  command.add_option("--bits", settings->bits, "Bits of the sensor, 1 to 16 (14)")
+      ->check(CLI::Range(1, 16))
+      ->option_text("N");
+  command
+      .add_option("--curve", settings->curve,
+                  "linear: samples are digital numbers in the upper bits; display: through the "
+                  "transfer function of sRGB (display)")
+      ->check(CLI::IsMember({"linear", "display"}))
+      ->option_text("CURVE");
+  command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
+      ->option_text("NAME");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_develop(*settings); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,115 @@
+#include "commands/info.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string_view>
+
+#include "commands/commands.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/png_file.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string file;
+  bool scene = false;
+  bool json = false;
+};
+
+enum class Kind { light_field, png, poly_data, vdb, scene, unknown };
+
+/// By the file's first bytes, and for texts by its name.
+Kind kind_of(const std::string& path) {
+  if (std::filesystem::is_directory(path))
+    throw FileError("cannot read '" + path + "': it is a folder; give a file");
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
+  if (!file) throw FileError("cannot read '" + path + "': " + std::strerror(errno));
+  std::array<char, 512> start{};
+  const std::size_t count = std::fread(start.data(), 1, start.size(), file.get());
+  const std::string_view bytes(start.data(), count);
+  if (bytes.starts_with("\x76\x2f\x31\x01")) return Kind::light_field;
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return Kind::png;
+  if (bytes.starts_with(" BDV")) return Kind::vdb;
+  if (bytes.find("<VTKFile") != std::string_view::npos) return Kind::poly_data;
+  if (std::filesystem::path(path).extension() == ".toml") return Kind::scene;
+  return Kind::unknown;
+}
+
+int run_info(const Settings& settings) {
+  const Kind kind = kind_of(settings.file);
+  if (settings.scene) {
+    if (kind != Kind::light_field)
+      throw UsageError("--scene: '" + settings.file + "' is not a light field (.exr)");
+    std::cout << read_light_field_header(settings.file).scene_text;
+    return kSuccess;
+  }
+  Report report;
+  report.add("file", settings.file, "file", settings.file);
+  switch (kind) {
+    case Kind::light_field:
+      describe_light_field(settings.file, report);
+      break;
+    case Kind::png:
+      describe_png(settings.file, report);
+      break;
+    case Kind::poly_data:
+      describe_poly_data(settings.file, report);
+      break;
+    case Kind::vdb:
+    case Kind::scene:
+    case Kind::unknown:
+      throw InputError("'" + settings.file +
+                       "' is none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
+                       "light field (.exr), ray paths (.vtp), picture (.png)");
+  }
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void describe_png(const std::string& path, Report& report) {
+  const PngImage image = read_png(path);
+  report.add("type", "picture", "type", "picture");
+  report.add("size", std::to_string(image.width) + " x " + std::to_string(image.height), "size",
+             {image.width, image.height});
+  report.add("channels", image.channels == 3 ? "RGB" : "grey", "channels", image.channels);
+  report.add("bits", std::to_string(image.bits), "bits", image.bits);
+  if (image.significant_bits > 0)
+    report.add("significant bits", std::to_string(image.significant_bits), "significant_bits",
+               image.significant_bits);
+  const std::string curve = image.transfer == Transfer::linear ? "linear" : "display";
+  report.add("curve", curve, "curve", curve);
+  for (const auto& [keyword, text] : image.texts) report.add_text(keyword, text);
+  report.add_json("texts", image.texts);
+}
+
+void register_info(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(registry, "info",
+                                  "Say what a scene, flame, light field, ray or picture file holds",
+                                  "plenoflame info flame.exr --json");
+  command
+      .add_option("FILE", settings->file,
+                  "Scene (.toml), flame (.vdb), light field (.exr), ray "
+                  "paths (.vtp) or picture (.png)")
+      ->required();
+  command.add_flag("--scene", settings->scene,
+                   "Print the scene that a light field was rendered from, and nothing else");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_info(*settings); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+
+#include "commands/info.h"
+#include "options.h"
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct ChannelSummary {
+  double total = 0;
+  double largest = 0;
+  std::size_t lit = 0;
+  std::size_t not_finite = 0;
+  double relative_error = 0;  ///< sqrt(mean(s^2)) / mean(flux) over lit pixels
+};
+
+ChannelSummary summarize(const LightFieldChannel& channel) {
+  ChannelSummary summary;
+  double squares = 0;
+  for (std::size_t i = 0; i < channel.flux.pixels.size(); ++i) {
+    const double flux = channel.flux.pixels[i];
+    if (!std::isfinite(flux)) {
+      ++summary.not_finite;
+      continue;
+    }
+    summary.total += flux;
+    summary.largest = std::max(summary.largest, flux);
+    if (!(flux > 0)) continue;
+    ++summary.lit;
+    if (!channel.standard_error.empty()) {
+      const double error = channel.standard_error.pixels[i];
+      squares += error * error;
+    }
+  }
+  const auto lit = static_cast<double>(summary.lit);
+  if (summary.total > 0) summary.relative_error = std::sqrt(squares * lit) / summary.total;
+  return summary;
+}
+
+void describe_channel(const LightFieldChannel& channel, Report& report, nlohmann::json& list) {
+  const ChannelSummary summary = summarize(channel);
+  std::string text = readable(summary.total, Dimension::flux) + " in " +
+                     std::to_string(summary.lit) + " lit pixels, largest " +
+                     readable(summary.largest, Dimension::flux);
+  nlohmann::json entry = {{"name", channel.name},
+                          {"total_W", summary.total},
+                          {"largest_W", summary.largest},
+                          {"lit_pixels", summary.lit},
+                          {"not_finite_pixels", summary.not_finite}};
+  if (!channel.standard_error.empty()) {
+    text += ", error " + readable_percent(summary.relative_error);
+    entry["relative_error"] = summary.relative_error;
+  }
+  if (summary.not_finite > 0)
+    text += ", " + std::to_string(summary.not_finite) + " pixels NOT FINITE";
+  report.add_text("channel " + channel.name, text);
+  list.push_back(entry);
+}
+
+}  // namespace
+
+void describe_light_field(const std::string& path, Report& report) {
+  const LightField field = read_light_field(path);
+  const PixelWindow& window = field.window;
+  report.add("type", "light field", "type", "light field");
+  report.add(
+      "sensor",
+      std::to_string(field.sensor_width) + " x " + std::to_string(field.sensor_height) + " pixels",
+      "sensor", {field.sensor_width, field.sensor_height});
+  const bool whole = window == PixelWindow{0, 0, field.sensor_width, field.sensor_height};
+  report.add("window",
+             whole ? std::string("whole sensor")
+                   : std::to_string(window.width) + " x " + std::to_string(window.height) + " at " +
+                         std::to_string(window.x) + "," + std::to_string(window.y),
+             "window", {window.x, window.y, window.width, window.height});
+  nlohmann::json channels = nlohmann::json::array();
+  for (const LightFieldChannel& channel : field.channels)
+    describe_channel(channel, report, channels);
+  report.add_json("channels", channels);
+  nlohmann::json layers = nlohmann::json::array();
+  for (const auto& layer : field.layers) {
+    report.add_text("layer", layer.first);
+    layers.push_back(layer.first);
+  }
+  report.add_json("layers", layers);
+  report.add("complete", field.complete ? "yes" : "no: the run was stopped early", "complete",
+             field.complete);
+  report.add("estimator", field.estimator, "estimator", field.estimator);
+  report.add("samples", readable_number(field.samples), "samples", field.samples);
+  report.add("seed", std::to_string(field.seed), "seed", field.seed);
+  report.add("version", field.version, "version", field.version);
+  for (const auto& [key, value] : field.numbers) report.add_text(key, readable_number(value));
+  report.add_json("numbers", field.numbers);
+  for (const auto& [key, value] : field.texts) report.add_text(key, value);
+  report.add_json("texts", field.texts);
+  report.add("scene", std::to_string(field.scene_text.size()) + " characters (--scene prints it)",
+             "scene", field.scene_text);
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,149 @@
+#include "commands/render_options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame::cli {
+namespace {
+
+/// A whole number of type T in [least, greatest], written plainly or as 1e6.
+template <class T>
+T whole_number(const std::string& option, const std::string& text, T least, T greatest) {
+  const char* const end = text.data() + text.size();
+  T value{};
+  const auto plain = std::from_chars(text.data(), end, value);
+  bool good = plain.ec == std::errc() && plain.ptr == end;
+  if (!good) {
+    double real = 0;
+    const auto scientific = std::from_chars(text.data(), end, real);
+    // Whole numbers below 2^53 are exact in a double.
+    good = scientific.ec == std::errc() && scientific.ptr == end && real >= 0 &&
+           real < 9007199254740992.0 && real == std::floor(real) &&
+           real <= static_cast<double>(std::numeric_limits<T>::max());
+    if (good) value = static_cast<T>(real);
+  }
+  if (!good || value < least || value > greatest)
+    throw UsageError(option + " takes a whole number from " + std::to_string(least) + " to " +
+                     std::to_string(greatest) + ", not '" + text + "'");
+  return value;
+}
+
+bool has_extension(const std::string& path, const char* extension) {
+  return std::filesystem::path(path).extension() == extension;
+}
+
+}  // namespace
+
+void add_render_options(CLI::App& command, RenderArguments& arguments) {
+  RenderOptions& options = arguments.options;
+  command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
+  command
+      .add_option("-o,--output", options.output,
+                  "Light field to write (.exr); without it, SCENE's name in the current folder")
+      ->option_text("FILE");
+  command
+      .add_option("--samples", arguments.samples,
+                  "Rays per pixel and microlens (forward: energy bundles per pixel); with "
+                  "--target-error or --time-limit, at most so many")
+      ->option_text("N");
+  command
+      .add_option("--target-error", arguments.target_error,
+                  "Stop when the relative RMSE over lit pixels is below this, e.g. 1%")
+      ->option_text("SHARE");
+  command
+      .add_option("--time-limit", arguments.time_limit,
+                  "Stop after this time, with unit, e.g. 60s, 5min")
+      ->option_text("TIME");
+  command
+      .add_option("--estimator", arguments.estimator,
+                  "backward: from the sensor (quasi-Monte Carlo); forward: energy bundles from the "
+                  "flame, slow")
+      ->check(CLI::IsMember({"backward", "forward"}))
+      ->option_text("NAME");
+  command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 4096))
+      ->option_text("N");
+  command
+      .add_option("--seed", arguments.seed,
+                  "Seed of the random numbers: the same gives the "
+                  "same image, for any number of threads")
+      ->option_text("N");
+  command
+      .add_option("--window", arguments.window,
+                  "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
+      ->option_text("X,Y,W,H");
+  command
+      .add_option("--resume", options.resume,
+                  "Go on with a light field (.exr) whose run was stopped early")
+      ->option_text("FILE");
+  command
+      .add_option("--stats", options.stats,
+                  "Write times, rays, error and what was skipped to this file (.json)")
+      ->option_text("FILE");
+  command.add_flag("--no-skip{false}", options.skip,
+                   "Do all work, also what the scene does not need (for comparison)");
+  command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
+  command.add_flag("--json", options.json, "Print the figures as JSON");
+}
+
+RenderOptions checked_options(const RenderArguments& arguments) {
+  RenderOptions options = arguments.options;
+  if (options.output.empty())
+    options.output = std::filesystem::path(options.scene).stem().string() + ".exr";
+  if (!has_extension(options.output, ".exr"))
+    throw UsageError("--output: '" + options.output +
+                     "' must end in .exr; 'plenoflame develop' makes a picture of it");
+  check_not_overwritten("--output", options.output, options.scene);
+  if (!options.stats.empty()) {
+    check_not_overwritten("--stats", options.stats, options.scene);
+    check_not_overwritten("--stats", options.stats, options.output);
+  }
+  if (!arguments.samples.empty())
+    options.samples = whole_number("--samples", arguments.samples, 1, 1 << 30);
+  if (!arguments.seed.empty())
+    options.seed = whole_number<std::uint64_t>("--seed", arguments.seed, 0,
+                                               std::numeric_limits<std::uint64_t>::max());
+  if (!arguments.target_error.empty()) {
+    const double target =
+        quantity_option("--target-error", arguments.target_error, Dimension::none);
+    if (!(target > 0 && target < 1))
+      throw UsageError("--target-error: a share above 0 % and below 100 %, e.g. 1%, not '" +
+                       arguments.target_error + "'");
+    options.target_error = target;
+  }
+  if (!arguments.time_limit.empty()) {
+    const double limit = quantity_option("--time-limit", arguments.time_limit, Dimension::time);
+    if (!(limit > 0))
+      throw UsageError("--time-limit: a time above 0 s, e.g. 60s, not '" + arguments.time_limit +
+                       "'");
+    options.time_limit = limit;
+  }
+  if (!arguments.estimator.empty())
+    options.estimator = arguments.estimator == "forward" ? Estimator::forward : Estimator::backward;
+  if (!arguments.window.empty()) options.window = window_option("--window", arguments.window);
+  return options;
+}
+
+void check_files(const RenderOptions& options) {
+  check_writable(options.output);
+  if (!options.stats.empty()) check_writable(options.stats);
+  if (!options.resume.empty()) static_cast<void>(read_light_field_header(options.resume));
+}
+
+void check_window(const RenderOptions& options, const SensorSpec& sensor) {
+  if (!options.window) return;
+  const PixelWindow& window = *options.window;
+  if (window.x > sensor.columns - window.width || window.y > sensor.rows - window.height)
+    throw UsageError("--window reaches beyond the sensor of " + std::to_string(sensor.columns) +
+                     " x " + std::to_string(sensor.rows) + " pixels");
+}
+
+}  // namespace plenoflame::cli

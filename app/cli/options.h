@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plenoflame/base/units.h"
+#include "plenoflame/image/image.h"
+
+namespace plenoflame::cli {
+
+/// Reads an option's value with its unit. @param option as the user writes it, e.g. "--saturation"
+/// @throws UsageError "OPTION: ..."
+double quantity_option(std::string_view option, const std::string& text, Dimension dimension);
+
+/// Reads "X,Y,W,H": whole numbers, X and Y not negative, W and H at least 1. @throws UsageError
+PixelWindow window_option(std::string_view option, const std::string& text);
+
+/// Refuses to write over a file that is read. @throws UsageError when both are the same file
+void check_not_overwritten(std::string_view option, const std::string& output,
+                           const std::string& input);
+
+/// The name in `candidates` that `name` is most likely meant to be (least edit distance, at most a
+/// third of its length); empty: none is near.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
+
+/// A value for people, with unit: four significant digits. Computations must not use it.
+std::string readable(double value, Dimension dimension);
+/// A share as percentage: "1.234 %".
+std::string readable_percent(double share);
+/// A number: four significant digits.
+std::string readable_number(double value);
+
+}  // namespace plenoflame::cli

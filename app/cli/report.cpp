@@ -1,0 +1,34 @@
+#include "report.h"
+
+#include <algorithm>
+#include <iostream>
+
+namespace plenoflame::cli {
+
+void Report::add(const std::string& label, const std::string& text, const std::string& key,
+                 nlohmann::json value) {
+  add_text(label, text);
+  add_json(key, std::move(value));
+}
+
+void Report::add_text(const std::string& label, const std::string& text) {
+  lines_.emplace_back(label, text);
+}
+
+void Report::add_json(const std::string& key, nlohmann::json value) {
+  json_[key] = std::move(value);
+}
+
+void Report::print(bool as_json) const {
+  if (as_json) {
+    // File names need not be UTF-8: what is not is replaced, not thrown about.
+    std::cout << json_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    return;
+  }
+  std::size_t width = 0;
+  for (const auto& line : lines_) width = std::max(width, line.first.size());
+  for (const auto& [label, text] : lines_)
+    std::cout << label << ':' << std::string(width - label.size() + 1, ' ') << text << '\n';
+}
+
+}  // namespace plenoflame::cli

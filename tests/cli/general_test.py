@@ -1,0 +1,53 @@
+"""What holds for every command: help, version, exit statuses, where output goes."""
+
+import re
+import subprocess
+
+from command import CommandTest, main
+
+
+class General(CommandTest):
+    def commands(self):
+        text = self.succeeds("--help")
+        listed = text.split("Subcommands:\n")[1]
+        return re.findall(r"^  (\w+)", listed, re.MULTILINE)
+
+    def test_version(self):
+        self.assertRegex(self.succeeds("--version"), r"\Aplenoflame \d+\.\d+\.\d+\n\Z")
+
+    def test_help_lists_commands(self):
+        for name in ("develop", "compare", "info"):
+            self.assertIn(name, self.commands())
+
+    def test_every_help_has_an_example_that_names_the_command(self):
+        for name in self.commands():
+            text = self.succeeds(name, "--help")
+            self.assertRegex(text, r"\nExample:\n  plenoflame %s\b" % name)
+            self.assertEqual(text, self.succeeds(name, "-h"))
+            for line in text.splitlines():
+                self.assertLessEqual(len(line), 96, line)
+
+    def test_bad_use_is_status_2(self):
+        self.fails(2, mentions=["a command is required", "plenoflame --help"])
+        self.fails(2, "inof", mentions=["'inof'", "did you mean 'info'?"])
+        self.fails(2, "quantum", mentions="unknown command 'quantum'")
+        self.fails(2, "--fast", mentions="unknown option '--fast'")
+        for name in self.commands():
+            self.fails(2, name, mentions="plenoflame %s --help" % name)
+            self.fails(2, name, "a", "b", "c", "d", "--nonsense", mentions="--help")
+
+    def test_full_standard_output_is_a_failure(self):
+        with open("/dev/full", "w") as full:
+            result = self.run_command("--version", stdout=full)
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"\Aplenoflame: error: standard output [^\n]+\n\Z")
+
+    def test_closed_pipe_does_not_hang(self):
+        process = subprocess.Popen([__import__("command").COMMAND, "--help"], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL)
+        process.stdout.close()
+        self.assertIsNotNone(process.wait(timeout=30))
+
+
+if __name__ == "__main__":
+    main()

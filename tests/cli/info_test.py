@@ -1,0 +1,90 @@
+"""plenoflame info: what it says about each kind of file."""
+
+import json
+import os
+import struct
+
+from command import CommandTest, main
+from exr import write_light_field
+
+VTP = """<?xml version="1.0"?>
+<!-- rays -->
+<VTKFile type="PolyData" version="0.1" byte_order="LittleEndian">
+ <PolyData>
+  <FieldData><DataArray type="String" Name="scene" NumberOfTuples="1">65</DataArray></FieldData>
+  <Piece NumberOfPoints="5" NumberOfVerts="0" NumberOfLines="2" NumberOfStrips="0" NumberOfPolys="0">
+   <PointData><DataArray type="Float64" Name="distance" format="ascii">0 1 2 0 1</DataArray></PointData>
+   <CellData Scalars="radiance">
+    <DataArray type="Float64" Name='radiance' format="ascii">1 2</DataArray>
+    <DataArray type="Int32" Name="pixel" NumberOfComponents="2" format="ascii">1 2 3 4</DataArray>
+   </CellData>
+   <Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0</DataArray></Points>
+  </Piece>
+ </PolyData>
+</VTKFile>
+"""
+
+
+class Info(CommandTest):
+    def test_light_field(self):
+        scene = "# caf\u00e9\n[camera]\n"
+        write_light_field(self.path("a.exr"), [[1e-9, 0.0, 3e-9]], [[1e-11, 0.0, 1e-11]], sensor=(40, 30), origin=(5, 4),
+                          scene=scene, seed="18446744073709551615", complete=0, **{"number.array.pitch": 1e-4})
+        figures = self.json_of("info", "a.exr")
+        self.assertEqual(figures["type"], "light field")
+        self.assertEqual(figures["sensor"], [40, 30])
+        self.assertEqual(figures["window"], [5, 4, 3, 1])
+        self.assertEqual(figures["seed"], 18446744073709551615)
+        self.assertEqual(figures["complete"], False)
+        self.assertEqual(figures["numbers"], {"array.pitch": 1e-4})
+        self.assertEqual(figures["scene"], scene)
+        channel, = figures["channels"]
+        self.assertEqual((channel["name"], channel["lit_pixels"]), ("total", 2))
+        total = sum(struct.unpack("<2f", struct.pack("<2f", 1e-9, 3e-9)))
+        self.assertEqual(channel["total_W"], total)
+        # sqrt(mean(s^2)) / mean(flux) = 1e-11 / 2e-9
+        self.assertLess(abs(channel["relative_error"] / 0.005 - 1), 1e-6)
+        text = self.succeeds("info", "a.exr")
+        self.assertIn("channel total: 4 nW in 2 lit pixels, largest 3 nW, error 0.5 %\n", text)
+        self.assertRegex(text, r"complete: +no: ")
+        self.assertEqual(self.succeeds("info", "a.exr", "--scene"), scene)
+
+    def test_ray_paths(self):
+        open(self.path("rays.vtp"), "w").write(VTP)
+        figures = self.json_of("info", "rays.vtp")
+        self.assertEqual((figures["points"], figures["lines"]), (5, 2))
+        self.assertEqual([(a["of"], a["name"], a["type"], a["components"]) for a in figures["arrays"]],
+                         [("file", "scene", "String", "1"), ("point", "distance", "Float64", "1"),
+                          ("cell", "radiance", "Float64", "1"), ("cell", "pixel", "Int32", "2")])
+        open(self.path("grid.vti"), "w").write(VTP.replace("PolyData", "ImageData"))
+        self.fails(1, "info", "grid.vti", mentions="'ImageData'")
+
+    def test_picture(self):
+        write_light_field(self.path("a.exr"), [[1e-9, 0.0, 3e-9]])
+        self.succeeds("develop", "a.exr", "--curve", "linear", "--bits", "12", "--saturation", "3nW")
+        figures = self.json_of("info", "a.png")
+        self.assertEqual((figures["size"], figures["bits"], figures["significant_bits"], figures["curve"]),
+                         ([3, 1], 16, 12, "linear"))
+        self.assertIn("saturation 3 nW per pixel", figures["texts"]["Comment"])
+
+    def test_bad_files(self):
+        self.fails(1, "info", "none", mentions="No such file")
+        os.mkdir(self.path("folder"))
+        self.fails(1, "info", "folder", mentions="it is a folder")
+        for name, content in (("empty.exr", b""), ("letter.txt", b"Dear reader"), ("noise.bin", bytes(range(256)))):
+            open(self.path(name), "wb").write(content)
+            self.fails(1, "info", name, mentions="none of the files that Plenoflame knows")
+        open(self.path("cut.exr"), "wb").write(b"\x76\x2f\x31\x01\x02\x00\x00\x00")
+        self.fails(1, "info", "cut.exr", mentions="cut.exr")
+        self.fails(2, "info", "letter.txt", "--scene", mentions="--scene")
+
+    def test_names_that_are_not_unicode(self):
+        name = os.fsencode(self.folder) + b"/\xff\xfe.exr"
+        write_light_field(name, [[1e-9]])
+        result = self.run_command("info", os.fsdecode(name), "--json")
+        self.assertEqual(result.returncode, 0)
+        json.loads(result.stdout)
+
+
+if __name__ == "__main__":
+    main()
