@@ -10,6 +10,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/nearest.h"
+#include "scene/toml_guard.h"
 
 namespace plenoflame {
 namespace {
@@ -313,6 +314,7 @@ class Reader {
 SceneDocument parse_scene(std::string_view text, const std::string& name) {
   SceneDocument document;
   document.scene.file = name;
+  check_key_depth(text, name);
   toml::table parsed;
   try {
     parsed = toml::parse(text, name);

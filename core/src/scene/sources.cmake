@@ -7,6 +7,7 @@ list(APPEND core_sources
   src/scene/scene_writer.cpp
   src/scene/schema_markdown.cpp
   src/scene/schema_table.cpp
+  src/scene/toml_guard.cpp
   src/scene/validate.cpp
   src/scene/validate_camera.cpp
   src/scene/validate_flames.cpp)

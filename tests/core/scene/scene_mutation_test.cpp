@@ -120,5 +120,42 @@ TEST(SceneMutation, DamagedFilesAreReadOrRefused) {
   EXPECT_GT(refused, 1000);
 }
 
+std::string repeated(const std::string& piece, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += piece;
+  return text;
+}
+
+// Texts that are deep or long enough to break a reader that recurses or is quadratic.
+TEST(SceneMutation, DeepAndLongFilesAreRefused) {
+  const std::string texts[] = {
+      "a = " + repeated("[", 1000000),
+      repeated("[", 300000),
+      "a" + repeated(".a", 100000) + " = 1",
+      "[camera" + repeated(" . \"a\"", 100000) + "]",
+      "[camera]\nlens = {a" + repeated(".'b'", 100000) + " = 1}",
+      "x = [\"\\\"\", '\\', \"\"\"\"\n\"\"\"\"\"]\ny" + repeated(".y", 100000) + " = 1",
+      "camera = " + repeated("{a = ", 100000),
+      "camera.position = \"" + repeated("x", 3000000) + "\"",
+      repeated("a", 100000) + " = 1",
+      std::string("\0a = 1", 6),
+      "render.samples = 9223372036854775808",
+      "[camera]\npreset = ''",
+      "[camera.array]\ntypes = [{name = 'a'}]\n[[camera.array.types]]\nname = 'c'",
+  };
+  for (const std::string& text : texts) {
+    const std::string message = test::message_of([&] { parse_scene(text, "deep.toml"); });
+    EXPECT_TRUE(message.starts_with("deep.toml:")) << message << " for " << text.substr(0, 60);
+    EXPECT_LT(message.size(), 2000u) << text.substr(0, 60);
+  }
+  // Dots in strings, comments and numbers are no parts of keys.
+  const std::string dots = repeated(".", 1000);
+  const std::string harmless = "# " + dots + "\n[[flames]]\nname = \"" + dots + "\"\nfile = '''" +
+                               dots + "\n'" + dots + "'''\n" +
+                               "position = [\"1.0 m\", \"1.5 m\", \"2.5 m\"] # " + dots + "\n";
+  EXPECT_EQ(parse_scene(harmless, "").scene.flames.at(0).name, dots);
+  EXPECT_EQ(parse_scene("\xEF\xBB\xBF[render]\r\nsamples = 3\r\n", "").scene.render.samples, 3);
+}
+
 }  // namespace
 }  // namespace plenoflame

@@ -1,0 +1,57 @@
+#include "scene/toml_guard.h"
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kMostParts = 32;
+
+/// Position behind the string that begins at `at`; the end of the text when it is not closed.
+std::size_t skip_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string_view three = text.substr(at, 3);
+  const bool long_form = three.size() == 3 && three[1] == quote && three[2] == quote;
+  at += long_form ? 3 : 1;
+  while (at < text.size()) {
+    if (text[at] == '\\' && quote == '"') {
+      at += 2;
+    } else if (long_form && text[at] == quote) {
+      // Up to two quotes may stand in front of the three that close.
+      std::size_t count = 0;
+      while (at < text.size() && text[at] == quote && count < 5) ++count, ++at;
+      if (count >= 3) return at;
+    } else if (!long_form && (text[at] == quote || text[at] == '\n')) {
+      return at + 1;
+    } else {
+      ++at;
+    }
+  }
+  return text.size();
+}
+
+}  // namespace
+
+void check_key_depth(std::string_view text, const std::string& name) {
+  int line = 1, parts = 1;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    std::size_t next = at + 1;
+    if (c == '"' || c == '\'') {
+      next = skip_string(text, at);
+    } else if (c == '#') {
+      next = text.find('\n', at);
+      if (next == std::string_view::npos) next = text.size();
+    } else if (c == '.') {
+      if (++parts > kMostParts)
+        throw InputError({name, line, 0},
+                         "a key has more than 32 parts; a scene file has none like that");
+    } else if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') {
+      parts = 1;
+    }
+    for (; at < next && at < text.size(); ++at)
+      if (text[at] == '\n') ++line;
+  }
+}
+
+}  // namespace plenoflame
