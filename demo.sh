@@ -43,7 +43,7 @@ picture() {
 }
 
 picture paper-flame-1m "the paper's layered flame, 1 m from its multi-focus plenoptic camera"
-"$plenoflame" flame candle -o out/candle.vdb
+"$plenoflame" flame candle -o examples/candle.vdb  # where examples/candle.toml expects it
 picture candle "a candle flame from OpenVDB grids"
 
 say "pictures (and beside each, as .exr, the light field in watt per pixel)"

@@ -35,4 +35,5 @@ picture() {
 }
 
 picture paper-flame-1m 0.5,0.5
+"$plenoflame" flame candle -o examples/candle.vdb
 picture candle 0.5,0.5
