@@ -151,12 +151,13 @@ struct Attenuation {
 /// @param tau >= 0; negative and NaN count as 0, infinity gives {0, 1}.
 template <class Real>
 PLENOFLAME_INLINE Attenuation<Real> attenuation(Real tau) {
-  const Real x = -greatest(tau, Real(0));
-  const auto reduced = exp_detail::reduce(exp_detail::into_range(x));
+  // As reduce(-t), with t clamped to where e^-t is a normal number.
+  const Real thickest = -exp_detail::lowest_exponent(Real());
+  const Real t = least(greatest(tau, Real(0)), thickest);
+  const auto reduced = exp_detail::reduce(-t);
   const Real scale = exp_detail::power_of_two(reduced.shifted);
   const Real scaled = scale * reduced.minus_one;
-  return {x >= exp_detail::lowest_exponent(Real()) ? scale + scaled : Real(0),
-          (Real(1) - scale) - scaled};
+  return {tau > thickest ? Real(0) : scale + scaled, (Real(1) - scale) - scaled};
 }
 
 /// One interval whose source function is linear in optical thickness:

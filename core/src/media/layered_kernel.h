@@ -2,7 +2,7 @@
 
 namespace plenoflame {
 
-inline constexpr int kLayeredBlock = 128;  ///< rays handled together: their scratch stays in L1
+inline constexpr int kLayeredBlock = 256;  ///< rays handled together: their scratch stays in L1
 
 /// Everything that the kernel of the layered medium reads and writes. Plain data: the kernel is
 /// compiled once per instruction set and shares no inline code with the rest.
@@ -14,7 +14,7 @@ struct LayeredTask {
   bool nested = false;    ///< each layer lies inside the next one: intervals nest, no sorting
   bool skip = true;       ///< blocks of rays that miss everything end early
   Real rotation[9] = {};  ///< world to local, row major
-  const Real* geometry = nullptr;    ///< per layer centre x, y, z [m], 1/semi-axis x, y, z [1/m]
+  const Real* geometry = nullptr;    ///< per layer centre/semi-axis x, y, z, 1/semi-axis [1/m]
   const Real* absorption = nullptr;  ///< per layer [1/m]
   const Real* sources = nullptr;     ///< [channel * layers + layer], W/(m^2 sr)
 

@@ -100,7 +100,7 @@ PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int c
   Real* __restrict exit = s.exit + layer * kLayeredBlock;
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
-    const Real ux = (px[i] - cx) * ix, uy = (py[i] - cy) * iy, uz = (pz[i] - cz) * iz;
+    const Real ux = px[i] * ix - cx, uy = py[i] * iy - cy, uz = pz[i] * iz - cz;
     const Real vx = dx[i] * ix, vy = dy[i] * iy, vz = dz[i] * iz;
     const Real inverse = Real(1) / (vx * vx + vy * vy + vz * vz);
     const Real t = -(ux * vx + uy * vy + uz * vz) * inverse;
@@ -112,13 +112,20 @@ PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int c
   }
 }
 
+/// Longest chord so far, to tell which rays meet anything.
 template <class Real>
-PLENOFLAME_INLINE int count_hits(int count, const Real* __restrict entry,
-                                 const Real* __restrict exit) {
-  int hits = 0;
-#pragma omp simd reduction(+ : hits)
-  for (int i = 0; i < count; ++i) hits += entry[i] < exit[i] ? 1 : 0;
-  return hits;
+PLENOFLAME_INLINE void lengthen(int count, const Real* __restrict entry,
+                                const Real* __restrict exit, Real* __restrict longest) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) longest[i] = greatest(exit[i] - entry[i], longest[i]);
+}
+
+template <class Real>
+PLENOFLAME_INLINE int count_positive(int count, const Real* __restrict values) {
+  int positive = 0;
+#pragma omp simd reduction(+ : positive)
+  for (int i = 0; i < count; ++i) positive += values[i] > Real(0) ? 1 : 0;
+  return positive;
 }
 
 /// One homogeneous interval [from, to] of a layer, behind what has been passed so far.
@@ -260,15 +267,19 @@ PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int c
   const LayeredScratch<Real> s = make_scratch(task.scratch, task.layers);
   Real* transmittance = task.transmittance + first;
   localise(task, first, count, s);
-  int hits = 0;
+  Real* longest = s.kappa;
+  fill(longest, count, Real(0));
   const int last = task.layers - 1;
+  int hits = 0;
   for (int k = last; k >= 0; --k) {
     const bool within_next = task.nested && k < last;
     intersect(task, k, count, s, within_next ? s.entry + (k + 1) * n : s.near,
               within_next ? s.exit + (k + 1) * n : s.far);
     if (within_next) continue;
-    hits += count_hits(count, s.entry + k * n, s.exit + k * n);
-    if (task.nested && hits == 0 && task.skip) break;
+    lengthen(count, s.entry + k * n, s.exit + k * n, longest);
+    if (!task.nested && k > 0) continue;
+    hits = count_positive(count, longest);
+    if (hits == 0 && task.skip) break;  // what misses the outermost layer misses those within
   }
   fill(transmittance, count, Real(1));
   if (hits == 0 && task.skip) {
@@ -282,7 +293,7 @@ PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int c
   else
     pass_overlapping(task, count, s, transmittance);
   emit(task, first, count, s);
-  task.hits += hits < count ? hits : count;
+  task.hits += hits;
   task.intervals += static_cast<long>(count) * (2 * task.layers - 1);
 }
 

@@ -156,7 +156,7 @@ CompiledLayers<Real> LayeredMedium::compile() const {
   CompiledLayers<Real> c;
   for (const EllipsoidLayer& layer : layers_) {
     const Vec3 p = layer.centre - middle_, a = layer.semi_axes;
-    for (const double v : {p.x, p.y, p.z, 1 / a.x, 1 / a.y, 1 / a.z})
+    for (const double v : {p.x / a.x, p.y / a.y, p.z / a.z, 1 / a.x, 1 / a.y, 1 / a.z})
       c.geometry.push_back(static_cast<Real>(v));
     c.absorption.push_back(static_cast<Real>(layer.absorption));
   }

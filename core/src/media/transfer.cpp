@@ -64,10 +64,10 @@ double estimated_error(double kronrod, double gauss) {
   return std::min(difference, std::pow(200 * difference, 1.5));
 }
 
-constexpr double kOpaque = 100;  ///< optical thickness behind which nothing is seen
-constexpr double kThickest = 4;  ///< of one interval: keeps e^-tau a smooth function
-constexpr int kDeepest = 48;     ///< bisections of one interval
-constexpr int kMostIntervals = 1 << 20;
+constexpr double kOpaque = 100;          ///< optical thickness behind which nothing is seen
+constexpr double kThickest = 4;          ///< of one interval: keeps e^-tau a smooth function
+constexpr int kDeepest = 48;             ///< bisections of one interval
+constexpr int kMostIntervals = 1 << 15;  ///< of a whole ray: ends what rounding never lets converge
 
 }  // namespace
 
@@ -152,8 +152,8 @@ RaySpan clip_to_box(const Box& box, const Ray& ray, double near, double far) {
   slab(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
   slab(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
   slab(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
-  const bool finite = std::isfinite(near) && std::isfinite(far) &&
-                      std::isfinite(dot(ray.origin, ray.origin));
+  const bool finite =
+      std::isfinite(near) && std::isfinite(far) && std::isfinite(dot(ray.origin, ray.origin));
   if (!finite || !(near < far)) return {};
   return {near, far};
 }

@@ -29,6 +29,28 @@ void probe_exp_double(const double* in, int size, double* a, double* b, double* 
                       double* e, double* f) {
   probe(in, size, a, b, c, d, e, f);
 }
+// Parts of it alone, for the benchmarks.
+void bench_exp(const float* __restrict in, int size, float* __restrict out) {
+  for (int i = 0; i < size; ++i) out[i] = exponential(in[i]);
+}
+void bench_attenuation(const float* __restrict in, int size, float* __restrict transmittance,
+                       float* __restrict emissivity) {
+  for (int i = 0; i < size; ++i) {
+    const Attenuation<float> a = attenuation(in[i]);
+    transmittance[i] = a.transmittance;
+    emissivity[i] = a.emissivity;
+  }
+}
+void bench_linear_transfer(const float* __restrict in, int size, float* __restrict transmittance,
+                           float* __restrict far_weight, float* __restrict near_weight) {
+  for (int i = 0; i < size; ++i) {
+    const LinearTransfer<float> w = linear_transfer(in[i]);
+    transmittance[i] = w.transmittance;
+    far_weight[i] = w.far_weight;
+    near_weight[i] = w.near_weight;
+  }
+}
+
 void probe_source_float(const float* exponents, const float* weights, int count, const float* t,
                         float* out, int size) {
   evaluate_source(SourceTable<float>{exponents, weights, count}, t, out, size);

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -26,6 +27,9 @@ class RayList {
     const auto v = [&](std::size_t c) { return static_cast<double>(columns_[c][i]); };
     return {anchor_ + Vec3{v(0), v(1), v(2)}, {v(3), v(4), v(5)}};
   }
+
+  double near(std::size_t i) const { return static_cast<double>(columns_[6][i]); }
+  double far(std::size_t i) const { return static_cast<double>(columns_[7][i]); }
 
   struct Results {
     std::vector<std::vector<Real>> radiance;  ///< per channel
