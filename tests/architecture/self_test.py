@@ -96,6 +96,7 @@ class SourceRules(unittest.TestCase):
         self.assert_bad("includes", kernel, '#include "plenoflame/math/vector.h"\n')
         self.assert_bad("includes", "core/src/math/kernel_math.h", "#include <algorithm>\n")
         self.assert_good("includes", kernel, '#include "math/kernel_math.h"\n')
+        self.assert_good("includes", kernel, "#include <cstdint>\n")
 
     def test_ascii(self):
         self.assert_bad("ascii", "core/src/math/x.cpp", "int a;\n// 5 \u00b5m\n", line=2)
