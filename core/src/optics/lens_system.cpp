@@ -49,7 +49,7 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
     // radius > 0 has its centre on the sensor's side, which is behind for rays to the scene.
     const double curvature = (to_scene ? -1.0 : 1.0) / surface.radius;
     const double radius = 0.5 * surface.diameter;
-    const scalar::KernelSurface<double> kernel{
+    const KernelSurface<double> kernel{
         0.0, curvature, radius * radius, before / behind,
         (behind - before) * (behind + before) / (behind * behind)};
     double z = sign * (p.z - vertex);
@@ -60,8 +60,8 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
     if (code != 0) {
       ray = {p, {d.x, d.y, sign * d.z}};
       const int cause = code % 4;
-      return {cause == scalar::kCauseVignetted         ? RayStatus::vignetted
-              : cause == scalar::kCauseTotalReflection ? RayStatus::total_internal_reflection
+      return {cause == kCauseVignetted         ? RayStatus::vignetted
+              : cause == kCauseTotalReflection ? RayStatus::total_internal_reflection
                                                        : RayStatus::missed,
               i};
     }

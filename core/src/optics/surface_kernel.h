@@ -2,20 +2,9 @@
 // and the double path. Coordinates are relative to the surface's vertex, z along the propagation.
 #pragma once
 #include "math/kernel_math.h"
+#include "optics/kernel_types.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
-
-/// Ray codes: 0 alive, otherwise 4 * surface + cause of the first failure.
-enum : int { kCauseVignetted = 1, kCauseTotalReflection = 2, kCauseMissed = 3 };
-
-template <class Real>
-struct KernelSurface {
-  Real gap;            ///< from the previous reference plane to this vertex
-  Real curvature;      ///< > 0: centre ahead in the direction of propagation
-  Real aperture2;      ///< clear radius squared
-  Real mu;             ///< index before / index behind
-  Real one_minus_mu2;  ///< (n' - n)(n' + n) / n'^2: exact for the smallest index steps
-};
 
 /// Moves the ray from the previous reference plane (z = 0 there) to the surface, tests aperture and
 /// refracts. Afterwards z is relative to this surface's vertex.
@@ -62,6 +51,26 @@ PLENOFLAME_INLINE void pass_plane(const KernelSurface<Real>& surface, int code_b
   z = Real(0);
   const int failure = x * x + y * y <= surface.aperture2 ? 0 : code_base + kCauseVignetted;
   code = code != 0 ? code : failure;
+}
+
+/// Paraxial transform: slope changes by -height * power, height stays.
+template <class Real>
+PLENOFLAME_INLINE void pass_ideal(const KernelIdealLens<Real>& lens, int code_base, Real& x, Real& y,
+                                  Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+  const Real sx = dx / dz, sy = dy / dz;
+  x += (lens.gap - z) * sx;
+  y += (lens.gap - z) * sy;
+  const Real at_stop_x = lens.stop_height * x + lens.stop_slope * sx;
+  const Real at_stop_y = lens.stop_height * y + lens.stop_slope * sy;
+  const int failure = at_stop_x * at_stop_x + at_stop_y * at_stop_y <= lens.stop_radius2
+                          ? 0
+                          : code_base + kCauseVignetted;
+  code = code != 0 ? code : failure;
+  const Real tx = sx - lens.power * x, ty = sy - lens.power * y;
+  dz = Real(1) / square_root(Real(1) + tx * tx + ty * ty);
+  dx = tx * dz;
+  dy = ty * dz;
+  z = lens.separation;  // relative to the rear principal plane
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

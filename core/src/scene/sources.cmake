@@ -1,4 +1,5 @@
 list(APPEND core_sources
+  src/scene/compile.cpp
   src/scene/nearest.cpp
   src/scene/position_map.cpp
   src/scene/presets.cpp

@@ -1,0 +1,117 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/math/vector.h"
+#include "plenoflame/optics/first_order.h"
+#include "plenoflame/optics/lens_system.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame {
+
+/// The paraxial transform of a lens between its principal planes, with its stop: slope changes by
+/// -height / focal_length, height stays. All z in the camera frame.
+struct IdealLens {
+  double rear_principal = 0;   ///< z of the principal plane on the sensor's side [m]
+  double front_principal = 0;  ///< z of the one on the scene's side [m]
+  double focal_length = 0;     ///< [m]
+  /// A ray with height h and slope s at the rear principal plane (towards the scene) meets the
+  /// stop, up to scale, at stop_height * h + stop_slope * s; it passes within stop_radius.
+  double stop_height = 1;
+  double stop_slope = 0;  ///< [m]
+  double stop_radius = 0; ///< [m]
+};
+
+/// One kind of microlens in its place.
+struct Microlens {
+  std::string name;
+  FirstOrder first_order;
+  double radius_front = 0, radius_back = 0;  ///< [m] > 0: convex
+  double index = 1;
+  double rear_principal = 0;   ///< z [m] camera frame
+  double front_principal = 0;  ///< z [m]
+  double sensor_distance = 0;  ///< B: rear principal plane to the sensor [m]
+  /// a0 = 1 / (1/f - 1/B): where in front of the front principal plane objects are sharp on the
+  /// sensor [m]; negative: behind it (Galilean). Perwass and Wietzke 2012.
+  double sharp_distance = 0;
+};
+
+/// A camera, solved and ready to trace; immutable. Positions are in the camera frame: origin at the
+/// front vertex of the main lens, +z towards the scene, x right, y down.
+class Camera {
+ public:
+  /// Solves the focus and places every part. Non-fatal findings are appended to `warnings`.
+  /// @throws InputError when the camera cannot exist (no light path, array inside the lens, ...)
+  explicit Camera(const CameraSpec& spec, std::vector<std::string>* warnings = nullptr);
+
+  const CameraSpec& spec() const { return spec_; }
+  const RigidTransform& to_world() const { return to_world_; }
+  bool has_array() const { return spec_.array.present; }
+  bool ideal_lens() const { return spec_.lens.model == LensModel::ideal; }
+  bool ideal_array() const { return spec_.array.model == LensModel::ideal; }
+  const FirstOrder& lens_first_order() const { return lens_first_order_; }
+  const LensSystem& lens() const { return lens_; }      ///< used by the real model
+  const IdealLens& ideal() const { return ideal_; }     ///< used by the ideal model
+  double rear_vertex() const { return rear_vertex_; }   ///< z of the main lens' last vertex [m]
+  /// z of the exit pupil [m]; infinite for a lens that is telecentric on the sensor's side.
+  double exit_pupil() const { return rear_vertex_ - lens_first_order_.exit_pupil; }
+  const std::vector<Microlens>& microlenses() const { return microlenses_; }
+  const MicrolensLattice& lattice() const { return lattice_; }
+  double array_front() const { return array_front_; }   ///< z of the front vertices [m]
+  double array_back() const { return array_back_; }     ///< z of the rear vertices [m]
+  double sensor() const { return sensor_; }             ///< z of the sensor [m]
+  /// Rear vertex of the main lens to the front vertices of the array (or to the sensor) [m].
+  double lens_distance() const { return lens_distance_; }
+
+  /// Number of surfaces from the scene to the sensor: those of the main lens (an ideal one counts
+  /// as one), then front and back of a microlens (an ideal one counts as one).
+  int surface_count() const;
+  std::string surface_name(int surface) const;
+
+  /// Plane on which directions are aimed at from a sensor point: the rear vertices (real
+  /// microlenses), the rear principal plane of the type (ideal ones), or, without array, the plane
+  /// of the main lens' rear vertex.
+  double aim_plane(int type) const;
+
+  struct Path {
+    TraceStatus status;         ///< surface numbered from the scene
+    Ray exit;                   ///< leaving the front of the camera when status is reached
+    std::vector<Vec3> points;   ///< sensor point, one per surface that was met (two for an ideal
+                                ///< lens with separated principal planes)
+  };
+  /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
+  /// `lens` (given exactly when there is an array). Exact, in double precision.
+  Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim, bool with_points = false) const;
+
+  /// Sensor point of continuous upright image coordinates (pixel (0,0) has its centre at 0.5, 0.5).
+  Vec2 sensor_point(double column, double row) const {
+    const double p = spec_.sensor.pixel_pitch;
+    return {(0.5 * spec_.sensor.columns - column) * p, (0.5 * spec_.sensor.rows - row) * p};
+  }
+
+ private:
+  void place_lens();
+  void place_array();
+  void solve_focus(std::vector<std::string>* warnings);
+  TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
+
+  CameraSpec spec_;
+  RigidTransform to_world_;
+  FirstOrder lens_first_order_;
+  LensSystem lens_;
+  IdealLens ideal_;
+  double rear_vertex_ = 0, lens_distance_ = 0;
+  double array_front_ = 0, array_back_ = 0, sensor_ = 0;
+  std::vector<Microlens> microlenses_;
+  std::vector<LensSystem> microlens_systems_;
+  MicrolensLattice lattice_;
+};
+
+/// Distance of the main lens' rear vertex from the plane of least RMS spot of the axial point at
+/// `object_distance` in front of the first vertex (may be infinite), by real rays [m].
+/// @throws InputError when no ray gets through.
+double best_image_distance(const MainLensSpec& lens, double object_distance);
+
+}  // namespace plenoflame

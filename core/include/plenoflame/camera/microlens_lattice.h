@@ -1,0 +1,36 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame {
+
+/// Name of one microlens: axial coordinates of the lattice (DESIGN.md, section 2).
+struct LensIndex {
+  int q = 0, r = 0;
+  friend bool operator==(const LensIndex&, const LensIndex&) = default;
+};
+
+/// The lattice of microlens centres in the array's plane, camera x, y [m]. It has no edge: as many
+/// lenses as light can reach the sensor through.
+class MicrolensLattice {
+ public:
+  MicrolensLattice() = default;
+  explicit MicrolensLattice(const ArraySpec& array);
+
+  Vec2 centre(LensIndex lens) const;
+  /// Type of a lens, 0 based: (q - r) mod the number of types.
+  int type(LensIndex lens) const;
+  /// The lens whose centre is nearest to a point.
+  LensIndex nearest(Vec2 point) const;
+  /// All lenses with centres in the closed rectangle, ordered by r, then q.
+  std::vector<LensIndex> within(Vec2 lower, Vec2 upper) const;
+
+ private:
+  Vec2 axial(Vec2 point) const;
+  Vec2 step_q_{1, 0}, step_r_{0, 1}, offset_;
+  int type_count_ = 1;
+};
+
+}  // namespace plenoflame

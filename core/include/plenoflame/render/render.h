@@ -1,0 +1,66 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/base/isa.h"
+#include "plenoflame/film/film.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/media/medium.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame {
+
+enum class Precision {
+  automatic,  ///< single where it is accurate enough for the scene, otherwise double
+  single_precision,
+  double_precision,
+};
+
+/// How to render. Figures that are 0 take their default.
+struct RenderSettings {
+  Estimator estimator = Estimator::backward;
+  int samples = 64;           ///< rays per pixel and microlens that covers it, all replicates together
+  int replicates = 2;         ///< independent randomisations, for the standard error
+  std::uint64_t seed = 1;
+  PixelWindow window;         ///< width 0: the whole sensor
+  bool skip = true;           ///< false: nothing is left out (for comparison)
+  bool standard_error = true;
+  Precision precision = Precision::automatic;
+  Isa isa = best_isa();
+};
+
+/// What was done, left out, and how long it took.
+struct RenderStatistics {
+  double rays = 0;          ///< sent
+  double rays_reached = 0;  ///< of these, left the camera towards the scene
+  double pixels = 0;        ///< in the window
+  double pixels_sampled = 0;///< that some microlens could light
+  double pairs = 0;         ///< pixels x microlenses that cover them
+  double lenses = 0;        ///< microlenses whose micro-images meet the window
+  double lenses_skipped = 0;///< of these, whose beams miss the flame
+  double pixels_skipped = 0;///< without array: pixels whose beams miss the flame
+  MediumCounters medium;
+  double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
+  double flux = 0;             ///< [W] sum over the image, first channel
+  bool complete = true;
+  int threads = 0;
+  std::string isa, precision, medium_description;
+  /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over threads.
+  double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
+};
+
+struct RenderResult {
+  LightField light_field;
+  RenderStatistics statistics;
+};
+
+/// Renders the light field of a scene. The result depends on scene, settings and instruction set
+/// only: not on the number of threads, nor on the window for the pixels inside it.
+/// Stopped through execution.stop it returns what is there, marked incomplete.
+RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution = {});
+
+}  // namespace plenoflame

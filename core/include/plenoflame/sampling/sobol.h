@@ -1,0 +1,51 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+namespace plenoflame {
+
+inline constexpr int kSobolDimensions = 8;
+
+/// Point `index` of the Sobol sequence in `dimension` (< kSobolDimensions) as a 32-bit fraction.
+/// Direction numbers: Joe and Kuo, SIAM J. Sci. Comput. 30 (2008), 2635, set D(6).
+std::uint32_t sobol(std::uint32_t index, int dimension);
+
+/// Nested uniform (Owen) scrambling of a 32-bit fraction: every bit is flipped or not depending on
+/// the seed and on all higher bits. Owen, MCQMC 1994 (1995), 299.
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed);
+
+/// 64 well mixed bits from a 64-bit key (splitmix64; Steele, Lea, Flood 2014).
+constexpr std::uint64_t mix64(std::uint64_t key) {
+  key += 0x9e3779b97f4a7c15u;
+  key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+  key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+  return key ^ (key >> 31);
+}
+
+/// A pool of independently Owen-scrambled stretches of the Sobol sequence in four dimensions. A
+/// pixel takes one entry at random and shifts it digitally (XOR) by random bits of its own: an
+/// Owen-scrambled net stays one under the shift, so that each pixel's points are exactly
+/// Owen-scrambled, at the cost of one load and one XOR a number.
+class SobolPool {
+ public:
+  static constexpr int kDimensions = 4;
+  /// @param replicates independent randomisations per entry   @param points of each
+  /// @param first index of the first point in the sequence (to continue an earlier run)
+  SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed);
+
+  int entries() const { return entries_; }
+  int replicates() const { return replicates_; }
+  int points() const { return points_; }
+  /// replicates * points fractions of one dimension, one replicate after the other, followed by at
+  /// least 16 readable words.
+  const std::uint32_t* fractions(int entry, int dimension) const {
+    return data_.data() + static_cast<std::size_t>(entry * kDimensions + dimension) * stride_;
+  }
+
+ private:
+  int entries_, replicates_, points_;
+  std::size_t stride_;
+  std::vector<std::uint32_t> data_;
+};
+
+}  // namespace plenoflame

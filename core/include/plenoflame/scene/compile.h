@@ -1,0 +1,44 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/camera/camera.h"
+#include "plenoflame/camera/pupil_sampling.h"
+#include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/source_function.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame {
+
+/// Makes the medium of one flame. Core itself knows the closed-form kinds; flames in OpenVDB files
+/// come from plenoflame::volumes, whose loader the caller passes in.
+using MediumLoader = std::function<std::unique_ptr<Medium>(
+    const FlameSpec& flame, const std::string& scene_folder,
+    const std::vector<SourceFunction>& channels, const Execution& execution)>;
+
+/// A scene, ready to trace: immutable, may be shared by threads.
+struct CompiledScene {
+  Scene scene;
+  Camera camera;
+  PupilSampling pupils;
+  std::unique_ptr<Medium> medium;  ///< all flames; nullptr when there is none
+};
+
+/// The source function of a channel.
+SourceFunction source_function(const ChannelSpec& channel);
+
+/// Loads flames of the kinds that core knows (layered). @throws InputError for other kinds, naming
+/// what is missing in this build.
+std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::string& scene_folder,
+                                         const std::vector<SourceFunction>& channels,
+                                         const Execution& execution);
+
+/// Solves the camera, traces its pupils and loads the flames. Warnings go to execution.message.
+/// @throws InputError, FileError
+CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
+                      const Execution& execution = {});
+
+}  // namespace plenoflame

@@ -1,0 +1,173 @@
+#include "plenoflame/camera/camera.h"
+
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+RigidTransform camera_to_world(const CameraSpec& spec) {
+  const Vec3 z = normalize(spec.look_direction);
+  const Vec3 up = spec.up - dot(spec.up, z) * z;
+  if (!(length(up) > 1e-9 * length(spec.up)))
+    throw InputError("camera.up is parallel to camera.look_direction; choose another up direction");
+  const Vec3 y = -normalize(up);
+  const Vec3 x = cross(y, z);
+  // Columns of the rotation are the camera axes in the world.
+  return {{{{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}}}, spec.position};
+}
+
+}  // namespace
+
+Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings) : spec_(spec) {
+  to_world_ = camera_to_world(spec_);
+  place_lens();
+  solve_focus(warnings);
+  place_array();
+}
+
+void Camera::place_lens() {
+  const MainLensSpec& lens = spec_.lens;
+  if (lens.surfaces.empty() && lens.model == LensModel::real)
+    throw InputError("camera.lens has no surfaces; give camera.lens.surfaces, or model = \"ideal\"");
+  lens_first_order_ = first_order(lens);
+  const FirstOrder& f = lens_first_order_;
+  rear_vertex_ = -f.length;
+  if (!std::isfinite(f.focal_length) || f.focal_length <= 0)
+    throw InputError("camera.lens does not converge: its focal length is not positive");
+  if (f.stop < 0) throw InputError("camera.lens has no aperture stop; mark one surface with stop = true");
+  if (lens.model == LensModel::real) {
+    lens_ = LensSystem(lens.surfaces);
+    return;
+  }
+  ideal_.focal_length = f.focal_length;
+  ideal_.rear_principal = rear_vertex_ - f.rear_principal;
+  ideal_.front_principal = -f.front_principal;
+  if (std::isfinite(f.exit_pupil)) {
+    ideal_.stop_slope = (rear_vertex_ - f.exit_pupil) - ideal_.rear_principal;
+    ideal_.stop_radius = 0.5 * f.exit_pupil_diameter;
+  } else {
+    const double distance = -f.entrance_pupil - ideal_.front_principal;
+    ideal_.stop_height = 1 - distance / f.focal_length;
+    ideal_.stop_slope = distance;
+    ideal_.stop_radius = 0.5 * f.entrance_pupil_diameter;
+  }
+}
+
+void Camera::place_array() {
+  const ArraySpec& array = spec_.array;
+  if (!array.present) {
+    sensor_ = rear_vertex_ - lens_distance_;
+    array_front_ = array_back_ = sensor_;
+    return;
+  }
+  lattice_ = MicrolensLattice(array);
+  const bool thin = ideal_array() && array.types.front().focal_length != 0;
+  array_front_ = rear_vertex_ - lens_distance_;
+  array_back_ = array_front_ - (thin ? 0 : array.thickness);
+  const double gap = array.sensor_distance +
+                     (array.measured_from == ArrayReference::principal_plane
+                          ? first_order(array, array.types.front()).rear_principal
+                          : 0.0);
+  if (!(gap > 0))
+    throw InputError("camera.array.sensor_distance puts the sensor inside the microlenses");
+  sensor_ = array_back_ - gap;
+  for (const MicrolensSpec& type : array.types) {
+    Microlens lens;
+    lens.name = type.name;
+    lens.first_order = first_order(array, type);
+    lens.radius_front = type.radius_front;
+    lens.radius_back = type.radius_back;
+    lens.index = type.index;
+    lens.rear_principal = array_back_ - lens.first_order.rear_principal;
+    lens.front_principal = array_front_ - lens.first_order.front_principal;
+    lens.sensor_distance = lens.rear_principal - sensor_;
+    lens.sharp_distance = 1.0 / (1.0 / lens.first_order.focal_length - 1.0 / lens.sensor_distance);
+    microlenses_.push_back(lens);
+    microlens_systems_.emplace_back(
+        std::vector<SurfaceSpec>{{type.radius_front, array.thickness, type.index, array.diameter, false},
+                                 {-type.radius_back, 0, 1, array.diameter, false}},
+        array_front_);
+  }
+}
+
+int Camera::surface_count() const {
+  const int lens = ideal_lens() ? 1 : static_cast<int>(spec_.lens.surfaces.size());
+  return lens + (has_array() ? (ideal_array() ? 1 : 2) : 0);
+}
+
+std::string Camera::surface_name(int surface) const {
+  const int lens = ideal_lens() ? 1 : static_cast<int>(spec_.lens.surfaces.size());
+  if (surface < 0) return "none";
+  if (surface < lens) {
+    if (ideal_lens()) return "main lens (ideal)";
+    const bool stop = spec_.lens.surfaces[static_cast<std::size_t>(surface)].stop;
+    return "main lens surface " + std::to_string(surface + 1) + (stop ? " (stop)" : "");
+  }
+  if (ideal_array()) return "microlens (ideal)";
+  return surface == lens ? "microlens front" : "microlens back";
+}
+
+double Camera::aim_plane(int type) const {
+  if (!has_array()) return ideal_lens() ? ideal_.rear_principal : rear_vertex_;
+  return ideal_array() ? microlenses_[static_cast<std::size_t>(type)].rear_principal : array_back_;
+}
+
+TraceStatus Camera::trace_ideal(Ray& ray, std::vector<Vec3>* points) const {
+  const double t = (ideal_.rear_principal - ray.origin.z) / ray.direction.z;
+  const Vec3 p = ray.at(t);
+  const Vec2 slope{ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z};
+  const Vec2 height{p.x, p.y};
+  if (points) points->push_back(p);
+  const Vec2 at_stop = ideal_.stop_height * height + ideal_.stop_slope * slope;
+  const Vec2 out = slope - (1.0 / ideal_.focal_length) * height;
+  ray = {{p.x, p.y, ideal_.front_principal}, normalize({out.x, out.y, 1})};
+  if (points && ideal_.front_principal != ideal_.rear_principal) points->push_back(ray.origin);
+  if (length(at_stop) > ideal_.stop_radius) return {RayStatus::vignetted, 0};
+  return {};
+}
+
+Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
+                           bool with_points) const {
+  Path path;
+  const int type = lens ? lattice_.type(*lens) : 0;
+  const Vec3 start{sensor_point.x, sensor_point.y, sensor_};
+  const Vec3 target{aim.x, aim.y, aim_plane(type)};
+  Ray ray{start, normalize(target - start)};
+  std::vector<Vec3>* points = with_points ? &path.points : nullptr;
+  if (points) points->push_back(start);
+  const int lens_surfaces = ideal_lens() ? 1 : static_cast<int>(spec_.lens.surfaces.size());
+  if (lens) {
+    const Vec2 centre = lattice_.centre(*lens);
+    ray.origin.x -= centre.x;
+    ray.origin.y -= centre.y;
+    const std::size_t first = path.points.size();
+    if (ideal_array()) {
+      const Microlens& microlens = microlenses_[static_cast<std::size_t>(type)];
+      const Vec3 p{aim.x - centre.x, aim.y - centre.y, microlens.rear_principal};
+      const double k = 1.0 / microlens.first_order.focal_length;
+      if (points) points->push_back(p);
+      if (std::hypot(p.x, p.y) > 0.5 * spec_.array.diameter)
+        path.status = {RayStatus::vignetted, lens_surfaces};
+      ray = {{p.x, p.y, microlens.front_principal},
+             normalize({ray.direction.x / ray.direction.z - k * p.x,
+                        ray.direction.y / ray.direction.z - k * p.y, 1})};
+    } else {
+      path.status = microlens_systems_[static_cast<std::size_t>(type)].trace_to_scene(ray, points);
+      if (path.status.status != RayStatus::reached) path.status.surface += lens_surfaces;
+    }
+    ray.origin.x += centre.x;
+    ray.origin.y += centre.y;
+    for (std::size_t i = first; i < path.points.size(); ++i) {
+      path.points[i].x += centre.x;
+      path.points[i].y += centre.y;
+    }
+  }
+  if (path.status.status == RayStatus::reached)
+    path.status = ideal_lens() ? trace_ideal(ray, points) : lens_.trace_to_scene(ray, points);
+  path.exit = ray;
+  return path;
+}
+
+}  // namespace plenoflame

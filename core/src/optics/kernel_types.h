@@ -1,0 +1,29 @@
+// Plain data that the vector kernels read; shared by all instruction sets, so without functions.
+#pragma once
+
+namespace plenoflame {
+
+/// Ray codes: 0 alive, otherwise 4 * surface + cause of the first failure.
+enum : int { kCauseVignetted = 1, kCauseTotalReflection = 2, kCauseMissed = 3 };
+
+template <class Real>
+struct KernelSurface {
+  Real gap;            ///< from the previous reference plane to this vertex
+  Real curvature;      ///< > 0: centre ahead in the direction of propagation
+  Real aperture2;      ///< clear radius squared
+  Real mu;             ///< index before / index behind
+  Real one_minus_mu2;  ///< (n' - n)(n' + n) / n'^2: exact for the smallest index steps
+};
+
+/// The paraxial transform (camera/camera.h, IdealLens) as the kernels use it.
+template <class Real>
+struct KernelIdealLens {
+  Real gap;          ///< from the previous reference plane to the rear principal plane
+  Real separation;   ///< from the rear to the front principal plane
+  Real power;        ///< 1 / focal length
+  Real stop_height;
+  Real stop_slope;
+  Real stop_radius2;
+};
+
+}  // namespace plenoflame

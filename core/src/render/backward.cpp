@@ -1,0 +1,218 @@
+#include "render/backward.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+#include "plenoflame/base/error.h"
+#include "render/backward_tile.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kTile = 64;  ///< pixels along the side of a unit of work
+
+template <class Real>
+KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter, double before,
+                                   double behind) {
+  return {static_cast<Real>(gap), static_cast<Real>(curvature),
+          static_cast<Real>(0.25 * diameter * diameter), static_cast<Real>(before / behind),
+          static_cast<Real>((behind - before) * (behind + before) / (behind * behind))};
+}
+
+template <class Real>
+void set_main_lens(const Camera& camera, double reference, double anchor_z, KernelCamera<Real>& out) {
+  out.ideal_lens = camera.ideal_lens();
+  if (out.ideal_lens) {
+    const IdealLens& lens = camera.ideal();
+    out.ideal = {static_cast<Real>(lens.rear_principal - reference),
+                 static_cast<Real>(lens.front_principal - lens.rear_principal),
+                 static_cast<Real>(1.0 / lens.focal_length),
+                 static_cast<Real>(lens.stop_height),
+                 static_cast<Real>(lens.stop_slope),
+                 static_cast<Real>(lens.stop_radius * lens.stop_radius)};
+    out.exit_gap = static_cast<Real>(anchor_z - lens.rear_principal);
+    return;
+  }
+  const auto& surfaces = camera.lens().surfaces();
+  if (surfaces.size() > kMaxLensSurfaces)
+    throw InputError("camera.lens has " + std::to_string(surfaces.size()) +
+                     " surfaces; at most " + std::to_string(kMaxLensSurfaces) + " are supported");
+  double z = reference;
+  out.surface_count = static_cast<int>(surfaces.size());
+  for (int k = 0; k < out.surface_count; ++k) {
+    const auto i = surfaces.size() - 1 - static_cast<std::size_t>(k);
+    const double vertex = camera.lens().vertices()[i];
+    const double before = surfaces[i].index, behind = i > 0 ? surfaces[i - 1].index : 1.0;
+    const double curvature = -1.0 / surfaces[i].radius;
+    out.surfaces[k] = kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
+    out.refracts[k] = curvature != 0 || before != behind;
+    out.surface_number[k] = static_cast<int>(i);
+    z = vertex;
+  }
+  out.exit_gap = static_cast<Real>(anchor_z - z);
+}
+
+template <class Real>
+std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
+  std::vector<KernelMicrolens<Real>> lenses;
+  if (!camera.has_array()) {
+    KernelMicrolens<Real> none{};
+    none.distance = static_cast<Real>(camera.aim_plane(0) - camera.sensor());
+    lenses.push_back(none);
+    return lenses;
+  }
+  const ArraySpec& array = camera.spec().array;
+  const int main_surfaces = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
+  for (std::size_t type = 0; type < camera.microlenses().size(); ++type) {
+    const Microlens& lens = camera.microlenses()[type];
+    KernelMicrolens<Real> kernel{};
+    kernel.distance = static_cast<Real>(camera.aim_plane(static_cast<int>(type)) - camera.sensor());
+    if (camera.ideal_array()) {
+      kernel.kind = 2;
+      // Afterwards z counts from the array's front, as for real microlenses.
+      kernel.ideal = {0, static_cast<Real>(lens.front_principal - camera.array_front()),
+                      static_cast<Real>(1.0 / lens.first_order.focal_length), 1, 0,
+                      static_cast<Real>(0.25 * array.diameter * array.diameter)};
+      kernel.surface_number[0] = main_surfaces;
+    } else {
+      kernel.kind = 1;
+      kernel.surfaces[0] = kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
+      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front, array.diameter, lens.index, 1.0);
+      kernel.surface_number[0] = main_surfaces + 1;
+      kernel.surface_number[1] = main_surfaces;
+    }
+    lenses.push_back(kernel);
+  }
+  return lenses;
+}
+
+template <class Real>
+BackwardPlan<Real> make_plan(const CompiledScene& scene, const RenderSettings& settings,
+                             std::uint32_t first, int points) {
+  BackwardPlan<Real> plan;
+  plan.scene = &scene;
+  plan.settings = &settings;
+  plan.kernels = backward_kernels<Real>(settings.isa);
+  const Camera& camera = scene.camera;
+  const Box box = scene.medium->bounds();
+  plan.anchor = 0.5 * (box.lower + box.upper);
+  const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
+  plan.camera = {};
+  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z, plan.camera);
+  plan.camera.anchor_x = static_cast<Real>(anchor.x);
+  plan.camera.anchor_y = static_cast<Real>(anchor.y);
+  const auto& rows = camera.to_world().rotation.rows;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 row = rows[static_cast<std::size_t>(i)];
+    plan.camera.rotation[3 * i] = static_cast<Real>(row.x);
+    plan.camera.rotation[3 * i + 1] = static_cast<Real>(row.y);
+    plan.camera.rotation[3 * i + 2] = static_cast<Real>(row.z);
+  }
+  plan.microlenses = kernel_microlenses<Real>(camera);
+  if (settings.skip) plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), box);
+  plan.pool = std::make_unique<SobolPool>(settings.replicates, points, first, settings.seed);
+  for (const PupilTable& table : scene.pupils.tables())
+    for (const PupilNode& node : table.nodes)
+      if (!node.dark() && camera.has_array())
+        plan.reach = std::max(plan.reach, std::fabs(node.centre) + node.outer_radius);
+  return plan;
+}
+
+void add(TileCounters& total, const TileCounters& part) {
+  total.rays += part.rays;
+  total.rays_reached += part.rays_reached;
+  total.pairs += part.pairs;
+  total.seconds_generate += part.seconds_generate;
+  total.seconds_optics += part.seconds_optics;
+  total.seconds_medium += part.seconds_medium;
+  total.medium.rays += part.medium.rays;
+  total.medium.cells += part.medium.cells;
+  total.medium.skipped_empty += part.medium.skipped_empty;
+  total.medium.skipped_constant += part.medium.skipped_constant;
+  total.medium.opaque_tails += part.medium.opaque_tails;
+}
+
+template <class Real>
+bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first, int points,
+         const Execution& execution, Film& film, RenderStatistics& statistics) {
+  const BackwardPlan<Real> plan = make_plan<Real>(scene, settings, first, points);
+  const PixelWindow& window = film.window();
+  const int across = (window.width + kTile - 1) / kTile, down = (window.height + kTile - 1) / kTile;
+  std::vector<TileTracer<Real>> tracers;
+  const int workers = execution.thread_count();
+  tracers.reserve(static_cast<std::size_t>(workers));
+  for (int i = 0; i < workers; ++i) tracers.emplace_back(plan, film);
+  std::atomic<std::size_t> done{0};
+  const auto start = std::chrono::steady_clock::now();
+  const std::size_t tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+  std::mutex mutex;
+  const bool complete = parallel_for(execution, tiles, [&](std::size_t index, int worker) {
+    const int tx = static_cast<int>(index % static_cast<std::size_t>(across));
+    const int ty = static_cast<int>(index / static_cast<std::size_t>(across));
+    const PixelWindow tile{window.x + tx * kTile, window.y + ty * kTile,
+                           std::min(kTile, window.width - tx * kTile),
+                           std::min(kTile, window.height - ty * kTile)};
+    tracers[static_cast<std::size_t>(worker)].render(tile);
+    const std::size_t finished = ++done;
+    if (!execution.progress) return;
+    const std::lock_guard lock(mutex);
+    Progress progress;
+    progress.fraction = static_cast<double>(finished) / static_cast<double>(tiles);
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    // The other workers' counters are read only through their own reports.
+    progress.remaining_seconds = elapsed * (1 / progress.fraction - 1);
+    execution.progress(progress);
+  });
+  TileCounters total;
+  for (const auto& tracer : tracers) add(total, tracer.counters());
+  statistics.rays += total.rays;
+  statistics.rays_reached += total.rays_reached;
+  statistics.pairs += total.pairs;
+  statistics.seconds_optics += total.seconds_optics;
+  statistics.seconds_medium += total.seconds_medium;
+  const double busy = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
+  statistics.seconds_generate += std::max(0.0, busy - total.seconds_optics - total.seconds_medium);
+  statistics.medium.rays += total.medium.rays;
+  statistics.medium.cells += total.medium.cells;
+  statistics.medium.skipped_empty += total.medium.skipped_empty;
+  statistics.medium.skipped_constant += total.medium.skipped_constant;
+  statistics.medium.opaque_tails += total.medium.opaque_tails;
+  return complete;
+}
+
+}  // namespace
+
+template <class Real>
+BackwardKernels<Real> backward_kernels(Isa isa) {
+  switch (isa) {
+#if defined(__x86_64__)
+    case Isa::avx512: return {avx512::generate, avx512::trace_lens, avx512::accumulate, avx512::count_alive};
+    case Isa::avx2: return {avx2::generate, avx2::trace_lens, avx2::accumulate, avx2::count_alive};
+#endif
+    default: return {baseline::generate, baseline::trace_lens, baseline::accumulate, baseline::count_alive};
+  }
+}
+template BackwardKernels<float> backward_kernels<float>(Isa);
+template BackwardKernels<double> backward_kernels<double>(Isa);
+
+bool single_precision_suffices(const CompiledScene& scene) {
+  if (!scene.medium) return true;
+  const Box box = scene.medium->bounds();
+  const double distance = length(0.5 * (box.lower + box.upper) - scene.camera.spec().position);
+  // Directions carry a few units of 6e-8: a ray wanders by 3e-7 of the distance.
+  return 3e-7 * distance < 0.02 * scene.medium->feature_size();
+}
+
+bool render_backward(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
+                     int points, const Execution& execution, Film& film,
+                     RenderStatistics& statistics) {
+  const bool single = settings.precision == Precision::single_precision ||
+                      (settings.precision == Precision::automatic && single_precision_suffices(scene));
+  statistics.precision = single ? "single" : "double";
+  return single ? run<float>(scene, settings, first, points, execution, film, statistics)
+                : run<double>(scene, settings, first, points, execution, film, statistics);
+}
+
+}  // namespace plenoflame

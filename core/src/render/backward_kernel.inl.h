@@ -1,0 +1,360 @@
+// Vector kernels of the backward estimator; compiled once per instruction set.
+#include "render/backward_kernel.h"
+
+#include "optics/surface_kernel.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
+  // 23 bits and half a step: inside (0, 1), never its ends.
+  return static_cast<float>(static_cast<std::int32_t>(fraction >> 9)) * 0x1p-23f + 0x1p-24f;
+}
+PLENOFLAME_INLINE double to_unit(std::uint32_t fraction, double) {
+  return static_cast<double>(fraction) * 0x1p-32 + 0x1p-33;
+}
+
+/// sin(2 pi b) for |b| <= 1/4, by its Taylor series to b^13: 6e-10 at the end.
+template <class Real>
+PLENOFLAME_INLINE Real sin_turn(Real b) {
+  const Real x = Real(6.283185307179586477) * b, x2 = x * x;
+  return x * (Real(1) +
+              x2 * (Real(-1.0 / 6) +
+                    x2 * (Real(1.0 / 120) +
+                          x2 * (Real(-1.0 / 5040) +
+                                x2 * (Real(1.0 / 362880) +
+                                      x2 * (Real(-1.0 / 39916800) + x2 * Real(1.0 / 6227020800.0)))))));
+}
+
+/// How far the sensor point (sx, sy) lies outside of the stop's image seen through the aim point
+/// (ux, uy): |s - centre(u)| - radius(u).
+template <class Real>
+PLENOFLAME_INLINE Real outside_stop(const KernelPair<Real>& c, Real sx, Real sy, Real ux, Real uy) {
+  const Real t = (ux * ux + uy * uy) * c.inverse_aim2;
+  const Real k = c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]);
+  const Real radius = c.radius[0] + t * (c.radius[1] + t * c.radius[2]);
+  const Real along = c.centre + c.centre2 * t;
+  const Real vx = sx - along * c.field_x + k * ux;
+  const Real vy = sy - along * c.field_y + k * uy;
+  return square_root(vx * vx + vy * vy) - radius;
+}
+
+/// One step of false position on [a, b] with f(a) > 0 > f(b).
+template <class Real>
+PLENOFLAME_INLINE Real false_position(Real a, Real fa, Real b, Real fb) {
+  return a + (b - a) * (fa / (fa - fb));
+}
+
+/// Twice the radius of a circle that bounds the open part of the aperture at a cut of its axis at p
+/// (`side` +1: the part lies above, -1: below), from the implicit curve |s - centre(u)| = radius(u);
+/// a quarter wider than the circle of curvature, for what the two terms leave out.
+template <class Real>
+PLENOFLAME_INLINE Real cut_diameter(const KernelPair<Real>& c, Real p, Real side) {
+  const Real t = p * p * c.inverse_aim2;
+  const Real k = c.coupling_sign * (c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]));
+  const Real k_t = c.coupling_sign * (c.coupling[1] + Real(2) * t * c.coupling[2]) * c.inverse_aim2;
+  const Real r_t = (c.radius[1] + Real(2) * t * c.radius[2]) * c.inverse_aim2;
+  const Real radius = c.radius[0] + t * (c.radius[1] + t * c.radius[2]);
+  const Real bend = k * k / (Real(2) * radius) - side * p * k_t - r_t;
+  const Real slope = k + Real(2) * p * p * k_t + side * Real(2) * p * r_t;
+  const Real diameter = c.cut_margin * slope / bend;
+  const bool curved = (bend > Real(0)) & (slope > Real(0));
+  return curved ? diameter : Real(1e6) * c.aim_radius;
+}
+
+/// Uniform points of the pixel, and of that part of the aperture that sees the scene from there, as
+/// rays at the aim plane.
+///
+/// The sensor point is drawn from the pixel inside the micro-image: first its column, then its row
+/// in the chord. For a sensor point the open part of the aperture is close to the intersection of
+/// two discs; along the line through their centres it reaches from `low` to `high`. A uniform point
+/// of the unit disc is stretched to it: linearly along that axis, by the ratio of the chords across.
+/// All weights are exact Jacobians: a bound that is too wide costs rays, never light.
+template <class Real>
+PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance, int offset,
+                                     int first, int count, const KernelBlock<Real>& block) {
+  const std::uint32_t* f0 = pair.fractions[0] + offset;
+  const std::uint32_t* f1 = pair.fractions[1] + offset;
+  const std::uint32_t* f2 = pair.fractions[2] + offset;
+  const std::uint32_t* f3 = pair.fractions[3] + offset;
+  const std::uint32_t h0 = pair.shift[0], h1 = pair.shift[1], h2 = pair.shift[2], h3 = pair.shift[3];
+  const KernelPair<Real> c = pair;
+  const Real g2 = distance * distance;
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  Real* __restrict weight = block.weight + first;
+  int* __restrict code = block.code + first;
+  const int padded = (count + 15) & ~15;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real v0 = to_unit(f0[i] ^ h0, Real());
+    const Real v1 = to_unit(f1[i] ^ h1, Real());
+    const Real v2 = to_unit(f2[i] ^ h2, Real());
+    const Real turn = to_unit(f3[i] ^ h3, Real()) - Real(0.5);
+
+    const Real sx = c.x_low + c.x_width * v0;
+    const Real chord = square_root(
+        greatest(c.outer_radius2 - (sx - c.outer_x) * (sx - c.outer_x), Real(0)));
+    const Real top = greatest(c.y0, c.outer_y - chord);
+    const Real height = greatest(least(c.y1, c.outer_y + chord) - top, Real(0));
+    const Real sy = top + height * v1;
+
+    // The axis: moving the aim point along it brings the stop's image over the sensor point.
+    const Real ax = c.aim_x + c.aim_shift * sx, ay = c.aim_y + c.aim_shift * sy;
+    const Real t0 = (ax * ax + ay * ay) * c.inverse_aim2;
+    const Real k0 = c.coupling[0] + t0 * (c.coupling[1] + t0 * c.coupling[2]);
+    const Real along0 = c.centre + c.centre2 * t0;
+    const Real wx = sx - along0 * c.field_x + k0 * ax, wy = sy - along0 * c.field_y + k0 * ay;
+    const Real sigma = square_root(wx * wx + wy * wy);
+    const Real direction = -c.coupling_sign / greatest(sigma, Real(1e-30));
+    const Real ex = sigma > Real(0) ? direction * wx : Real(1);
+    const Real ey = sigma > Real(0) ? direction * wy : Real(0);
+
+    // Where it is nearest to the sensor point, and the cuts to both sides of there.
+    const Real a = c.aim_radius;
+    const Real tiny = Real(1e-6) * c.radius[0] / a;
+    const Real p0 = least(sigma / greatest(c.coupling_sign * k0, tiny), a);
+    const Real t1 = p0 * p0 * c.inverse_aim2;
+    const Real k1 = c.coupling_sign * (c.coupling[0] + t1 * (c.coupling[1] + t1 * c.coupling[2]));
+    const Real pc = least(sigma / greatest(k1, tiny), a);
+    const Real f_low = outside_stop(c, sx, sy, ax - a * ex, ay - a * ey);
+    const Real f_high = outside_stop(c, sx, sy, ax + a * ex, ay + a * ey);
+    const Real fc = least(outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey), -tiny * a);
+    const Real l1 = false_position(-a, f_low, pc, fc);
+    const Real fl1 = outside_stop(c, sx, sy, ax + l1 * ex, ay + l1 * ey);
+    const Real l2 = fl1 > Real(0) ? false_position(l1, fl1, pc, fc) : false_position(-a, f_low, l1, fl1);
+    const Real u1 = false_position(a, f_high, pc, fc);
+    const Real fu1 = outside_stop(c, sx, sy, ax + u1 * ex, ay + u1 * ey);
+    const Real u2 = fu1 > Real(0) ? false_position(u1, fu1, pc, fc) : false_position(a, f_high, u1, fu1);
+    const Real slack = Real(0.001) * a;
+    const bool cut_low = f_low > Real(0), cut_high = f_high > Real(0);
+    const Real low = cut_low ? greatest(l2 - slack - Real(0.5) * magnitude(l2 - l1), -a) : -a;
+    // The disc around the microlens' own axis, in coordinates along and across this one.
+    const Real axis_p = -(ax * ex + ay * ey);
+    const Real bound = c.bound_radius + magnitude(ax * ey - ay * ex);
+    const Real open_high = least(a, axis_p + bound);
+    const Real high = cut_high ? least(u2 + slack + Real(0.5) * magnitude(u2 - u1), open_high) : open_high;
+    const Real low_diameter = cut_low ? cut_diameter(c, low, Real(1)) : Real(1e6) * a;
+    const Real high_diameter = cut_high ? cut_diameter(c, high, Real(-1)) : Real(1e6) * a;
+
+    const Real folded = turn > Real(0.25) ? Real(0.5) - turn
+                                          : (turn < Real(-0.25) ? Real(-0.5) - turn : turn);
+    const Real sine = sin_turn(folded);
+    const Real cosine = sin_turn(Real(0.25) - magnitude(turn));
+    const Real r = square_root(v2);
+    const Real across = r * sine;
+    const Real half = Real(0.5) * (high - low);
+    const Real p = Real(0.5) * (low + high) + half * (r * cosine);
+    const Real unit_chord2 = (Real(1) - v2) + across * across;  // 1 - (r cosine)^2
+    const Real above = p - low, below = high - p;
+    const Real bound_low = cut_low ? above * (low_diameter - above) : a * a;
+    const Real bound_high = cut_high ? below * (high_diameter - below) : a * a;
+    const Real bound_disc = least(a * a - p * p, bound * bound - (p - axis_p) * (p - axis_p));
+    const Real chord2 = greatest(least(least(bound_disc, bound_low), bound_high), Real(0));
+    const Real stretch = square_root(chord2 / unit_chord2);
+    const Real q = across * stretch;
+    const Real ux = ax + ex * p - ey * q;
+    const Real uy = ay + ey * p + ex * q;
+
+    const Real vx = ux - sx, vy = uy - sy;
+    const Real inverse = Real(1) / square_root(vx * vx + vy * vy + g2);
+    x[i] = ux;
+    y[i] = uy;
+    z[i] = Real(0);
+    dx[i] = vx * inverse;
+    dy[i] = vy * inverse;
+    dz[i] = distance * inverse;
+    // cos(theta) dOmega = cos^2 / r^2 dA' on parallel planes.
+    const Real inverse2 = inverse * inverse;
+    weight[i] = Real(3.141592653589793238) * half * stretch * (c.x_width * height) *
+                (g2 * inverse2 * inverse2);
+    code[i] = 0;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void pass_microlens(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y,
+                                      int first, int count, const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  int* __restrict code = block.code + first;
+  const int padded = (count + 15) & ~15;
+  const KernelMicrolens<Real> c = lens;
+  if (c.kind == 1) {
+    const int back = 4 * c.surface_number[0], front = 4 * c.surface_number[1];
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      refract_at(c.surfaces[0], back, px, py, pz, vx, vy, vz, status);
+      refract_at(c.surfaces[1], front, px, py, pz, vx, vy, vz, status);
+      x[i] = px + lens_x;
+      y[i] = py + lens_y;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  } else if (c.kind == 2) {
+    const int number = 4 * c.surface_number[0];
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      pass_ideal(c.ideal, number, px, py, pz, vx, vy, vz, status);
+      x[i] = px + lens_x;
+      y[i] = py + lens_y;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  }
+}
+
+template <class Real, bool kRefracts>
+PLENOFLAME_INLINE void pass_surface(const KernelSurface<Real>& surface, int number, int count,
+                                    const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  int* __restrict code = block.code;
+  const KernelSurface<Real> c = surface;
+  const int base = 4 * number;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+    int status = code[i];
+    if constexpr (kRefracts) {
+      refract_at(c, base, px, py, pz, vx, vy, vz, status);
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+    } else {
+      pass_plane(c, base, px, py, pz, vx, vy, vz, status);
+    }
+    x[i] = px;
+    y[i] = py;
+    z[i] = pz;
+    code[i] = status;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
+                             const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  Real* __restrict weight = block.weight;
+  int* __restrict code = block.code;
+  if (camera.ideal_lens) {
+    const KernelIdealLens<Real> c = camera.ideal;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      pass_ideal(c, 0, px, py, pz, vx, vy, vz, status);
+      x[i] = px;
+      y[i] = py;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  } else {
+    for (int s = 0; s < camera.surface_count; ++s) {
+      if (camera.refracts[s])
+        pass_surface<Real, true>(camera.surfaces[s], camera.surface_number[s], count, block);
+      else
+        pass_surface<Real, false>(camera.surfaces[s], camera.surface_number[s], count, block);
+    }
+  }
+  const Real gap = camera.exit_gap, ax = camera.anchor_x, ay = camera.anchor_y;
+  const Real r0 = camera.rotation[0], r1 = camera.rotation[1], r2 = camera.rotation[2],
+             r3 = camera.rotation[3], r4 = camera.rotation[4], r5 = camera.rotation[5],
+             r6 = camera.rotation[6], r7 = camera.rotation[7], r8 = camera.rotation[8];
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    // A ray that ended in the camera goes on along the axis, with no weight: always a valid ray.
+    const bool alive = code[i] == 0;
+    const Real vx = alive ? dx[i] : Real(0), vy = alive ? dy[i] : Real(0),
+               vz = alive ? dz[i] : Real(1);
+    const Real distance = (gap - (alive ? z[i] : Real(0))) / vz;
+    const Real px = (alive ? x[i] : Real(0)) + distance * vx - ax;
+    const Real py = (alive ? y[i] : Real(0)) + distance * vy - ay;
+    weight[i] = alive ? weight[i] : Real(0);
+    x[i] = r0 * px + r1 * py;
+    y[i] = r3 * px + r4 * py;
+    z[i] = r6 * px + r7 * py;
+    dx[i] = r0 * vx + r1 * vy + r2 * vz;
+    dy[i] = r3 * vx + r4 * vy + r5 * vz;
+    dz[i] = r6 * vx + r7 * vy + r8 * vz;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE double sum_products(const Real* __restrict weight,
+                                      const Real* __restrict radiance, int count) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int i = 0; i < count; ++i)
+    sum += static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
+  return sum;
+}
+
+}  // namespace
+
+void generate(const KernelPair<float>& pair, const KernelMicrolens<float>& lens, int offset,
+              int first, int count, const KernelBlock<float>& block) {
+  generate_rays(pair, lens.distance, offset, first, count, block);
+  pass_microlens(lens, pair.lens_x, pair.lens_y, first, count, block);
+}
+
+void generate(const KernelPair<double>& pair, const KernelMicrolens<double>& lens, int offset,
+              int first, int count, const KernelBlock<double>& block) {
+  generate_rays(pair, lens.distance, offset, first, count, block);
+  pass_microlens(lens, pair.lens_x, pair.lens_y, first, count, block);
+}
+
+void trace_lens(const KernelCamera<float>& camera, int count, const KernelBlock<float>& block) {
+  trace(camera, count, block);
+}
+
+void trace_lens(const KernelCamera<double>& camera, int count, const KernelBlock<double>& block) {
+  trace(camera, count, block);
+}
+
+double accumulate(const float* weight, const float* radiance, int count) {
+  return sum_products(weight, radiance, count);
+}
+
+double accumulate(const double* weight, const double* radiance, int count) {
+  return sum_products(weight, radiance, count);
+}
+
+int count_alive(const int* __restrict code, int count) {
+  int alive = 0;
+#pragma omp simd reduction(+ : alive)
+  for (int i = 0; i < count; ++i) alive += code[i] == 0 ? 1 : 0;
+  return alive;
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA

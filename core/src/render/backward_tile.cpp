@@ -1,0 +1,230 @@
+#include "render/backward_tile.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plenoflame {
+namespace {
+
+constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+template <class Real>
+TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film) : plan_(plan), film_(film) {
+  const auto channels = static_cast<std::size_t>(film.channels());
+  constexpr std::size_t alignment = 64 / sizeof(Real);
+  storage_.resize((7 + channels) * kPadding + alignment);
+  codes_.resize(kPadding);
+  Real* base = storage_.data();
+  while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
+  Real** arrays[] = {&block_.x, &block_.y, &block_.z, &block_.dx, &block_.dy, &block_.dz, &block_.weight};
+  for (Real** array : arrays) {
+    *array = base;
+    base += kPadding;
+  }
+  radiance_ = base;
+  block_.code = codes_.data();
+}
+
+template <class Real>
+void TileTracer<Real>::render(PixelWindow tile) {
+  const Camera& camera = plan_.scene->camera;
+  if (!camera.has_array()) {
+    for (int row = tile.y; row < tile.y + tile.height; ++row)
+      for (int column = tile.x; column < tile.x + tile.width; ++column) add_bare_pixel(column, row);
+  } else {
+    // Upright images run against camera x, y.
+    const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
+    const Vec2 b = camera.sensor_point(tile.x, tile.y);
+    const Vec2 reach{plan_.reach, plan_.reach};
+    for (const LensIndex lens : camera.lattice().within(a - reach, b + reach)) add_microlens(tile, lens);
+  }
+  flush();
+}
+
+/// @return the unit vector away from the optical axis
+template <class Real>
+Vec2 TileTracer<Real>::set_discs(const PupilTable& table, const PupilNode& node, Vec2 place) {
+  const double h = length(place);
+  const Vec2 field = h > 0 ? (1.0 / h) * place : Vec2{1, 0};
+  pair_.field_x = static_cast<Real>(field.x);
+  pair_.field_y = static_cast<Real>(field.y);
+  pair_.centre = static_cast<Real>(node.centre);
+  pair_.centre2 = static_cast<Real>(node.centre2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    pair_.coupling[k] = static_cast<Real>(node.coupling[k]);
+    pair_.radius[k] = static_cast<Real>(node.radius[k]);
+  }
+  const double coupling = node.coupling[0] + node.coupling[1] + node.coupling[2];
+  pair_.coupling_sign = coupling < 0 ? Real(-1) : Real(1);
+  pair_.aim_radius = static_cast<Real>(node.aim_radius);
+  pair_.inverse_aim2 = static_cast<Real>(1.0 / (node.aim_radius * node.aim_radius));
+  pair_.aim_x = static_cast<Real>(node.aim_centre * field.x);
+  pair_.aim_y = static_cast<Real>(node.aim_centre * field.y);
+  pair_.aim_shift = static_cast<Real>(table.aperture_shift);
+  pair_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius : 1e6 * node.aim_radius);
+  pair_.cut_margin = static_cast<Real>(table.cut_margin);
+  return field;
+}
+
+/// @return false when the pixel lies outside of the outer disc
+template <class Real>
+bool TileTracer<Real>::place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius) {
+  const double half = 0.5 * plan_.scene->camera.spec().sensor.pixel_pitch;
+  const double y0 = pixel_centre.y - half, y1 = pixel_centre.y + half;
+  const double miss = std::clamp(outer_centre.y, y0, y1) - outer_centre.y;
+  const double reach2 = outer_radius * outer_radius - miss * miss;
+  if (!(reach2 > 0)) return false;
+  const double reach = std::sqrt(reach2);
+  const double x0 = std::max(pixel_centre.x - half, outer_centre.x - reach);
+  const double x1 = std::min(pixel_centre.x + half, outer_centre.x + reach);
+  if (!(x1 > x0)) return false;
+  pair_.x_low = static_cast<Real>(x0);
+  pair_.x_width = static_cast<Real>(x1 - x0);
+  pair_.y0 = static_cast<Real>(y0);
+  pair_.y1 = static_cast<Real>(y1);
+  return true;
+}
+
+template <class Real>
+void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
+  const Camera& camera = plan_.scene->camera;
+  const Vec2 place = camera.lattice().centre(lens);
+  const int type = camera.lattice().type(lens);
+  const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
+  const PupilNode node = table.at(length(place));
+  if (node.dark()) return;
+  if (plan_.beams && !plan_.beams->may_meet(type, place)) return;
+  const Vec2 centre = node.centre * set_discs(table, node, place);
+  const double outer = node.outer_radius;
+  pair_.outer_x = static_cast<Real>(centre.x);
+  pair_.outer_y = static_cast<Real>(centre.y);
+  pair_.outer_radius2 = static_cast<Real>(outer * outer);
+  pair_.lens_x = static_cast<Real>(place.x);
+  pair_.lens_y = static_cast<Real>(place.y);
+  const SensorSpec& sensor = camera.spec().sensor;
+  const double pitch = sensor.pixel_pitch;
+  const Vec2 image = place + centre;
+  const auto column_of = [&](double x) { return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch)); };
+  const auto row_of = [&](double y) { return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch)); };
+  const int column0 = std::max(tile.x, column_of(image.x + outer));
+  const int column1 = std::min(tile.x + tile.width - 1, column_of(image.x - outer));
+  const int row0 = std::max(tile.y, row_of(image.y + outer));
+  const int row1 = std::min(tile.y + tile.height - 1, row_of(image.y - outer));
+  const std::uint64_t key =
+      mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
+             static_cast<std::uint32_t>(lens.r)) ^ plan_.settings->seed);
+  for (int row = row0; row <= row1; ++row)
+    for (int column = column0; column <= column1; ++column)
+      if (place_pixel(camera.sensor_point(column + 0.5, row + 0.5) - place, centre, outer))
+        add_pair(type, column, row, key);
+}
+
+template <class Real>
+void TileTracer<Real>::add_bare_pixel(int column, int row) {
+  const Camera& camera = plan_.scene->camera;
+  const PupilTable& table = plan_.scene->pupils.tables().front();
+  const Vec2 centre = camera.sensor_point(column + 0.5, row + 0.5);
+  const PupilNode node = table.at(length(centre));
+  if (node.dark()) return;
+  if (plan_.beams && !plan_.beams->may_meet(0, centre)) return;
+  set_discs(table, node, centre);
+  const double pitch = camera.spec().sensor.pixel_pitch;
+  place_pixel(centre, centre, 2 * pitch);  // nothing cuts the pixel
+  pair_.outer_x = static_cast<Real>(centre.x);
+  pair_.outer_y = static_cast<Real>(centre.y);
+  pair_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
+  pair_.lens_x = pair_.lens_y = 0;
+  add_pair(0, column, row, mix64(plan_.settings->seed));
+}
+
+template <class Real>
+void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key) {
+  const SobolPool& pool = *plan_.pool;
+  const std::uint64_t pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
+                              static_cast<std::uint32_t>(row);
+  const std::uint64_t h0 = mix64(pixel ^ key), h1 = mix64(h0), h2 = mix64(h1);
+  const int entry = static_cast<int>(h2 % static_cast<std::uint64_t>(pool.entries()));
+  for (int d = 0; d < SobolPool::kDimensions; ++d) pair_.fractions[d] = pool.fractions(entry, d);
+  pair_.shift[0] = static_cast<std::uint32_t>(h0);
+  pair_.shift[1] = static_cast<std::uint32_t>(h0 >> 32);
+  pair_.shift[2] = static_cast<std::uint32_t>(h1);
+  pair_.shift[3] = static_cast<std::uint32_t>(h1 >> 32);
+  counters_.pairs += 1;
+  const int total = pool.replicates() * pool.points();
+  const auto& microlens = plan_.microlenses[static_cast<std::size_t>(type)];
+  // A pair is split only when a block cannot hold it: how it falls into blocks must not depend on
+  // its neighbours, or results would depend on the window.
+  if (count_ + std::min(total, kBlockRays) > kBlockRays) flush();
+  for (int offset = 0; offset < total; offset += kBlockRays) {
+    if (offset > 0) flush();
+    const int count = std::min(total - offset, kBlockRays);
+    plan_.kernels.generate(pair_, microlens, offset, count_, count, block_);
+    pending_.push_back({column, row, count_, count, offset});
+    count_ += count;
+  }
+}
+
+template <class Real>
+void TileTracer<Real>::flush() {
+  if (count_ == 0) return;
+  const int padded = (count_ + kRayPadding - 1) / kRayPadding * kRayPadding;
+  for (int i = count_; i < padded; ++i) {
+    block_.x[i] = block_.x[0];
+    block_.y[i] = block_.y[0];
+    block_.z[i] = block_.z[0];
+    block_.dx[i] = block_.dx[0];
+    block_.dy[i] = block_.dy[0];
+    block_.dz[i] = block_.dz[0];
+    block_.weight[i] = 0;
+    block_.code[i] = 1;
+  }
+  auto start = std::chrono::steady_clock::now();
+  plan_.kernels.trace_lens(plan_.camera, padded, block_);
+  counters_.rays += count_;
+  counters_.rays_reached += plan_.kernels.count_alive(block_.code, count_);
+  counters_.seconds_optics += seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  RayBatch<Real> batch;
+  batch.size = padded;
+  batch.anchor = plan_.anchor;
+  batch.x = block_.x;
+  batch.y = block_.y;
+  batch.z = block_.z;
+  batch.dx = block_.dx;
+  batch.dy = block_.dy;
+  batch.dz = block_.dz;
+  MediumOptions options;
+  options.isa = plan_.settings->isa;
+  options.skip = plan_.settings->skip;
+  RadianceBatch<Real> out;
+  out.radiance = radiance_;
+  out.stride = kPadding;
+  plan_.scene->medium->integrate(batch, options, out, counters_.medium);
+  counters_.seconds_medium += seconds_since(start);
+  const int points = plan_.pool->points();
+  for (const Pending& pending : pending_)
+    for (int channel = 0; channel < film_.channels(); ++channel) {
+      const Real* radiance = radiance_ + channel * kPadding;
+      for (int done = 0; done < pending.count;) {
+        const int replicate = (pending.offset + done) / points;
+        const int end = std::min(pending.count, (replicate + 1) * points - pending.offset);
+        const int at = pending.first + done;
+        film_.sum(channel, replicate, pending.column, pending.row) +=
+            plan_.kernels.accumulate(block_.weight + at, radiance + at, end - done);
+        done = end;
+      }
+    }
+  pending_.clear();
+  count_ = 0;
+}
+
+template class TileTracer<float>;
+template class TileTracer<double>;
+
+}  // namespace plenoflame

@@ -1,0 +1,80 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "plenoflame/film/film.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/sampling/sobol.h"
+#include "render/backward_kernel.h"
+#include "render/beam_bounds.h"
+
+namespace plenoflame {
+
+/// Entry points of the kernels for one instruction set.
+template <class Real>
+struct BackwardKernels {
+  void (*generate)(const KernelPair<Real>&, const KernelMicrolens<Real>&, int, int, int,
+                   const KernelBlock<Real>&);
+  void (*trace_lens)(const KernelCamera<Real>&, int, const KernelBlock<Real>&);
+  double (*accumulate)(const Real*, const Real*, int);
+  int (*count_alive)(const int*, int);
+};
+
+template <class Real>
+BackwardKernels<Real> backward_kernels(Isa isa);
+
+/// Everything that is the same for all tiles; immutable.
+template <class Real>
+struct BackwardPlan {
+  const CompiledScene* scene = nullptr;
+  const RenderSettings* settings = nullptr;
+  BackwardKernels<Real> kernels;
+  KernelCamera<Real> camera;
+  std::vector<KernelMicrolens<Real>> microlenses;
+  Vec3 anchor;  ///< [m] world
+  std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
+  std::unique_ptr<SobolPool> pool;
+  double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
+};
+
+/// Numbers counted by one worker.
+struct TileCounters {
+  double rays = 0, rays_reached = 0, pairs = 0;
+  double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
+  MediumCounters medium;
+};
+
+/// Traces the pixels of a tile; one per worker thread.
+template <class Real>
+class TileTracer {
+ public:
+  TileTracer(const BackwardPlan<Real>& plan, Film& film);
+  void render(PixelWindow tile);
+  const TileCounters& counters() const { return counters_; }
+
+ private:
+  struct Pending {
+    int column, row, first, count, offset;
+  };
+  void add_microlens(PixelWindow tile, LensIndex lens);
+  void add_bare_pixel(int column, int row);
+  Vec2 set_discs(const PupilTable& table, const PupilNode& node, Vec2 place);
+  bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
+  void add_pair(int type, int column, int row, std::uint64_t key);
+  void flush();
+
+  const BackwardPlan<Real>& plan_;
+  Film& film_;
+  KernelPair<Real> pair_{};
+  std::vector<Pending> pending_;
+  int count_ = 0;        ///< rays in the block
+  std::vector<Real> storage_;
+  std::vector<int> codes_;
+  KernelBlock<Real> block_{};
+  Real* radiance_ = nullptr;
+  TileCounters counters_;
+};
+
+}  // namespace plenoflame

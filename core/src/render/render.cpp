@@ -1,0 +1,78 @@
+#include "plenoflame/render/render.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/version.h"
+#include "render/backward.h"
+
+namespace plenoflame {
+namespace {
+
+PixelWindow whole_sensor(const SensorSpec& sensor) { return {0, 0, sensor.columns, sensor.rows}; }
+
+void check(const RenderSettings& settings, const SensorSpec& sensor) {
+  const PixelWindow& w = settings.window;
+  if (w.width != 0 || w.height != 0) {
+    if (w.width <= 0 || w.height <= 0 || w.x < 0 || w.y < 0 || w.x + w.width > sensor.columns ||
+        w.y + w.height > sensor.rows)
+      throw UsageError("the window must lie inside the sensor of " + std::to_string(sensor.columns) +
+                       " x " + std::to_string(sensor.rows) + " pixels");
+  }
+  if (settings.replicates < 1 || settings.replicates > 64)
+    throw UsageError("the number of replicates must be 1 to 64");
+  if (settings.samples < settings.replicates)
+    throw UsageError("at least " + std::to_string(settings.replicates) + " samples are needed");
+  if (!is_supported(settings.isa))
+    throw UsageError("this processor does not support " + std::string(name(settings.isa)));
+}
+
+}  // namespace
+
+RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution) {
+  const auto start = std::chrono::steady_clock::now();
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  check(settings, sensor);
+  const PixelWindow window = settings.window.width > 0 ? settings.window : whole_sensor(sensor);
+  const int channels = static_cast<int>(scene.scene.channels.size());
+  // Every replicate gets the same number of points.
+  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+
+  RenderResult result;
+  RenderStatistics& statistics = result.statistics;
+  statistics.threads = execution.thread_count();
+  statistics.isa = std::string(name(settings.isa));
+  statistics.pixels = static_cast<double>(window.width) * window.height;
+  Film film(window, channels, settings.replicates);
+  if (scene.medium) {
+    statistics.medium_description = scene.medium->description();
+    statistics.complete = render_backward(scene, settings, 0, points, execution, film, statistics);
+  }
+
+  LightField& field = result.light_field;
+  field.sensor_width = sensor.columns;
+  field.sensor_height = sensor.rows;
+  field.window = window;
+  for (int c = 0; c < channels; ++c) {
+    LightFieldChannel channel;
+    channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
+    channel.flux = film.flux(c, points);
+    if (settings.standard_error) channel.standard_error = film.standard_error(c, points);
+    field.channels.push_back(std::move(channel));
+  }
+  const LightFieldChannel& first = field.channels.front();
+  if (!first.standard_error.empty())
+    statistics.relative_error = estimated_relative_rmse(first.flux, first.standard_error);
+  for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
+  field.estimator = "backward";
+  field.seed = settings.seed;
+  field.samples = points * settings.replicates;
+  field.complete = statistics.complete;
+  statistics.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,3 @@
+list(APPEND core_kernels src/render/backward_kernel.inl.h)
+list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp src/render/render.cpp
+  src/render/beam_bounds.cpp)

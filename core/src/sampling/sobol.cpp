@@ -1,0 +1,92 @@
+#include "plenoflame/sampling/sobol.h"
+
+#include <algorithm>
+#include <array>
+
+namespace plenoflame {
+namespace {
+
+/// Degree, coefficients of the primitive polynomial and initial numbers of a dimension.
+struct Primitive {
+  int degree;
+  unsigned coefficients;
+  std::array<std::uint32_t, 5> initial;
+};
+
+constexpr std::array<Primitive, kSobolDimensions - 1> kPrimitives{{
+    {1, 0, {1}},
+    {2, 1, {1, 3}},
+    {3, 1, {1, 3, 1}},
+    {3, 2, {1, 1, 1}},
+    {4, 1, {1, 1, 3, 3}},
+    {4, 4, {1, 3, 5, 13}},
+    {5, 2, {1, 1, 5, 5, 17}},
+}};
+
+using Directions = std::array<std::array<std::uint32_t, 32>, kSobolDimensions>;
+
+constexpr Directions make_directions() {
+  Directions v{};
+  for (int bit = 0; bit < 32; ++bit) v[0][static_cast<std::size_t>(bit)] = 1u << (31 - bit);
+  for (std::size_t d = 1; d < kSobolDimensions; ++d) {
+    const Primitive& p = kPrimitives[d - 1];
+    const int s = p.degree;
+    for (int i = 0; i < 32; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (i < s) {
+        v[d][k] = p.initial[k] << (31 - i);
+        continue;
+      }
+      const std::uint32_t back = v[d][static_cast<std::size_t>(i - s)];
+      std::uint32_t value = back ^ (back >> s);
+      for (int j = 1; j < s; ++j)
+        if ((p.coefficients >> (s - 1 - j)) & 1u) value ^= v[d][static_cast<std::size_t>(i - j)];
+      v[d][k] = value;
+    }
+  }
+  return v;
+}
+
+constexpr Directions kDirections = make_directions();
+constexpr int kPoolWords = 1 << 18;  // 1 MB: stays in a second-level cache
+
+}  // namespace
+
+std::uint32_t sobol(std::uint32_t index, int dimension) {
+  const auto& v = kDirections[static_cast<std::size_t>(dimension)];
+  std::uint32_t fraction = 0;
+  for (std::size_t bit = 0; index != 0; ++bit, index >>= 1)
+    if (index & 1u) fraction ^= v[bit];
+  return fraction;
+}
+
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
+  std::uint32_t flips = 0;
+  for (int bit = 0; bit < 32; ++bit) {
+    // The bits above `bit`, led by a one so that prefixes of different lengths differ.
+    const std::uint64_t prefix = (std::uint64_t{1} << bit) | (bit == 0 ? 0u : fraction >> (32 - bit));
+    flips |= static_cast<std::uint32_t>(mix64(seed ^ mix64(prefix)) >> 63) << (31 - bit);
+  }
+  return fraction ^ flips;
+}
+
+SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed)
+    : entries_(std::clamp(kPoolWords / (kDimensions * replicates * points), 16, 4096)),
+      replicates_(replicates),
+      points_(points),
+      stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points) + 16) {
+  data_.resize(static_cast<std::size_t>(entries_) * kDimensions * stride_);
+  for (int entry = 0; entry < entries_; ++entry)
+    for (int d = 0; d < kDimensions; ++d) {
+      std::uint32_t* out =
+          data_.data() + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
+      for (int r = 0; r < replicates; ++r) {
+        const std::uint64_t key = mix64(seed + mix64(static_cast<std::uint64_t>(
+                                                   (entry * replicates + r) * kDimensions + d)));
+        for (int i = 0; i < points; ++i)
+          *out++ = owen_scramble(sobol(first + static_cast<std::uint32_t>(i), d), key);
+      }
+    }
+}
+
+}  // namespace plenoflame

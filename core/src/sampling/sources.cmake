@@ -1,0 +1,1 @@
+list(APPEND core_sources src/sampling/sobol.cpp)
