@@ -8,11 +8,18 @@ inline constexpr int kBrickSide = 8;               // cells along a brick
 inline constexpr int kApronSide = kBrickSide + 1;  // samples along a brick
 inline constexpr int kBrickPairs = kApronSide * kApronSide * kApronSide;
 inline constexpr int kLanes = 16;  // rays that advance together
+// Step codes of a brick, 4 bits per cell: the code of cell (i, j, k) is in the bits from 4 k of
+// word 8 i + j. Code kCellStep + e: for e >= 0 the aligned block of 2^e cells that holds the cell
+// is constant and can be crossed at once; for e < 0 the cell needs intervals of 2^e spacings.
+inline constexpr int kStepWords = kBrickSide * kBrickSide;
+inline constexpr int kCellStep = 8;
+inline constexpr int kMaxFitTerms = 12;
 
 /// Bricks of (temperature [K], absorption [1/m]) pairs and the table that finds them. Sample
 /// (i, j, k) of a brick is pair (i * 9 + j) * 9 + k. Coordinates count cells from the lowest brick.
 struct LatticeView {
   const float* values;
+  const int* steps;  ///< kStepWords for each brick of the values
   /// table[top[block] + brick within its block]: -1 empty; 2 n: values of brick n; 2 n + 1: the
   /// constant brick n. Both run with the last axis fastest; top is -1 for a block without bricks.
   const int* top;
@@ -21,6 +28,7 @@ struct LatticeView {
   int bricks[3];
   double lower[3], upper[3];  ///< box outside of which there is only background
   const int* constant_data;   ///< brick of the values that holds constant brick n
+  int blank;                  ///< a brick of the values without absorption
   int one_value_per_cell;     ///< 1: a cell has the value of its lowest sample
   float background_temperature;
 };
@@ -31,6 +39,12 @@ struct SourceView {
   const Real* exponents;  ///< [K]
   const Real* weights;    ///< [W/(m^2 sr)]
   int count;              ///< 0: sigma T^4 / pi
+  /// With fit_terms > 0 for temperatures between coldest and hottest [K] (what is below counts as
+  /// coldest): scale * E / (1 - occupation * E), E = e^(v (... fit[fit_terms - 1])),
+  /// v = 1/T - 1/hottest, fit[0] being the coefficient of the highest power. See source_fit.h.
+  int fit_terms;
+  Real fit[kMaxFitTerms];
+  Real scale, occupation, hottest, coldest;
 };
 
 /// The medium as the kernel sees it.

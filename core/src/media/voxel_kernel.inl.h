@@ -1,114 +1,14 @@
 // Emission and absorption along rays through voxel bricks. Sixteen rays advance together: brick by
-// brick over the table, then cell by cell within a brick, with the interval's two Gauss nodes
-// interpolated from the cell's corners and its radiance composed front to back.
-// The formulas are derived in docs/theory.md, "Voxel grids".
-#include "math/kernel_exp.h"
-#include "media/voxel_kernel.h"
+// brick over the table, then interval by interval within a brick, with the fields at an interval's
+// two Gauss nodes interpolated from the corners of its cell and its radiance composed front to
+// back. The formulas are derived in docs/theory.md, "Voxel grids".
+#include "media/voxel_kernel_cells.h"
+#include "media/voxel_kernel_transfer.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-using voxel::kApronSide;
-using voxel::kBrickPairs;
-using voxel::kLanes;
-using voxel::LatticeView;
-
 constexpr int kMaxChannels = 16;  // processed together; more take another pass over the rays
-
-template <class Real>
-struct Limits;
-template <>
-struct Limits<float> {
-  static constexpr float huge = 1e30f;   // beyond any t
-  static constexpr float level = 1e-6f;  // cells: less than this is no movement along an axis
-  static constexpr float tiny = 1e-37f;
-};
-template <>
-struct Limits<double> {
-  static constexpr double huge = 1e300;
-  static constexpr double level = 1e-13;
-  static constexpr double tiny = 1e-300;
-};
-
-// Sixteen rays in cell coordinates: origin + t * direction, 0 <= t <= end.
-template <class Real>
-struct Lines {
-  alignas(64) Real origin[3][kLanes];
-  alignas(64) Real direction[3][kLanes];
-  // Plane p is crossed at t = p * inverse + offset; never, for an axis along which there is no
-  // movement.
-  alignas(64) Real inverse[3][kLanes];
-  alignas(64) Real offset[3][kLanes];
-};
-
-// Four numbers of one precision; the two-field pair of a sample and of its neighbour along z.
-typedef float Float4 __attribute__((vector_size(16)));
-typedef double Double4 __attribute__((vector_size(32)));
-typedef float Float4Unaligned __attribute__((vector_size(16), aligned(4), may_alias));
-template <class Real>
-struct Quad;
-template <>
-struct Quad<float> {
-  using type = Float4;
-};
-template <>
-struct Quad<double> {
-  using type = Double4;
-};
-
-PLENOFLAME_INLINE void load(const float* p, Float4& out) {
-  out = *reinterpret_cast<const Float4Unaligned*>(p);
-}
-PLENOFLAME_INLINE void load(const float* p, Double4& out) {
-  out = Double4{p[0], p[1], p[2], p[3]};
-}
-
-// (temperature, absorption) at the two nodes, from the values of one cell.
-template <class Real>
-struct NodeFields {
-  alignas(64) Real temperature[2][kLanes];
-  alignas(64) Real absorption[2][kLanes];
-};
-
-template <class Real>
-PLENOFLAME_INLINE void interpolate(const float* corner, const Real (&at)[2][3][kLanes], int lane,
-                                   Real (&out)[2][2]) {
-  using Q = typename Quad<Real>::type;
-  Q v00, v01, v10, v11;
-  load(corner, v00);
-  load(corner + 2 * kApronSide, v01);
-  load(corner + 2 * kApronSide * kApronSide, v10);
-  load(corner + 2 * kApronSide * (kApronSide + 1), v11);
-  const Q d0 = v10 - v00, d1 = v11 - v01;
-  for (int n = 0; n < 2; ++n) {
-    const Q b0 = v00 + at[n][0][lane] * d0;
-    const Q b1 = v01 + at[n][0][lane] * d1;
-    const Q c = b0 + at[n][1][lane] * (b1 - b0);
-    const Real z = at[n][2][lane];
-    out[n][0] = c[0] + z * (c[2] - c[0]);
-    out[n][1] = c[1] + z * (c[3] - c[1]);
-  }
-}
-
-// Entry of a brick's table, -1 outside.
-PLENOFLAME_INLINE int find_brick(const LatticeView& cells, int x, int y, int z) {
-  const bool inside = (x >= 0) & (x < cells.bricks[0]) & (y >= 0) & (y < cells.bricks[1]) &
-                      (z >= 0) & (z < cells.bricks[2]);
-  if (!inside) return -1;
-  const int block = cells.top[((x >> 3) * cells.blocks[1] + (y >> 3)) * cells.blocks[2] + (z >> 3)];
-  return block < 0 ? -1 : cells.table[block + ((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
-}
-
-PLENOFLAME_INLINE const float* brick_values(const LatticeView& cells, int entry) {
-  const int brick = entry & 1 ? cells.constant_data[entry >> 1] : entry >> 1;
-  return cells.values + static_cast<long>(brick) * (2 * kBrickPairs);
-}
-
-template <class Real>
-PLENOFLAME_INLINE Real floor_of(Real x) {
-  const Real whole = static_cast<Real>(static_cast<int>(x));
-  return whole - (whole > x ? Real(1) : Real(0));
-}
 
 template <class Real>
 class Packet {
@@ -136,340 +36,497 @@ class Packet {
   }
 
  private:
-  // World to cell coordinates, clipped to the medium's box. In double: the anchor may be far away.
+  // From world to cell coordinates, clipped to the medium's box: in double, for the anchor may be
+  // far from the lattice's origin and the rays from the medium.
   void start() {
-    double begin[kLanes];
+    alignas(64) double from[kLanes], to[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      const int i = first_ + l;
-      const double* m = call_.to_cells.linear;
-      const double p[3] = {double(call_.x[i]), double(call_.y[i]), double(call_.z[i])};
-      const double d[3] = {double(call_.dx[i]), double(call_.dy[i]), double(call_.dz[i])};
-      double from = call_.t_near ? double(call_.t_near[i]) : -1e300;
-      double to = call_.t_far ? double(call_.t_far[i]) : 1e300;
-      double o[3], v[3];
-      for (int a = 0; a < 3; ++a) {
-        o[a] =
-            call_.to_cells.origin[a] + m[3 * a] * p[0] + m[3 * a + 1] * p[1] + m[3 * a + 2] * p[2];
-        v[a] = m[3 * a] * d[0] + m[3 * a + 1] * d[1] + m[3 * a + 2] * d[2];
-        const bool moves = magnitude(v[a]) > 1e-200;
-        const bool inside = (o[a] >= cells_.lower[a]) & (o[a] <= cells_.upper[a]);
-        const double inverse = 1 / (moves ? v[a] : 1.0);
-        const double t0 = (cells_.lower[a] - o[a]) * inverse;
-        const double t1 = (cells_.upper[a] - o[a]) * inverse;
-        from = greatest(from, moves ? least(t0, t1) : inside ? -1e300 : 1e300);
-        to = least(to, moves ? greatest(t0, t1) : inside ? 1e300 : -1e300);
-      }
-      const bool meets = (to > from) & (to - from < 1e100);
-      begin[l] = meets ? from : 0;
-      end_[l] = static_cast<Real>(meets ? to - from : 0);
-      for (int a = 0; a < 3; ++a) {
-        const double limit = 8.0 * cells_.bricks[a];
-        const double at = meets ? clamp(o[a] + begin[l] * v[a], 0.0, limit) : 0;
-        line_.origin[a][l] = static_cast<Real>(at);
-        line_.direction[a][l] = static_cast<Real>(meets ? v[a] : 0);
-      }
+      from[l] = call_.t_near ? static_cast<double>(call_.t_near[first_ + l]) : -1e300;
+      to[l] = call_.t_far ? static_cast<double>(call_.t_far[first_ + l]) : 1e300;
+    }
+    alignas(64) double origin[3][kLanes], direction[3][kLanes];
+    for (int a = 0; a < 3; ++a) {
+      map_to_lattice(call_.to_cells, a, origin[a], direction[a]);
+      clip(cells_.lower[a], cells_.upper[a], origin[a], direction[a], from, to);
+    }
+    int met = 0;
+#pragma omp simd reduction(+ : met)
+    for (int l = 0; l < kLanes; ++l) {
+      const bool meets = (to[l] > from[l]) & (to[l] - from[l] < 1e100);
+      from[l] = meets ? from[l] : 0;
+      end_[l] = static_cast<Real>(meets ? to[l] - from[l] : 0);
       searching_[l] = meets;
       t_[l] = 0;
       transmittance_[l] = 1;
+      met += meets;
     }
-    set_planes(line_);
-    for (int l = 0; l < kLanes; ++l) {
-      for (int a = 0; a < 3; ++a) {
-        const int brick = static_cast<int>(line_.origin[a][l] * Real(0.125));
-        brick_[a][l] = least(brick, cells_.bricks[a] - 1);
+    counters_.rays += met;
+    Real* const origins[3] = {line_.origin.x, line_.origin.y, line_.origin.z};
+    Real* const directions[3] = {line_.direction.x, line_.direction.y, line_.direction.z};
+    int* const bricks[3] = {brick_.x, brick_.y, brick_.z};
+    for (int a = 0; a < 3; ++a) {
+      const double limit = 8.0 * cells_.bricks[a];
+      const int last = cells_.bricks[a] - 1;
+      Real* __restrict o = origins[a];
+      Real* __restrict d = directions[a];
+      int* __restrict b = bricks[a];
+#pragma omp simd
+      for (int l = 0; l < kLanes; ++l) {
+        const bool meets = searching_[l];
+        const double at = clamp(origin[a][l] + from[l] * direction[a][l], 0.0, limit);
+        o[l] = static_cast<Real>(meets ? at : 0);
+        d[l] = static_cast<Real>(meets ? direction[a][l] : 0);
+        b[l] = least(static_cast<int>(o[l] * Real(0.125)), last);
       }
-      counters_.rays += searching_[l];
+    }
+    set_planes(line_, end_);
+#pragma omp simd
+    for (int l = 0; l < kLanes; ++l) {
+      const Real fastest =
+          greatest(greatest(magnitude(line_.direction.x[l]), magnitude(line_.direction.y[l])),
+                   magnitude(line_.direction.z[l]));
+      // A little more, so that rounding does not leave a sliver of a whole cell.
+      spacing_[l] = Real(1.001) / (fastest > 0 ? fastest : Real(1));
     }
     for (int c = 0; c < channels_; ++c)
       for (int l = 0; l < kLanes; ++l) radiance_[c][l] = 0;
-    if (medium_.temperature) start_temperature(begin);
+    if (medium_.temperature) start_temperature(from);
   }
 
-  void start_temperature(const double (&begin)[kLanes]) {
+  void map_to_lattice(const voxel::CellMap& map, int axis, double* __restrict origin,
+                      double* __restrict direction) {
+    const double m0 = map.linear[3 * axis], m1 = map.linear[3 * axis + 1],
+                 m2 = map.linear[3 * axis + 2], shift = map.origin[axis];
+    const Real* __restrict x = call_.x + first_;
+    const Real* __restrict y = call_.y + first_;
+    const Real* __restrict z = call_.z + first_;
+    const Real* __restrict dx = call_.dx + first_;
+    const Real* __restrict dy = call_.dy + first_;
+    const Real* __restrict dz = call_.dz + first_;
+#pragma omp simd
     for (int l = 0; l < kLanes; ++l) {
-      const int i = first_ + l;
-      const double* m = call_.to_temperature.linear;
-      const double p[3] = {double(call_.x[i]) + begin[l] * double(call_.dx[i]),
-                           double(call_.y[i]) + begin[l] * double(call_.dy[i]),
-                           double(call_.z[i]) + begin[l] * double(call_.dz[i])};
-      const double d[3] = {double(call_.dx[i]), double(call_.dy[i]), double(call_.dz[i])};
-      for (int a = 0; a < 3; ++a) {
-        temperature_line_.origin[a][l] =
-            static_cast<Real>(call_.to_temperature.origin[a] + m[3 * a] * p[0] +
-                              m[3 * a + 1] * p[1] + m[3 * a + 2] * p[2]);
-        temperature_line_.direction[a][l] =
-            static_cast<Real>(m[3 * a] * d[0] + m[3 * a + 1] * d[1] + m[3 * a + 2] * d[2]);
-      }
+      origin[l] = shift + m0 * static_cast<double>(x[l]) + m1 * static_cast<double>(y[l]) +
+                  m2 * static_cast<double>(z[l]);
+      direction[l] = m0 * static_cast<double>(dx[l]) + m1 * static_cast<double>(dy[l]) +
+                     m2 * static_cast<double>(dz[l]);
     }
-    set_planes(temperature_line_);
   }
 
-  void set_planes(Lines<Real>& line) {
-    for (int a = 0; a < 3; ++a)
+  static void clip(double lower, double upper, const double* __restrict origin,
+                   const double* __restrict direction, double* __restrict from,
+                   double* __restrict to) {
+#pragma omp simd
+    for (int l = 0; l < kLanes; ++l) {
+      const double o = origin[l], d = direction[l];
+      const bool moves = magnitude(d) > 1e-200;
+      const bool inside = (o >= lower) & (o <= upper);
+      const double inverse = 1 / (moves ? d : 1.0);
+      const double t0 = (lower - o) * inverse, t1 = (upper - o) * inverse;
+      const double enter = moves ? least(t0, t1) : inside ? -1e300 : 1e300;
+      const double leave = moves ? greatest(t0, t1) : inside ? 1e300 : -1e300;
+      from[l] = greatest(from[l], enter);
+      to[l] = least(to[l], leave);
+    }
+  }
+
+  void start_temperature(const double* from) {
+    Real* const origins[3] = {temperature_line_.origin.x, temperature_line_.origin.y,
+                              temperature_line_.origin.z};
+    Real* const directions[3] = {temperature_line_.direction.x, temperature_line_.direction.y,
+                                 temperature_line_.direction.z};
+    alignas(64) double origin[kLanes], direction[kLanes];
+    for (int a = 0; a < 3; ++a) {
+      map_to_lattice(call_.to_temperature, a, origin, direction);
       for (int l = 0; l < kLanes; ++l) {
-        const Real d = line.direction[a][l];
-        const bool moves = magnitude(d) * end_[l] > Limits<Real>::level;
-        const Real inverse = Real(1) / (moves ? d : Real(1));
-        line.inverse[a][l] = moves ? inverse : Real(0);
-        line.offset[a][l] = moves ? -line.origin[a][l] * inverse : Limits<Real>::huge;
+        origins[a][l] = static_cast<Real>(origin[l] + from[l] * direction[l]);
+        directions[a][l] = static_cast<Real>(direction[l]);
       }
+    }
+    set_planes(temperature_line_, end_);
   }
 
-  // Steps every searching ray to its next brick that must be crossed cell by cell; constant bricks
-  // on the way in closed form. @return false when no ray has any left.
+  // Steps every searching ray to its next brick that must be crossed cell by cell; over empty
+  // blocks and bricks at once, through constant bricks in closed form.
+  // @return false when no ray has any left
   bool next_bricks() {
-    bool any = false;
+    for (int l = 0; l < kLanes; ++l) found_[l] = 0;
+    const int skip = call_.skip, close = call_.skip && !medium_.temperature;
+    const int* top = cells_.top;
+    const int* table = cells_.table;
+    const int bricks_x = cells_.bricks[0], bricks_y = cells_.bricks[1], bricks_z = cells_.bricks[2],
+              blocks_y = cells_.blocks[1], blocks_z = cells_.blocks[2];
+    for (;;) {
+      int left = 0, constants = 0, empties = 0;
+      alignas(64) int constant[kLanes];
+#pragma omp simd reduction(+ : left, constants, empties)
+      for (int l = 0; l < kLanes; ++l) {
+        const int x = brick_.x[l], y = brick_.y[l], z = brick_.z[l];
+        const bool inside = (x >= 0) & (x < bricks_x) & (y >= 0) & (y < bricks_y) & (z >= 0) &
+                            (z < bricks_z) & (t_[l] < end_[l]);
+        const int searching = searching_[l] & (inside ? 1 : 0);
+        // Masks instead of choices keep the two look-ups gathers.
+        const int at = ((x >> 3) * blocks_y + (y >> 3)) * blocks_z + (z >> 3);
+        const int block = top[at & -searching];
+        const int missing = block >> 31;  // -1 in an empty block
+        const int in_block = (x & 7) << 6 | (y & 7) << 3 | (z & 7);
+        const int entry = table[(block + in_block) & ~missing] | missing;
+        // Out of the brick, or out of the whole block of 8^3 bricks when that is empty.
+        const int rest = skip ? missing & 7 : 0;
+        const int low_x = x & ~rest, low_y = y & ~rest, low_z = z & ~rest;
+        const bool up_x = line_.direction.x[l] > 0, up_y = line_.direction.y[l] > 0,
+                   up_z = line_.direction.z[l] > 0;
+        const Real t_x =
+            plane(8 * (low_x + (up_x ? rest + 1 : 0)), line_.inverse.x[l], line_.offset.x[l]);
+        const Real t_y =
+            plane(8 * (low_y + (up_y ? rest + 1 : 0)), line_.inverse.y[l], line_.offset.y[l]);
+        const Real t_z =
+            plane(8 * (low_z + (up_z ? rest + 1 : 0)), line_.inverse.z[l], line_.offset.z[l]);
+        const Real exit = least(t_x, least(t_y, t_z));
+        const Real begin = t_[l], until = clamp(exit, begin, end_[l]);
+        const int passes = until > begin ? searching : 0;
+        const int skips_empty = entry < 0 ? passes & skip : 0;
+        const int closed = entry < 0 ? 0 : passes & entry & close;
+        const int found = passes & ~skips_empty & ~closed;
+        segment_begin_[l] = searching ? begin : segment_begin_[l];
+        segment_end_[l] = searching ? until : segment_end_[l];
+        segment_brick_.x[l] = searching ? x : segment_brick_.x[l];
+        segment_brick_.y[l] = searching ? y : segment_brick_.y[l];
+        segment_brick_.z[l] = searching ? z : segment_brick_.z[l];
+        segment_entry_[l] = searching ? entry : segment_entry_[l];
+        constant[l] = (entry >> 1) | (closed - 1);
+        // One axis at a time: where faces meet, the others follow at the same t.
+        const bool cross_x = exit == t_x, cross_y = !cross_x & (exit == t_y),
+                   cross_z = !cross_x & !cross_y;
+        const Real p_x = line_.origin.x[l] + until * line_.direction.x[l];
+        const Real p_y = line_.origin.y[l] + until * line_.direction.y[l];
+        const Real p_z = line_.origin.z[l] + until * line_.direction.z[l];
+        const int next_x = next_brick(x, low_x, rest, cross_x, up_x, p_x);
+        const int next_y = next_brick(y, low_y, rest, cross_y, up_y, p_y);
+        const int next_z = next_brick(z, low_z, rest, cross_z, up_z, p_z);
+        brick_.x[l] = searching ? next_x : x;
+        brick_.y[l] = searching ? next_y : y;
+        brick_.z[l] = searching ? next_z : z;
+        t_[l] = searching ? until : begin;
+        found_[l] = found_[l] | found;
+        // 1: searches on; 2: has a brick to cross, searches after that; 0: done.
+        searching_[l] = found ? 2 : searching | (searching_[l] & 2);
+        left += searching & ~found;
+        constants += closed;
+        empties += skips_empty;
+      }
+      counters_.skipped_empty += empties;
+      if (constants > 0) {
+        counters_.skipped_constant += constants;
+        add_constants(constant);
+      }
+      if (left == 0) break;
+    }
+    int any = 0;
     for (int l = 0; l < kLanes; ++l) {
-      found_[l] = false;
-      while (searching_[l]) {
-        const int x = brick_[0][l], y = brick_[1][l], z = brick_[2][l];
-        const bool inside = (x >= 0) & (x < cells_.bricks[0]) & (y >= 0) & (y < cells_.bricks[1]) &
-                            (z >= 0) & (z < cells_.bricks[2]);
-        if (!inside || !(t_[l] < end_[l])) {
-          searching_[l] = false;
-          break;
-        }
-        const int block =
-            cells_.top[((x >> 3) * cells_.blocks[1] + (y >> 3)) * cells_.blocks[2] + (z >> 3)];
-        const int entry =
-            block < 0 ? -1 : cells_.table[block + ((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
-        const int level = block < 0 && call_.skip ? 3 : 0;
-        const Real begin = t_[l];
-        for (int a = 0; a < 3; ++a) segment_brick_[a][l] = brick_[a][l];
-        leave_brick(l, level);
-        segment_begin_[l] = begin;
-        segment_end_[l] = t_[l];
-        if (!(t_[l] > begin)) continue;
-        if (entry < 0 && call_.skip) {
-          counters_.skipped_empty += 1;
-        } else if ((entry & 1) && entry >= 0 && call_.skip && !medium_.temperature) {
-          counters_.skipped_constant += 1;
-          add_constant(l, entry >> 1, t_[l] - begin);
-        } else {
-          segment_entry_[l] = entry;
-          found_[l] = any = true;
-          break;
-        }
-      }
+      any |= found_[l];
+      searching_[l] = searching_[l] != 0;
     }
-    return any;
+    return any != 0;
   }
 
-  // To the next brick (level 0) or out of the block of 8^3 bricks (level 3).
-  void leave_brick(int l, int level) {
-    Real exit = end_[l];
-    int axis = -1;
-    for (int a = 0; a < 3; ++a) {
-      const int low = brick_[a][l] >> level << level;
-      const int plane = low + (line_.direction[a][l] > 0 ? 1 << level : 0);
-      const Real t = static_cast<Real>(8 * plane) * line_.inverse[a][l] + line_.offset[a][l];
-      if (t < exit) {
-        exit = t;
-        axis = a;
+  PLENOFLAME_INLINE Real plane(int p, Real inverse, Real offset) {
+    return static_cast<Real>(p) * inverse + offset;
+  }
+
+  PLENOFLAME_INLINE int next_brick(int brick, int low, int rest, bool crosses, bool up, Real p) {
+    const int inside = clamp(static_cast<int>(p * Real(0.125)), low, low + rest);
+    const int stays = rest == 0 ? brick : inside;
+    return crosses ? (up ? low + rest + 1 : low - 1) : stays;
+  }
+
+  // @param constant the constant brick that a lane has passed, or -1
+  void add_constants(const int* constant) {
+    for (int l = 0; l < kLanes; ++l) {
+      if (constant[l] < 0) continue;
+      const auto a = attenuation(medium_.constant_absorption[constant[l]] *
+                                 (segment_end_[l] - segment_begin_[l]));
+      for (int c = 0; c < channels_; ++c) {
+        const long row = static_cast<long>(first_channel_ + c) * medium_.constants;
+        radiance_[c][l] +=
+            transmittance_[l] * a.emissivity * medium_.constant_source[row + constant[l]];
       }
-    }
-    t_[l] = greatest(exit, t_[l]);
-    if (axis < 0) {
-      searching_[l] = false;
-      return;
-    }
-    for (int a = 0; a < 3; ++a) {
-      const int low = brick_[a][l] >> level << level, high = low + (1 << level) - 1;
-      if (a == axis) {
-        brick_[a][l] = line_.direction[a][l] > 0 ? high + 1 : low - 1;
-      } else if (level > 0) {
-        const Real p = line_.origin[a][l] + t_[l] * line_.direction[a][l];
-        brick_[a][l] = clamp(static_cast<int>(floor_of(p * Real(0.125))), low, high);
+      transmittance_[l] *= a.transmittance;
+      if (transmittance_[l] < Real(1e-7)) {
+        counters_.opaque_tails += searching_[l];
+        searching_[l] = 0;
       }
     }
   }
 
-  void add_constant(int l, int n, Real length) {
-    const auto a = attenuation(medium_.constant_absorption[n] * length);
-    for (int c = 0; c < channels_; ++c)
-      radiance_[c][l] +=
-          transmittance_[l] * a.emissivity *
-          medium_.constant_source[static_cast<long>(first_channel_ + c) * medium_.constants + n];
-    transmittance_[l] *= a.transmittance;
-    if (call_.skip && transmittance_[l] < Real(1e-7)) {
-      searching_[l] = false;
-      counters_.opaque_tails += 1;
-    }
-  }
+  // One brick per lane, in coordinates that count from its lowest cell.
+  struct Crossing {
+    Triple<Real> origin, offset;
+    Triple<int> cell, own_cell;  // own_cell: of the temperature's lattice
+    Triple<int> up;              // -1: the line ascends along this axis; 0
+    alignas(64) Real t[kLanes];
+    alignas(64) Real last[kLanes];
+    alignas(64) int steps[kLanes];  // first word of the brick's step codes
+    const float* values[kLanes];
+  };
 
-  // Crosses the bricks that were found, all lanes in step.
+  // Crosses the bricks that were found, all lanes in step. The next interval is laid out, and its
+  // samples are fetched, before the present one is composed: neither waits for memory then.
   template <bool kOwnTemperature>
   void cross_bricks() {
-    alignas(64) Real offset[3][kLanes], origin[3][kLanes], t[kLanes], last[kLanes];
-    alignas(64) int cell[3][kLanes];
-    alignas(64) int cell_t[3][kLanes];
-    const float* values[kLanes];
-    static const float kZeros[2 * kBrickPairs] = {};
-    for (int l = 0; l < kLanes; ++l) {
-      t[l] = found_[l] ? segment_begin_[l] : Real(0);
-      last[l] = found_[l] ? segment_end_[l] : Real(0);
-      values[l] =
-          !found_[l] || segment_entry_[l] < 0 ? kZeros : brick_values(cells_, segment_entry_[l]);
-    }
-    for (int a = 0; a < 3; ++a)
-      for (int l = 0; l < kLanes; ++l) {
-        const Real low = static_cast<Real>(8 * segment_brick_[a][l]);
-        offset[a][l] = line_.offset[a][l] + low * line_.inverse[a][l];
-        origin[a][l] = line_.origin[a][l] - low;
-        const Real p = origin[a][l] + t[l] * line_.direction[a][l];
-        cell[a][l] = clamp(static_cast<int>(p), 0, 7);
-        if (kOwnTemperature)
-          cell_t[a][l] = static_cast<int>(
-              floor_of(temperature_line_.origin[a][l] + t[l] * temperature_line_.direction[a][l]));
-      }
-
-    // Distance of the Gauss nodes from the middle, in interval lengths.
-    const Real kNode = Real(0.28867513459481288225);
-    alignas(64) Real at[2][3][kLanes], at_t[2][3][kLanes], length[kLanes];
-    alignas(64) int pair[kLanes];
-    alignas(64) int temperature_cell[3][kLanes];
-    NodeFields<Real> fields;
-    for (;;) {
-      int active = 0;
-      for (int l = 0; l < kLanes; ++l) active += t[l] < last[l];
-      if (active == 0) break;
+    Crossing at;
+    Intervals<Real> intervals[2], own[2];
+    enter_bricks<kOwnTemperature>(at);
+    for (int n = 0; n < 2; ++n)
+      for (int l = 0; l < 2 * kLanes; ++l)
+        intervals[0].fields[n][l] = intervals[1].fields[n][l] = 0;
+    int active = advance<kOwnTemperature>(at, intervals[0], own[0]);
+    for (int turn = 0; active > 0; turn ^= 1) {
       counters_.cells += active;
-      for (int l = 0; l < kLanes; ++l) {
-        Real exit[3];
-        for (int a = 0; a < 3; ++a) {
-          const int plane = cell[a][l] + (line_.direction[a][l] > 0 ? 1 : 0);
-          exit[a] = static_cast<Real>(plane) * line_.inverse[a][l] + offset[a][l];
-        }
-        Real exit_t[3] = {};
-        Real first = least(exit[0], least(exit[1], exit[2]));
-        if (kOwnTemperature) {
-          for (int a = 0; a < 3; ++a) {
-            const int plane = cell_t[a][l] + (temperature_line_.direction[a][l] > 0 ? 1 : 0);
-            exit_t[a] = static_cast<Real>(plane) * temperature_line_.inverse[a][l] +
-                        temperature_line_.offset[a][l];
-          }
-          first = least(first, least(exit_t[0], least(exit_t[1], exit_t[2])));
-        }
-        int next[3];
-        bool leaves = false;
-        for (int a = 0; a < 3; ++a) {
-          const int step = line_.direction[a][l] > 0 ? 1 : -1;
-          next[a] = cell[a][l] + (exit[a] <= first ? step : 0);
-          leaves = leaves | (next[a] < 0) | (next[a] > 7);
-        }
-        // Out of the brick: whatever rounding left of the segment goes to its last cell.
-        const Real until = leaves ? last[l] : clamp(first, t[l], last[l]);
-        const Real h = until - t[l], middle = t[l] + Real(0.5) * h;
-        length[l] = h;
-        for (int n = 0; n < 2; ++n) {
-          const Real tn = middle + (n ? kNode : -kNode) * h;
-          for (int a = 0; a < 3; ++a) {
-            at[n][a][l] =
-                clamp(origin[a][l] + tn * line_.direction[a][l] - static_cast<Real>(cell[a][l]),
-                      Real(0), Real(1));
-            if (kOwnTemperature)
-              at_t[n][a][l] =
-                  clamp(temperature_line_.origin[a][l] + tn * temperature_line_.direction[a][l] -
-                            static_cast<Real>(cell_t[a][l]),
-                        Real(0), Real(1));
-          }
-        }
-        pair[l] = 2 * ((cell[0][l] * kApronSide + cell[1][l]) * kApronSide + cell[2][l]);
-        for (int a = 0; a < 3; ++a) {
-          cell[a][l] = clamp(next[a], 0, 7);
-          if (kOwnTemperature) {
-            temperature_cell[a][l] = cell_t[a][l];
-            const int step = temperature_line_.direction[a][l] > 0 ? 1 : -1;
-            cell_t[a][l] += exit_t[a] <= first ? step : 0;
-          }
-        }
-        t[l] = until;
-      }
-      gather_fields(cells_, values, pair, at, length, fields);
-      if (kOwnTemperature) gather_temperature(temperature_cell, at_t, length, fields);
-      compose(length, fields);
+      interpolate_fields(at, intervals[turn]);
+      if (kOwnTemperature) interpolate_temperature(own[turn], intervals[turn]);
+      active = advance<kOwnTemperature>(at, intervals[turn ^ 1], own[turn ^ 1]);
+      if (active > 0) fetch(at, intervals[turn ^ 1]);
+      compose(intervals[turn]);
     }
   }
 
-  void gather_fields(const LatticeView& lattice, const float* const (&values)[kLanes],
-                     const int (&pair)[kLanes], const Real (&at)[2][3][kLanes],
-                     const Real (&length)[kLanes], NodeFields<Real>& fields) {
+  template <bool kOwnTemperature>
+  void enter_bricks(Crossing& at) {
     for (int l = 0; l < kLanes; ++l) {
-      Real out[2][2] = {};
-      const float* corner = values[l] + pair[l];
-      if (length[l] > 0) {
-        if (lattice.one_value_per_cell) {
-          out[0][0] = out[1][0] = corner[0];
-          out[0][1] = out[1][1] = corner[1];
-        } else {
-          interpolate(corner, at, l, out);
-        }
+      const int data = found_[l] ? data_of(cells_, segment_entry_[l]) : cells_.blank;
+      at.values[l] = cells_.values + static_cast<long>(data) * (2 * kBrickPairs);
+      at.steps[l] = data * voxel::kStepWords;
+      at.t[l] = found_[l] ? segment_begin_[l] : Real(0);
+      at.last[l] = found_[l] ? segment_end_[l] : Real(0);
+    }
+    enter(line_.origin.x, line_.direction.x, line_.inverse.x, line_.offset.x, segment_brick_.x,
+          at.t, at.origin.x, at.offset.x, at.cell.x, at.up.x);
+    enter(line_.origin.y, line_.direction.y, line_.inverse.y, line_.offset.y, segment_brick_.y,
+          at.t, at.origin.y, at.offset.y, at.cell.y, at.up.y);
+    enter(line_.origin.z, line_.direction.z, line_.inverse.z, line_.offset.z, segment_brick_.z,
+          at.t, at.origin.z, at.offset.z, at.cell.z, at.up.z);
+    if (kOwnTemperature) {
+      const Lines<Real>& line = temperature_line_;
+      for (int l = 0; l < kLanes; ++l) {
+        at.own_cell.x[l] = floor_of(line.origin.x[l] + at.t[l] * line.direction.x[l]);
+        at.own_cell.y[l] = floor_of(line.origin.y[l] + at.t[l] * line.direction.y[l]);
+        at.own_cell.z[l] = floor_of(line.origin.z[l] + at.t[l] * line.direction.z[l]);
       }
+    }
+  }
+
+  static void enter(const Real* __restrict line_origin, const Real* __restrict direction,
+                    const Real* __restrict inverse, const Real* __restrict line_offset,
+                    const int* __restrict brick, const Real* __restrict t, Real* __restrict origin,
+                    Real* __restrict offset, int* __restrict cell, int* __restrict up) {
+#pragma omp simd
+    for (int l = 0; l < kLanes; ++l) {
+      const Real low = static_cast<Real>(8 * brick[l]);
+      offset[l] = line_offset[l] + low * inverse[l];
+      origin[l] = line_origin[l] - low;
+      cell[l] = clamp(static_cast<int>(origin[l] + t[l] * direction[l]), 0, 7);
+      up[l] = direction[l] > 0 ? -1 : 0;
+    }
+  }
+
+  // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
+  // block around it), or less where the cell is to be cut.
+  // @return lanes that still have a part of their brick before them; the others get length 0
+  template <bool kOwnTemperature>
+  int advance(Crossing& at, Intervals<Real>& now, Intervals<Real>& own) {
+    const int most = call_.skip ? 7 : 0;
+    const int* steps = cells_.steps;
+    int active = 0;
+#pragma omp simd reduction(+ : active)
+    for (int l = 0; l < kLanes; ++l) {
+      const Real begin = at.t[l], last = at.last[l];
+      active += begin < last ? 1 : 0;
+      const int x = at.cell.x[l], y = at.cell.y[l], z = at.cell.z[l];
+      const int code = steps[at.steps[l] + (x << 3 | y)] >> (z << 2) & 15;
+      const int rest = ((1 << greatest(code - voxel::kCellStep, 0)) - 1) & most;
+      const int low_x = x & ~rest, low_y = y & ~rest, low_z = z & ~rest;
+      const Real t_x = plane(low_x + ((rest + 1) & at.up.x[l]), line_.inverse.x[l], at.offset.x[l]);
+      const Real t_y = plane(low_y + ((rest + 1) & at.up.y[l]), line_.inverse.y[l], at.offset.y[l]);
+      const Real t_z = plane(low_z + ((rest + 1) & at.up.z[l]), line_.inverse.z[l], at.offset.z[l]);
+      // Whole cells and blocks are shorter than this, parts of cells are not.
+      const Real part =
+          begin + spacing_[l] * static_cast<Real>(power_of_two(code - voxel::kCellStep));
+      Real next = least(least(t_x, part), least(t_y, t_z));
+      Real s_x = 0, s_y = 0, s_z = 0;
+      if (kOwnTemperature) {
+        const Lines<Real>& line = temperature_line_;
+        s_x = plane(at.own_cell.x[l] + (line.direction.x[l] > 0 ? 1 : 0), line.inverse.x[l],
+                    line.offset.x[l]);
+        s_y = plane(at.own_cell.y[l] + (line.direction.y[l] > 0 ? 1 : 0), line.inverse.y[l],
+                    line.offset.y[l]);
+        s_z = plane(at.own_cell.z[l] + (line.direction.z[l] > 0 ? 1 : 0), line.inverse.z[l],
+                    line.offset.z[l]);
+        next = least(next, least(s_x, least(s_y, s_z)));
+      }
+      const Real o_x = at.origin.x[l], o_y = at.origin.y[l], o_z = at.origin.z[l];
+      const Real d_x = line_.direction.x[l], d_y = line_.direction.y[l], d_z = line_.direction.z[l];
+      const int next_x = next_cell(low_x, rest, t_x <= next, at.up.x[l], o_x + next * d_x);
+      const int next_y = next_cell(low_y, rest, t_y <= next, at.up.y[l], o_y + next * d_y);
+      const int next_z = next_cell(low_z, rest, t_z <= next, at.up.z[l], o_z + next * d_z);
+      // Out of the brick: whatever rounding left of the segment goes to its last interval.
+      const bool leaves = ((next_x | next_y | next_z) & ~7) != 0;
+      const Real until = leaves ? last : clamp(next, begin, last);
+      const Real h = until - begin;
+      now.length[l] = h;
+      const Real node0 = begin + kNode0 * h, node1 = begin + kNode1 * h;
+      const Real c_x = static_cast<Real>(x), c_y = static_cast<Real>(y), c_z = static_cast<Real>(z);
+      now.at[0].x[l] = clamp(o_x + node0 * d_x - c_x, Real(0), Real(1));
+      now.at[0].y[l] = clamp(o_y + node0 * d_y - c_y, Real(0), Real(1));
+      now.at[0].z[l] = clamp(o_z + node0 * d_z - c_z, Real(0), Real(1));
+      now.at[1].x[l] = clamp(o_x + node1 * d_x - c_x, Real(0), Real(1));
+      now.at[1].y[l] = clamp(o_y + node1 * d_y - c_y, Real(0), Real(1));
+      now.at[1].z[l] = clamp(o_z + node1 * d_z - c_z, Real(0), Real(1));
+      now.pair[l] = 2 * ((x * kApronSide + y) * kApronSide + z);
+      at.cell.x[l] = next_x & 7;
+      at.cell.y[l] = next_y & 7;
+      at.cell.z[l] = next_z & 7;
+      at.t[l] = until;
+      if (kOwnTemperature) {
+        const Lines<Real>& line = temperature_line_;
+        const Real p_x = line.origin.x[l], p_y = line.origin.y[l], p_z = line.origin.z[l];
+        const Real e_x = line.direction.x[l], e_y = line.direction.y[l], e_z = line.direction.z[l];
+        const int own_x = at.own_cell.x[l], own_y = at.own_cell.y[l], own_z = at.own_cell.z[l];
+        own.length[l] = h;
+        own.at[0].x[l] = within_cell(p_x + node0 * e_x, own_x);
+        own.at[0].y[l] = within_cell(p_y + node0 * e_y, own_y);
+        own.at[0].z[l] = within_cell(p_z + node0 * e_z, own_z);
+        own.at[1].x[l] = within_cell(p_x + node1 * e_x, own_x);
+        own.at[1].y[l] = within_cell(p_y + node1 * e_y, own_y);
+        own.at[1].z[l] = within_cell(p_z + node1 * e_z, own_z);
+        own.cell.x[l] = own_x;
+        own.cell.y[l] = own_y;
+        own.cell.z[l] = own_z;
+        at.own_cell.x[l] = own_x + (s_x <= next ? (e_x > 0 ? 1 : -1) : 0);
+        at.own_cell.y[l] = own_y + (s_y <= next ? (e_y > 0 ? 1 : -1) : 0);
+        at.own_cell.z[l] = own_z + (s_z <= next ? (e_z > 0 ? 1 : -1) : 0);
+      }
+    }
+    return active;
+  }
+
+  // The Gauss nodes of an interval, in lengths: 1/2 -+ 1/(2 sqrt 3).
+  static constexpr Real kNode0 = Real(0.21132486540518711775);
+  static constexpr Real kNode1 = Real(0.78867513459481288225);
+
+  PLENOFLAME_INLINE Real within_cell(Real p, int cell) {
+    return clamp(p - static_cast<Real>(cell), Real(0), Real(1));
+  }
+
+  // Where a crossed face leads; elsewhere the cell at p of the block of rest + 1 cells from `low`.
+  PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p) {
+    const int beyond = low - 1 + ((rest + 2) & up);
+    const int stays = clamp(static_cast<int>(p), low, low + rest);
+    return crosses ? beyond : stays;
+  }
+
+  // Asks for the samples of the next interval.
+  PLENOFLAME_INLINE void fetch(const Crossing& at, const Intervals<Real>& next) {
+    for (int l = 0; l < kLanes; ++l) {
+      const float* corner = at.values[l] + next.pair[l];
+      __builtin_prefetch(corner);
+      __builtin_prefetch(corner + 2 * kApronSide * kApronSide);
+    }
+  }
+
+  void interpolate_fields(const Crossing& at, Intervals<Real>& now) {
+    if (cells_.one_value_per_cell) {
+      for (int l = 0; l < kLanes; ++l)
+        for (int n = 0; n < 2; ++n) {
+          now.fields[n][2 * l] = at.values[l][now.pair[l]];
+          now.fields[n][2 * l + 1] = at.values[l][now.pair[l] + 1];
+        }
+      return;
+    }
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(now.length[l] > 0)) continue;
+      Real out[2][2];
+      interpolate(at.values[l] + now.pair[l], now.at, l, out);
       for (int n = 0; n < 2; ++n) {
-        fields.temperature[n][l] = out[n][0];
-        fields.absorption[n][l] = out[n][1];
+        now.fields[n][2 * l] = out[n][0];
+        now.fields[n][2 * l + 1] = out[n][1];
       }
     }
   }
 
   // Temperature from its own lattice.
-  void gather_temperature(const int (&cell)[3][kLanes], const Real (&at)[2][3][kLanes],
-                          const Real (&length)[kLanes], NodeFields<Real>& fields) {
+  void interpolate_temperature(const Intervals<Real>& own, Intervals<Real>& now) {
     const LatticeView& lattice = *medium_.temperature;
     for (int l = 0; l < kLanes; ++l) {
-      if (!(length[l] > 0)) continue;
-      const int x = cell[0][l], y = cell[1][l], z = cell[2][l];
+      if (!(own.length[l] > 0)) continue;
+      const int x = own.cell.x[l], y = own.cell.y[l], z = own.cell.z[l];
       const int entry = find_brick(lattice, x >> 3, y >> 3, z >> 3);
       Real out[2][2];
       out[0][0] = out[1][0] = lattice.background_temperature;
       if (entry >= 0) {
-        const float* corner = brick_values(lattice, entry) +
+        const float* corner = lattice.values +
+                              static_cast<long>(data_of(lattice, entry)) * (2 * kBrickPairs) +
                               2 * (((x & 7) * kApronSide + (y & 7)) * kApronSide + (z & 7));
         if (lattice.one_value_per_cell)
           out[0][0] = out[1][0] = corner[0];
         else
-          interpolate(corner, at, l, out);
+          interpolate(corner, own.at, l, out);
       }
-      for (int n = 0; n < 2; ++n) fields.temperature[n][l] = out[n][0];
+      for (int n = 0; n < 2; ++n) now.fields[n][2 * l] = out[n][0];
     }
   }
 
+  PLENOFLAME_INLINE bool use_thin(int thick) {
+    return sizeof(Real) == sizeof(float) && !thick;
+  }
+
   // Adds one interval of every lane behind what was already passed.
-  void compose(const Real (&length)[kLanes], const NodeFields<Real>& fields) {
-    alignas(64) Real near[kLanes], far[kLanes], source[2][kLanes];
+  void compose(const Intervals<Real>& now) {
+    alignas(64) Real near[kLanes], far[kLanes], source[2][kLanes], temperature[2][kLanes];
+    alignas(64) Real tau[2][kLanes];
+    int thick = 0;
+#pragma omp simd reduction(+ : thick)
     for (int l = 0; l < kLanes; ++l) {
-      const Real tau0 = Real(0.5) * length[l] * fields.absorption[0][l];
-      const Real tau1 = Real(0.5) * length[l] * fields.absorption[1][l];
-      const Real tau = tau0 + tau1;
-      const auto transfer = linear_transfer(tau);
-      const Real emissivity = transfer.near_weight + transfer.far_weight;
-      const Real gradient =
-          Real(0.86602540378443864676) * (transfer.near_weight - transfer.far_weight);
-      const Real mean = emissivity * (tau1 / greatest(tau, Limits<Real>::tiny));
-      const Real far_weight = clamp(mean - gradient, Real(0), emissivity);
-      far[l] = transmittance_[l] * far_weight;
-      near[l] = transmittance_[l] * (emissivity - far_weight);
-      transmittance_[l] *= transfer.transmittance;
+      const Real half = Real(0.5) * now.length[l];
+      temperature[0][l] = now.fields[0][2 * l];
+      temperature[1][l] = now.fields[1][2 * l];
+      tau[0][l] = half * now.fields[0][2 * l + 1];
+      tau[1][l] = half * now.fields[1][2 * l + 1];
+      thick += tau[0][l] + tau[1][l] > Real(kThin);
+    }
+    if (use_thin(thick)) {
+#pragma omp simd
+      for (int l = 0; l < kLanes; ++l) {
+        const auto w =
+            thin_interval_weights(static_cast<float>(tau[0][l]), static_cast<float>(tau[1][l]));
+        near[l] = transmittance_[l] * w.near;
+        far[l] = transmittance_[l] * w.far;
+        transmittance_[l] *= w.transmittance;
+      }
+    } else {
+#pragma omp simd
+      for (int l = 0; l < kLanes; ++l) {
+        const auto w = interval_weights(tau[0][l], tau[1][l]);
+        near[l] = transmittance_[l] * w.near;
+        far[l] = transmittance_[l] * w.far;
+        transmittance_[l] *= w.transmittance;
+      }
     }
     for (int c = 0; c < channels_; ++c) {
-      for (int n = 0; n < 2; ++n) evaluate(c, fields.temperature[n], source[n]);
+      const auto& table = medium_.sources[first_channel_ + c];
+      source_of(table, temperature[0], source[0]);
+      source_of(table, temperature[1], source[1]);
+#pragma omp simd
       for (int l = 0; l < kLanes; ++l)
         radiance_[c][l] += near[l] * source[0][l] + far[l] * source[1][l];
     }
   }
 
-  void evaluate(int channel, const Real (&temperature)[kLanes], Real (&out)[kLanes]) {
-    const voxel::SourceView<Real>& s = medium_.sources[first_channel_ + channel];
-    const SourceTable<Real> table{s.exponents, s.weights, s.count};
-    evaluate_source(table, temperature, out, kLanes);
-  }
-
   void cut_opaque() {
     if (!call_.skip) return;
     for (int l = 0; l < kLanes; ++l) {
-      const bool opaque = found_[l] && searching_[l] && transmittance_[l] < Real(1e-7);
+      const int opaque = found_[l] & searching_[l] & (transmittance_[l] < Real(1e-7));
       counters_.opaque_tails += opaque;
-      searching_[l] = searching_[l] && !opaque;
+      searching_[l] = opaque ? 0 : searching_[l];
     }
   }
 
@@ -488,12 +545,11 @@ class Packet {
   const int first_, first_channel_, channels_;
 
   Lines<Real> line_, temperature_line_;
-  alignas(64) Real t_[kLanes], end_[kLanes], transmittance_[kLanes];
+  alignas(64) Real t_[kLanes], end_[kLanes], spacing_[kLanes], transmittance_[kLanes];
   alignas(64) Real radiance_[kMaxChannels][kLanes];
-  alignas(64) int brick_[3][kLanes];
-  alignas(64) int searching_[kLanes], found_[kLanes];
+  Triple<int> brick_, segment_brick_;
+  alignas(64) int searching_[kLanes], found_[kLanes], segment_entry_[kLanes];
   alignas(64) Real segment_begin_[kLanes], segment_end_[kLanes];
-  alignas(64) int segment_brick_[3][kLanes], segment_entry_[kLanes];
 };
 
 template <class Real>

@@ -129,24 +129,25 @@ std::vector<Index> touched_bricks(const FieldReader& reader, bool one_value_per_
 }  // namespace
 
 Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, VoxelInterpolation interpolation) {
+                               Index temperature_shift, VoxelInterpolation interpolation,
+                               const StepPlanner& steps) {
   Lattice lattice(absorption, interpolation);
   if (temperature) lattice.background_temperature_ = temperature->field().background;
   lattice.store(touched_bricks(absorption, lattice.one_value_per_cell_), &absorption, temperature,
-                temperature_shift);
+                temperature_shift, &steps);
   return lattice;
 }
 
 Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation) {
   Lattice lattice(temperature, interpolation);
   lattice.background_temperature_ = temperature.field().background;
-  lattice.store(touched_bricks(temperature, lattice.one_value_per_cell_), nullptr, &temperature,
-                {});
+  lattice.store(touched_bricks(temperature, lattice.one_value_per_cell_), nullptr, &temperature, {},
+                nullptr);
   return lattice;
 }
 
 void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorption,
-                    const FieldReader* temperature, Index shift) {
+                    const FieldReader* temperature, Index shift, const StepPlanner* steps) {
   temperature_range_ = {background_temperature_, background_temperature_};
   if (bricks.empty()) return;
   const FieldReader& primary = absorption ? *absorption : *temperature;
@@ -175,6 +176,15 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
                    std::numeric_limits<int>::min()};
   std::map<std::pair<float, float>, int> constant_data;
   std::vector<float> pairs(2 * kBrickPairs);
+  const auto append = [&] {
+    values_.insert(values_.end(), pairs.begin(), pairs.end());
+    steps_.resize(steps_.size() + kStepWords, 0);
+    if (steps)
+      steps->plan(pairs.data(), one_value_per_cell_, temperature == nullptr,
+                  steps_.data() + steps_.size() - kStepWords);
+    return static_cast<int>(values_.size() / pairs.size()) - 1;
+  };
+  blank_ = append();  // still all 0
   const int checked = one_value_per_cell_ ? kBrickSide : kApronSide;
   for (const Index& b : bricks) {
     bool constant = true;
@@ -198,10 +208,6 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
             temperature_range_[1] = std::max(temperature_range_[1], out[0]);
           }
         }
-    const auto append = [&] {
-      values_.insert(values_.end(), pairs.begin(), pairs.end());
-      return static_cast<int>(values_.size() / pairs.size()) - 1;
-    };
     int entry;
     if (constant) {
       const auto [at, fresh] = constant_data.try_emplace({pairs[0], pairs[1]}, 0);
@@ -299,6 +305,8 @@ LatticeView Lattice::view() const {
   view.values = values_.data();
   view.top = top_.data();
   view.table = table_.data();
+  view.steps = steps_.data();
+  view.blank = blank_;
   const double low[3] = {lower_.x, lower_.y, lower_.z}, high[3] = {upper_.x, upper_.y, upper_.z};
   for (int a = 0; a < 3; ++a) {
     view.blocks[a] = blocks_[a];
@@ -324,7 +332,8 @@ double Lattice::spacing() const {
 }
 
 std::size_t Lattice::bytes() const {
-  return values_.size() * sizeof(float) + (top_.size() + table_.size()) * sizeof(int);
+  return values_.size() * sizeof(float) +
+         (steps_.size() + top_.size() + table_.size()) * sizeof(int);
 }
 
 }  // namespace plenoflame::voxel

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "media/voxel_kernel.h"
+#include "media/voxel_steps.h"
 #include "plenoflame/media/voxel_medium.h"
 
 namespace plenoflame::voxel {
@@ -36,7 +37,8 @@ class Lattice {
   /// Cells where `absorption` is not 0. Temperature sample i + temperature_shift belongs to sample
   /// i; without a temperature field only absorption is stored.
   static Lattice of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, VoxelInterpolation interpolation);
+                               Index temperature_shift, VoxelInterpolation interpolation,
+                               const StepPlanner& steps);
   /// Cells where `temperature` differs from its background.
   static Lattice of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation);
 
@@ -73,7 +75,7 @@ class Lattice {
  private:
   Lattice(const FieldReader& primary, VoxelInterpolation interpolation);
   void store(const std::vector<Index>& bricks, const FieldReader* absorption,
-             const FieldReader* temperature, Index temperature_shift);
+             const FieldReader* temperature, Index temperature_shift, const StepPlanner* steps);
   int entry(Index brick) const;
 
   AffineTransform index_to_world_, world_to_index_;
@@ -86,6 +88,8 @@ class Lattice {
   std::vector<int> top_;    // first entry of a block in table_, -1: empty
   std::vector<int> table_;  // entries of bricks, see LatticeView
   std::vector<float> values_;
+  std::vector<int> steps_;  // kStepWords for each brick of the values
+  int blank_ = 0;           // brick of the values without absorption
   std::size_t varying_ = 0;
   std::vector<Constant> constants_;
   std::vector<int> constant_data_;  // the same bricks' data, for the kernel

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "media/source_fit.h"
 #include "media/voxel_lattice.h"
 #include "plenoflame/base/error.h"
 
@@ -61,7 +62,9 @@ struct Tables {
   std::vector<voxel::SourceView<Real>> sources;
   std::vector<Real> constant_absorption, constant_source;
 
-  Tables(const std::vector<SourceFunction>& channels, const Lattice& cells) {
+  // @param temperatures lowest and highest that occur [K]
+  Tables(const std::vector<SourceFunction>& channels, const Lattice& cells,
+         std::array<float, 2> temperatures) {
     for (const SourceFunction& channel : channels) {
       auto& e = exponents.emplace_back();
       auto& w = weights.emplace_back();
@@ -72,9 +75,24 @@ struct Tables {
       for (const auto& constant : cells.constants())
         constant_source.push_back(static_cast<Real>(channel(constant.temperature)));
     }
-    for (std::size_t c = 0; c < channels.size(); ++c)
-      sources.push_back(
-          {exponents[c].data(), weights[c].data(), static_cast<int>(exponents[c].size())});
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      voxel::SourceView<Real>& view = sources.emplace_back();
+      view.exponents = exponents[c].data();
+      view.weights = weights[c].data();
+      view.count = static_cast<int>(exponents[c].size());
+      // In double the sum over the band itself: the reference.
+      if constexpr (sizeof(Real) == sizeof(float)) {
+        const voxel::SourceFit fit = voxel::fit_source(channels[c], temperatures[0],
+                                                       temperatures[1], 1e-7, voxel::kMaxFitTerms);
+        view.fit_terms = static_cast<int>(fit.terms.size());
+        for (std::size_t k = 0; k < fit.terms.size(); ++k)
+          view.fit[k] = static_cast<float>(fit.terms[k]);
+        view.scale = static_cast<float>(fit.highest * (1 - fit.occupation));
+        view.occupation = static_cast<float>(fit.occupation);
+        view.hottest = static_cast<float>(fit.hottest);
+        view.coldest = static_cast<float>(fit.coldest);
+      }
+    }
     for (const auto& constant : cells.constants())
       constant_absorption.push_back(constant.absorption);
   }
@@ -83,9 +101,10 @@ struct Tables {
 class VoxelMedium final : public Medium {
  public:
   VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
-              VoxelInterpolation interpolation, std::vector<SourceFunction> channels)
+              VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
+              const VoxelMediumOptions& options)
       : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
-                    std::move(channels)) {}
+                    std::move(channels), options) {}
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
 
@@ -128,21 +147,24 @@ class VoxelMedium final : public Medium {
 
  private:
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
-              VoxelInterpolation interpolation, std::vector<SourceFunction> channels)
-      : VoxelMedium(temperature, absorption, interpolation, std::move(channels),
+              VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
+              const VoxelMediumOptions& options)
+      : VoxelMedium(temperature, absorption, interpolation, std::move(channels), options,
                     shift_between(temperature.field().index_to_world,
                                   absorption.field().index_to_world, temperature.field().name)) {}
 
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const std::optional<Index>& shift)
+              const VoxelMediumOptions& options, const std::optional<Index>& shift)
       : channels_(std::move(channels)),
         constant_(interpolation == VoxelInterpolation::constant),
         cells_(Lattice::of_absorption(absorption, shift ? &temperature : nullptr,
-                                      shift.value_or(Index{}), interpolation)),
-        single_(channels_, cells_),
-        double_(channels_, cells_) {
-    if (!shift) temperature_.emplace(Lattice::of_temperature(temperature, interpolation));
+                                      shift.value_or(Index{}), interpolation,
+                                      voxel::StepPlanner(channels_, options.tolerance))),
+        temperature_(shift ? std::nullopt
+                           : std::optional(Lattice::of_temperature(temperature, interpolation))),
+        single_(channels_, cells_, (shift ? cells_ : *temperature_).temperature_range()),
+        double_(channels_, cells_, (shift ? cells_ : *temperature_).temperature_range()) {
     if (!cells_.empty()) set_bounds();
   }
 
@@ -210,7 +232,7 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   call.t_near = rays.t_near;
   call.t_far = rays.t_far;
   call.size = rays.size;
-  call.skip = options.skip;
+  call.skip = options.skip ? 1 : 0;
   call.radiance = out.radiance;
   call.stride = out.stride;
   call.transmittance = out.transmittance;
@@ -290,13 +312,17 @@ void VoxelMedium::append_breakpoints(const Ray& ray, std::vector<double>& t) con
 
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
-                                          std::vector<SourceFunction> channels) {
+                                          std::vector<SourceFunction> channels,
+                                          const VoxelMediumOptions& options) {
+  if (!(options.tolerance >= 0 && options.tolerance < 1))
+    throw InputError("the voxel medium's tolerance must be at least 0 and below 1");
   if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
   if (absorption.background != 0)
     throw InputError(fmt::format(
         "field '{}': absorption's background is {} 1/m; it must be 0, or the flame has no end",
         absorption.name, absorption.background));
-  return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels));
+  return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels),
+                                       options);
 }
 
 }  // namespace plenoflame

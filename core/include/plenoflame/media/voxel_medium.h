@@ -17,9 +17,9 @@ struct AffineTransform {
   constexpr Vec3 point(Vec3 p) const { return linear * p + translation; }
 };
 
-/// A scalar field on a sparse lattice in plain arrays: what a VDB grid becomes. Samples sit at whole
-/// index coordinates; bricks hold 8 x 8 x 8 of them, value (i, j, k) of brick b at
-/// values[b * 512 + (i * 8 + j) * 8 + k]; everywhere else the field is `background`.
+/// A scalar field on a sparse lattice in plain arrays: what a VDB grid becomes. Samples sit at
+/// whole index coordinates; bricks hold 8 x 8 x 8 of them, value (i, j, k) of brick b at values[b *
+/// 512 + (i * 8 + j) * 8 + k]; everywhere else the field is `background`.
 struct VoxelField {
   std::vector<std::array<int, 3>> brick_origins;  ///< lowest index of each brick, multiples of 8
   std::vector<float> values;                      ///< 512 per brick
@@ -33,13 +33,21 @@ enum class VoxelInterpolation {
   constant,   ///< each voxel (half a spacing to each side of its sample) has one value
 };
 
+struct VoxelMediumOptions {
+  /// Share of a brick's emission that the quadrature within one cell may miss: cells across which
+  /// the source function rises steeply are cut into as many intervals as that needs (32 at most).
+  /// 0: one interval per cell, always.
+  double tolerance = 3e-5;
+};
+
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
 /// `trilinear` (docs/theory.md), stable for any optical thickness.
 /// @throws InputError for a background other than 0, a singular transform, or NaN or negative
-///         values (names field and index).
+///         values (names field and index), or a tolerance outside of [0, 1).
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
-                                          std::vector<SourceFunction> channels);
+                                          std::vector<SourceFunction> channels,
+                                          const VoxelMediumOptions& options = {});
 
 }  // namespace plenoflame

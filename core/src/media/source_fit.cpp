@@ -1,0 +1,90 @@
+#include "media/source_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+
+namespace plenoflame::voxel {
+namespace {
+
+// e^-80: beside `highest`, what is below does not count, and single precision could not hold it.
+constexpr double kLargestFall = 80;
+
+// Interpolates values f at points x by a polynomial, lowest power first (Newton's form, expanded).
+std::vector<double> interpolate(const std::vector<double>& x, std::vector<double> f) {
+  const std::size_t n = x.size();
+  for (std::size_t order = 1; order < n; ++order)
+    for (std::size_t i = n - 1; i >= order; --i) f[i] = (f[i] - f[i - 1]) / (x[i] - x[i - order]);
+  std::vector<double> out{f[n - 1]};
+  for (std::size_t i = n - 1; i-- > 0;) {
+    out.insert(out.begin(), 0.0);
+    for (std::size_t k = 0; k + 1 < out.size(); ++k) out[k] -= x[i] * out[k + 1];
+    out[0] += f[i];
+  }
+  return out;
+}
+
+}  // namespace
+
+SourceFit fit_source(const SourceFunction& source, double coldest, double hottest, double tolerance,
+                     int most_terms) {
+  SourceFit fit;
+  fit.hottest = hottest;
+  fit.highest = source(hottest);
+  if (source.is_total() || !(fit.highest > 1e-30)) return fit;
+  // Fall of ln S from the hottest, where it stays in range. ln S is nearly a line in 1/T: bisect.
+  const auto fall = [&](double t) {
+    const double s = source(t);
+    return s > 0 ? std::log(fit.highest / s) : 1e3;
+  };
+  fit.coldest = coldest;
+  if (!(coldest > 0) || fall(coldest) > kLargestFall) {
+    double low = std::max(coldest, 1e-6 * hottest), high = hottest;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      (fall(middle) > kLargestFall ? low : high) = middle;
+    }
+    fit.coldest = high;
+  }
+  const double span = 1 / fit.coldest - 1 / hottest;
+  if (!(span > 0)) {  // one temperature only
+    fit.terms = {0.0};
+    return fit;
+  }
+  double exponent = 0;  // hc/(lambda k), mean over the band
+  for (const auto& node : source.nodes())
+    exponent += node.exponent / static_cast<double>(source.nodes().size());
+  fit.occupation = std::exp(-exponent / hottest);
+  const auto slope = [&](double w) {  // p / w, w = v / span in (0, 1]
+    const double s = std::exp(-fall(1 / (1 / hottest + w * span)));
+    return std::log(s / (1 - fit.occupation + fit.occupation * s)) / w;
+  };
+  for (int terms = 1; terms <= most_terms; ++terms) {
+    std::vector<double> x, f;
+    for (int k = 0; k < terms; ++k) {
+      x.push_back(0.5 - 0.5 * std::cos((k + 0.5) * constants::pi / terms));
+      f.push_back(slope(x.back()));
+    }
+    const std::vector<double> c = interpolate(x, f);
+    double worst = 0, largest = 0;
+    for (int i = 1; i <= 256; ++i) {
+      const double w = i / 256.0;
+      double p = 0;
+      for (int k = terms; k-- > 0;) p = p * w + c[static_cast<std::size_t>(k)];
+      worst = std::max(worst, std::fabs((p - slope(w)) * w) / (1 + std::fabs(slope(w) * w)));
+    }
+    for (const double coefficient : c) largest = std::max(largest, std::fabs(coefficient));
+    if (worst > tolerance) continue;
+    // Terms that cancel would cost digits in single precision.
+    if (largest > 2 * std::max(1.0, fall(fit.coldest))) return fit;
+    fit.terms.resize(static_cast<std::size_t>(terms));
+    double power = span;
+    for (int k = 0; k < terms; ++k, power *= span)
+      fit.terms[static_cast<std::size_t>(terms - 1 - k)] = c[static_cast<std::size_t>(k)] / power;
+    return fit;
+  }
+  return fit;
+}
+
+}  // namespace plenoflame::voxel

@@ -1,0 +1,29 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame::voxel {
+
+/// A source function as one exponential for single precision:
+/// S(T) = highest * (1 - c) E / (1 - c E),  E = exp(v (c_0 + c_1 v + ...)),  v = 1/T - 1/hottest.
+/// For one wavelength, with x = hc/(lambda k), E = exp(-x v) and c = exp(-x / hottest) this is
+/// Planck's law; for a band, ln E is all but a straight line in v, so that few terms replace the
+/// quadrature over the band.
+struct SourceFit {
+  std::vector<double> terms;  ///< highest power first; empty: no fit of that accuracy
+  double occupation = 0;      ///< c
+  double highest = 0;         ///< S(hottest) [W/(m^2 sr)]
+  double hottest = 0;         ///< [K]
+  double coldest = 0;         ///< [K] where S has fallen below the range of single precision, or
+                              ///< the lowest temperature asked for
+};
+
+/// @param coldest, hottest [K] range of temperatures; 0 <= coldest <= hottest
+/// @param tolerance largest error of ln S, relative to 1 + ln(S(hottest) / S): where S has fallen
+///        far, rounding the exponent to single precision costs as much
+/// @param most_terms of the polynomial
+SourceFit fit_source(const SourceFunction& source, double coldest, double hottest, double tolerance,
+                     int most_terms);
+
+}  // namespace plenoflame::voxel

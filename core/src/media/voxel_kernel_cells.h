@@ -1,0 +1,147 @@
+// Geometry and interpolation for the voxel kernels: sixteen lines in cell coordinates, and the two
+// fields at the nodes of an interval. Included once per instruction set.
+#pragma once
+
+#include "math/kernel_math.h"
+#include "media/voxel_kernel.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+using voxel::kApronSide;
+using voxel::kBrickPairs;
+using voxel::kLanes;
+using voxel::LatticeView;
+
+template <class Real>
+struct Limits;
+template <>
+struct Limits<float> {
+  static constexpr float huge = 1e30f;   // beyond any t
+  static constexpr float level = 1e-6f;  // cells: less than this is no movement along an axis
+};
+template <>
+struct Limits<double> {
+  static constexpr double huge = 1e300;
+  static constexpr double level = 1e-13;
+};
+
+template <class T>
+struct Triple {
+  alignas(64) T x[kLanes];
+  alignas(64) T y[kLanes];
+  alignas(64) T z[kLanes];
+};
+
+// Lines origin + t * direction. Plane p of an axis is crossed at t = p * inverse + offset; never,
+// along an axis without movement.
+template <class Real>
+struct Lines {
+  Triple<Real> origin, direction, inverse, offset;
+};
+
+// @param end how far the line is followed: what decides whether it moves at all
+template <class Real>
+PLENOFLAME_INLINE void set_planes(const Real* __restrict origin, const Real* __restrict direction,
+                                  const Real* __restrict end, Real* __restrict inverse,
+                                  Real* __restrict offset) {
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const Real d = direction[l];
+    const bool moves = magnitude(d) * end[l] > Limits<Real>::level;
+    const Real i = Real(1) / (moves ? d : Real(1));
+    inverse[l] = moves ? i : Real(0);
+    offset[l] = moves ? -origin[l] * i : Limits<Real>::huge;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void set_planes(Lines<Real>& line, const Real* end) {
+  set_planes(line.origin.x, line.direction.x, end, line.inverse.x, line.offset.x);
+  set_planes(line.origin.y, line.direction.y, end, line.inverse.y, line.offset.y);
+  set_planes(line.origin.z, line.direction.z, end, line.inverse.z, line.offset.z);
+}
+
+template <class Real>
+PLENOFLAME_INLINE int floor_of(Real x) {
+  const int whole = static_cast<int>(x);
+  return whole - (static_cast<Real>(whole) > x ? 1 : 0);
+}
+
+// 2^e for -126 <= e <= 127.
+PLENOFLAME_INLINE float power_of_two(int e) {
+  return __builtin_bit_cast(float, (127 + e) << 23);
+}
+
+// Entry of a brick's table, -1 outside.
+PLENOFLAME_INLINE int find_brick(const LatticeView& cells, int x, int y, int z) {
+  const bool inside = (x >= 0) & (x < cells.bricks[0]) & (y >= 0) & (y < cells.bricks[1]) &
+                      (z >= 0) & (z < cells.bricks[2]);
+  if (!inside) return -1;
+  const int block = cells.top[((x >> 3) * cells.blocks[1] + (y >> 3)) * cells.blocks[2] + (z >> 3)];
+  return block < 0 ? -1 : cells.table[block + ((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
+}
+
+// Which brick of the values an entry stands for.
+PLENOFLAME_INLINE int data_of(const LatticeView& cells, int entry) {
+  if (entry < 0) return cells.blank;
+  return entry & 1 ? cells.constant_data[entry >> 1] : entry >> 1;
+}
+
+// Four numbers: the two fields of a sample and of its neighbour along z.
+typedef float Float4 __attribute__((vector_size(16)));
+typedef double Double4 __attribute__((vector_size(32)));
+typedef float Float4Unaligned __attribute__((vector_size(16), aligned(4), may_alias));
+template <class Real>
+struct Quad;
+template <>
+struct Quad<float> {
+  using type = Float4;
+};
+template <>
+struct Quad<double> {
+  using type = Double4;
+};
+PLENOFLAME_INLINE void load(const float* p, Float4& out) {
+  out = *reinterpret_cast<const Float4Unaligned*>(p);
+}
+PLENOFLAME_INLINE void load(const float* p, Double4& out) {
+  out = Double4{p[0], p[1], p[2], p[3]};
+}
+
+// An interval's length, its cell (as the first number of the cell's lowest pair in its brick, or by
+// coordinates) and, at its two Gauss nodes, the place within the cell [0, 1]^3 and the fields,
+// (temperature, absorption) in pairs.
+template <class Real>
+struct Intervals {
+  alignas(64) Real length[kLanes];
+  alignas(64) int pair[kLanes];
+  Triple<int> cell;
+  Triple<Real> at[2];
+  alignas(64) Real fields[2][2 * kLanes];
+};
+
+// Fields of lane l at its two nodes, in a cell whose lowest corner is at `corner`.
+template <class Real>
+PLENOFLAME_INLINE void interpolate(const float* corner, const Triple<Real> (&at)[2], int l,
+                                   Real (&out)[2][2]) {
+  using Q = typename Quad<Real>::type;
+  Q v00, v01, v10, v11;
+  load(corner, v00);
+  load(corner + 2 * kApronSide, v01);
+  load(corner + 2 * kApronSide * kApronSide, v10);
+  load(corner + 2 * kApronSide * (kApronSide + 1), v11);
+  const Q d0 = v10 - v00, d1 = v11 - v01;
+  for (int n = 0; n < 2; ++n) {
+    const Q b0 = v00 + at[n].x[l] * d0;
+    const Q b1 = v01 + at[n].x[l] * d1;
+    const Q c = b0 + at[n].y[l] * (b1 - b0);
+    const Q up = __builtin_shufflevector(c, c, 2, 3, 2, 3);
+    const Q r = c + at[n].z[l] * (up - c);
+    out[n][0] = r[0];
+    out[n][1] = r[1];
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame::PLENOFLAME_ISA

@@ -1,0 +1,82 @@
+// Source functions and the radiance of one interval, for the voxel kernels (docs/theory.md, "Voxel
+// grids"). Included once per instruction set.
+#pragma once
+
+#include "math/kernel_exp.h"
+#include "media/voxel_kernel.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+// Source function of `temperature` in 16 lanes.
+template <class Real>
+PLENOFLAME_INLINE void source_of(const voxel::SourceView<Real>& source,
+                                 const Real* __restrict temperature, Real* __restrict out) {
+  using voxel::kLanes;
+  if (source.fit_terms == 0) {
+    const SourceTable<Real> table{source.exponents, source.weights, source.count};
+    evaluate_source(table, temperature, out, kLanes);
+    return;
+  }
+  alignas(64) Real v[kLanes], p[kLanes];
+  const Real coldest = source.coldest, hottest = source.hottest, highest_term = source.fit[0];
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const Real t = clamp(temperature[l], coldest, hottest);
+    v[l] = (hottest - t) / (t * hottest);
+    p[l] = highest_term;
+  }
+  for (int k = 1; k < source.fit_terms; ++k) {
+    const Real term = source.fit[k];
+#pragma omp simd
+    for (int l = 0; l < kLanes; ++l) p[l] = p[l] * v[l] + term;
+  }
+  const Real scale = source.scale, occupation = source.occupation;
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const Real e = exponential(p[l] * v[l]);
+    out[l] = scale * e / (Real(1) - occupation * e);
+  }
+}
+
+// What an interval with two Gauss nodes does: radiance = near * S(first node) + far * S(second
+// node), and the light behind it is multiplied by `transmittance`.
+template <class Real>
+struct IntervalWeights {
+  Real transmittance, near, far;
+};
+
+// sqrt(3)/2: half the interval over the distance between its nodes.
+template <class Real>
+constexpr Real kGradient = Real(0.86602540378443864676);
+
+// @param tau0, tau1 half the interval's length times the absorption at either node, >= 0
+template <class Real>
+PLENOFLAME_INLINE IntervalWeights<Real> interval_weights(Real tau0, Real tau1) {
+  const Real tau = tau0 + tau1;
+  const auto transfer = linear_transfer(tau);
+  const Real emissivity = transfer.near_weight + transfer.far_weight;
+  const Real gradient = kGradient<Real> * (transfer.near_weight - transfer.far_weight);
+  const Real smallest = sizeof(Real) == sizeof(float) ? Real(1e-37f) : Real(1e-300);
+  const Real share = tau1 / greatest(tau, smallest);
+  const Real far = clamp(emissivity * share - gradient, Real(0), emissivity);
+  return {transfer.transmittance, emissivity - far, far};
+}
+
+// The same for tau0 + tau1 <= kThin, without exponentials or divisions:
+// psi = (1 - e^-tau)/tau and (near - far weight)/tau^2 of the linear transfer as series whose first
+// neglected terms are below 1e-8 (float).
+constexpr float kThin = 0.125f;
+PLENOFLAME_INLINE IntervalWeights<float> thin_interval_weights(float tau0, float tau1) {
+  const float tau = tau0 + tau1;
+  const float psi =
+      1.0f + tau * (-0.5f + tau * (1.0f / 6 + tau * (-1.0f / 24 + tau * (1.0f / 120 - tau / 720))));
+  const float emissivity = tau * psi;
+  const float difference =
+      tau * tau * (1.0f / 6 + tau * (-1.0f / 12 + tau * (1.0f / 40 - tau * (1.0f / 180))));
+  const float far = greatest(tau1 * psi - kGradient<float> * difference, 0.0f);
+  return {1.0f - emissivity, greatest(emissivity - far, 0.0f), far};
+}
+
+}  // namespace
+}  // namespace plenoflame::PLENOFLAME_ISA

@@ -1,0 +1,30 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame::voxel {
+
+/// How finely the cells of a brick must be cut so that two Gauss nodes per interval suffice: the
+/// kernel's step codes (media/voxel_kernel.h).
+class StepPlanner {
+ public:
+  /// @param tolerance share of a brick's emission that the quadrature of one cell may miss; 0: one
+  ///        interval in every cell, however steep.
+  StepPlanner(const std::vector<SourceFunction>& channels, double tolerance)
+      : channels_(&channels), tolerance_(tolerance) {}
+
+  /// @param pairs the brick's samples, (temperature, absorption)
+  /// @param one_value_per_cell cells have the value of their lowest sample
+  /// @param own_temperature temperature is on another lattice: `pairs` holds absorption only
+  /// @param words kStepWords codes, overwritten
+  void plan(const float* pairs, bool one_value_per_cell, bool own_temperature, int* words) const;
+
+ private:
+  void subdivide(const float* pairs, int* codes) const;
+
+  const std::vector<SourceFunction>* channels_;
+  double tolerance_;
+};
+
+}  // namespace plenoflame::voxel
