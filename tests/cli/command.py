@@ -23,6 +23,15 @@ class CommandTest(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
+    def write(self, name, content):
+        """Writes a file in the folder: text or bytes."""
+        with open(self.path(name), "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
     def files(self):
         """Names in the folder, hidden ones included, sorted."""
         return sorted(os.listdir(self.folder))

@@ -61,6 +61,20 @@ class Develop(CommandTest):
         self.assertRegex(text, r"saturation: +100 nW per pixel\n")
         self.assertRegex(text, r"saturated: +\S+ % of all pixels\n")
 
+    def test_scene_gives_the_defaults(self):
+        scene = "[develop]\nsaturation = \"150 nW\"\nbits = 10\ncurve = \"linear\"\n"
+        write_light_field(self.path("raw.exr"), self.flux, scene=scene)
+        self.succeeds("develop", "raw.exr", "-o", "a.png")
+        self.assertEqual(read_png(self.path("a.png"))[4], self.expected(150e-9, 10, lambda v: v))
+        self.succeeds("develop", "raw.exr", "-o", "a.png", "--bits", "6", "--saturation", "100 nW")
+        self.assertEqual(read_png(self.path("a.png"))[4], self.expected(100e-9, 6, lambda v: v))
+        figures = self.json_of("develop", "raw.exr", "-o", "a.png", "--saturation", "auto", "--curve", "display")
+        self.assertEqual((figures["automatic_exposure"], figures["bits"], figures["curve"]), (True, 10, "display"))
+        write_light_field(self.path("raw.exr"), self.flux, scene="[develop\n")
+        result = self.run_command("develop", "raw.exr", "-o", "a.png")
+        self.assertEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, r"\Aplenoflame: warning: [^\n]+\n\Z")
+
     def test_dark_image_warns(self):
         write_light_field(self.path("dark.exr"), [[0.0] * 4] * 3)
         result = self.run_command("develop", "dark.exr")
@@ -90,7 +104,7 @@ class Develop(CommandTest):
     def test_bad_input(self):
         self.fails(1, "develop", "none.exr", mentions=["none.exr", "No such file"])
         self.fails(1, "develop", "raw.exr", "--channel", "650nm", mentions=["650nm", "it has: total"])
-        open(self.path("text.exr"), "w").write("not a picture")
+        self.write("text.exr", "not a picture")
         self.fails(1, "develop", "text.exr", mentions=["text.exr", "not an EXR"])
         write_exr(self.path("foreign.exr"), (3, 2), (0, 0, 3, 2), {"Y": [[1.0] * 3] * 2}, {})
         self.fails(1, "develop", "foreign.exr", mentions="'plenoflame.format' is missing")
@@ -98,21 +112,21 @@ class Develop(CommandTest):
         self.fails(1, "develop", "newer.exr", mentions="format 2")
         write_light_field(self.path("nan.exr"), [[1.0, 1.0], [1.0, float("nan")]], sensor=(9, 9), origin=(3, 5))
         self.fails(1, "develop", "nan.exr", mentions="column 4, row 6")
-        data = open(self.path("raw.exr"), "rb").read()
-        open(self.path("cut.exr"), "wb").write(data[:-100])
+        data = self.read("raw.exr")
+        self.write("cut.exr", data[:-100])
         self.fails(1, "develop", "cut.exr", mentions="cut.exr")
         self.assertFalse([name for name in self.files() if not name.endswith(".exr")])
 
     def test_nothing_is_half_written(self):
         self.succeeds("develop", "raw.exr", "-o", "a.png")
-        before = open(self.path("a.png"), "rb").read()
+        before = self.read("a.png")
         self.fails(1, "develop", "raw.exr", "-o", "a.png", "--saturation", "1 nW", largest_file=60,
                    mentions=["a.png", "largest file size"])
         self.fails(1, "develop", "raw.exr", "-o", "none/a.png", mentions="none' does not exist")
         os.mkdir(self.path("folder"))
         self.fails(1, "develop", "raw.exr", "-o", "folder", mentions="it is a folder")
         self.fails(1, "develop", "raw.exr", "-o", "/dev/null", mentions="regular")
-        self.assertEqual(open(self.path("a.png"), "rb").read(), before)
+        self.assertEqual(self.read("a.png"), before)
         self.assertEqual(self.files(), ["a.png", "folder", "raw.exr"])
 
 

@@ -67,7 +67,8 @@ def write_light_field(path, flux, error=None, sensor=None, origin=(0, 0), name="
 
 def read_exr(path):
     """Attributes as {name: (type, bytes)}, and images as {name: rows of floats}."""
-    data = open(path, "rb").read()
+    with open(path, "rb") as file:
+        data = file.read()
     assert struct.unpack_from("<i", data)[0] == 20000630
     at = 8
     attributes = {}
@@ -103,7 +104,8 @@ def _channels(data):
 
 def read_png(path):
     """(width, height, bits, channels, rows of samples, {chunk type: data}) of a PNG without interlacing."""
-    data = open(path, "rb").read()
+    with open(path, "rb") as file:
+        data = file.read()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, chunks, packed = 8, {}, b""
     while at < len(data):

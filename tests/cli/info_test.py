@@ -49,14 +49,48 @@ class Info(CommandTest):
         self.assertRegex(text, r"complete: +no: ")
         self.assertEqual(self.succeeds("info", "a.exr", "--scene"), scene)
 
+    def test_scene(self):
+        scene = "[camera]\npreset = \"paper-plenoptic2\"\n[[flames]]\npreset = \"paper-layered\"\n" \
+            "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n"
+        self.write("a.toml", scene)
+        figures = self.json_of("info", "a.toml")
+        self.assertEqual((figures["type"], figures["sensor"], len(figures["flames"])), ("scene", [3000, 3000], 1))
+        self.assertEqual(figures["render"]["estimator"], "backward")
+        text = self.succeeds("info", "a.toml")
+        self.assertRegex(text, r"microlens array: +hexagonal, pitch 100 um, 3 types")
+        # Complete: the presets' values stand in it, and reading it gives the same again.
+        complete = self.succeeds("info", "a.toml", "--scene")
+        self.assertNotIn("preset", complete)
+        self.write("b.toml", complete)
+        self.assertEqual(self.succeeds("info", "b.toml", "--scene"), complete)
+        self.assertEqual(self.succeeds("info", "b.toml").replace("b.toml", "a.toml"), text)
+
+    def test_scene_with_errors(self):
+        self.write("a.toml", "[camera]\npresett = \"paper-plenoptic2\"\n")
+        self.fails(1, "info", "a.toml", mentions=["a.toml:2:1", "preset"])
+        self.write("a.toml", "[camera\n")
+        self.fails(1, "info", "a.toml", mentions="a.toml:1")
+        self.write("empty.toml", "")
+        self.fails(1, "info", "empty.toml", mentions="empty.toml")
+
+    def test_scene_with_warning(self):
+        self.write(
+            "a.toml",
+            "[camera]\npreset = \"paper-plenoptic2\"\n"
+            "[[flames]]\npreset = \"paper-layered\"\nposition = [\"0.3 m\", \"0 m\", \"-29 mm\"]\n")
+        result = self.run_command("info", "a.toml", "--json")
+        self.assertEqual(result.returncode, 0)
+        self.assertRegex(result.stderr, r"\Aplenoflame: warning: a\.toml:5:\d+: [^\n]+virtual[^\n]*\n\Z")
+        self.assertEqual(len(json.loads(result.stdout)["warnings"]), 1)
+
     def test_ray_paths(self):
-        open(self.path("rays.vtp"), "w").write(VTP)
+        self.write("rays.vtp", VTP)
         figures = self.json_of("info", "rays.vtp")
         self.assertEqual((figures["points"], figures["lines"]), (5, 2))
         self.assertEqual([(a["of"], a["name"], a["type"], a["components"]) for a in figures["arrays"]],
                          [("file", "scene", "String", "1"), ("point", "distance", "Float64", "1"),
                           ("cell", "radiance", "Float64", "1"), ("cell", "pixel", "Int32", "2")])
-        open(self.path("grid.vti"), "w").write(VTP.replace("PolyData", "ImageData"))
+        self.write("grid.vti", VTP.replace("PolyData", "ImageData"))
         self.fails(1, "info", "grid.vti", mentions="'ImageData'")
 
     def test_picture(self):
@@ -72,9 +106,9 @@ class Info(CommandTest):
         os.mkdir(self.path("folder"))
         self.fails(1, "info", "folder", mentions="it is a folder")
         for name, content in (("empty.exr", b""), ("letter.txt", b"Dear reader"), ("noise.bin", bytes(range(256)))):
-            open(self.path(name), "wb").write(content)
+            self.write(name, content)
             self.fails(1, "info", name, mentions="none of the files that Plenoflame knows")
-        open(self.path("cut.exr"), "wb").write(b"\x76\x2f\x31\x01\x02\x00\x00\x00")
+        self.write("cut.exr", b"\x76\x2f\x31\x01\x02\x00\x00\x00")
         self.fails(1, "info", "cut.exr", mentions="cut.exr")
         self.fails(2, "info", "letter.txt", "--scene", mentions="--scene")
 

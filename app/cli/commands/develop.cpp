@@ -10,6 +10,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/scene/scene_file.h"
 #include "report.h"
 #include "run.h"
 
@@ -26,9 +27,20 @@ struct Settings {
   bool json = false;
 };
 
-/// What the scene says, overridden by the command line.
-DevelopSpec effective_spec(const Settings& settings) {
-  DevelopSpec spec;
+/// What the light field's scene says; the defaults when it has no scene.
+DevelopSpec scene_spec(const std::string& path, const LightField& light_field) {
+  if (light_field.scene_text.empty()) return {};
+  try {
+    return parse_scene(light_field.scene_text, "scene of " + path).scene.develop;
+  } catch (const InputError& error) {
+    std::cerr << "plenoflame: warning: the scene's settings for develop are not used: "
+              << error.what() << '\n';
+    return {};
+  }
+}
+
+/// The command line, put over what the scene says.
+DevelopSpec effective_spec(const Settings& settings, DevelopSpec spec) {
   if (settings.saturation == "auto") {
     spec.saturation = 0;
   } else if (!settings.saturation.empty()) {
@@ -48,9 +60,10 @@ int run_develop(const Settings& settings) {
           ? std::filesystem::path(settings.input).replace_extension(".png").string()
           : settings.output;
   check_not_overwritten("--output", output, settings.input);
-  const DevelopSpec requested = effective_spec(settings);
+  static_cast<void>(effective_spec(settings, {}));  // bad use is found before bad files
   check_writable(output);
   const LightField light_field = read_light_field(settings.input);
+  const DevelopSpec requested = effective_spec(settings, scene_spec(settings.input, light_field));
   DevelopedImage image = develop(light_field, requested, settings.channel);
   const std::string& channel = find_channel(light_field, settings.channel).name;
   const std::string curve = requested.curve == ToneCurve::linear ? "linear" : "display";
@@ -100,15 +113,17 @@ void register_develop(const Registry& registry) {
       .add_option(
           "--saturation", settings->saturation,
           "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or auto: "
-          "99.9 % of the lit pixels do not exceed it (auto)")
+          "99.9 % of the lit pixels do not exceed it; without it, as the scene says, else auto")
       ->option_text("FLUX");
-  command.add_option("--bits", settings->bits, "Bits of the sensor, 1 to 16 (14)")
+  command
+      .add_option("--bits", settings->bits,
+                  "Bits of the sensor, 1 to 16; without it, as the scene says, else 14")
       ->check(CLI::Range(1, 16))
       ->option_text("N");
   command
       .add_option("--curve", settings->curve,
                   "linear: samples are digital numbers in the upper bits; display: through the "
-                  "transfer function of sRGB (display)")
+                  "transfer function of sRGB; without it, as the scene says, else display")
       ->check(CLI::IsMember({"linear", "display"}))
       ->option_text("CURVE");
   command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")

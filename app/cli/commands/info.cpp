@@ -50,9 +50,13 @@ Kind kind_of(const std::string& path) {
 int run_info(const Settings& settings) {
   const Kind kind = kind_of(settings.file);
   if (settings.scene) {
-    if (kind != Kind::light_field)
-      throw UsageError("--scene: '" + settings.file + "' is not a light field (.exr)");
-    std::cout << read_light_field_header(settings.file).scene_text;
+    if (kind == Kind::scene)
+      std::cout << complete_scene(settings.file);
+    else if (kind == Kind::light_field)
+      std::cout << read_light_field_header(settings.file).scene_text;
+    else
+      throw UsageError("--scene: '" + settings.file + "' is neither a scene (.toml) nor a light " +
+                       "field (.exr)");
     return kSuccess;
   }
   Report report;
@@ -67,8 +71,10 @@ int run_info(const Settings& settings) {
     case Kind::poly_data:
       describe_poly_data(settings.file, report);
       break;
-    case Kind::vdb:
     case Kind::scene:
+      describe_scene(settings.file, report);
+      break;
+    case Kind::vdb:
     case Kind::unknown:
       throw InputError("'" + settings.file +
                        "' is none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
@@ -106,8 +112,10 @@ void register_info(const Registry& registry) {
                   "Scene (.toml), flame (.vdb), light field (.exr), ray "
                   "paths (.vtp) or picture (.png)")
       ->required();
-  command.add_flag("--scene", settings->scene,
-                   "Print the scene that a light field was rendered from, and nothing else");
+  command.add_flag(
+      "--scene", settings->scene,
+      "Print only the scene: of a scene file with its presets resolved, of a light field "
+      "the one that it was rendered from");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_info(*settings); });
 }

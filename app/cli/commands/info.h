@@ -11,6 +11,11 @@ namespace plenoflame::cli {
 void describe_light_field(const std::string& path, Report& report);
 /// Polylines or points of VTK (XML PolyData): numbers and arrays, from the file's head.
 void describe_poly_data(const std::string& path, Report& report);
+/// Scene: camera, flames, channels; warnings go to standard error. @throws InputError at the place
+/// in the file of what is wrong
+void describe_scene(const std::string& path, Report& report);
+/// The scene with every key that has a value, presets resolved.
+std::string complete_scene(const std::string& path);
 /// Picture: size, bits and texts.
 void describe_png(const std::string& path, Report& report);
 

@@ -1,0 +1,104 @@
+#include <iostream>
+
+#include "commands/info.h"
+#include "commands/scene_input.h"
+#include "options.h"
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame::cli {
+namespace {
+
+std::string lens_text(const MainLensSpec& lens) {
+  const std::string model = lens.model == LensModel::ideal ? "ideal" : "real";
+  if (lens.surfaces.empty())
+    return model + ", focal length " + readable(lens.focal_length, Dimension::length) +
+           ", diameter " + readable(lens.diameter, Dimension::length);
+  return model + ", " + std::to_string(lens.surfaces.size()) + " surfaces";
+}
+
+std::string array_text(const ArraySpec& array) {
+  if (!array.present) return "none: a conventional camera";
+  return std::string(array.lattice == Lattice::hexagonal ? "hexagonal" : "square") + ", pitch " +
+         readable(array.pitch, Dimension::length) + ", " + std::to_string(array.types.size()) +
+         (array.types.size() == 1 ? " type" : " types") + ", " +
+         readable(array.sensor_distance, Dimension::length) + " in front of the sensor";
+}
+
+std::string focus_text(const FocusSpec& focus) {
+  if (focus.mode == FocusMode::distance)
+    return "lens at " + readable(focus.lens_distance, Dimension::length);
+  return std::string(focus.mode == FocusMode::best ? "best" : "paraxial") + ", object at " +
+         readable(focus.object_distance, Dimension::length) + " sharp on " + focus.conjugate;
+}
+
+std::string flame_text(const FlameSpec& flame) {
+  std::string text = flame.kind == FlameKind::vdb ? "grids of '" + flame.file + "'"
+                                                  : std::to_string(flame.layers.size()) + " layers";
+  text += " at " + readable(flame.position.x, Dimension::length) + ", " +
+          readable(flame.position.y, Dimension::length) + ", " +
+          readable(flame.position.z, Dimension::length);
+  return text;
+}
+
+std::string channel_text(const ChannelSpec& channel) {
+  if (channel.kind == ChannelKind::total) return "all wavelengths";
+  return readable(channel.width, Dimension::length) + " around " +
+         readable(channel.wavelength, Dimension::length);
+}
+
+}  // namespace
+
+void describe_scene(const std::string& path, Report& report) {
+  std::vector<std::string> warnings;
+  const Scene scene = read_valid_scene(path, warnings).scene;
+  for (const std::string& warning : warnings)
+    std::cerr << "plenoflame: warning: " << warning << '\n';
+  const CameraSpec& camera = scene.camera;
+  const SensorSpec& sensor = camera.sensor;
+  report.add("type", "scene", "type", "scene");
+  report.add("sensor",
+             std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows) + " pixels of " +
+                 readable(sensor.pixel_pitch, Dimension::length),
+             "sensor", {sensor.columns, sensor.rows});
+  report.add_json("pixel_pitch_m", sensor.pixel_pitch);
+  report.add("main lens", lens_text(camera.lens), "main_lens", lens_text(camera.lens));
+  report.add("microlens array", array_text(camera.array), "microlens_array",
+             array_text(camera.array));
+  report.add("focus", focus_text(camera.focus), "focus", focus_text(camera.focus));
+  nlohmann::json flames = nlohmann::json::array();
+  for (std::size_t i = 0; i < scene.flames.size(); ++i) {
+    const FlameSpec& flame = scene.flames[i];
+    const std::string name = flame.name.empty() ? std::to_string(i + 1) : flame.name;
+    report.add_text("flame " + name, flame_text(flame));
+    flames.push_back({{"name", flame.name},
+                      {"kind", flame.kind == FlameKind::vdb ? "vdb" : "layered"},
+                      {"file", flame.file},
+                      {"layers", flame.layers.size()},
+                      {"position_m", {flame.position.x, flame.position.y, flame.position.z}}});
+  }
+  report.add_json("flames", flames);
+  nlohmann::json channels = nlohmann::json::array();
+  for (const ChannelSpec& channel : scene.channels) {
+    report.add_text("channel " + channel.name, channel_text(channel));
+    channels.push_back({{"name", channel.name},
+                        {"kind", channel.kind == ChannelKind::total ? "total" : "band"},
+                        {"wavelength_m", channel.wavelength},
+                        {"width_m", channel.width}});
+  }
+  report.add_json("channels", channels);
+  const std::string estimator =
+      scene.render.estimator == Estimator::forward ? "forward" : "backward";
+  report.add(
+      "render",
+      estimator + ", " + std::to_string(scene.render.samples) + " samples, seed " +
+          std::to_string(scene.render.seed),
+      "render",
+      {{"estimator", estimator}, {"samples", scene.render.samples}, {"seed", scene.render.seed}});
+  report.add_json("warnings", warnings);
+}
+
+std::string complete_scene(const std::string& path) {
+  return write_scene(read_scene_file(path).scene);
+}
+
+}  // namespace plenoflame::cli
