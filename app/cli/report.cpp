@@ -19,10 +19,14 @@ void Report::add_json(const std::string& key, nlohmann::json value) {
   json_[key] = std::move(value);
 }
 
+std::string Report::json_text() const {
+  // File names need not be UTF-8: what is not is replaced, not thrown about.
+  return json_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
 void Report::print(bool as_json) const {
   if (as_json) {
-    // File names need not be UTF-8: what is not is replaced, not thrown about.
-    std::cout << json_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    std::cout << json_text();
     return;
   }
   std::size_t width = 0;

@@ -3,6 +3,7 @@
 namespace plenoflame::cli {
 
 void register_commands(const Registry& registry) {
+  register_render(registry);
   register_develop(registry);
   register_compare(registry);
   register_info(registry);

@@ -18,7 +18,7 @@ template <class Real>
 TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film) : plan_(plan), film_(film) {
   const auto channels = static_cast<std::size_t>(film.channels());
   constexpr std::size_t alignment = 64 / sizeof(Real);
-  storage_.resize((7 + channels) * kPadding + alignment);
+  storage_.resize((8 + channels) * kPadding + alignment);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -27,7 +27,8 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film) : plan_
     *array = base;
     base += kPadding;
   }
-  radiance_ = base;
+  transmittance_ = base;
+  radiance_ = base + kPadding;
   block_.code = codes_.data();
 }
 
@@ -205,6 +206,7 @@ void TileTracer<Real>::flush() {
   RadianceBatch<Real> out;
   out.radiance = radiance_;
   out.stride = kPadding;
+  out.transmittance = transmittance_;
   plan_.scene->medium->integrate(batch, options, out, counters_.medium);
   counters_.seconds_medium += seconds_since(start);
   const int points = plan_.pool->points();

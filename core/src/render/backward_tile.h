@@ -74,6 +74,7 @@ class TileTracer {
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
   Real* radiance_ = nullptr;
+  Real* transmittance_ = nullptr;
   TileCounters counters_;
 };
 

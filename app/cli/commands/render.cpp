@@ -1,0 +1,144 @@
+#include "plenoflame/render/render.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/render_options.h"
+#include "interrupt.h"
+#include "medium_loader.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/validate.h"
+#include "progress_bar.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
+  RenderSettings settings;
+  settings.estimator = options.estimator.value_or(scene.render.estimator);
+  settings.samples = options.samples.value_or(scene.render.samples);
+  settings.seed = options.seed.value_or(scene.render.seed);
+  if (options.window) settings.window = *options.window;
+  settings.skip = options.skip;
+  return settings;
+}
+
+Report report_of(const RenderStatistics& s, double compile_seconds) {
+  Report report;
+  const auto number = [](double value) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return std::string(text);
+  };
+  const auto share = [&](double part, double whole) {
+    return whole > 0 ? number(100 * part / whole) + " %" : std::string("none");
+  };
+  report.add("complete", s.complete ? "yes" : "no, stopped early", "complete", s.complete);
+  report.add("flux", format_quantity(s.flux, Dimension::flux) + " over the image", "flux", s.flux);
+  if (s.relative_error >= 0)
+    report.add("error", number(100 * s.relative_error) + " % relative RMSE over lit pixels",
+               "relative_error", s.relative_error);
+  report.add("rays", number(s.rays), "rays", s.rays);
+  report.add("reached the scene", share(s.rays_reached, s.rays), "rays_reached", s.rays_reached);
+  report.add("rays per second", number(s.rays / s.seconds), "rays_per_second", s.rays / s.seconds);
+  report.add("time", number(s.seconds) + " s, " + number(compile_seconds) + " s before to compile",
+             "seconds", s.seconds);
+  report.add_json("seconds_compile", compile_seconds);
+  report.add_json("thread_seconds", {{"generate", s.seconds_generate},
+                                     {"optics", s.seconds_optics},
+                                     {"medium", s.seconds_medium}});
+  report.add("threads", std::to_string(s.threads), "threads", s.threads);
+  report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
+  report.add_json("precision", s.precision);
+  report.add("flame", s.medium_description, "medium", s.medium_description);
+  report.add("skipped",
+             number(s.lenses_skipped) + " of " + number(s.lenses) +
+                 " microlenses whose beams miss the flame",
+             "lenses_skipped", s.lenses_skipped);
+  report.add_json("lenses", s.lenses);
+  report.add_json("pixels", s.pixels);
+  report.add_json("pixels_skipped", s.pixels_skipped);
+  report.add_json("pairs", s.pairs);
+  report.add_json("medium_counters", {{"rays", s.medium.rays},
+                                      {"cells", s.medium.cells},
+                                      {"skipped_empty", s.medium.skipped_empty},
+                                      {"skipped_constant", s.medium.skipped_constant},
+                                      {"opaque_tails", s.medium.opaque_tails}});
+  return report;
+}
+
+/// What later steps need beside the images.
+void describe(const Scene& scene, const CompiledScene& compiled, LightField& field) {
+  field.scene_text = write_scene(scene);
+  field.version = version();
+  const Camera& camera = compiled.camera;
+  field.numbers["lens.focal_length"] = camera.lens_first_order().focal_length;
+  field.numbers["lens.distance"] = camera.lens_distance();
+  field.numbers["lens.exit_pupil"] = camera.exit_pupil();
+  field.numbers["sensor.position"] = camera.sensor();
+  field.numbers["sensor.pixel_pitch"] = scene.camera.sensor.pixel_pitch;
+  if (!camera.has_array()) return;
+  field.numbers["array.pitch"] = scene.camera.array.pitch;
+  field.numbers["array.position"] = camera.array_front();
+  for (const Microlens& lens : camera.microlenses()) {
+    field.numbers["array." + lens.name + ".focal_length"] = lens.first_order.focal_length;
+    field.numbers["array." + lens.name + ".sensor_distance"] = lens.sensor_distance;
+  }
+}
+
+int run_render(const RenderArguments& arguments) {
+  const RenderOptions options = checked_options(arguments);
+  const SceneDocument document = read_scene_file(options.scene);
+  ProgressBar bar(options.quiet);
+  Execution execution;
+  execution.threads = options.threads;
+  bar.connect(execution);
+  for (const SceneIssue& issue : validate(document)) execution.warn(to_string(issue));
+  check_window(options, document.scene.camera.sensor);
+  check_files(options);
+  const auto start = std::chrono::steady_clock::now();
+  const CompiledScene compiled = compile(document.scene, medium_loader(), execution);
+  if (!compiled.medium) execution.warn("the scene has no flame: the picture is black");
+  const double compile_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RenderResult result;
+  bool interrupted = false;
+  {
+    const InterruptHandler interrupt;
+    execution.stop = interrupt.token();
+    result = render(compiled, settings_of(options, document.scene), execution);
+    interrupted = interrupt.interrupted();
+  }
+  bar.finish();
+  describe(document.scene, compiled, result.light_field);
+  write_light_field(options.output, result.light_field);
+  const Report report = report_of(result.statistics, compile_seconds);
+  if (!options.stats.empty())
+    write_file(options.stats, report.json_text());
+  if (options.json || !options.quiet) report.print(options.json);
+  if (interrupted)
+    std::cerr << "plenoflame: stopped; " << options.output << " holds what was rendered, marked partial\n";
+  return interrupted ? 1 : 0;
+}
+
+}  // namespace
+
+void register_render(const Registry& registry) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App& command = add_command(
+      registry, "render", "Render the light field of a scene",
+      "plenoflame render examples/paper-flame-1m.toml -o out/paper-flame-1m.exr --samples 16");
+  add_render_options(command, *arguments);
+  on_chosen(command, registry, [arguments] { return run_render(*arguments); });
+}
+
+}  // namespace plenoflame::cli
