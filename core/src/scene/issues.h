@@ -1,4 +1,5 @@
 #pragma once
+#include <initializer_list>
 #include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
@@ -8,6 +9,17 @@ class Issues {
  public:
   explicit Issues(const PositionMap& positions) : positions_(positions) {}
   void error(const std::string& key, const std::string& message) { add(true, key, message); }
+  /// About several values: at the first of them that the scene file itself gives, not a preset.
+  void error_among(std::initializer_list<std::string> keys, const std::string& message) {
+    const std::string* chosen = keys.begin();
+    for (const std::string& key : keys) {
+      const std::string file = positions_.find(key).file;
+      if (file.empty() || file.starts_with("preset ")) continue;
+      chosen = &key;
+      break;
+    }
+    add(true, *chosen, message);
+  }
   void warning(const std::string& key, const std::string& message) { add(false, key, message); }
   std::size_t errors() const { return errors_; }
   std::vector<SceneIssue> take() { return std::move(list_); }

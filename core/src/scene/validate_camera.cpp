@@ -121,9 +121,10 @@ void check_type(const ArraySpec& array, std::size_t i, Issues& issues) {
   const std::size_t errors = issues.errors();
   const auto check_radius = [&](const char* name, double radius) {
     if (array.diameter > 2 * std::fabs(radius))
-      issues.error(path + name,
-                   fmt::format("microlens type {} has a {} of {}, too small for the diameter of {}",
-                               i, name, short_length(radius), short_length(array.diameter)));
+      issues.error_among(
+          {path + name, "camera.array.diameter"},
+          fmt::format("microlens type {} has a {} of {}, too small for the diameter of {}", i, name,
+                      short_length(radius), short_length(array.diameter)));
   };
   check_radius("radius_front", type.radius_front);
   check_radius("radius_back", type.radius_back);
@@ -146,10 +147,12 @@ void check_type(const ArraySpec& array, std::size_t i, Issues& issues) {
   const double taken = sag(type.radius_front, height) + sag(type.radius_back, height);
   if (array.model == LensModel::real &&
       array.thickness - taken < -kTouch * (array.thickness + height))
-    issues.error("camera.array.thickness",
-                 fmt::format("the faces of microlens type {} overlap at its rim; a thickness of at "
-                             "least {} is needed",
-                             i, short_length(taken)));
+    issues.error_among(
+        {"camera.array.thickness", "camera.array.diameter", path + "radius_front",
+         path + "radius_back"},
+        fmt::format("the faces of microlens type {} overlap at its rim; a thickness of at "
+                    "least {} is needed",
+                    i, short_length(taken)));
 }
 
 void check_array(const CameraSpec& camera, Issues& issues) {
@@ -175,11 +178,12 @@ void check_array(const CameraSpec& camera, Issues& issues) {
                               i, quote_for_message(name)));
   }
   if (array.diameter > array.pitch)
-    issues.error("camera.array.diameter",
-                 fmt::format("the microlenses have a diameter of {} at a pitch of {}, so they "
-                             "overlap; make the diameter at "
-                             "most the pitch",
-                             short_length(array.diameter), short_length(array.pitch)));
+    issues.error_among(
+        {"camera.array.diameter", "camera.array.pitch"},
+        fmt::format("the microlenses have a diameter of {} at a pitch of {}, so they "
+                    "overlap; make the diameter at "
+                    "most the pitch",
+                    short_length(array.diameter), short_length(array.pitch)));
   for (std::size_t i = 0; i < array.types.size(); ++i) check_type(array, i, issues);
   if (issues.errors() != errors) return;
 
@@ -193,8 +197,8 @@ void check_array(const CameraSpec& camera, Issues& issues) {
     for (const MicrolensSpec& type : array.types)
       reach = std::max(reach, -sag(type.radius_back, 0.5 * array.diameter));
   if (!(gap > reach))
-    issues.error(
-        "camera.array.sensor_distance",
+    issues.error_among(
+        {"camera.array.sensor_distance", "camera.array.types", "camera.array.thickness"},
         fmt::format(
             "the sensor would lie inside the microlenses, {} from their rear vertices; make "
             "camera.array.sensor_distance larger",
@@ -219,9 +223,9 @@ void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
   if (std::find(allowed.begin(), allowed.end(), focus.conjugate) == allowed.end()) {
     std::string list;
     for (const std::string& name : allowed) list.append(list.empty() ? "" : ", ").append(name);
-    issues.error("camera.focus.conjugate", "camera.focus.conjugate is " +
-                                               quote_for_message(focus.conjugate) +
-                                               ", but with this camera it can be " + list);
+    issues.error_among({"camera.focus.conjugate", "camera.array.types", "camera.array.present"},
+                       "camera.focus.conjugate is " + quote_for_message(focus.conjugate) +
+                           ", but with this camera it can be " + list);
   }
   if (focus.mode == FocusMode::distance) {
     if (focus.lens_distance <= 0)

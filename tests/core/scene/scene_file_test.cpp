@@ -121,6 +121,11 @@ TEST(ParseScene, SaysWhereAndWhatIsWrong) {
             "\"paper-plenoptic1\"?");
   EXPECT_EQ(error_of("camera = 1\n"),
             "s.toml:1:10: camera is a whole number, but it is a table of keys: write [camera]");
+  EXPECT_EQ(error_of("[camera.sensor]\nrwos = 3\n"),
+            "s.toml:2:1: unknown key \"rwos\" in camera.sensor; did you mean \"rows\"?");
+  EXPECT_EQ(
+      error_of("[camera.sensor]\nzzzzzz = 3\n"),
+      "s.toml:2:1: unknown key \"zzzzzz\" in camera.sensor; known are columns, rows, pixel_pitch");
   EXPECT_EQ(error_of("[renderer]\n"),
             "s.toml:1:2: unknown key \"renderer\"; did you mean \"render\"?");
   EXPECT_EQ(error_of("channels = []\n"),
@@ -208,6 +213,9 @@ TEST(WriteScene, RefusesWhatNoFileCanHold) {
   scene = test::full_scene();
   scene.flames[0].name = "\xFF";
   EXPECT_EQ(message_of([&] { write_scene(scene); }), "flames[].name: a text is not UTF-8");
+  scene = test::full_scene();
+  scene.channels.clear();  // would read back as the default channel if nothing were written
+  EXPECT_NE(error_of(write_scene(scene)), "");
 }
 
 TEST(SceneFile, WritesAndReadsFiles) {

@@ -215,6 +215,13 @@ TEST(Validate, FlamesAndWhereTheyAre) {
             "flame \"paper-layered\" reaches into the camera: it extends from -11 mm to 49 mm in "
             "front of the front "
             "vertex; move it away");
+  // About x by 90 degrees z becomes -y, then about z by 90 degrees x: the same extent. (The inverse
+  // rotation would put the flame's y there.)
+  EXPECT_NE(error_after([](Scene& s) {
+              s.flames[0].rotation = {std::acos(-1.0) / 2, 0, std::acos(-1.0) / 2};
+              s.flames[0].position = {-0.010, 0, 0};
+            }).find("extends from -11 mm to 49 mm"),
+            std::string::npos);
   EXPECT_EQ(warning_after([](Scene& s) { s.flames[0].position.x = 0.3; }),
             "flame \"paper-layered\" begins 290 mm in front of the front vertex, inside the front "
             "focal point at 295.9 "
@@ -263,9 +270,18 @@ TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
   const SceneDocument document = parse_scene(
       std::string(kScene) + "[camera.array]\n  pitch = \"90 um\"\n[camera.sensor]\nrows = 9\n",
       "s.toml");
-  // The diameter, which comes from the preset, is what the message is about.
-  const std::string message = message_of([&] { validate(document); });
-  EXPECT_EQ(message.substr(0, 24), "preset paper-plenoptic2:") << message;
+  // Pitch and diameter contradict each other; the one that the file gives is shown, not the
+  // preset's.
+  EXPECT_EQ(message_of([&] { validate(document); }).substr(0, 33),
+            "s.toml:7:11: the microlenses have");
+  const SceneDocument preset =
+      parse_scene("[camera]\npreset = \"r12\"\narray.types = []\n", "s.toml");
+  EXPECT_EQ(message_of([&] { validate(preset); }).substr(0, 14), "s.toml:3:15: t");
+  const SceneDocument renamed = parse_scene(
+      "[camera]\npreset = \"r12\"\narray.types = [{name = \"a\", radius_back = \"1 mm\"}]\n",
+      "s.toml");
+  EXPECT_EQ(message_of([&] { validate(renamed); }).substr(0, 36),
+            "s.toml:3:15: camera.focus.conjugate ");
   const SceneDocument focus =
       parse_scene(std::string(kScene) + "[camera.focus]\nconjugate = \"typ2\"\n", "s.toml");
   EXPECT_EQ(message_of([&] { validate(focus); }).substr(0, 14), "s.toml:7:13: c");
