@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "radiometry/gauss_legendre.h"
-
 namespace plenoflame {
 namespace {
 
@@ -26,26 +24,35 @@ constexpr std::array<double, 4> kGaussWeights{
     0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
     0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
-struct Rule {
-  std::array<double, kNodes> node, kronrod, gauss;
-  /// integral from -1 to node i of the Lagrange polynomial of node j
-  std::array<std::array<double, kNodes>, kNodes> cumulative;
+// Gauss-Legendre with 8 nodes, positive halves (Abramowitz and Stegun, table 25.4): exact for
+// degree 15; the polynomials through 15 nodes have degree 14.
+constexpr std::array<double, 4> kExactNodes{
+    0.1834346424956498049394761, 0.5255324099163289858177390, 0.7966664774136267395915539,
+    0.9602898564975362316835609};
+constexpr std::array<double, 4> kExactWeights{
+    0.3626837833783619829651504, 0.3137066458778872873379622, 0.2223810344533744705443560,
+    0.1012285362903762591525314};
 
-  Rule() {
+struct Rule {
+  std::array<double, kNodes> node{}, kronrod{}, gauss{};
+  /// integral from -1 to node i of the Lagrange polynomial of node j
+  std::array<std::array<double, kNodes>, kNodes> cumulative{};
+
+  constexpr Rule() {
     for (std::size_t i = 0; i < kNodes; ++i) {
       const std::size_t k = i < 8 ? i : 14 - i;
       node[i] = i < 7 ? -kAbscissae[k] : kAbscissae[k];
       kronrod[i] = kKronrodWeights[k];
       gauss[i] = k % 2 == 1 ? kGaussWeights[k / 2] : 0;
     }
-    const GaussLegendreRule exact(8);  // for degree 15; the polynomials have degree 14
     for (std::size_t i = 0; i < kNodes; ++i)
       for (std::size_t j = 0; j < kNodes; ++j) {
         const double half = 0.5 * (node[i] + 1);
         double sum = 0;
-        for (std::size_t q = 0; q < exact.nodes.size(); ++q) {
-          const double x = -1 + half * (1 + exact.nodes[q]);
-          double product = exact.weights[q];
+        for (std::size_t q = 0; q < 8; ++q) {
+          const double abscissa = q < 4 ? -kExactNodes[q] : kExactNodes[q - 4];
+          const double x = -1 + half * (1 + abscissa);
+          double product = kExactWeights[q % 4];
           for (std::size_t m = 0; m < kNodes; ++m)
             if (m != j) product *= (x - node[m]) / (node[j] - node[m]);
           sum += product;
@@ -73,7 +80,7 @@ constexpr int kMostIntervals = 1 << 15;  ///< of a whole ray: ends what rounding
 
 TransferResult integrate_transfer(const RayCoefficients& coefficients, int channels,
                                   const std::vector<double>& limits, double tolerance) {
-  static const Rule rule;
+  static constexpr Rule rule;
   const auto count = static_cast<std::size_t>(channels);
   TransferResult result;
   result.radiance.assign(count, 0.0);
