@@ -84,8 +84,12 @@ double planck_radiance(double wavelength, double temperature) {
                       product;
   const double emissivity = -std::expm1(-exponent);
   const double squared = wavelength * wavelength;
-  return constants::first_radiation / (squared * squared * wavelength) *
-         (std::exp(-exponent) / emissivity) * (1 - rest / emissivity);
+  const double scale = constants::first_radiation / (squared * squared * wavelength);
+  // e^-exponent on both sides of the large factor where it alone would lose digits to underflow.
+  const double bose = exponent < 600
+                          ? scale * (std::exp(-exponent) / emissivity)
+                          : scale * std::exp(-0.5 * exponent) * std::exp(-0.5 * exponent);
+  return bose * (1 - rest / emissivity);
 }
 
 SourceFunction SourceFunction::total() {
