@@ -69,7 +69,7 @@ double grazing(const Flame& flame, const Ray& ray) {
   return least;
 }
 
-// Bound documented in docs/numerics.md. A chord is 2 sqrt(1 - q.q): where a ray grazes a layer the
+// The bound that docs/theory.md states. A chord is 2 sqrt(1 - q.q): where a ray grazes a layer the
 // rounding of q.q, some 1e-7 of the layer's size squared, is divided by the chord.
 TEST_P(LayeredIsa, SinglePrecisionIsWithinTheDocumentedBound) {
   Generator g(11);
