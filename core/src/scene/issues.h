@@ -1,5 +1,7 @@
 #pragma once
 #include <initializer_list>
+#include <string>
+#include <utility>
 #include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
@@ -7,7 +9,9 @@ namespace plenoflame {
 /// Collects what the parts of check_scene find.
 class Issues {
  public:
-  explicit Issues(const PositionMap& positions) : positions_(positions) {}
+  /// @param file that the scene comes from, for what stands nowhere in it; may be empty
+  explicit Issues(const PositionMap& positions, std::string file = {})
+      : positions_(positions), file_(std::move(file)) {}
   void error(const std::string& key, const std::string& message) { add(true, key, message); }
   /// About several values: at the first of them that the scene file itself gives, not a preset.
   void error_among(std::initializer_list<std::string> keys, const std::string& message) {
@@ -27,9 +31,12 @@ class Issues {
  private:
   void add(bool is_error, const std::string& key, const std::string& message) {
     errors_ += is_error ? 1 : 0;
-    list_.push_back({is_error, key, positions_.find(key), message});
+    SourcePosition position = positions_.find(key);
+    if (position.file.empty()) position.file = file_;
+    list_.push_back({is_error, key, position, message});
   }
   const PositionMap& positions_;
+  std::string file_;
   std::vector<SceneIssue> list_;
   std::size_t errors_ = 0;
 };

@@ -42,7 +42,7 @@ std::string to_string(const SceneIssue& issue) {
 }
 
 std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& positions) {
-  Issues issues(positions);
+  Issues issues(positions, scene.file);
   check_ranges(scene, issues);
   // What follows computes with the values and would be misled by impossible ones.
   if (issues.errors() == 0) {

@@ -285,6 +285,10 @@ TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
   const SceneDocument focus =
       parse_scene(std::string(kScene) + "[camera.focus]\nconjugate = \"typ2\"\n", "s.toml");
   EXPECT_EQ(message_of([&] { validate(focus); }).substr(0, 14), "s.toml:7:13: c");
+  // What stands nowhere in the file is at least said to be missing there.
+  const SceneDocument empty = parse_scene("", "empty.toml");
+  EXPECT_EQ(message_of([&] { validate(empty); }),
+            "empty.toml: camera.sensor.columns is missing; at least 1, at most 65536 is allowed");
   const SceneDocument near =
       parse_scene(std::string(kScene) + "[camera.focus]\nobject_distance = \"10 cm\"\n", "s.toml");
   ASSERT_EQ(validate(near).size(), 1u);
