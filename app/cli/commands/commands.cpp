@@ -5,6 +5,9 @@ namespace plenoflame::cli {
 void register_commands(const Registry& registry) {
   register_render(registry);
   register_develop(registry);
+#if defined(PLENOFLAME_HAS_VOLUMES)
+  register_flame(registry);
+#endif
   register_compare(registry);
   register_info(registry);
 }

@@ -1,0 +1,187 @@
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include "commands/command.h"
+#include "commands/commands.h"
+#include "interrupt.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/volumes/flame_library.h"
+#include "plenoflame/volumes/grid_file.h"
+#include "plenoflame/volumes/grid_writer.h"
+#include "progress_bar.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string name;
+  std::string output;
+  std::optional<std::string> voxel_size, wavelength, layers;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> soot_function;
+  bool half = false;
+  std::string compression = "blosc";
+  int threads = 0;
+  bool json = false;
+};
+
+constexpr const char* kNames =
+    "layered    three homogeneous ellipsoids, or those of --layers\n"
+    "candle     a candle's flame, soot in an annulus\n"
+    "diffusion  a laminar co-flow diffusion flame, soot in an annulus\n"
+    "cylinder   a grey cylinder of 80 mm radius with a smooth temperature\n"
+    "turbulent  a wrinkled plume with many scales, from a seed";
+
+double length(const char* option, const std::string& text) {
+  try {
+    const double value = parse_quantity(text, Dimension::length);
+    if (value > 0 && value < 1e3) return value;
+  } catch (const InputError& error) {
+    throw UsageError(std::string(option) + ": " + error.what());
+  }
+  throw UsageError(std::string(option) + ": \"" + text + "\" must be above 0 and below 1 km");
+}
+
+/// Makes sure that no option is given that the flame has no use for.
+void check_use(const Settings& s) {
+  const bool layered = s.name == "layered", sooty = s.name == "candle" || s.name == "diffusion";
+  const auto refuse = [&](bool given, const char* option) {
+    if (given) throw UsageError(std::string(option) + " has no meaning for the flame " + s.name);
+  };
+  if (!layered) refuse(s.layers.has_value(), "--layers");
+  if (!sooty) refuse(s.wavelength.has_value(), "--wavelength");
+  if (!sooty) refuse(s.soot_function.has_value(), "--soot-function");
+  if (s.name != "turbulent") refuse(s.seed.has_value(), "--seed");
+}
+
+FlameFields generate(const Settings& s, const Execution& execution) {
+  const auto set_voxel_size = [&](double& size) {
+    if (s.voxel_size) size = length("--voxel-size", *s.voxel_size);
+  };
+  if (s.name == "layered") {
+    LayeredFlameOptions options;
+    if (s.layers) options.layers = read_layers(*s.layers);
+    set_voxel_size(options.voxel_size);
+    return make_layered_flame(options, execution);
+  }
+  if (s.name == "candle" || s.name == "diffusion") {
+    SootFlameOptions options = s.name == "candle" ? candle_flame() : diffusion_flame();
+    if (s.soot_function) options.absorption_function = *s.soot_function;
+    if (s.wavelength) options.wavelength = length("--wavelength", *s.wavelength);
+    set_voxel_size(options.voxel_size);
+    return make_soot_flame(options, execution);
+  }
+  if (s.name == "cylinder") {
+    CylinderFlameOptions options;
+    set_voxel_size(options.voxel_size);
+    return make_cylinder_flame(options, execution);
+  }
+  TurbulentFlameOptions options;
+  if (s.seed) options.seed = *s.seed;
+  set_voxel_size(options.voxel_size);
+  return make_turbulent_flame(options, execution);
+}
+
+void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& grids) {
+  if (s.json) {
+    nlohmann::ordered_json report{{"file", s.output}, {"flame", s.name}, {"size_bytes", size}};
+    for (const GridInfo& grid : grids) {
+      const Box& b = grid.world_bounds;
+      report["grids"].push_back({{"name", grid.name},
+                                 {"unit", grid.unit},
+                                 {"minimum", grid.minimum},
+                                 {"maximum", grid.maximum},
+                                 {"background", grid.background},
+                                 {"voxels", grid.active_voxels},
+                                 {"voxel_size_m", grid.voxel_size},
+                                 {"half", grid.half},
+                                 {"lower_m", {b.lower.x, b.lower.y, b.lower.z}},
+                                 {"upper_m", {b.upper.x, b.upper.y, b.upper.z}}});
+    }
+    std::cout << report.dump(2) << '\n';
+    return;
+  }
+  std::cout << s.output << ": flame " << s.name << ", " << std::fixed << std::setprecision(2)
+            << static_cast<double>(size) / 1e6 << " MB\n"
+            << std::defaultfloat << std::setprecision(6);
+  for (const GridInfo& grid : grids) {
+    const Box& b = grid.world_bounds;
+    const auto mm = [](Vec3 p) {
+      std::ostringstream text;
+      text << '(' << p.x * 1e3 << ", " << p.y * 1e3 << ", " << p.z * 1e3 << ")";
+      return text.str();
+    };
+    std::cout << "  " << std::left << std::setw(12) << grid.name << grid.minimum << " to "
+              << grid.maximum << ' ' << grid.unit << ", " << grid.active_voxels << " voxels of "
+              << format_quantity(grid.voxel_size, Dimension::length) << ", from " << mm(b.lower)
+              << " to " << mm(b.upper) << " mm\n";
+  }
+}
+
+int run(const Settings& s) {
+  check_use(s);
+  const InterruptHandler interrupt;
+  Execution execution;
+  execution.threads = s.threads;
+  execution.stop = interrupt.token();
+  ProgressBar bar(false);
+  bar.connect(execution);
+  FlameFields flame = generate(s, execution);
+  const std::array<GridOutput, 2> grids{{{&flame.temperature, "K"}, {&flame.absorption, "1/m"}}};
+  GridWriteOptions options;
+  options.half = s.half;
+  options.compression = std::map<std::string, VdbCompression>{{"none", VdbCompression::none},
+                                                              {"zip", VdbCompression::zip},
+                                                              {"blosc", VdbCompression::blosc}}
+                            .at(s.compression);
+  options.metadata = {{"creator", "plenoflame " + std::string(version())}, {"flame", s.name}};
+  if (s.name == "turbulent") options.metadata["seed"] = std::to_string(s.seed.value_or(1));
+  const std::uint64_t size = write_grids(s.output, grids, options);
+  bar.finish();
+  print(s, size, list_grids(s.output));  // of what is in the file
+  return 0;
+}
+
+}  // namespace
+
+void register_flame(const Registry& registry) {
+  const auto s = std::make_shared<Settings>();
+  CLI::App& command =
+      add_command(registry, "flame",
+                  "Write a flame to a .vdb file: grids of temperature [K] and absorption [1/m]",
+                  "plenoflame flame candle -o candle.vdb\n"
+                  "plenoflame flame layered --voxel-size \"0.5 mm\" --half -o layered.vdb");
+  command.add_option("NAME", s->name, std::string("Which flame:\n") + kNames)
+      ->required()
+      ->check(CLI::IsMember({"layered", "candle", "diffusion", "cylinder", "turbulent"}));
+  command.add_option("-o,--output", s->output, "The .vdb file to write")->required();
+  command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"");
+  command.add_flag("--half", s->half,
+                   "Store values with 16 bits: half the size, relative error 2^-11");
+  command.add_option("--compression", s->compression, "none, zip or blosc")
+      ->check(CLI::IsMember({"none", "zip", "blosc"}))
+      ->capture_default_str();
+  command.add_option("--layers", s->layers, "layered: TOML file with [[layers]] tables");
+  command.add_option("--wavelength", s->wavelength,
+                     "candle, diffusion: at which the absorption holds (650 nm)");
+  command.add_option("--soot-function", s->soot_function,
+                     "candle, diffusion: absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
+  command.add_option("--seed", s->seed, "turbulent: which plume (1)");
+  command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
+      ->check(CLI::NonNegativeNumber);
+  command.add_flag("--json", s->json, "Print what was written as JSON");
+  on_chosen(command, registry, [s] { return run(*s); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,130 @@
+// Damaged files end in an exception or in a grid, never in a crash. Run under the address sanitizer
+// this also finds reads and writes out of bounds.
+#include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
+
+#include <cmath>
+#include <random>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/volumes/grid_file.h"
+#include "volumes/support.h"
+
+namespace plenoflame {
+namespace {
+
+using test::TemporaryFolder;
+
+/// A small file with leaves, tiles, both encodings and several compressed blocks.
+std::vector<char> sample_file(const std::string& path, std::uint32_t compression, bool half) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(0);
+  grid->setName("absorption");
+  grid->insertMeta("unit", openvdb::StringMetadata("1/m"));
+  grid->setSaveFloatAsHalf(half);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.001));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> noise(0, 1);
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 10; ++j)
+      for (int k = 0; k < 10; ++k) grid->tree().setValue({i, j, k}, i < 8 ? 1.0f : noise(random));
+  grid->tree().addTile(1, {64, 0, 0}, 4.0f, true);
+  openvdb::io::File file(path);
+  file.setCompression(compression);
+  file.write(openvdb::GridPtrVec{grid});
+  file.close();
+  return test::slurp(path);
+}
+
+enum class Outcome { read, refused };
+
+Outcome try_to_read(const std::string& path) {
+  try {
+    for (const GridInfo& grid : list_grids(path))
+      if (grid.readable) {
+        const VoxelField field = read_voxel_field(path, grid.name);
+        EXPECT_EQ(field.values.size(), field.brick_origins.size() * 512);
+      }
+    return Outcome::read;
+  } catch (const FileError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(path, 0), 0u) << error.what();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind(path, 0), 0u) << error.what();
+  }
+  return Outcome::refused;
+}
+
+const std::uint32_t kCompressions[] = {
+    openvdb::io::COMPRESS_NONE, openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_ZIP,
+    openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_BLOSC, openvdb::io::COMPRESS_ZIP};
+
+TEST(DamagedFile, EveryTruncationIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("cut.vdb");
+  for (const std::uint32_t compression : kCompressions) {
+    const auto whole = sample_file(path, compression, false);
+    ASSERT_EQ(try_to_read(path), Outcome::read);
+    // Every length near both ends, and a sample of those between.
+    for (std::size_t length = 0; length < whole.size();
+         length += length < 300 || length + 300 > whole.size() ? 1 : 211) {
+      test::spill(path, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)});
+      ASSERT_EQ(try_to_read(path), Outcome::refused)
+          << "cut to " << length << " of " << whole.size();
+    }
+  }
+}
+
+TEST(DamagedFile, RandomBytes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("mutated.vdb");
+  std::mt19937_64 random(20240607);
+  int refused = 0, runs = 0;
+  for (const std::uint32_t compression : kCompressions)
+    for (const bool half : {false, true}) {
+      const auto whole = sample_file(path, compression, half);
+      for (int run = 0; run < 400; ++run) {
+        auto bytes = whole;
+        // Half of the changes go to the first kilobyte, where the structure is.
+        const int changes = 1 + static_cast<int>(random() % 4);
+        for (int c = 0; c < changes; ++c) {
+          const std::size_t limit =
+              random() % 2 == 0 ? std::min<std::size_t>(1024, bytes.size()) : bytes.size();
+          const char values[] = {static_cast<char>(random()), char(0), char(-1), char(127)};
+          bytes[random() % limit] = values[random() % 4];
+        }
+        test::spill(path, bytes);
+        refused += try_to_read(path) == Outcome::refused ? 1 : 0;
+        ++runs;
+      }
+    }
+  // The test would be idle if the changes did not matter, or if nothing could be read.
+  EXPECT_GT(refused, runs / 10);
+  EXPECT_LT(refused, runs);
+}
+
+/// OpenVDB reads a block that says to be stored plainly with a wrong length before it looks at the
+/// length: 8 bytes in front of every block, each of which is tried here.
+TEST(DamagedFile, WrongBlockLengths) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("length.vdb");
+  const auto whole =
+      sample_file(path, openvdb::io::COMPRESS_ACTIVE_MASK | openvdb::io::COMPRESS_BLOSC, false);
+  int refused = 0;
+  for (std::size_t at = 0; at + 8 <= whole.size(); ++at) {
+    std::int64_t length;
+    std::memcpy(&length, &whole[at], 8);
+    if (length == 0 || std::abs(length) > 4096) continue;  // cannot be the length of a block
+    for (const std::int64_t wrong :
+         {-length, -length - 4, std::int64_t{-2052}, std::int64_t{1} << 40,
+          -(std::int64_t{1} << 40), std::int64_t{3}}) {
+      auto bytes = whole;
+      std::memcpy(&bytes[at], &wrong, 8);
+      test::spill(path, bytes);
+      refused += try_to_read(path) == Outcome::refused ? 1 : 0;
+    }
+  }
+  EXPECT_GT(refused, 20);
+}
+
+}  // namespace
+}  // namespace plenoflame

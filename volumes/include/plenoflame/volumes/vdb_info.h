@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "plenoflame/volumes/grid_file.h"
+
+namespace plenoflame {
+
+/// What `plenoflame info FILE.vdb` prints.
+struct VdbInfo {
+  std::string file;
+  std::uint64_t file_size = 0;  ///< [byte]
+  std::vector<GridInfo> grids;
+  /// Names of the grids that a scene which names none would take; empty: there is none.
+  std::string temperature_grid;
+  std::string absorption_grid;
+  /// What a user should know: missing grids, units that are not stated, suspicious ranges; one
+  /// sentence each.
+  std::vector<std::string> remarks;
+};
+
+/// @throws FileError as list_grids.
+VdbInfo vdb_info(const std::string& path);
+
+}  // namespace plenoflame

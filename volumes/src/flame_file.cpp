@@ -1,0 +1,233 @@
+#include "plenoflame/volumes/flame_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "field.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/volumes/grid_file.h"
+#include "plenoflame/volumes/vdb_info.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kZeroCelsius = 273.15;     // [K]
+constexpr double kSuspiciousMaximum = 200;  // [K] a flame is hotter in any unit but these
+
+/// SI value = factor * value + shift.
+struct Unit {
+  std::string_view name;
+  double factor;
+  double shift;
+};
+
+// The first of each list is what the scene file documents; the others occur in files.
+constexpr Unit kTemperatureUnits[] = {{"k", 1, 0},
+                                      {"degc", 1, kZeroCelsius},
+                                      {"kelvin", 1, 0},
+                                      {"celsius", 1, kZeroCelsius},
+                                      {"c", 1, kZeroCelsius},
+                                      {"\xc2\xb0"
+                                       "c",
+                                       1, kZeroCelsius}};
+constexpr Unit kAbsorptionUnits[] = {{"1/m", 1, 0},  {"1/cm", 100, 0},  {"1/mm", 1000, 0},
+                                     {"m^-1", 1, 0}, {"cm^-1", 100, 0}, {"mm^-1", 1000, 0},
+                                     {"m-1", 1, 0},  {"cm-1", 100, 0},  {"mm-1", 1000, 0}};
+
+constexpr std::string_view kTemperatureNames[] = {"temperature",     "temp",           "t", "heat",
+                                                  "temperaturegrid", "gas_temperature"};
+constexpr std::string_view kAbsorptionNames[] = {"absorption",
+                                                 "absorption_coefficient",
+                                                 "absorption_coeff",
+                                                 "absorptiongrid",
+                                                 "kappa",
+                                                 "kappa_a",
+                                                 "sigma_a"};
+constexpr std::string_view kDensityNames[] = {"density"};
+
+/// What is read: one of the two grids of a flame.
+struct Quantity {
+  const char* name;  ///< as in the scene's keys
+  const char* si_unit;
+  const char* units;  ///< for messages
+  std::span<const Unit> table;
+  std::span<const std::string_view> names;
+};
+
+Quantity temperature() {
+  return {"temperature", "K", "K or degC", kTemperatureUnits, kTemperatureNames};
+}
+Quantity absorption() {
+  return {"absorption", "1/m", "1/m, 1/cm or 1/mm", kAbsorptionUnits, kAbsorptionNames};
+}
+
+const GridInfo* choose(const std::vector<GridInfo>& grids,
+                       std::span<const std::string_view> names) {
+  for (const std::string_view name : names)
+    for (const GridInfo& grid : grids)
+      if (grid.readable && detail::lower_case(grid.name) == name) return &grid;
+  return nullptr;
+}
+
+std::string list_of(const std::vector<GridInfo>& grids) {
+  std::string text;
+  for (const GridInfo& grid : grids)
+    text += fmt::format("{}\"{}\" ({})", text.empty() ? "" : ", ", grid.name, grid.value_type);
+  return text.empty() ? "none" : text;
+}
+
+[[noreturn]] void missing(const std::string& path, const Quantity& quantity,
+                          const std::vector<GridInfo>& grids) {
+  std::string hint = fmt::format("name one of them with {}.grid in the scene", quantity.name);
+  if (std::string_view(quantity.name) == "absorption" && choose(grids, kDensityNames) != nullptr)
+    hint =
+        "to take it from the smoke density, set absorption.grid = \"density\" and "
+        "absorption.scale to the absorption [1/m] of density 1";
+  throw InputError(fmt::format("{}: has no {} grid; it holds: {}; {}", path, quantity.name,
+                               list_of(grids), hint));
+}
+
+Unit unit_of(const std::string& path, const GridSpec& spec, const GridInfo& info,
+             const Quantity& quantity) {
+  const bool from_scene = !spec.unit.empty();
+  const std::string& name = from_scene ? spec.unit : info.unit;
+  if (name.empty()) return quantity.table[0];
+  for (const Unit& unit : quantity.table)
+    if (unit.name == detail::lower_case(name)) return unit;
+  throw InputError(
+      from_scene ? fmt::format("{}: {}.unit \"{}\" is not known; use {}", path, quantity.name, name,
+                               quantity.units)
+                 : fmt::format("{}: grid \"{}\" states the unit \"{}\", which is not known; set "
+                               "{}.unit in the scene to {}",
+                               path, info.name, name, quantity.name, quantity.units));
+}
+
+void check_value(const std::string& path, const VoxelField& field, const Quantity& quantity,
+                 float value, const std::string& where) {
+  if (std::isfinite(value) && value >= 0) return;
+  throw InputError(fmt::format("{}: grid \"{}\": {} is {:g} {}; it must be {}", path, field.name,
+                               where, value, quantity.si_unit,
+                               std::isfinite(value) ? "at least 0" : "a finite number"));
+}
+
+/// Applies the mapping in double precision and checks every voxel.
+void convert(const std::string& path, VoxelField& field, const GridSpec& spec, const Unit& unit,
+             const Quantity& quantity) {
+  const auto si = [&](float stored) {
+    return static_cast<float>(
+        unit.factor * (spec.scale * static_cast<double>(stored) + spec.offset) + unit.shift);
+  };
+  field.background = si(field.background);
+  check_value(path, field, quantity, field.background, "the background");
+  for (std::size_t i = 0; i < field.values.size(); ++i) {
+    const float value = field.values[i] = si(field.values[i]);
+    if (!(value >= 0) || !std::isfinite(value))
+      check_value(path, field, quantity, value,
+                  "voxel " + detail::to_string(detail::voxel_index(field, i / detail::kBrickValues,
+                                                                   i % detail::kBrickValues)));
+  }
+}
+
+/// Index of a name with several grids: the name that read_voxel_field takes for this very grid.
+VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, const GridSpec& spec,
+                const Quantity& quantity) {
+  if (!std::isfinite(spec.scale) || spec.scale == 0 || !std::isfinite(spec.offset))
+    throw InputError(
+        fmt::format("{}: {}.scale must be a finite number other than 0, and {}.offset a "
+                    "finite number",
+                    path, quantity.name, quantity.name));
+  std::string name = spec.grid;
+  if (name.empty()) {
+    const GridInfo* chosen = choose(grids, quantity.names);
+    if (chosen == nullptr) missing(path, quantity, grids);
+    name = chosen->name;
+  }
+  VoxelField field = read_voxel_field(path, name);
+  const auto info = std::find_if(grids.begin(), grids.end(),
+                                 [&](const GridInfo& grid) { return grid.name == field.name; });
+  convert(path, field, spec, unit_of(path, spec, *info, quantity), quantity);
+  return field;
+}
+
+}  // namespace
+
+std::span<const std::string_view> temperature_grid_names() {
+  return kTemperatureNames;
+}
+std::span<const std::string_view> absorption_grid_names() {
+  return kAbsorptionNames;
+}
+
+FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
+                       const Execution& execution) {
+  std::filesystem::path file(spec.file);
+  if (file.is_relative() && !scene_folder.empty())
+    file = std::filesystem::path(scene_folder) / file;
+  const std::string path = file.string();
+  const std::vector<GridInfo> grids = list_grids(path);
+  FlameFields flame{read(path, grids, spec.temperature, temperature()),
+                    read(path, grids, spec.absorption, absorption())};
+  if (flame.absorption.background != 0)
+    throw InputError(fmt::format(
+        "{}: grid \"{}\" has the background {:g} 1/m; it must be 0, or all of space would absorb",
+        path, flame.absorption.name, flame.absorption.background));
+  if (flame.absorption.brick_origins.empty())
+    execution.warn(fmt::format("{}: grid \"{}\" is 0 everywhere: the flame is invisible", path,
+                               flame.absorption.name));
+  const auto range = detail::range(flame.temperature);
+  const double hottest = range ? std::fmax(range->maximum, flame.temperature.background)
+                               : flame.temperature.background;
+  if (hottest < kSuspiciousMaximum)
+    execution.warn(fmt::format(
+        "{}: grid \"{}\" is {:g} K at most; if it is in degC or normalised, say so with "
+        "temperature.unit or temperature.scale in the scene",
+        path, flame.temperature.name, hottest));
+  return flame;
+}
+
+VdbInfo vdb_info(const std::string& path) {
+  VdbInfo info;
+  info.file = path;
+  info.grids = list_grids(path);
+  std::error_code error;
+  info.file_size = std::filesystem::file_size(path, error);
+  const auto remark = [&](std::string text) { info.remarks.push_back(std::move(text)); };
+  const GridInfo* hot = choose(info.grids, temperature_grid_names());
+  const GridInfo* sooty = choose(info.grids, absorption_grid_names());
+  if (hot != nullptr) {
+    info.temperature_grid = hot->name;
+    if (hot->unit.empty())
+      remark(fmt::format("grid \"{}\" states no unit; it is taken to be in K", hot->name));
+    if (std::fmax(hot->maximum, hot->background) < kSuspiciousMaximum)
+      remark(
+          fmt::format("grid \"{}\" is {:g} at most: if that is not in K, a scene needs "
+                      "temperature.unit or temperature.scale",
+                      hot->name, std::fmax(hot->maximum, hot->background)));
+  } else {
+    remark("no grid with a name of temperature: a scene needs temperature.grid");
+  }
+  if (sooty != nullptr) {
+    info.absorption_grid = sooty->name;
+    if (sooty->unit.empty())
+      remark(fmt::format("grid \"{}\" states no unit; it is taken to be in 1/m", sooty->name));
+    if (sooty->background != 0)
+      remark(fmt::format("grid \"{}\" has the background {:g}, which must be 0 for absorption",
+                         sooty->name, sooty->background));
+  } else {
+    remark(
+        "no grid with a name of absorption: a scene needs absorption.grid, for example "
+        "\"density\" with absorption.scale");
+  }
+  for (const GridInfo& grid : info.grids)
+    if (!grid.readable)
+      remark(fmt::format("grid \"{}\" ({}, {}) cannot be used as temperature or absorption",
+                         grid.name, grid.value_type, grid.transform_type));
+  return info;
+}
+
+}  // namespace plenoflame

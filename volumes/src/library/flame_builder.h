@@ -1,0 +1,25 @@
+#pragma once
+#include <functional>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/math/vector.h"
+#include "plenoflame/volumes/flame_file.h"
+
+namespace plenoflame::detail {
+
+/// A flame as functions of the place of a voxel's sample [m]. Called from many threads.
+struct FlameFunctions {
+  std::function<double(Vec3)> absorption;   ///< [1/m] >= 0, and 0 outside of the bounds
+  std::function<double(Vec3)> temperature;  ///< [K] > 0 everywhere
+};
+
+/// Samples both functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin):
+/// absorption where it is not 0, temperature in every brick within two voxels of such a sample.
+/// @throws InputError for a voxel size that is not positive or gives too many voxels; Cancelled.
+FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double voxel_size,
+                         const Execution& execution);
+
+/// @throws InputError "NAME must be ..." unless low < value < high (NaN fails).
+void require_between(const char* name, double value, double low, double high);
+
+}  // namespace plenoflame::detail
