@@ -51,7 +51,7 @@ State candle(Vec3 p) {
 }
 
 std::unique_ptr<Medium> make(const std::function<State(Vec3)>& state,
-                             std::vector<SourceFunction> channels) {
+                             std::vector<SourceFunction> channels, double tolerance) {
   VoxelField t, k;
   t.name = "temperature";
   k.name = "absorption";
@@ -81,7 +81,7 @@ std::unique_ptr<Medium> make(const std::function<State(Vec3)>& state,
         k.values.insert(k.values.end(), kv.begin(), kv.end());
       }
   return make_voxel_medium(std::move(t), std::move(k), VoxelInterpolation::trilinear,
-                           std::move(channels));
+                           std::move(channels), {tolerance});
 }
 
 struct Rays {
@@ -171,14 +171,15 @@ struct Setup {
   std::vector<double> expected;
 };
 
-const Setup& setup(const std::string& flame, bool band) {
+const Setup& setup(const std::string& flame, bool band, double tolerance) {
   static std::vector<std::pair<std::string, Setup>> made;
-  const std::string key = flame + (band ? " band" : " total");
+  const std::string key = flame + (band ? " band " : " total ") + std::to_string(1e9 * tolerance);
   for (const auto& [name, s] : made)
     if (name == key) return s;
   Setup s;
-  s.medium = make(flame == "layered" ? layered : candle,
-                  {band ? SourceFunction::band(650e-9, 10e-9) : SourceFunction::total()});
+  s.medium =
+      make(flame == "layered" ? layered : candle,
+           {band ? SourceFunction::band(650e-9, 10e-9) : SourceFunction::total()}, tolerance);
   s.rays = pinhole_rays(s.medium->bounds());
   for (std::size_t i = 7; i < s.rays.x.size(); i += 197) {
     s.checked.push_back(int(i));
@@ -188,12 +189,13 @@ const Setup& setup(const std::string& flame, bool band) {
   return made.back().second;
 }
 
-void integrate(benchmark::State& state, const std::string& flame, bool band, Isa isa, bool skip) {
+void integrate(benchmark::State& state, const std::string& flame, bool band, Isa isa, bool skip,
+               double tolerance) {
   if (!is_supported(isa)) {
     state.SkipWithError("not supported by this processor");
     return;
   }
-  const Setup& s = setup(flame, band);
+  const Setup& s = setup(flame, band, tolerance);
   const int count = int(s.rays.x.size());
   std::vector<float> radiance(s.rays.x.size()), transmittance(s.rays.x.size());
   MediumOptions options;
@@ -234,18 +236,25 @@ void integrate(benchmark::State& state, const std::string& flame, bool band, Isa
   state.SetLabel(s.medium->description());
 }
 
+void add(const std::string& flame, bool band, Isa isa, bool skip, double tolerance,
+         const std::string& variant) {
+  const std::string title =
+      "voxels/" + flame + (band ? "/band/" : "/total/") + std::string(name(isa)) + variant;
+  benchmark::RegisterBenchmark(title.c_str(), [=](benchmark::State& state) {
+    integrate(state, flame, band, isa, skip, tolerance);
+  })->Unit(benchmark::kMillisecond);
+}
+
 const int registered = [] {
+  const double usual = VoxelMediumOptions{}.tolerance;
   for (const std::string flame : {"layered", "candle"})
-    for (const bool band : {true, false})
+    for (const bool band : {true, false}) {
       for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::baseline})
-        for (const bool skip : {true, false}) {
-          if (!skip && isa != Isa::avx512) continue;
-          const std::string title = "voxels/" + flame + (band ? "/band/" : "/total/") +
-                                    std::string(name(isa)) + (skip ? "" : "/no_skip");
-          benchmark::RegisterBenchmark(title.c_str(), [=](benchmark::State& state) {
-            integrate(state, flame, band, isa, skip);
-          })->Unit(benchmark::kMillisecond);
-        }
+        add(flame, band, isa, true, usual, "");
+      add(flame, band, best_isa(), false, usual, "/no_skip");
+      for (const double tolerance : {0.0, 1e-5, 1e-4, 1e-3, 1e-2})
+        add(flame, band, best_isa(), true, tolerance, "/tolerance:" + std::to_string(tolerance));
+    }
   return 0;
 }();
 

@@ -40,8 +40,9 @@ struct SourceView {
   const Real* weights;    ///< [W/(m^2 sr)]
   int count;              ///< 0: sigma T^4 / pi
   /// With fit_terms > 0 for temperatures between coldest and hottest [K] (what is below counts as
-  /// coldest): scale * E / (1 - occupation * E), E = e^(v (... fit[fit_terms - 1])),
-  /// v = 1/T - 1/hottest, fit[0] being the coefficient of the highest power. See source_fit.h.
+  /// coldest): scale * E / (1 - occupation * E), E = e^(v p(v)), v = 1/T - 1/hottest. The last
+  /// fit_terms of `fit` are the coefficients of p, highest power first, those before are 0. See
+  /// source_fit.h.
   int fit_terms;
   Real fit[kMaxFitTerms];
   Real scale, occupation, hottest, coldest;

@@ -374,13 +374,16 @@ class Packet {
       const Real h = until - begin;
       now.length[l] = h;
       const Real node0 = begin + kNode0 * h, node1 = begin + kNode1 * h;
-      const Real c_x = static_cast<Real>(x), c_y = static_cast<Real>(y), c_z = static_cast<Real>(z);
-      now.at[0].x[l] = clamp(o_x + node0 * d_x - c_x, Real(0), Real(1));
-      now.at[0].y[l] = clamp(o_y + node0 * d_y - c_y, Real(0), Real(1));
-      now.at[0].z[l] = clamp(o_z + node0 * d_z - c_z, Real(0), Real(1));
-      now.at[1].x[l] = clamp(o_x + node1 * d_x - c_x, Real(0), Real(1));
-      now.at[1].y[l] = clamp(o_y + node1 * d_y - c_y, Real(0), Real(1));
-      now.at[1].z[l] = clamp(o_z + node1 * d_z - c_z, Real(0), Real(1));
+      // Rounding may put a node 1e-5 of a spacing outside of its cell: continuing the cell's
+      // interpolation there is harmless, and absorption is kept from falling below 0 in compose().
+      const Real c_x = o_x - static_cast<Real>(x), c_y = o_y - static_cast<Real>(y),
+                 c_z = o_z - static_cast<Real>(z);
+      now.at[0].x[l] = c_x + node0 * d_x;
+      now.at[0].y[l] = c_y + node0 * d_y;
+      now.at[0].z[l] = c_z + node0 * d_z;
+      now.at[1].x[l] = c_x + node1 * d_x;
+      now.at[1].y[l] = c_y + node1 * d_y;
+      now.at[1].z[l] = c_z + node1 * d_z;
       now.pair[l] = 2 * ((x * kApronSide + y) * kApronSide + z);
       at.cell.x[l] = next_x & 7;
       at.cell.y[l] = next_y & 7;
@@ -481,16 +484,16 @@ class Packet {
 
   // Adds one interval of every lane behind what was already passed.
   void compose(const Intervals<Real>& now) {
-    alignas(64) Real near[kLanes], far[kLanes], source[2][kLanes], temperature[2][kLanes];
-    alignas(64) Real tau[2][kLanes];
+    alignas(64) Real near[kLanes], far[kLanes], tau[2][kLanes];
+    alignas(64) Real temperature[2 * kLanes], source[2 * kLanes];
     int thick = 0;
 #pragma omp simd reduction(+ : thick)
     for (int l = 0; l < kLanes; ++l) {
       const Real half = Real(0.5) * now.length[l];
-      temperature[0][l] = now.fields[0][2 * l];
-      temperature[1][l] = now.fields[1][2 * l];
-      tau[0][l] = half * now.fields[0][2 * l + 1];
-      tau[1][l] = half * now.fields[1][2 * l + 1];
+      temperature[l] = now.fields[0][2 * l];
+      temperature[kLanes + l] = now.fields[1][2 * l];
+      tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
+      tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
       thick += tau[0][l] + tau[1][l] > Real(kThin);
     }
     if (use_thin(thick)) {
@@ -512,12 +515,10 @@ class Packet {
       }
     }
     for (int c = 0; c < channels_; ++c) {
-      const auto& table = medium_.sources[first_channel_ + c];
-      source_of(table, temperature[0], source[0]);
-      source_of(table, temperature[1], source[1]);
+      source_of(medium_.sources[first_channel_ + c], temperature, source);
 #pragma omp simd
       for (int l = 0; l < kLanes; ++l)
-        radiance_[c][l] += near[l] * source[0][l] + far[l] * source[1][l];
+        radiance_[c][l] += near[l] * source[l] + far[l] * source[kLanes + l];
     }
   }
 

@@ -8,34 +8,45 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-// Source function of `temperature` in 16 lanes.
+// Temperatures whose source function is evaluated together: two nodes in every lane.
+constexpr int kSources = 2 * voxel::kLanes;
+
+// The fit of a source function (source_fit.h) with a fixed number of terms; those beyond
+// source.fit_terms are 0.
+template <int kTerms, class Real>
+PLENOFLAME_INLINE void fitted_source(const voxel::SourceView<Real>& source,
+                                     const Real* __restrict temperature, Real* __restrict out) {
+  const Real coldest = source.coldest, hottest = source.hottest, scale = source.scale,
+             occupation = source.occupation;
+  Real term[kTerms];
+  for (int k = 0; k < kTerms; ++k) term[k] = source.fit[voxel::kMaxFitTerms - kTerms + k];
+#pragma omp simd
+  for (int l = 0; l < kSources; ++l) {
+    const Real t = clamp(temperature[l], coldest, hottest);
+    const Real v = (hottest - t) / (t * hottest);
+    Real p = term[0];
+#pragma GCC unroll 16
+    for (int k = 1; k < kTerms; ++k) p = p * v + term[k];
+    const Real e = exponential(p * v);
+    out[l] = scale * e / (Real(1) - occupation * e);
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void source_of(const voxel::SourceView<Real>& source,
                                  const Real* __restrict temperature, Real* __restrict out) {
-  using voxel::kLanes;
-  if (source.fit_terms == 0) {
+  if (source.count == 0) {
+#pragma omp simd
+    for (int l = 0; l < kSources; ++l) out[l] = total_radiance(temperature[l]);
+  } else if (source.fit_terms == 0) {
     const SourceTable<Real> table{source.exponents, source.weights, source.count};
-    evaluate_source(table, temperature, out, kLanes);
-    return;
-  }
-  alignas(64) Real v[kLanes], p[kLanes];
-  const Real coldest = source.coldest, hottest = source.hottest, highest_term = source.fit[0];
-#pragma omp simd
-  for (int l = 0; l < kLanes; ++l) {
-    const Real t = clamp(temperature[l], coldest, hottest);
-    v[l] = (hottest - t) / (t * hottest);
-    p[l] = highest_term;
-  }
-  for (int k = 1; k < source.fit_terms; ++k) {
-    const Real term = source.fit[k];
-#pragma omp simd
-    for (int l = 0; l < kLanes; ++l) p[l] = p[l] * v[l] + term;
-  }
-  const Real scale = source.scale, occupation = source.occupation;
-#pragma omp simd
-  for (int l = 0; l < kLanes; ++l) {
-    const Real e = exponential(p[l] * v[l]);
-    out[l] = scale * e / (Real(1) - occupation * e);
+    evaluate_source(table, temperature, out, kSources);
+  } else if (source.fit_terms <= 3) {
+    fitted_source<3>(source, temperature, out);
+  } else if (source.fit_terms <= 6) {
+    fitted_source<6>(source, temperature, out);
+  } else {
+    fitted_source<voxel::kMaxFitTerms>(source, temperature, out);
   }
 }
 

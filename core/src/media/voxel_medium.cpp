@@ -86,7 +86,7 @@ struct Tables {
                                                        temperatures[1], 1e-7, voxel::kMaxFitTerms);
         view.fit_terms = static_cast<int>(fit.terms.size());
         for (std::size_t k = 0; k < fit.terms.size(); ++k)
-          view.fit[k] = static_cast<float>(fit.terms[k]);
+          view.fit[voxel::kMaxFitTerms - fit.terms.size() + k] = static_cast<float>(fit.terms[k]);
         view.scale = static_cast<float>(fit.highest * (1 - fit.occupation));
         view.occupation = static_cast<float>(fit.occupation);
         view.hottest = static_cast<float>(fit.hottest);

@@ -37,7 +37,7 @@ struct VoxelMediumOptions {
   /// Share of a brick's emission that the quadrature within one cell may miss: cells across which
   /// the source function rises steeply are cut into as many intervals as that needs (32 at most).
   /// 0: one interval per cell, always.
-  double tolerance = 3e-5;
+  double tolerance = 3e-4;
 };
 
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
