@@ -20,6 +20,7 @@ inline constexpr int kMaxFitTerms = 12;
 struct LatticeView {
   const float* values;
   const int* steps;  ///< kStepWords for each brick of the values
+  const int* plain;  ///< 1 for a brick of the values all of whose codes are kCellStep, else 0
   /// table[top[block] + brick within its block]: -1 empty; 2 n: values of brick n; 2 n + 1: the
   /// constant brick n. Both run with the last axis fastest; top is -1 for a block without bricks.
   const int* top;

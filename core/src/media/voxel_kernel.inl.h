@@ -274,28 +274,39 @@ class Packet {
   template <bool kOwnTemperature>
   void cross_bricks() {
     Crossing at;
+    if (enter_bricks<kOwnTemperature>(at))
+      cross_cells<kOwnTemperature, true>(at);
+    else
+      cross_cells<kOwnTemperature, false>(at);
+  }
+
+  // @tparam kPlain every cell of the bricks takes one interval
+  template <bool kOwnTemperature, bool kPlain>
+  void cross_cells(Crossing& at) {
     Intervals<Real> intervals[2], own[2];
-    enter_bricks<kOwnTemperature>(at);
     for (int n = 0; n < 2; ++n)
       for (int l = 0; l < 2 * kLanes; ++l)
         intervals[0].fields[n][l] = intervals[1].fields[n][l] = 0;
-    int active = advance<kOwnTemperature>(at, intervals[0], own[0]);
+    int active = advance<kOwnTemperature, kPlain>(at, intervals[0], own[0]);
     for (int turn = 0; active > 0; turn ^= 1) {
       counters_.cells += active;
       interpolate_fields(at, intervals[turn]);
       if (kOwnTemperature) interpolate_temperature(own[turn], intervals[turn]);
-      active = advance<kOwnTemperature>(at, intervals[turn ^ 1], own[turn ^ 1]);
+      active = advance<kOwnTemperature, kPlain>(at, intervals[turn ^ 1], own[turn ^ 1]);
       if (active > 0) fetch(at, intervals[turn ^ 1]);
       compose(intervals[turn]);
     }
   }
 
+  // @return whether every cell of these bricks takes one interval
   template <bool kOwnTemperature>
-  void enter_bricks(Crossing& at) {
+  bool enter_bricks(Crossing& at) {
+    int special = 0;
     for (int l = 0; l < kLanes; ++l) {
       const int data = found_[l] ? data_of(cells_, segment_entry_[l]) : cells_.blank;
       at.values[l] = cells_.values + static_cast<long>(data) * (2 * kBrickPairs);
       at.steps[l] = data * voxel::kStepWords;
+      special |= found_[l] & ~cells_.plain[data];
       at.t[l] = found_[l] ? segment_begin_[l] : Real(0);
       at.last[l] = found_[l] ? segment_end_[l] : Real(0);
     }
@@ -313,6 +324,7 @@ class Packet {
         at.own_cell.z[l] = floor_of(line.origin.z[l] + at.t[l] * line.direction.z[l]);
       }
     }
+    return special == 0;
   }
 
   static void enter(const Real* __restrict line_origin, const Real* __restrict direction,
@@ -332,7 +344,7 @@ class Packet {
   // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
   // block around it), or less where the cell is to be cut.
   // @return lanes that still have a part of their brick before them; the others get length 0
-  template <bool kOwnTemperature>
+  template <bool kOwnTemperature, bool kPlain>
   int advance(Crossing& at, Intervals<Real>& now, Intervals<Real>& own) {
     const int most = call_.skip ? 7 : 0;
     const int* steps = cells_.steps;
@@ -342,7 +354,8 @@ class Packet {
       const Real begin = at.t[l], last = at.last[l];
       active += begin < last ? 1 : 0;
       const int x = at.cell.x[l], y = at.cell.y[l], z = at.cell.z[l];
-      const int code = steps[at.steps[l] + (x << 3 | y)] >> (z << 2) & 15;
+      const int code =
+          kPlain ? voxel::kCellStep : steps[at.steps[l] + (x << 3 | y)] >> (z << 2) & 15;
       const int rest = ((1 << greatest(code - voxel::kCellStep, 0)) - 1) & most;
       const int low_x = x & ~rest, low_y = y & ~rest, low_z = z & ~rest;
       const Real t_x = plane(low_x + ((rest + 1) & at.up.x[l]), line_.inverse.x[l], at.offset.x[l]);
@@ -351,7 +364,7 @@ class Packet {
       // Whole cells and blocks are shorter than this, parts of cells are not.
       const Real part =
           begin + spacing_[l] * static_cast<Real>(power_of_two(code - voxel::kCellStep));
-      Real next = least(least(t_x, part), least(t_y, t_z));
+      Real next = least(least(t_x, kPlain ? t_x : part), least(t_y, t_z));
       Real s_x = 0, s_y = 0, s_z = 0;
       if (kOwnTemperature) {
         const Lines<Real>& line = temperature_line_;
@@ -365,9 +378,9 @@ class Packet {
       }
       const Real o_x = at.origin.x[l], o_y = at.origin.y[l], o_z = at.origin.z[l];
       const Real d_x = line_.direction.x[l], d_y = line_.direction.y[l], d_z = line_.direction.z[l];
-      const int next_x = next_cell(low_x, rest, t_x <= next, at.up.x[l], o_x + next * d_x);
-      const int next_y = next_cell(low_y, rest, t_y <= next, at.up.y[l], o_y + next * d_y);
-      const int next_z = next_cell(low_z, rest, t_z <= next, at.up.z[l], o_z + next * d_z);
+      const int next_x = next_cell<kPlain>(low_x, rest, t_x <= next, at.up.x[l], o_x + next * d_x);
+      const int next_y = next_cell<kPlain>(low_y, rest, t_y <= next, at.up.y[l], o_y + next * d_y);
+      const int next_z = next_cell<kPlain>(low_z, rest, t_z <= next, at.up.z[l], o_z + next * d_z);
       // Out of the brick: whatever rounding left of the segment goes to its last interval.
       const bool leaves = ((next_x | next_y | next_z) & ~7) != 0;
       const Real until = leaves ? last : clamp(next, begin, last);
@@ -421,9 +434,10 @@ class Packet {
   }
 
   // Where a crossed face leads; elsewhere the cell at p of the block of rest + 1 cells from `low`.
+  template <bool kPlain>
   PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p) {
     const int beyond = low - 1 + ((rest + 2) & up);
-    const int stays = clamp(static_cast<int>(p), low, low + rest);
+    const int stays = kPlain ? low : clamp(static_cast<int>(p), low, low + rest);
     return crosses ? beyond : stays;
   }
 

@@ -24,6 +24,10 @@ std::uint64_t key(Index b) {
   return part(b[0]) << 42 | part(b[1]) << 21 | part(b[2]);
 }
 
+bool is_plain(int word) {
+  return static_cast<unsigned>(word) == 0x11111111u * kCellStep;
+}
+
 int floor_div(int a, int b) {
   return a / b - (a % b < 0 ? 1 : 0);
 }
@@ -182,6 +186,7 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
     if (steps)
       steps->plan(pairs.data(), one_value_per_cell_, temperature == nullptr,
                   steps_.data() + steps_.size() - kStepWords);
+    plain_.push_back(std::all_of(steps_.end() - kStepWords, steps_.end(), is_plain) ? 1 : 0);
     return static_cast<int>(values_.size() / pairs.size()) - 1;
   };
   blank_ = append();  // still all 0
@@ -306,6 +311,7 @@ LatticeView Lattice::view() const {
   view.top = top_.data();
   view.table = table_.data();
   view.steps = steps_.data();
+  view.plain = plain_.data();
   view.blank = blank_;
   const double low[3] = {lower_.x, lower_.y, lower_.z}, high[3] = {upper_.x, upper_.y, upper_.z};
   for (int a = 0; a < 3; ++a) {

@@ -89,7 +89,8 @@ class Lattice {
   std::vector<int> table_;  // entries of bricks, see LatticeView
   std::vector<float> values_;
   std::vector<int> steps_;  // kStepWords for each brick of the values
-  int blank_ = 0;           // brick of the values without absorption
+  std::vector<int> plain_;
+  int blank_ = 0;  // brick of the values without absorption
   std::size_t varying_ = 0;
   std::vector<Constant> constants_;
   std::vector<int> constant_data_;  // the same bricks' data, for the kernel
