@@ -6,6 +6,7 @@
 #include "core/media/ray_list.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/media/voxel_medium.h"
 #include "support/approx.h"
 
 namespace plenoflame {
@@ -133,6 +134,66 @@ TEST(CompositeMedium, HalvesMakeAWhole) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     EXPECT_TRUE(test::within(a.radiance[0][i], b.radiance[0][i], 1e-9, whole->source(0, 2000)));
     EXPECT_TRUE(test::relative(a.transmittance[i], b.transmittance[i], 1e-9));
+  }
+}
+
+/// A voxel flame of smooth fields with noise, absorption times `share`, and its temperature.
+VoxelField voxels(double share, bool temperature, Vec3 shift) {
+  VoxelField field;
+  field.index_to_world.linear = {{{{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}}}};
+  field.index_to_world.translation = shift;
+  for (int b = 0; b < 8; ++b) {
+    field.brick_origins.push_back({8 * (b & 1), 8 * (b >> 1 & 1), 8 * (b >> 2)});
+    for (int v = 0; v < 512; ++v) {
+      const int noise = (v * 37 + b * 101) % 64;
+      field.values.push_back(temperature ? 1200 + 10 * static_cast<float>(noise)
+                                         : static_cast<float>(share * noise));
+    }
+  }
+  return field;
+}
+
+// Two voxel flames in one place, merged adaptively, against one through its own kernel.
+TEST(CompositeMedium, VoxelHalvesMakeAWhole) {
+  const std::vector<SourceFunction> total{SourceFunction::total()};
+  const auto make = [&](double share) {
+    return make_voxel_medium(voxels(share, true, {}), voxels(share, false, {}),
+                             VoxelInterpolation::constant, total);
+  };
+  const auto halves = composite(make(0.5), make(0.5));
+  const auto whole = make(1);
+  Generator g(8);
+  RayList<double> rays({0.008, 0.008, 0.008});
+  for (int i = 0; i < 100; ++i) rays.add(Vec3{0.008, 0.008, 0.008} + g.point(0.006), g.direction());
+  const auto a = rays.integrate(*halves), b = rays.integrate(*whole);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_GT(b.radiance[0][i], 0);
+    EXPECT_TRUE(test::relative(a.radiance[0][i], b.radiance[0][i], 1e-9)) << i;
+    EXPECT_TRUE(test::relative(a.transmittance[i], b.transmittance[i], 1e-9)) << i;
+  }
+}
+
+// A voxel flame and an ellipsoid through it, and one beside it.
+TEST(CompositeMedium, VoxelsAndLayersTogether) {
+  const std::vector<SourceFunction> total{SourceFunction::total()};
+  const auto make = [&](Vec3 centre) {
+    return composite(make_voxel_medium(voxels(1, true, {}), voxels(1, false, {}),
+                                       VoxelInterpolation::trilinear, total),
+                     make_layered_medium({{centre, {4e-3, 4e-3, 4e-3}, 1900, 60}}, {}, total));
+  };
+  Generator g(10);
+  for (const double x : {0.008, 0.03}) {
+    const auto both = make({x, 0.008, 0.008});
+    RayList<double> rays({0.008, 0.008, 0.008});
+    for (int i = 0; i < 40; ++i)
+      rays.add(Vec3{0.008, 0.008, 0.008} + g.point(0.003),
+               normalize({1, g.uniform(-.1, .1), g.uniform(-.1, .1)}));
+    const auto r = rays.integrate(*both);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto expected = integrate_reference(*both, rays.ray(i), -kInf, kInf);
+      EXPECT_TRUE(test::relative(r.radiance[0][i], expected[0], 2e-4)) << x << ", " << i;
+      EXPECT_TRUE(test::relative(r.transmittance[i], std::exp(-expected[1]), 1e-6)) << x;
+    }
   }
 }
 
