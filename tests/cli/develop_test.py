@@ -53,7 +53,7 @@ class Develop(CommandTest):
         brightest = single(self.flux[5][10])
         self.assertEqual(figures["saturation_W"], brightest)
         self.assertTrue(figures["automatic_exposure"])
-        self.assertEqual(figures["lit_pixels"], 65)
+        self.assertEqual(figures["pixels_with_light"], 65)
         self.assertEqual(figures["saturated_share"], 1 / 66)
         self.assertEqual(figures["size"], [11, 6])
         self.assertEqual(figures, self.json_of("develop", "raw.exr", "-o", "a.png", "--saturation", "auto"))

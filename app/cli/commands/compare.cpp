@@ -88,7 +88,7 @@ int run_compare(const Settings& settings) {
       readable(c.largest_difference, Dimension::flux) + at_pixel(c.largest_column, c.largest_row),
       "largest_difference_W", c.largest_difference);
   report.add_json("largest_difference_pixel", {c.largest_column, c.largest_row});
-  report.add("flux in dark pixels", readable_percent(c.stray_share), "stray_share", c.stray_share);
+  report.add("flux in unlit pixels", readable_percent(c.stray_share), "stray_share", c.stray_share);
   add_statistics(report, c);
   report.print(settings.json);
   if (limit < 0 || c.relative_rmse <= limit) return kSuccess;
@@ -105,9 +105,9 @@ void register_compare(const Registry& registry) {
       "plenoflame compare fast.exr converged.exr --limit 1%");
   command.add_option("A", settings->a, "Light field (.exr) to judge")->required();
   command
-      .add_option("REFERENCE", settings->reference,
-                  "Light field (.exr) that it should equal; pixels with a flux above 0 in it count "
-                  "as lit")
+      .add_option(
+          "REFERENCE", settings->reference,
+          "Light field (.exr) that it should equal; pixels above 1 % of its largest flux are lit")
       ->required();
   command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
       ->option_text("NAME");

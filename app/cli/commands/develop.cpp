@@ -90,7 +90,7 @@ int run_develop(const Settings& settings) {
   report.add_json("automatic_exposure", image.automatic);
   report.add("bits", std::to_string(requested.bits), "bits", requested.bits);
   report.add("curve", curve, "curve", curve);
-  report.add("lit pixels", std::to_string(image.lit), "lit_pixels", image.lit);
+  report.add("pixels with light", std::to_string(image.lit), "pixels_with_light", image.lit);
   report.add("saturated", readable_percent(image.saturated_share) + " of all pixels",
              "saturated_share", image.saturated_share);
   report.print(settings.json);
@@ -113,7 +113,8 @@ void register_develop(const Registry& registry) {
       .add_option(
           "--saturation", settings->saturation,
           "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or auto: "
-          "99.9 % of the lit pixels do not exceed it; without it, as the scene says, else auto")
+          "99.9 % of the pixels with light do not exceed it; without it, as the scene says, else "
+          "auto")
       ->option_text("FLUX");
   command
       .add_option("--bits", settings->bits,

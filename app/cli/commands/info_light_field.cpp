@@ -3,6 +3,7 @@
 
 #include "commands/info.h"
 #include "options.h"
+#include "plenoflame/film/film.h"
 #include "plenoflame/image/light_field.h"
 
 namespace plenoflame::cli {
@@ -11,31 +12,25 @@ namespace {
 struct ChannelSummary {
   double total = 0;
   double largest = 0;
-  std::size_t lit = 0;
+  std::size_t lit = 0;  ///< above kLitShare of the largest flux
   std::size_t not_finite = 0;
-  double relative_error = 0;  ///< sqrt(mean(s^2)) / mean(flux) over lit pixels
+  double relative_error = 0;  ///< by the standard errors, over lit pixels
 };
 
 ChannelSummary summarize(const LightFieldChannel& channel) {
   ChannelSummary summary;
-  double squares = 0;
-  for (std::size_t i = 0; i < channel.flux.pixels.size(); ++i) {
-    const double flux = channel.flux.pixels[i];
-    if (!std::isfinite(flux)) {
+  for (const float value : channel.flux.pixels) {
+    if (!std::isfinite(value)) {
       ++summary.not_finite;
       continue;
     }
-    summary.total += flux;
-    summary.largest = std::max(summary.largest, flux);
-    if (!(flux > 0)) continue;
-    ++summary.lit;
-    if (!channel.standard_error.empty()) {
-      const double error = channel.standard_error.pixels[i];
-      squares += error * error;
-    }
+    summary.total += static_cast<double>(value);
+    summary.largest = std::max(summary.largest, static_cast<double>(value));
   }
-  const auto lit = static_cast<double>(summary.lit);
-  if (summary.total > 0) summary.relative_error = std::sqrt(squares * lit) / summary.total;
+  for (const float value : channel.flux.pixels)
+    if (static_cast<double>(value) > kLitShare * summary.largest) ++summary.lit;
+  if (!channel.standard_error.empty() && summary.not_finite == 0)
+    summary.relative_error = estimated_relative_rmse(channel.flux, channel.standard_error);
   return summary;
 }
 

@@ -47,6 +47,15 @@ double largest_probability(double z, double n) {
   return one >= 1 ? 1 : -std::expm1(n * std::log1p(-one));
 }
 
+/// Least flux of a lit pixel: kLitShare of the reference's largest in the window.
+double lit_flux(const SensorImage& reference, const PixelWindow& window) {
+  double largest = 0;
+  for (int row = window.y; row < window.y + window.height; ++row)
+    for (int column = window.x; column < window.x + window.width; ++column)
+      largest = std::max(largest, reference.at(column, row));
+  return kLitShare * largest;
+}
+
 struct Block {
   double difference = 0;
   double variance = 0;
@@ -73,6 +82,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   if (flux_a.empty() || flux_b.empty()) throw InputError("an image was read without its pixels");
   result.has_standard_errors = !error_a.empty() || !error_b.empty();
 
+  const double lit_above = lit_flux(flux_b, window);
   constexpr int kBlock = Comparison::kBlock;
   // Half a unit in the last place of single precision: values were rounded when stored.
   constexpr double kRounding = 0x1p-24;
@@ -95,7 +105,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
       }
       const double rounding = kRounding * kRounding * (va * va + vb * vb);
       const double variance = result.has_standard_errors ? ea * ea + eb * eb + rounding : 0;
-      if (vb > 0) {
+      if (vb > lit_above) {
         ++result.lit_pixels;
         sum_a += va;
         sum_b += vb;

@@ -2,14 +2,16 @@
 #include <cstddef>
 #include <string>
 
+#include "plenoflame/film/film.h"
 #include "plenoflame/image/light_field.h"
 
 namespace plenoflame {
 
 /// How one image differs from a reference, over the pixels that both hold. A pixel is lit when the
-/// reference's flux is above 0. Sums marked * use the standard errors s of both images, s^2 =
-/// s_a^2 + s_b^2 (an image without standard errors counts as exact), plus the rounding of the
-/// stored single precision; they take the errors of different pixels as independent.
+/// reference's flux is above kLitShare (film.h) of its largest one. Sums marked * use the standard
+/// errors s of both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact),
+/// plus the rounding of the stored single precision; they take the errors of different pixels as
+/// independent.
 struct Comparison {
   PixelWindow window;  ///< common part of both
   std::size_t lit_pixels = 0;

@@ -14,15 +14,16 @@ struct DevelopedImage {
   double saturation = 0;       ///< [W] flux per pixel at which the sensor saturates
   bool automatic = false;      ///< `saturation` was found, not given
   std::size_t saturated = 0;   ///< pixels with a flux of at least `saturation`
-  std::size_t lit = 0;         ///< pixels with a flux above 0
+  std::size_t lit = 0;         ///< pixels with light: a flux above 0
   double saturated_share = 0;  ///< saturated / all pixels
 };
 
-/// Share of the lit pixels that automatic exposure keeps below saturation.
+/// Share of the pixels with light that automatic exposure does not let exceed saturation.
 inline constexpr double kAutomaticExposure = 0.999;
 
-/// Automatic exposure: the least flux [W] that at least kAutomaticExposure of the lit pixels (flux
-/// above 0) do not exceed; with fewer than 1000 of them, the largest flux. 0 for a dark image.
+/// Automatic exposure: the least flux [W] that at least kAutomaticExposure of the pixels with
+/// light (flux above 0, however little) do not exceed; with fewer than 1000 of them, the largest
+/// flux. 0 for a dark image.
 double automatic_saturation(const Image& flux);
 
 /// Sensor response without noise: digital number = round(flux / saturation * (2^bits - 1)), clipped
