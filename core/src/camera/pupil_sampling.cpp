@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -140,40 +141,64 @@ double excess(const PupilNode& node, const Outline& outline) {
   return worst;
 }
 
+/// Fits radius(u) to the edges around centre(u).
+void fit_radius(Outline& outline) {
+  PupilNode& node = outline.node;
+  const double a = node.aim_radius;
+  // What is needed at the centre, on the rings along and across u, and to both sides of the field.
+  double centre_radius = 0, outwards = 0, inwards = 0;
+  std::array<double, 3> along{}, across{};
+  for (const auto& [s, u] : outline.edge) {
+    const Vec2 v = s - node.centre_at(u);
+    const double needed = length(v), part = length(u) / a;
+    if (part < 0.25) {
+      centre_radius = std::max(centre_radius, needed);
+      continue;
+    }
+    const std::size_t ring = part < 0.65 ? 0 : part < 0.9 ? 1 : 2;
+    along[ring] = std::max(along[ring], needed);
+    if (std::fabs(dot(u, v)) < 0.4 * length(u) * needed)
+      across[ring] = std::max(across[ring], needed);
+    if (ring == 2 && u.x > 0.9 * length(u)) outwards = std::max(outwards, needed);
+    if (ring == 2 && u.x < -0.9 * length(u)) inwards = std::max(inwards, needed);
+  }
+  // Only where the two sides are those of largest need may one of them be left less.
+  const double side = 0.5 * (outwards + inwards);
+  node.radius_odd = 0.5 * (outwards - inwards);
+  node.radius = through_rings({along[0], along[1], std::max(side, along[2] - std::fabs(node.radius_odd))});
+  const double t1 = kRings[1] * kRings[1];
+  const double f1 = 0.9 * std::max(0.0, along[1] - across[1]) / t1;
+  const double f2 = 0.9 * std::max(0.0, along[2] - across[2]);
+  const double second = (f2 - f1) / (1 - t1);
+  node.flattening = {f2 - second, second};
+  // Only along the axis through the field is the odd term known; elsewhere the excess decides.
+  node.radius[0] += excess(node, outline);
+}
+
 /// Fits centre(u) to the middles of the outlines (one per aim point), then radius(u) around it.
 void fit_discs(Outline& outline, const std::vector<Vec2>& aims, const std::vector<Vec2>& middles) {
   PupilNode& node = outline.node;
   node.centre = middles.front().x;
   std::array<double, 3> coupling{};
-  Vec2 outer_mean;
   for (std::size_t ring = 0; ring < kRings.size(); ++ring) {
     double uu = 0, cu = 0;
-    outer_mean = {};
     for (int k = 0; k < kRingPoints; ++k) {
       const std::size_t i = 1 + ring * kRingPoints + static_cast<std::size_t>(k);
       uu += dot(aims[i], aims[i]);
       cu += dot(middles[i], aims[i]);
-      outer_mean = outer_mean + (1.0 / kRingPoints) * middles[i];
     }
     coupling[ring] = -cu / uu;
   }
   node.coupling = through_rings(coupling);
-  node.centre2 = outer_mean.x - node.centre;
-  // What the radius must be at the centre and on the rings.
-  std::array<double, 3> ring_radius{};
-  double centre_radius = 0;
-  for (const auto& [s, u] : outline.edge) {
-    const double needed = length(s - node.centre_at(u));
-    const double part = length(u) / node.aim_radius;
-    if (part < 0.25) {
-      centre_radius = std::max(centre_radius, needed);
-    } else {
-      const std::size_t ring = part < 0.65 ? 0 : part < 0.9 ? 1 : 2;
-      ring_radius[ring] = std::max(ring_radius[ring], needed);
-    }
-  }
-  node.radius = through_rings(ring_radius);
-  node.radius[0] += excess(node, outline);
+  // Coma moves the rim's images along the field, those from the field's direction and its opposite
+  // more than those from across.
+  const std::size_t rim = 1 + 2 * kRingPoints;
+  const auto rim_mean = [&](std::size_t k) {
+    return 0.5 * (middles[rim + k].x + middles[rim + k + kRingPoints / 2].x) - node.centre;
+  };
+  node.centre2 = rim_mean(kRingPoints / 4);
+  node.coma = (rim_mean(0) - node.centre2) / (node.aim_radius * node.aim_radius);
+  fit_radius(outline);
 }
 
 /// Outline of the stop seen through a microlens at field h, from points of its aperture.
@@ -293,6 +318,28 @@ double outer_radius(const PupilNode& node, double aperture_shift) {
   return outer * (1 + kSafety);
 }
 
+/// Fills node.open by counting aperture points in both discs, averaged over four directions.
+void measure_open_share(PupilNode& node, const PupilTable& table) {
+  constexpr int kSide = 12;
+  constexpr int kSteps = static_cast<int>(std::tuple_size_v<decltype(node.open)>) - 1;
+  for (int step = 0; step <= kSteps; ++step) {
+    int seen = 0, all = 0;
+    for (int k = 0; k < 4; ++k) {
+      const double angle = 0.5 * constants::pi * k, distance = node.outer_radius * step / kSteps;
+      const Vec2 s{node.centre + distance * std::cos(angle), distance * std::sin(angle)};
+      for (int i = 0; i < kSide; ++i)
+        for (int j = 0; j < kSide; ++j) {
+          const Vec2 v{(2.0 * i + 1) / kSide - 1, (2.0 * j + 1) / kSide - 1};
+          if (dot(v, v) > 1) continue;
+          const Vec2 u = table.aperture_shift * s + table.aperture_radius * v;
+          ++all;
+          if (length(u) < table.bound_radius && length(s - node.centre_at(u)) < node.radius_at(u)) ++seen;
+        }
+    }
+    node.open[static_cast<std::size_t>(step)] = static_cast<double>(seen) / all;
+  }
+}
+
 PupilTable microlens_table(const Camera& camera, int type) {
   PupilTable table;
   const MicrolensTracer tracer(camera, type);
@@ -318,9 +365,10 @@ PupilTable microlens_table(const Camera& camera, int type) {
     if (!node.dark()) {
       node.radius[0] += 1.5 * margin + kSafety * node.radius[0];
       node.outer_radius = outer_radius(node, table.aperture_shift);
+      measure_open_share(node, table);
     }
   const auto& k = table.nodes.front().coupling;
-  table.cut_margin = 1.02 + 0.5 * (std::fabs(k[1]) + std::fabs(k[2])) /
+  table.cut_margin = 1.02 + 0.25 * (std::fabs(k[1]) + std::fabs(k[2])) /
                                 (std::fabs(k[0]) + std::fabs(k[1]) + std::fabs(k[2]) + 1e-12);
   return table;
 }
@@ -344,6 +392,7 @@ Outline trace_bare_outline(const Camera& camera, double h) {
   std::vector<Vec2> edge = find_edge(passes, inside, 4 * radius);
   outline.node.aim_centre = middle(edge).x;
   outline.node.radius = {kInfinity, 0, 0};
+  outline.node.open.fill(1);
   for (const Vec2 u : edge) {
     outline.node.aim_radius = std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
     outline.edge.emplace_back(Vec2{}, u);
@@ -384,9 +433,11 @@ PupilNode PupilTable::at(double h) const {
   const PupilNode& a = nodes[i];
   const PupilNode& b = nodes[i + 1];
   const auto mix = [t](double x, double y) { return x == y ? x : x + t * (y - x); };
-  PupilNode node{mix(a.centre, b.centre), mix(a.centre2, b.centre2), {}, {},
+  PupilNode node{mix(a.centre, b.centre), mix(a.centre2, b.centre2), mix(a.coma, b.coma), {}, {},
+                 mix(a.radius_odd, b.radius_odd),
+                 {mix(a.flattening[0], b.flattening[0]), mix(a.flattening[1], b.flattening[1])},
                  mix(a.aim_centre, b.aim_centre), mix(a.aim_radius, b.aim_radius),
-                 std::max(a.outer_radius, b.outer_radius)};
+                 std::max(a.outer_radius, b.outer_radius), t < 0.5 ? a.open : b.open};
   for (std::size_t k = 0; k < 3; ++k) {
     node.coupling[k] = mix(a.coupling[k], b.coupling[k]);
     node.radius[k] = mix(a.radius[k], b.radius[k]);
@@ -397,12 +448,13 @@ PupilNode PupilTable::at(double h) const {
 Vec2 PupilNode::centre_at(Vec2 u) const {
   const double t = dot(u, u) / (aim_radius * aim_radius);
   const double k = coupling[0] + t * (coupling[1] + t * coupling[2]);
-  return {centre + centre2 * t - k * u.x, -k * u.y};
+  const double along = k - coma * u.x;
+  return {centre + centre2 * t - along * u.x, -along * u.y};
 }
 
 double PupilNode::radius_at(Vec2 u) const {
   const double t = dot(u, u) / (aim_radius * aim_radius);
-  return radius[0] + t * (radius[1] + t * radius[2]);
+  return radius[0] + t * (radius[1] + t * radius[2] + radius_odd * u.x / aim_radius);
 }
 
 PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {

@@ -11,6 +11,8 @@
 namespace plenoflame {
 namespace {
 
+constexpr int kLevels = 5;       ///< of fewer points, each half of the one before
+constexpr int kLeastPoints = 2;  ///< of a replicate on the last level
 constexpr int kTile = 64;  ///< pixels along the side of a unit of work
 
 template <class Real>
@@ -112,7 +114,10 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const RenderSettings& s
   }
   plan.microlenses = kernel_microlenses<Real>(camera);
   if (settings.skip) plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), box);
-  plan.pool = std::make_unique<SobolPool>(settings.replicates, points, first, settings.seed);
+  for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
+    plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
+                            mix64(settings.seed + static_cast<std::uint64_t>(level)));
+  if (plan.pools.empty()) plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
   for (const PupilTable& table : scene.pupils.tables())
     for (const PupilNode& node : table.nodes)
       if (!node.dark() && camera.has_array())

@@ -43,8 +43,10 @@ struct KernelPair {
   Real outer_x, outer_y, outer_radius2;
   Real lens_x, lens_y;          ///< centre of the microlens
   Real field_x, field_y;        ///< unit vector away from the optical axis
-  Real centre, centre2;
+  Real centre, centre2, coma;
   Real coupling[3], radius[3];
+  Real radius_odd;              ///< divided by the aperture radius
+  Real flattening[2];
   Real coupling_sign;
   Real cut_margin;              ///< factor on circles of curvature
   Real aim_radius, inverse_aim2;

@@ -31,8 +31,10 @@ PLENOFLAME_INLINE Real sin_turn(Real b) {
 template <class Real>
 PLENOFLAME_INLINE Real outside_stop(const KernelPair<Real>& c, Real sx, Real sy, Real ux, Real uy) {
   const Real t = (ux * ux + uy * uy) * c.inverse_aim2;
-  const Real k = c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]);
-  const Real radius = c.radius[0] + t * (c.radius[1] + t * c.radius[2]);
+  const Real u_field = ux * c.field_x + uy * c.field_y;
+  const Real k = c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]) - c.coma * u_field;
+  const Real odd = c.radius_odd * u_field;
+  const Real radius = c.radius[0] + t * (c.radius[1] + t * c.radius[2] + odd);
   const Real along = c.centre + c.centre2 * t;
   const Real vx = sx - along * c.field_x + k * ux;
   const Real vy = sy - along * c.field_y + k * uy;
@@ -45,6 +47,25 @@ PLENOFLAME_INLINE Real false_position(Real a, Real fa, Real b, Real fb) {
   return a + (b - a) * (fa / (fa - fb));
 }
 
+/// Where on the axis the stop begins to cut, between `a` (outside, fa > 0) and `b` (inside, fb < 0):
+/// three steps of false position, each keeping the bracket. `error` is what the last one moved.
+template <class Real>
+PLENOFLAME_INLINE Real find_cut(const KernelPair<Real>& c, Real sx, Real sy, Real ax, Real ay,
+                                Real ex, Real ey, Real a, Real fa, Real b, Real fb, Real& error) {
+  const Real p1 = false_position(a, fa, b, fb);
+  const Real f1 = outside_stop(c, sx, sy, ax + p1 * ex, ay + p1 * ey);
+  const bool outside1 = f1 > Real(0);
+  const Real a1 = outside1 ? p1 : a, fa1 = outside1 ? f1 : fa;
+  const Real b1 = outside1 ? b : p1, fb1 = outside1 ? fb : f1;
+  const Real p2 = false_position(a1, fa1, b1, fb1);
+  const Real f2 = outside_stop(c, sx, sy, ax + p2 * ex, ay + p2 * ey);
+  const bool outside2 = f2 > Real(0);
+  const Real p3 = false_position(outside2 ? p2 : a1, outside2 ? f2 : fa1, outside2 ? b1 : p2,
+                                 outside2 ? fb1 : f2);
+  error = Real(0.5) * magnitude(p3 - p2);
+  return p3;
+}
+
 /// Twice the radius of a circle that bounds the open part of the aperture at a cut of its axis at p
 /// (`side` +1: the part lies above, -1: below), from the implicit curve |s - centre(u)| = radius(u);
 /// a quarter wider than the circle of curvature, for what the two terms leave out.
@@ -55,7 +76,10 @@ PLENOFLAME_INLINE Real cut_diameter(const KernelPair<Real>& c, Real p, Real side
   const Real k_t = c.coupling_sign * (c.coupling[1] + Real(2) * t * c.coupling[2]) * c.inverse_aim2;
   const Real r_t = (c.radius[1] + Real(2) * t * c.radius[2]) * c.inverse_aim2;
   const Real radius = c.radius[0] + t * (c.radius[1] + t * c.radius[2]);
-  const Real bend = k * k / (Real(2) * radius) - side * p * k_t - r_t;
+  // Off the axis the direction of u turns against that of s - centre(u), where the image is flatter.
+  const Real turn = Real(1) + side * p * k / radius;
+  const Real flatter = (c.flattening[0] + t * c.flattening[1]) * c.inverse_aim2 * (turn * turn);
+  const Real bend = k * k / (Real(2) * radius) - side * p * k_t - r_t + flatter;
   const Real slope = k + Real(2) * p * p * k_t + side * Real(2) * p * r_t;
   const Real diameter = c.cut_margin * slope / bend;
   const bool curved = (bend > Real(0)) & (slope > Real(0));
@@ -106,7 +130,8 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
     // The axis: moving the aim point along it brings the stop's image over the sensor point.
     const Real ax = c.aim_x + c.aim_shift * sx, ay = c.aim_y + c.aim_shift * sy;
     const Real t0 = (ax * ax + ay * ay) * c.inverse_aim2;
-    const Real k0 = c.coupling[0] + t0 * (c.coupling[1] + t0 * c.coupling[2]);
+    const Real k0 = c.coupling[0] + t0 * (c.coupling[1] + t0 * c.coupling[2]) -
+                    c.coma * (ax * c.field_x + ay * c.field_y);
     const Real along0 = c.centre + c.centre2 * t0;
     const Real wx = sx - along0 * c.field_x + k0 * ax, wy = sy - along0 * c.field_y + k0 * ay;
     const Real sigma = square_root(wx * wx + wy * wy);
@@ -124,20 +149,17 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
     const Real f_low = outside_stop(c, sx, sy, ax - a * ex, ay - a * ey);
     const Real f_high = outside_stop(c, sx, sy, ax + a * ex, ay + a * ey);
     const Real fc = least(outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey), -tiny * a);
-    const Real l1 = false_position(-a, f_low, pc, fc);
-    const Real fl1 = outside_stop(c, sx, sy, ax + l1 * ex, ay + l1 * ey);
-    const Real l2 = fl1 > Real(0) ? false_position(l1, fl1, pc, fc) : false_position(-a, f_low, l1, fl1);
-    const Real u1 = false_position(a, f_high, pc, fc);
-    const Real fu1 = outside_stop(c, sx, sy, ax + u1 * ex, ay + u1 * ey);
-    const Real u2 = fu1 > Real(0) ? false_position(u1, fu1, pc, fc) : false_position(a, f_high, u1, fu1);
+    Real low_error = 0, high_error = 0;
+    const Real cut_at_low = find_cut(c, sx, sy, ax, ay, ex, ey, -a, f_low, pc, fc, low_error);
+    const Real cut_at_high = find_cut(c, sx, sy, ax, ay, ex, ey, a, f_high, pc, fc, high_error);
     const Real slack = Real(0.001) * a;
     const bool cut_low = f_low > Real(0), cut_high = f_high > Real(0);
-    const Real low = cut_low ? greatest(l2 - slack - Real(0.5) * magnitude(l2 - l1), -a) : -a;
+    const Real low = cut_low ? greatest(cut_at_low - slack - low_error, -a) : -a;
     // The disc around the microlens' own axis, in coordinates along and across this one.
     const Real axis_p = -(ax * ex + ay * ey);
     const Real bound = c.bound_radius + magnitude(ax * ey - ay * ex);
     const Real open_high = least(a, axis_p + bound);
-    const Real high = cut_high ? least(u2 + slack + Real(0.5) * magnitude(u2 - u1), open_high) : open_high;
+    const Real high = cut_high ? least(cut_at_high + slack + high_error, open_high) : open_high;
     const Real low_diameter = cut_low ? cut_diameter(c, low, Real(1)) : Real(1e6) * a;
     const Real high_diameter = cut_high ? cut_diameter(c, high, Real(-1)) : Real(1e6) * a;
 

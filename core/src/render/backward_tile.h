@@ -35,7 +35,8 @@ struct BackwardPlan {
   std::vector<KernelMicrolens<Real>> microlenses;
   Vec3 anchor;  ///< [m] world
   std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
-  std::unique_ptr<SobolPool> pool;
+  /// One pool per level: level k has 2^-k of the points, for pixels worth less.
+  std::vector<SobolPool> pools;
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
@@ -56,13 +57,14 @@ class TileTracer {
 
  private:
   struct Pending {
-    int column, row, first, count, offset;
+    int column, row, first, count, offset, level;
   };
   void add_microlens(PixelWindow tile, LensIndex lens);
   void add_bare_pixel(int column, int row);
   Vec2 set_discs(const PupilTable& table, const PupilNode& node, Vec2 place);
   bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
-  void add_pair(int type, int column, int row, std::uint64_t key);
+  int level_of(double worth) const;
+  void add_pair(int type, int column, int row, std::uint64_t key, int level);
   void flush();
 
   const BackwardPlan<Real>& plan_;
