@@ -14,7 +14,7 @@ struct LayeredScratch {
   Real* exit;    // layers arrays
   Real* weight;  // layers arrays: transmittance in front times emissivity, summed over a layer
   Real* ends;    // 2 * layers arrays, sorted (overlapping layers only)
-  Real *middle, *kappa, *winner;
+  Real *shift, *kappa, *winner;
 };
 
 template <class Real>
@@ -26,7 +26,7 @@ PLENOFLAME_INLINE LayeredScratch<Real> make_scratch(Real* p, int layers) {
   p += 8 * n;
   s.entry = p, s.exit = p + layers * n, s.weight = p + 2 * layers * n, s.ends = p + 3 * layers * n;
   p += 5 * layers * n;
-  s.middle = p, s.kappa = p + n, s.winner = p + 2 * n;
+  s.shift = p, s.kappa = p + n, s.winner = p + 2 * n;
   return s;
 }
 
@@ -43,7 +43,7 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
   const Real* __restrict w = task.direction[2] + first;
   Real* __restrict px = s.px, * __restrict py = s.py, * __restrict pz = s.pz;
   Real* __restrict dx = s.dx, * __restrict dy = s.dy, * __restrict dz = s.dz;
-  Real* __restrict shift = s.middle;
+  Real* __restrict shift = s.shift;
   const Real r0 = task.rotation[0], r1 = task.rotation[1], r2 = task.rotation[2];
   const Real r3 = task.rotation[3], r4 = task.rotation[4], r5 = task.rotation[5];
   const Real r6 = task.rotation[6], r7 = task.rotation[7], r8 = task.rotation[8];
@@ -188,6 +188,28 @@ PLENOFLAME_INLINE void sort_ends(int layers, int count, const LayeredScratch<Rea
             order(count, s.ends + (i + j) * n, s.ends + (i + j + k) * n);
 }
 
+/// Layer `k` into the running choice for the interval between two ends: it counts when it holds the
+/// middle. Layers come last to first, so that the first listed wins.
+template <bool kFirstChoice, class Real>
+PLENOFLAME_INLINE void choose(const LayeredTask<Real>& task, int k, int count,
+                              const LayeredScratch<Real>& s, const Real* __restrict from,
+                              const Real* __restrict to) {
+  Real* __restrict kappa = s.kappa, * __restrict winner = s.winner;
+  const Real* __restrict entry = s.entry + k * kLayeredBlock;
+  const Real* __restrict exit = s.exit + k * kLayeredBlock;
+  const Real absorption = task.absorption[k], number = Real(k);
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    // Loads before the choices: a conditional load would be a branch where there are no masks.
+    const Real old_kappa = kFirstChoice ? Real(0) : kappa[i];
+    const Real old_winner = kFirstChoice ? Real(-1) : winner[i];
+    const Real middle = Real(0.5) * (from[i] + to[i]);
+    const bool inside = (entry[i] <= middle) & (middle < exit[i]);
+    kappa[i] = inside ? absorption : old_kappa;
+    winner[i] = inside ? number : old_winner;
+  }
+}
+
 /// Any layers: between neighbouring ends the first listed layer that holds the middle counts.
 template <class Real>
 PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, int count,
@@ -195,28 +217,12 @@ PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, int count
                                         Real* __restrict transmittance) {
   constexpr int n = kLayeredBlock;
   sort_ends(task.layers, count, s);
-  Real* __restrict middle = s.middle, * __restrict kappa = s.kappa, * __restrict winner = s.winner;
+  Real* __restrict kappa = s.kappa, * __restrict winner = s.winner;
   for (int segment = 0; segment + 1 < 2 * task.layers; ++segment) {
     const Real* __restrict from = s.ends + segment * n;
     const Real* __restrict to = from + n;
-#pragma omp simd
-    for (int i = 0; i < count; ++i) {
-      middle[i] = Real(0.5) * (from[i] + to[i]);
-      kappa[i] = 0;
-      winner[i] = -1;
-    }
-    for (int k = task.layers - 1; k >= 0; --k) {
-      const Real* __restrict entry = s.entry + k * n, * __restrict exit = s.exit + k * n;
-      const Real absorption = task.absorption[k], number = Real(k);
-#pragma omp simd
-      for (int i = 0; i < count; ++i) {
-        // Loads before the choices: a conditional load would be a branch where there are no masks.
-        const Real old_kappa = kappa[i], old_winner = winner[i];
-        const bool inside = (entry[i] <= middle[i]) & (middle[i] < exit[i]);
-        kappa[i] = inside ? absorption : old_kappa;
-        winner[i] = inside ? number : old_winner;
-      }
-    }
+    choose<true>(task, task.layers - 1, count, s, from, to);
+    for (int k = task.layers - 2; k >= 0; --k) choose<false>(task, k, count, s, from, to);
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
       const Attenuation<Real> a = attenuation(kappa[i] * (to[i] - from[i]));
