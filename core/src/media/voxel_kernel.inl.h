@@ -8,7 +8,8 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-constexpr int kMaxChannels = 16;  // processed together; more take another pass over the rays
+constexpr double kLargest = 1e20;  // of coordinates and lengths
+constexpr int kMaxChannels = 16;   // processed together; more take another pass over the rays
 
 template <class Real>
 class Packet {
@@ -52,7 +53,12 @@ class Packet {
     int met = 0;
 #pragma omp simd reduction(+ : met)
     for (int l = 0; l < kLanes; ++l) {
-      const bool meets = (to[l] > from[l]) & (to[l] - from[l] < 1e100);
+      // What is not finite, or so large that single precision could overflow, meets nothing.
+      const bool sane =
+          (magnitude(origin[0][l]) < kLargest) & (magnitude(origin[1][l]) < kLargest) &
+          (magnitude(origin[2][l]) < kLargest) & (magnitude(direction[0][l]) < kLargest) &
+          (magnitude(direction[1][l]) < kLargest) & (magnitude(direction[2][l]) < kLargest);
+      const bool meets = sane & (to[l] > from[l]) & (to[l] - from[l] < kLargest);
       from[l] = meets ? from[l] : 0;
       end_[l] = static_cast<Real>(meets ? to[l] - from[l] : 0);
       searching_[l] = meets;
@@ -361,9 +367,11 @@ class Packet {
       const Real t_x = plane(low_x + ((rest + 1) & at.up.x[l]), line_.inverse.x[l], at.offset.x[l]);
       const Real t_y = plane(low_y + ((rest + 1) & at.up.y[l]), line_.inverse.y[l], at.offset.y[l]);
       const Real t_z = plane(low_z + ((rest + 1) & at.up.z[l]), line_.inverse.z[l], at.offset.z[l]);
-      // Whole cells and blocks are shorter than this, parts of cells are not.
-      const Real part =
+      // Whole cells and blocks are shorter than this, parts of cells are not. A part that t cannot
+      // resolve is not one.
+      const Real step =
           begin + spacing_[l] * static_cast<Real>(power_of_two(code - voxel::kCellStep));
+      const Real part = step > begin ? step : Limits<Real>::huge;
       Real next = least(least(t_x, kPlain ? t_x : part), least(t_y, t_z));
       Real s_x = 0, s_y = 0, s_z = 0;
       if (kOwnTemperature) {
