@@ -202,6 +202,13 @@ TEST(GridFile, ListsWhatTheFileHolds) {
   EXPECT_EQ(grids[1].active_voxels, 2u);
   EXPECT_EQ(grids[1].index_lower, (std::array{1, 2, 3}));
 
+  const auto brief = list_grids(path, false);
+  ASSERT_EQ(brief.size(), 2u);
+  EXPECT_EQ(brief[0].name, "temperature");
+  EXPECT_EQ(brief[0].unit, "K");
+  EXPECT_TRUE(brief[0].readable);
+  EXPECT_EQ(brief[0].active_voxels, 0u);
+
   const VdbInfo info = vdb_info(path);
   EXPECT_EQ(info.temperature_grid, "temperature");
   EXPECT_EQ(info.absorption_grid, "");

@@ -169,7 +169,7 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
   if (file.is_relative() && !scene_folder.empty())
     file = std::filesystem::path(scene_folder) / file;
   const std::string path = file.string();
-  const std::vector<GridInfo> grids = list_grids(path);
+  const std::vector<GridInfo> grids = list_grids(path, /*statistics=*/false);
   FlameFields flame{read(path, grids, spec.temperature, temperature()),
                     read(path, grids, spec.absorption, absorption())};
   if (flame.absorption.background != 0)

@@ -188,7 +188,7 @@ void add_world_bounds(GridInfo& info) {
   info.world_bounds = box;
 }
 
-GridInfo describe(const OpenFile& file, const GridEntry& grid) {
+GridInfo describe(const OpenFile& file, const GridEntry& grid, bool statistics) {
   GridInfo info;
   info.name = grid.name;
   info.value_type = value_type(grid);
@@ -206,7 +206,7 @@ GridInfo describe(const OpenFile& file, const GridEntry& grid) {
 
   info.transform_type = transform_type(file, grid);
   if (!is_affine(info.transform_type)) {
-    statistics_from_metadata(grid, info);
+    if (statistics) statistics_from_metadata(grid, info);
     return info;
   }
   info.index_to_world = detail::affine_of(*read_transform(*stream_at(file, grid)));
@@ -215,6 +215,7 @@ GridInfo describe(const OpenFile& file, const GridEntry& grid) {
       std::min({length(columns.rows[0]), length(columns.rows[1]), length(columns.rows[2])});
   const bool is_float = grid.tree_type == kFloatTree, is_double = grid.tree_type == kDoubleTree;
   info.readable = (is_float || is_double) && detail::is_regular(info.index_to_world);
+  if (!statistics) return info;
   if (is_float)
     add_statistics(*read_tree<openvdb::FloatGrid>(file, grid), info);
   else if (is_double)
@@ -249,11 +250,11 @@ const GridEntry& find(const OpenFile& file, const std::string& name) {
 
 }  // namespace
 
-std::vector<GridInfo> list_grids(const std::string& path) {
+std::vector<GridInfo> list_grids(const std::string& path, bool statistics) {
   const OpenFile file = open(path);
   return naming_file(path, [&] {
     std::vector<GridInfo> grids;
-    for (const GridEntry& grid : file.container.grids) grids.push_back(describe(file, grid));
+    for (const GridEntry& grid : file.container.grids) grids.push_back(describe(file, grid, statistics));
     return grids;
   });
 }

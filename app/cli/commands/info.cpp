@@ -75,6 +75,13 @@ int run_info(const Settings& settings) {
       describe_scene(settings.file, report);
       break;
     case Kind::vdb:
+#if defined(PLENOFLAME_HAS_VOLUMES)
+      describe_vdb(settings.file, report);
+      break;
+#else
+      throw InputError("'" + settings.file +
+                       "' is a flame (.vdb), and this plenoflame was built without OpenVDB");
+#endif
     case Kind::unknown:
       throw InputError("'" + settings.file +
                        "' is none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "

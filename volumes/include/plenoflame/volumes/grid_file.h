@@ -39,7 +39,8 @@ struct GridInfo {
 /// What a .vdb file holds. Statistics of grids that are not float or double come from the file's
 /// own metadata, where it has any. @throws FileError naming the file: cannot be opened, is not a
 /// .vdb, is truncated or damaged.
-std::vector<GridInfo> list_grids(const std::string& path);
+/// @param statistics false leaves out what needs the voxels: background to world_bounds
+std::vector<GridInfo> list_grids(const std::string& path, bool statistics = true);
 
 /// Largest number of 8^3 bricks that one grid may become (4 GiB of values).
 inline constexpr std::size_t kMaxBricks = std::size_t{1} << 21;

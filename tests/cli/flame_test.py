@@ -1,0 +1,119 @@
+"""plenoflame flame: what it writes and prints, wrong options; info of what it wrote."""
+
+import math
+import os
+
+from command import CommandTest, main
+
+LAYERS = """
+[[layers]]
+name = "ball"
+centre = ["0 mm", "0 mm", "10 mm"]
+semi_axes = ["8 mm", "6 mm", "5 mm"]
+temperature = "1500 K"
+absorption = "20 1/m"
+"""
+
+
+class Flame(CommandTest):
+    def grids(self, *arguments):
+        figures = self.json_of("flame", *arguments, "-o", "a.vdb")
+        self.assertEqual(figures["size_bytes"], os.path.getsize(self.path("a.vdb")))
+        self.assertEqual(self.files(), ["a.vdb"] + [f for f in self.files() if f.endswith(".toml")])
+        return {grid["name"]: grid for grid in figures["grids"]}
+
+    def test_every_flame(self):
+        for name, size in (("layered", "1mm"), ("candle", "1 mm"), ("diffusion", "1 mm"), ("cylinder", "8 mm"),
+                           ("turbulent", "5 mm")):
+            grids = self.grids(name, "--voxel-size", size)
+            self.assertEqual(sorted(grids), ["absorption", "temperature"])
+            self.assertEqual(grids["temperature"]["unit"], "K")
+            self.assertEqual(grids["absorption"]["unit"], "1/m")
+            self.assertEqual(grids["absorption"]["background"], 0)
+            self.assertGreater(grids["temperature"]["maximum"], 1400)
+            self.assertLess(grids["temperature"]["maximum"], 2100)
+            self.assertGreater(grids["temperature"]["voxels"], grids["absorption"]["voxels"])
+            self.assertEqual(grids["absorption"]["voxel_size_m"] * 1000, float(size[0]))
+
+    def test_layers_from_a_file(self):
+        with open(self.path("layers.toml"), "w", encoding="utf-8") as file:
+            file.write(LAYERS)
+        grids = self.grids("layered", "--layers", "layers.toml", "--voxel-size", "0.5 mm")
+        self.assertEqual(grids["absorption"]["maximum"], 20)
+        # Samples that a layer touches: those within a voxel of the ellipsoid.
+        voxels = 4 / 3 * math.pi * 8 * 6 * 5 / 0.5 ** 3
+        self.assertGreater(grids["absorption"]["voxels"], voxels)
+        self.assertLess(grids["absorption"]["voxels"], 4 / 3 * math.pi * 8.9 * 6.9 * 5.9 / 0.5 ** 3)
+        self.assertEqual(grids["absorption"]["lower_m"][0] * 1000, -8)
+
+    def test_half_and_compression(self):
+        sizes = {}
+        for options in ((), ("--half",), ("--compression", "none"), ("--compression", "zip", "--half")):
+            self.grids("candle", "--voxel-size", "1 mm", *options)
+            sizes[options] = os.path.getsize(self.path("a.vdb"))
+        self.assertLess(sizes[("--half",)], sizes[()])
+        self.assertLess(sizes[()], sizes[("--compression", "none")])
+        self.assertLess(sizes[("--compression", "zip", "--half")], sizes[("--compression", "none")])
+
+    def test_options_of_the_soot(self):
+        low = self.grids("candle", "--voxel-size", "1 mm")["absorption"]["maximum"]
+        high = self.grids("candle", "--voxel-size", "1 mm", "--soot-function", "0.39", "--wavelength",
+                          "325 nm")["absorption"]["maximum"]
+        self.assertLess(abs(high / low - 3), 1e-5)  # E(m)/lambda: 1.5 times 2
+
+    def test_seeds_differ_and_repeat(self):
+        contents = []
+        for seed in ("1", "2", "1"):
+            self.grids("turbulent", "--voxel-size", "5 mm", "--seed", seed)
+            figures = self.json_of("info", "a.vdb")
+            contents.append([(g["minimum"], g["maximum"], g["voxels"]) for g in figures["grids"]])
+        self.assertEqual(contents[0], contents[2])
+        self.assertNotEqual(contents[0], contents[1])
+
+    def test_text(self):
+        text = self.succeeds("flame", "candle", "--voxel-size", "1 mm", "-o", "a.vdb")
+        self.assertIn("a.vdb: flame candle", text)
+        self.assertIn("voxels of 1 mm", text)
+
+    def test_info(self):
+        self.grids("candle", "--voxel-size", "1 mm")
+        figures = self.json_of("info", "a.vdb")
+        self.assertEqual((figures["type"], figures["temperature_grid"], figures["absorption_grid"], figures["remarks"]),
+                         ("flame", "temperature", "absorption", []))
+        self.assertEqual(figures["grids"][0]["index_to_world"]["linear"], [[0.001, 0, 0], [0, 0.001, 0], [0, 0, 0.001]])
+        text = self.succeeds("info", "a.vdb")
+        self.assertIn("grid temperature", text)
+        self.assertIn("absorption from", text)
+
+    def test_damaged_file(self):
+        self.grids("candle", "--voxel-size", "2 mm")
+        with open(self.path("a.vdb"), "rb") as file:
+            content = file.read()
+        with open(self.path("b.vdb"), "wb") as file:
+            file.write(content[: len(content) // 2])
+        self.fails(1, "info", "b.vdb", mentions=["b.vdb", "ends too early"])
+
+    def test_wrong_options(self):
+        out = ("-o", "a.vdb")
+        self.fails(2, "flame", "bonfire", *out, mentions="bonfire")
+        self.fails(2, "flame", "candle", mentions="--output")
+        self.fails(2, "flame", "candle", *out, "--voxel-size", "1", mentions=["--voxel-size", "mm"])
+        self.fails(2, "flame", "candle", *out, "--voxel-size", "0 mm", mentions="--voxel-size")
+        self.fails(2, "flame", "candle", *out, "--seed", "3", mentions=["--seed", "candle"])
+        self.fails(2, "flame", "cylinder", *out, "--layers", "x.toml", mentions="--layers")
+        self.fails(2, "flame", "turbulent", *out, "--soot-function", "0.3", mentions="--soot-function")
+        self.fails(2, "flame", "layered", *out, "--wavelength", "650 nm", mentions="--wavelength")
+        self.fails(2, "flame", "candle", *out, "--compression", "rar", mentions="rar")
+        self.fails(1, "flame", "layered", *out, "--layers", "none.toml", mentions="none.toml: cannot be opened")
+        self.fails(1, "flame", "candle", *out, "--voxel-size", "1 nm", mentions="choose a larger one")
+        self.fails(1, "flame", "candle", "--voxel-size", "2 mm", "-o", "no/a.vdb", mentions="no folder no")
+        self.assertEqual(self.files(), [])
+
+    def test_full_disk(self):
+        self.fails(1, "flame", "candle", "--voxel-size", "1 mm", "-o", "a.vdb", largest_file=5000,
+                   mentions=["a.vdb", "File too large"])
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    main()
