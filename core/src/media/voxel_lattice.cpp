@@ -87,11 +87,6 @@ const float* FieldReader::brick(Index brick) const {
   return found == bricks_.end() ? nullptr : field_->values.data() + found->second * 512;
 }
 
-float FieldReader::at(int i, int j, int k) const {
-  const float* values = brick({floor_div(i, 8), floor_div(j, 8), floor_div(k, 8)});
-  return values ? values[((i & 7) * 8 + (j & 7)) * 8 + (k & 7)] : field_->background;
-}
-
 Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation)
     : index_to_world_(primary.field().index_to_world),
       one_value_per_cell_(interpolation == VoxelInterpolation::constant) {
@@ -129,6 +124,33 @@ std::vector<Index> touched_bricks(const FieldReader& reader, bool one_value_per_
   std::sort(bricks.begin(), bricks.end());
   return bricks;
 }
+
+// The 9^3 samples from `low`: at most 2^3 bricks, found once.
+class Window {
+ public:
+  Window(const FieldReader* reader, Index low) {
+    if (!reader) return;
+    background_ = reader->field().background;
+    Index first;
+    for (int a = 0; a < 3; ++a) {
+      first[a] = floor_div(low[a], 8);
+      low_[a] = low[a] - 8 * first[a];
+    }
+    for (int n = 0; n < 8; ++n)
+      bricks_[n] =
+          reader->brick({first[0] + (n >> 2), first[1] + (n >> 1 & 1), first[2] + (n & 1)});
+  }
+  float at(int i, int j, int k) const {
+    const int x = low_[0] + i, y = low_[1] + j, z = low_[2] + k;
+    const float* brick = bricks_[(x >> 3) << 2 | (y >> 3) << 1 | z >> 3];
+    return brick ? brick[((x & 7) * 8 + (y & 7)) * 8 + (z & 7)] : background_;
+  }
+
+ private:
+  Index low_{};
+  const float* bricks_[8] = {};
+  float background_ = 0;
+};
 
 }  // namespace
 
@@ -192,14 +214,17 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
   blank_ = append();  // still all 0
   const int checked = one_value_per_cell_ ? kBrickSide : kApronSide;
   for (const Index& b : bricks) {
+    const Window temperatures(temperature,
+                              {8 * b[0] + shift[0], 8 * b[1] + shift[1], 8 * b[2] + shift[2]});
+    const Window absorptions(absorption, {8 * b[0], 8 * b[1], 8 * b[2]});
     bool constant = true;
     float* out = pairs.data();
     for (int i = 0; i < kApronSide; ++i)
       for (int j = 0; j < kApronSide; ++j)
         for (int k = 0; k < kApronSide; ++k, out += 2) {
           const int x = 8 * b[0] + i, y = 8 * b[1] + j, z = 8 * b[2] + k;
-          out[0] = temperature ? temperature->at(x + shift[0], y + shift[1], z + shift[2]) : 0;
-          out[1] = absorption ? absorption->at(x, y, z) : 0;
+          out[0] = temperature ? temperatures.at(i, j, k) : 0;
+          out[1] = absorption ? absorptions.at(i, j, k) : 0;
           const bool counts = i < checked && j < checked && k < checked;
           if (counts && (out[0] != pairs[0] || out[1] != pairs[1])) constant = false;
           if (counts && (absorption ? out[1] != 0 : out[0] != background_temperature_))

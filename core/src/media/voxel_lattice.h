@@ -13,13 +13,12 @@ namespace plenoflame::voxel {
 
 using Index = std::array<int, 3>;
 
-/// Random access to a VoxelField by sample index.
+/// Access to the bricks of a VoxelField.
 class FieldReader {
  public:
   /// @throws InputError for values that are NaN, infinite or negative, misplaced or repeated
   ///         bricks, and a singular transform; messages name the field and the index.
   explicit FieldReader(const VoxelField& field);
-  float at(int i, int j, int k) const;
   /// Values of a brick by its origin / 8, nullptr where the field is background.
   const float* brick(Index brick) const;
   const VoxelField& field() const { return *field_; }

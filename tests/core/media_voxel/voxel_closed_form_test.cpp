@@ -1,5 +1,6 @@
-// Closed forms. Each of these was seen to fail with: the gradient term dropped, the Gauss nodes
-// moved by 1 %, the near and far weights swapped, or a cell's length taken 1e-6 too long.
+// Closed forms. These were seen to fail with: the gradient term dropped, a Gauss node moved by 1 %,
+// the near and far weights swapped, an interval's length taken 1e-6 too long, or a wrong term in the
+// series for thin intervals.
 #include <gtest/gtest.h>
 
 #include "plenoflame/base/constants.h"

@@ -43,6 +43,7 @@ TEST(SourceFit, OneTemperatureAndNone) {
   EXPECT_TRUE(voxel::fit_source(band, 0, 0, 1e-7, 12).terms.empty());
 }
 
+// Fails when no cell is cut.
 // A wall of 1900 K and 20 1/m in air of 300 K: the source function rises by e^60 across one cell.
 std::unique_ptr<Medium> wall(double tolerance, std::vector<SourceFunction> channels) {
   const auto transform = scaled(0.25e-3);
