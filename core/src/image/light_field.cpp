@@ -102,8 +102,7 @@ Imf::Header make_header(const LightField& light_field) {
   const Imath::Box2i display({0, 0}, {light_field.sensor_width - 1, light_field.sensor_height - 1});
   const Imath::Box2i data({window.x, window.y},
                           {window.x + window.width - 1, window.y + window.height - 1});
-  // Noise does not compress: ZIP makes files 3 % smaller and takes ten times as long
-  // (docs/benchmarks.md).
+  // Noise does not compress: ZIP makes files 3 % smaller and takes ten times as long.
   Imf::Header header(display, data, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::NO_COMPRESSION);
   for_each_image(light_field, [&](const std::string& name, const Image& image) {
     if (!image.empty()) header.channels().insert(name, Imf::Channel(Imf::FLOAT));

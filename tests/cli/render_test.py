@@ -1,0 +1,103 @@
+"""plenoflame render: what it writes, where its output goes, and messages before any work."""
+
+import json
+import math
+import os
+import signal
+import struct
+import subprocess
+
+import command
+from command import CommandTest, main
+from exr import read_exr
+
+SCENE = """[camera]
+preset = "paper-plenoptic2"
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+"""
+WINDOW = ("--window", "1480,1490,24,20")
+
+
+class Render(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a.toml", SCENE)
+
+    def test_image(self):
+        out = self.succeeds("render", "a.toml", *WINDOW, "--samples", "16", "--seed", "7", "--stats", "s.json")
+        self.assertIn("relative RMSE", out)
+        self.assertEqual(self.files(), ["a.exr", "a.toml", "s.json"])
+        attributes, images = read_exr(self.path("a.exr"))
+        self.assertEqual(struct.unpack("<4i", attributes["dataWindow"][1]), (1480, 1490, 1503, 1509))
+        self.assertEqual(struct.unpack("<4i", attributes["displayWindow"][1]), (0, 0, 2999, 2999))
+        self.assertEqual(attributes["plenoflame.seed"], ("string", b"7"))
+        self.assertEqual(set(images), {"total", "total.error"})
+        flux = [value for row in images["total"] for value in row]
+        self.assertTrue(all(math.isfinite(value) and value >= 0 for value in flux))
+        self.assertGreater(max(flux), 0)
+        figures = json.loads(self.read("s.json"))
+        # The sum in single precision pixels against the sum that the renderer made.
+        self.assertLess(abs(math.fsum(flux) / figures["flux"] - 1), 1e-6)
+        info = self.json_of("info", "a.exr")
+        self.assertEqual((info["seed"], info["complete"]), (7, True))
+        # The scene in the image is complete: it renders to the same image.
+        self.write("b.toml", self.succeeds("info", "a.exr", "--scene"))
+        self.succeeds("render", "b.toml", *WINDOW, "--samples", "16", "--seed", "7", "--quiet")
+        self.assertEqual(read_exr(self.path("b.exr"))[1], images)
+
+    def test_same_for_any_number_of_threads(self):
+        for threads in ("1", "2", "7"):
+            self.succeeds("render", "a.toml", "-o", threads + ".exr", *WINDOW, "--samples", "8", "--threads", threads,
+                          "--quiet")
+        self.assertEqual(self.read("1.exr"), self.read("2.exr"))
+        self.assertEqual(self.read("1.exr"), self.read("7.exr"))
+
+    def test_quiet_says_nothing(self):
+        self.assertEqual(self.succeeds("render", "a.toml", *WINDOW, "--samples", "2", "--quiet"), "")
+        self.assertIn("rays", json.loads(self.succeeds("render", "a.toml", *WINDOW, "--samples", "2", "--json")))
+
+    def test_messages_before_any_work(self):
+        def refused(status, *arguments, mentions):
+            self.fails(status, "render", "a.toml", *arguments, mentions=mentions)
+        refused(2, "--target-error", "0%", mentions="--target-error")
+        refused(2, "--target-error", "100%", mentions="--target-error")
+        refused(2, "--time-limit", "0s", mentions="--time-limit")
+        refused(2, "--time-limit", "60", mentions=["--time-limit", "min"])
+        refused(2, "--samples", "0", mentions="--samples")
+        refused(2, "--threads", "-1", mentions="--threads")
+        refused(2, "--estimator", "sideways", mentions="--estimator")
+        refused(2, "--window", "1,2,3", mentions="X,Y,W,H")
+        refused(2, "--window", "2990,0,11,5", mentions="3000 x 3000")
+        refused(2, "-o", "a.png", mentions="develop")
+        refused(1, "-o", "none/a.exr", mentions="none' does not exist")
+        refused(1, "--stats", "none/s.json", mentions="none' does not exist")
+        self.fails(1, "render", "b.toml", mentions="b.toml")
+        self.assertEqual(self.files(), ["a.toml"])
+
+    def test_interrupted(self):
+        process = subprocess.Popen([command.COMMAND, "render", "a.toml", "--samples", "65536", "--threads", "1"],
+                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        try:
+            process.wait(timeout=3)
+            self.fail("ended by itself")
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 1, errors)
+        self.assertEqual(self.files(), ["a.exr", "a.toml"])
+        self.assertFalse(self.json_of("info", "a.exr")["complete"])
+        self.assertNotIn("\r", errors)  # progress is for terminals
+
+    def test_full_disk_leaves_the_old_image(self):
+        self.write("a.exr", "old")
+        self.fails(1, "render", "a.toml", *WINDOW, "--samples", "2", "--quiet", largest_file=2000,
+                   mentions=["a.exr", "largest file size"])
+        self.assertEqual(self.read("a.exr"), b"old")
+        self.assertEqual([name for name in os.listdir(self.folder) if name.startswith(".")], [])
+
+
+if __name__ == "__main__":
+    main()
