@@ -332,12 +332,17 @@ void measure_open_share(PupilNode& node, const PupilTable& table) {
           const Vec2 v{(2.0 * i + 1) / kSide - 1, (2.0 * j + 1) / kSide - 1};
           if (dot(v, v) > 1) continue;
           const Vec2 u = table.aperture_shift * s + table.aperture_radius * v;
+          if (length(u) > table.bound_radius) continue;
           ++all;
-          if (length(u) < table.bound_radius && length(s - node.centre_at(u)) < node.radius_at(u)) ++seen;
+          if (length(s - node.centre_at(u)) < node.radius_at(u)) ++seen;
         }
     }
-    node.open[static_cast<std::size_t>(step)] = static_cast<double>(seen) / all;
+    node.open[static_cast<std::size_t>(step)] = all > 0 ? static_cast<double>(seen) / all : 0;
   }
+  // Fully open up to the last step of an unbroken run; one step less, as points are sampled.
+  int last = -1;
+  while (last < kSteps && node.open[static_cast<std::size_t>(last + 1)] >= 0.999) ++last;
+  node.open_radius = std::max(0, last - 1) * node.outer_radius / kSteps;
 }
 
 PupilTable microlens_table(const Camera& camera, int type) {
@@ -437,7 +442,7 @@ PupilNode PupilTable::at(double h) const {
                  mix(a.radius_odd, b.radius_odd),
                  {mix(a.flattening[0], b.flattening[0]), mix(a.flattening[1], b.flattening[1])},
                  mix(a.aim_centre, b.aim_centre), mix(a.aim_radius, b.aim_radius),
-                 std::max(a.outer_radius, b.outer_radius), t < 0.5 ? a.open : b.open};
+                 std::max(a.outer_radius, b.outer_radius), std::min(a.open_radius, b.open_radius), t < 0.5 ? a.open : b.open};
   for (std::size_t k = 0; k < 3; ++k) {
     node.coupling[k] = mix(a.coupling[k], b.coupling[k]);
     node.radius[k] = mix(a.radius[k], b.radius[k]);

@@ -34,13 +34,11 @@ struct KernelMicrolens {
   Real distance;                     ///< sensor to aim plane
 };
 
-/// A pixel and a microlens that may light it: everything relative to the microlens' centre
-/// (without array: to the optical axis). See camera/pupil_sampling.h for the discs.
+/// A microlens and the discs that bound what passes it (camera/pupil_sampling.h): everything
+/// relative to its centre (without array: to the optical axis).
 template <class Real>
-struct KernelPair {
-  Real x_low, x_width;          ///< columns of the pixel inside the micro-image's outer disc
-  Real y0, y1;                  ///< rows of the pixel
-  Real outer_x, outer_y, outer_radius2;
+struct KernelPatch {
+  Real outer_x, outer_y, outer_radius2;  ///< the micro-image's outer disc
   Real lens_x, lens_y;          ///< centre of the microlens
   Real field_x, field_y;        ///< unit vector away from the optical axis
   Real centre, centre2, coma;
@@ -52,8 +50,17 @@ struct KernelPair {
   Real aim_radius, inverse_aim2;
   Real bound_radius;            ///< nothing passes beyond it around the microlens' axis
   Real aim_x, aim_y, aim_shift; ///< centre of the aperture disc: (aim_x, aim_y) + aim_shift * s
+};
+
+/// A pixel that the microlens of a patch may light, and its random numbers.
+template <class Real>
+struct KernelPixel {
+  Real x_low, x_width;          ///< columns inside the outer disc
+  Real y0, y1;                  ///< rows
   const std::uint32_t* fractions[4];
   std::uint32_t shift[4];       ///< digital shift of each dimension
+  int first, count;             ///< rays of the block
+  bool open;                    ///< the stop cuts nothing of the aperture anywhere in the pixel
 };
 
 /// A block of rays, structure of arrays; 64-byte aligned, kBlockRays + kBlockSlack long.
@@ -64,12 +71,12 @@ struct KernelBlock {
 };
 
 #define PLENOFLAME_BACKWARD_KERNELS                                                              \
-  /* Writes rays [first, first + count) of the block, through the microlens; up to the next    */ \
-  /* multiple of 16 may be overwritten behind. `offset`: first number of the pair's fractions. */ \
-  void generate(const KernelPair<float>&, const KernelMicrolens<float>&, int offset, int first,  \
-                int count, const KernelBlock<float>&);                                           \
-  void generate(const KernelPair<double>&, const KernelMicrolens<double>&, int offset, int first, \
-                int count, const KernelBlock<double>&);                                          \
+  /* Fills the rays of all pixels, which follow one another in the block, and takes them through */ \
+  /* the microlens; up to 16 rays behind the last are overwritten.                               */ \
+  void generate(const KernelPatch<float>&, const KernelPixel<float>*, int pixels,                \
+                const KernelMicrolens<float>&, const KernelBlock<float>&);                       \
+  void generate(const KernelPatch<double>&, const KernelPixel<double>*, int pixels,              \
+                const KernelMicrolens<double>&, const KernelBlock<double>&);                     \
   /* Main lens, then to the plane of the anchor and into world axes; `count` multiple of 16.   */ \
   void trace_lens(const KernelCamera<float>&, int count, const KernelBlock<float>&);             \
   void trace_lens(const KernelCamera<double>&, int count, const KernelBlock<double>&);           \

@@ -29,7 +29,7 @@ PLENOFLAME_INLINE Real sin_turn(Real b) {
 /// How far the sensor point (sx, sy) lies outside of the stop's image seen through the aim point
 /// (ux, uy): |s - centre(u)| - radius(u).
 template <class Real>
-PLENOFLAME_INLINE Real outside_stop(const KernelPair<Real>& c, Real sx, Real sy, Real ux, Real uy) {
+PLENOFLAME_INLINE Real outside_stop(const KernelPatch<Real>& c, Real sx, Real sy, Real ux, Real uy) {
   const Real t = (ux * ux + uy * uy) * c.inverse_aim2;
   const Real u_field = ux * c.field_x + uy * c.field_y;
   const Real k = c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]) - c.coma * u_field;
@@ -50,7 +50,7 @@ PLENOFLAME_INLINE Real false_position(Real a, Real fa, Real b, Real fb) {
 /// Where on the axis the stop begins to cut, between `a` (outside, fa > 0) and `b` (inside, fb < 0):
 /// three steps of false position, each keeping the bracket. `error` is what the last one moved.
 template <class Real>
-PLENOFLAME_INLINE Real find_cut(const KernelPair<Real>& c, Real sx, Real sy, Real ax, Real ay,
+PLENOFLAME_INLINE Real find_cut(const KernelPatch<Real>& c, Real sx, Real sy, Real ax, Real ay,
                                 Real ex, Real ey, Real a, Real fa, Real b, Real fb, Real& error) {
   const Real p1 = false_position(a, fa, b, fb);
   const Real f1 = outside_stop(c, sx, sy, ax + p1 * ex, ay + p1 * ey);
@@ -70,7 +70,7 @@ PLENOFLAME_INLINE Real find_cut(const KernelPair<Real>& c, Real sx, Real sy, Rea
 /// (`side` +1: the part lies above, -1: below), from the implicit curve |s - centre(u)| = radius(u);
 /// a quarter wider than the circle of curvature, for what the two terms leave out.
 template <class Real>
-PLENOFLAME_INLINE Real cut_diameter(const KernelPair<Real>& c, Real p, Real side) {
+PLENOFLAME_INLINE Real cut_diameter(const KernelPatch<Real>& c, Real p, Real side) {
   const Real t = p * p * c.inverse_aim2;
   const Real k = c.coupling_sign * (c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]));
   const Real k_t = c.coupling_sign * (c.coupling[1] + Real(2) * t * c.coupling[2]) * c.inverse_aim2;
@@ -86,6 +86,76 @@ PLENOFLAME_INLINE Real cut_diameter(const KernelPair<Real>& c, Real p, Real side
   return curved ? diameter : Real(1e6) * c.aim_radius;
 }
 
+/// The part of the aperture that is sampled, along an axis through the middle of its disc.
+template <class Real>
+struct Cut {
+  Real ex, ey;        ///< the axis
+  Real low, high;     ///< ends along it
+  Real low_diameter, high_diameter;  ///< of the circles that bound it there
+  Real axis_p, bound2;  ///< the disc around the microlens' own axis: place along the axis, radius^2
+};
+
+/// The disc around the microlens' own axis, in coordinates along and across the cut's.
+template <class Real>
+PLENOFLAME_INLINE void set_bound_disc(const KernelPatch<Real>& c, Real ax, Real ay, Cut<Real>& cut) {
+  cut.axis_p = -(ax * cut.ex + ay * cut.ey);
+  const Real bound = c.bound_radius + magnitude(ax * cut.ey - ay * cut.ex);
+  cut.bound2 = bound * bound;
+  cut.high = least(c.aim_radius, cut.axis_p + bound);
+}
+
+/// The axis points from the aperture disc's centre away from where the far face's edge cuts least.
+template <class Real>
+PLENOFLAME_INLINE Cut<Real> whole_aperture(const KernelPatch<Real>& c, Real ax, Real ay) {
+  Cut<Real> cut;
+  const Real length2 = ax * ax + ay * ay;
+  const Real inverse = Real(1) / square_root(greatest(length2, Real(1e-30)));
+  cut.ex = length2 > Real(1e-30) ? ax * inverse : Real(1);
+  cut.ey = length2 > Real(1e-30) ? ay * inverse : Real(0);
+  set_bound_disc(c, ax, ay, cut);
+  cut.low = -c.aim_radius;
+  return cut;
+}
+
+template <class Real>
+PLENOFLAME_INLINE Cut<Real> find_cuts(const KernelPatch<Real>& c, Real sx, Real sy, Real ax, Real ay) {
+  // The axis: moving the aim point along it brings the stop's image over the sensor point.
+  const Real t0 = (ax * ax + ay * ay) * c.inverse_aim2;
+  const Real k0 = c.coupling[0] + t0 * (c.coupling[1] + t0 * c.coupling[2]) -
+                  c.coma * (ax * c.field_x + ay * c.field_y);
+  const Real along0 = c.centre + c.centre2 * t0;
+  const Real wx = sx - along0 * c.field_x + k0 * ax, wy = sy - along0 * c.field_y + k0 * ay;
+  const Real sigma = square_root(wx * wx + wy * wy);
+  const Real direction = -c.coupling_sign / greatest(sigma, Real(1e-30));
+  Cut<Real> cut;
+  cut.ex = sigma > Real(0) ? direction * wx : Real(1);
+  cut.ey = sigma > Real(0) ? direction * wy : Real(0);
+  const Real ex = cut.ex, ey = cut.ey, a = c.aim_radius;
+  set_bound_disc(c, ax, ay, cut);
+
+  // Where it is nearest to the sensor point, and the cuts to both sides of there.
+  const Real tiny = Real(1e-6) * c.radius[0] / a;
+  const Real p0 = least(sigma / greatest(c.coupling_sign * k0, tiny), a);
+  const Real t1 = p0 * p0 * c.inverse_aim2;
+  const Real k1 = c.coupling_sign * (c.coupling[0] + t1 * (c.coupling[1] + t1 * c.coupling[2]));
+  const Real pc = least(sigma / greatest(k1, tiny), a);
+  const Real f_low = outside_stop(c, sx, sy, ax - a * ex, ay - a * ey);
+  const Real f_high = outside_stop(c, sx, sy, ax + a * ex, ay + a * ey);
+  const Real fc = least(outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey), -tiny * a);
+  Real low_error = 0, high_error = 0;
+  const Real at_low = find_cut(c, sx, sy, ax, ay, ex, ey, -a, f_low, pc, fc, low_error);
+  const Real at_high = find_cut(c, sx, sy, ax, ay, ex, ey, a, f_high, pc, fc, high_error);
+  const Real slack = Real(0.001) * a;
+  const bool cut_low = f_low > Real(0), cut_high = f_high > Real(0);
+  cut.low = cut_low ? greatest(at_low - slack - low_error, -a) : -a;
+  cut.high = cut_high ? least(at_high + slack + high_error, cut.high) : cut.high;
+  const Real low_diameter = cut_diameter(c, cut.low, Real(1));
+  const Real high_diameter = cut_diameter(c, cut.high, Real(-1));
+  cut.low_diameter = cut_low ? low_diameter : Real(1e6) * a;
+  cut.high_diameter = cut_high ? high_diameter : Real(1e6) * a;
+  return cut;
+}
+
 /// Uniform points of the pixel, and of that part of the aperture that sees the scene from there, as
 /// rays at the aim plane.
 ///
@@ -94,16 +164,20 @@ PLENOFLAME_INLINE Real cut_diameter(const KernelPair<Real>& c, Real p, Real side
 /// two discs; along the line through their centres it reaches from `low` to `high`. A uniform point
 /// of the unit disc is stretched to it: linearly along that axis, by the ratio of the chords across.
 /// All weights are exact Jacobians: a bound that is too wide costs rays, never light.
-template <class Real>
-PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance, int offset,
-                                     int first, int count, const KernelBlock<Real>& block) {
-  const std::uint32_t* f0 = pair.fractions[0] + offset;
-  const std::uint32_t* f1 = pair.fractions[1] + offset;
-  const std::uint32_t* f2 = pair.fractions[2] + offset;
-  const std::uint32_t* f3 = pair.fractions[3] + offset;
-  const std::uint32_t h0 = pair.shift[0], h1 = pair.shift[1], h2 = pair.shift[2], h3 = pair.shift[3];
-  const KernelPair<Real> c = pair;
+///
+/// kOpen: the stop is known to cut nothing, so that the whole aperture disc is sampled.
+template <bool kOpen, class Real>
+PLENOFLAME_INLINE void generate_rays(const KernelPatch<Real>& c, const KernelPixel<Real>& pixel,
+                                     Real distance, const KernelBlock<Real>& block) {
+  const std::uint32_t* f0 = pixel.fractions[0];
+  const std::uint32_t* f1 = pixel.fractions[1];
+  const std::uint32_t* f2 = pixel.fractions[2];
+  const std::uint32_t* f3 = pixel.fractions[3];
+  const std::uint32_t h0 = pixel.shift[0], h1 = pixel.shift[1], h2 = pixel.shift[2],
+                      h3 = pixel.shift[3];
+  const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
   const Real g2 = distance * distance;
+  const int first = pixel.first;
   Real* __restrict x = block.x + first;
   Real* __restrict y = block.y + first;
   Real* __restrict z = block.z + first;
@@ -112,7 +186,7 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
   Real* __restrict dz = block.dz + first;
   Real* __restrict weight = block.weight + first;
   int* __restrict code = block.code + first;
-  const int padded = (count + 15) & ~15;
+  const int padded = (pixel.count + 15) & ~15;
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const Real v0 = to_unit(f0[i] ^ h0, Real());
@@ -120,48 +194,20 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
     const Real v2 = to_unit(f2[i] ^ h2, Real());
     const Real turn = to_unit(f3[i] ^ h3, Real()) - Real(0.5);
 
-    const Real sx = c.x_low + c.x_width * v0;
+    const Real sx = x_low + x_width * v0;
     const Real chord = square_root(
         greatest(c.outer_radius2 - (sx - c.outer_x) * (sx - c.outer_x), Real(0)));
-    const Real top = greatest(c.y0, c.outer_y - chord);
-    const Real height = greatest(least(c.y1, c.outer_y + chord) - top, Real(0));
+    const Real top = greatest(y0, c.outer_y - chord);
+    const Real height = greatest(least(y1, c.outer_y + chord) - top, Real(0));
     const Real sy = top + height * v1;
 
-    // The axis: moving the aim point along it brings the stop's image over the sensor point.
     const Real ax = c.aim_x + c.aim_shift * sx, ay = c.aim_y + c.aim_shift * sy;
-    const Real t0 = (ax * ax + ay * ay) * c.inverse_aim2;
-    const Real k0 = c.coupling[0] + t0 * (c.coupling[1] + t0 * c.coupling[2]) -
-                    c.coma * (ax * c.field_x + ay * c.field_y);
-    const Real along0 = c.centre + c.centre2 * t0;
-    const Real wx = sx - along0 * c.field_x + k0 * ax, wy = sy - along0 * c.field_y + k0 * ay;
-    const Real sigma = square_root(wx * wx + wy * wy);
-    const Real direction = -c.coupling_sign / greatest(sigma, Real(1e-30));
-    const Real ex = sigma > Real(0) ? direction * wx : Real(1);
-    const Real ey = sigma > Real(0) ? direction * wy : Real(0);
-
-    // Where it is nearest to the sensor point, and the cuts to both sides of there.
     const Real a = c.aim_radius;
-    const Real tiny = Real(1e-6) * c.radius[0] / a;
-    const Real p0 = least(sigma / greatest(c.coupling_sign * k0, tiny), a);
-    const Real t1 = p0 * p0 * c.inverse_aim2;
-    const Real k1 = c.coupling_sign * (c.coupling[0] + t1 * (c.coupling[1] + t1 * c.coupling[2]));
-    const Real pc = least(sigma / greatest(k1, tiny), a);
-    const Real f_low = outside_stop(c, sx, sy, ax - a * ex, ay - a * ey);
-    const Real f_high = outside_stop(c, sx, sy, ax + a * ex, ay + a * ey);
-    const Real fc = least(outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey), -tiny * a);
-    Real low_error = 0, high_error = 0;
-    const Real cut_at_low = find_cut(c, sx, sy, ax, ay, ex, ey, -a, f_low, pc, fc, low_error);
-    const Real cut_at_high = find_cut(c, sx, sy, ax, ay, ex, ey, a, f_high, pc, fc, high_error);
-    const Real slack = Real(0.001) * a;
-    const bool cut_low = f_low > Real(0), cut_high = f_high > Real(0);
-    const Real low = cut_low ? greatest(cut_at_low - slack - low_error, -a) : -a;
-    // The disc around the microlens' own axis, in coordinates along and across this one.
-    const Real axis_p = -(ax * ex + ay * ey);
-    const Real bound = c.bound_radius + magnitude(ax * ey - ay * ex);
-    const Real open_high = least(a, axis_p + bound);
-    const Real high = cut_high ? least(cut_at_high + slack + high_error, open_high) : open_high;
-    const Real low_diameter = cut_low ? cut_diameter(c, low, Real(1)) : Real(1e6) * a;
-    const Real high_diameter = cut_high ? cut_diameter(c, high, Real(-1)) : Real(1e6) * a;
+    Cut<Real> cut;
+    if constexpr (kOpen)
+      cut = whole_aperture(c, ax, ay);
+    else
+      cut = find_cuts(c, sx, sy, ax, ay);
 
     const Real folded = turn > Real(0.25) ? Real(0.5) - turn
                                           : (turn < Real(-0.25) ? Real(-0.5) - turn : turn);
@@ -169,18 +215,19 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
     const Real cosine = sin_turn(Real(0.25) - magnitude(turn));
     const Real r = square_root(v2);
     const Real across = r * sine;
-    const Real half = Real(0.5) * (high - low);
-    const Real p = Real(0.5) * (low + high) + half * (r * cosine);
+    const Real half = Real(0.5) * (cut.high - cut.low);
+    const Real p = Real(0.5) * (cut.low + cut.high) + half * (r * cosine);
     const Real unit_chord2 = (Real(1) - v2) + across * across;  // 1 - (r cosine)^2
-    const Real above = p - low, below = high - p;
-    const Real bound_low = cut_low ? above * (low_diameter - above) : a * a;
-    const Real bound_high = cut_high ? below * (high_diameter - below) : a * a;
-    const Real bound_disc = least(a * a - p * p, bound * bound - (p - axis_p) * (p - axis_p));
-    const Real chord2 = greatest(least(least(bound_disc, bound_low), bound_high), Real(0));
-    const Real stretch = square_root(chord2 / unit_chord2);
+    Real chord2 = least(a * a - p * p, cut.bound2 - (p - cut.axis_p) * (p - cut.axis_p));
+    if constexpr (!kOpen) {
+      const Real above = p - cut.low, below = cut.high - p;
+      chord2 = least(chord2, least(above * (cut.low_diameter - above),
+                                   below * (cut.high_diameter - below)));
+    }
+    const Real stretch = square_root(greatest(chord2, Real(0)) / unit_chord2);
     const Real q = across * stretch;
-    const Real ux = ax + ex * p - ey * q;
-    const Real uy = ay + ey * p + ex * q;
+    const Real ux = ax + cut.ex * p - cut.ey * q;
+    const Real uy = ay + cut.ey * p + cut.ex * q;
 
     const Real vx = ux - sx, vy = uy - sy;
     const Real inverse = Real(1) / square_root(vx * vx + vy * vy + g2);
@@ -192,7 +239,7 @@ PLENOFLAME_INLINE void generate_rays(const KernelPair<Real>& pair, Real distance
     dz[i] = distance * inverse;
     // cos(theta) dOmega = cos^2 / r^2 dA' on parallel planes.
     const Real inverse2 = inverse * inverse;
-    weight[i] = Real(3.141592653589793238) * half * stretch * (c.x_width * height) *
+    weight[i] = Real(3.141592653589793238) * half * stretch * (x_width * height) *
                 (g2 * inverse2 * inverse2);
     code[i] = 0;
   }
@@ -242,6 +289,22 @@ PLENOFLAME_INLINE void pass_microlens(const KernelMicrolens<Real>& lens, Real le
       code[i] = status;
     }
   }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const KernelPixel<Real>* pixels,
+                                    int count, const KernelMicrolens<Real>& lens,
+                                    const KernelBlock<Real>& block) {
+  const KernelPatch<Real> c = patch;
+  for (int i = 0; i < count; ++i) {
+    if (pixels[i].open)
+      generate_rays<true>(c, pixels[i], lens.distance, block);
+    else
+      generate_rays<false>(c, pixels[i], lens.distance, block);
+  }
+  const int first = pixels[0].first;
+  pass_microlens(lens, c.lens_x, c.lens_y, first,
+                 pixels[count - 1].first + pixels[count - 1].count - first, block);
 }
 
 template <class Real, bool kRefracts>
@@ -344,16 +407,14 @@ PLENOFLAME_INLINE double sum_products(const Real* __restrict weight,
 
 }  // namespace
 
-void generate(const KernelPair<float>& pair, const KernelMicrolens<float>& lens, int offset,
-              int first, int count, const KernelBlock<float>& block) {
-  generate_rays(pair, lens.distance, offset, first, count, block);
-  pass_microlens(lens, pair.lens_x, pair.lens_y, first, count, block);
+void generate(const KernelPatch<float>& patch, const KernelPixel<float>* pixels, int count,
+              const KernelMicrolens<float>& lens, const KernelBlock<float>& block) {
+  generate_all(patch, pixels, count, lens, block);
 }
 
-void generate(const KernelPair<double>& pair, const KernelMicrolens<double>& lens, int offset,
-              int first, int count, const KernelBlock<double>& block) {
-  generate_rays(pair, lens.distance, offset, first, count, block);
-  pass_microlens(lens, pair.lens_x, pair.lens_y, first, count, block);
+void generate(const KernelPatch<double>& patch, const KernelPixel<double>* pixels, int count,
+              const KernelMicrolens<double>& lens, const KernelBlock<double>& block) {
+  generate_all(patch, pixels, count, lens, block);
 }
 
 void trace_lens(const KernelCamera<float>& camera, int count, const KernelBlock<float>& block) {

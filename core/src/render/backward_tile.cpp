@@ -51,29 +51,30 @@ void TileTracer<Real>::render(PixelWindow tile) {
 /// @return the unit vector away from the optical axis
 template <class Real>
 Vec2 TileTracer<Real>::set_discs(const PupilTable& table, const PupilNode& node, Vec2 place) {
+  generate_queued();  // what is queued belongs to the patch before
   const double h = length(place);
   const Vec2 field = h > 0 ? (1.0 / h) * place : Vec2{1, 0};
-  pair_.field_x = static_cast<Real>(field.x);
-  pair_.field_y = static_cast<Real>(field.y);
-  pair_.centre = static_cast<Real>(node.centre);
-  pair_.centre2 = static_cast<Real>(node.centre2);
-  pair_.coma = static_cast<Real>(node.coma);
+  patch_.field_x = static_cast<Real>(field.x);
+  patch_.field_y = static_cast<Real>(field.y);
+  patch_.centre = static_cast<Real>(node.centre);
+  patch_.centre2 = static_cast<Real>(node.centre2);
+  patch_.coma = static_cast<Real>(node.coma);
   for (std::size_t k = 0; k < 3; ++k) {
-    pair_.coupling[k] = static_cast<Real>(node.coupling[k]);
-    pair_.radius[k] = static_cast<Real>(node.radius[k]);
+    patch_.coupling[k] = static_cast<Real>(node.coupling[k]);
+    patch_.radius[k] = static_cast<Real>(node.radius[k]);
   }
-  pair_.radius_odd = static_cast<Real>(node.radius_odd / node.aim_radius);
-  pair_.flattening[0] = static_cast<Real>(node.flattening[0]);
-  pair_.flattening[1] = static_cast<Real>(node.flattening[1]);
+  patch_.radius_odd = static_cast<Real>(node.radius_odd / node.aim_radius);
+  patch_.flattening[0] = static_cast<Real>(node.flattening[0]);
+  patch_.flattening[1] = static_cast<Real>(node.flattening[1]);
   const double coupling = node.coupling[0] + node.coupling[1] + node.coupling[2];
-  pair_.coupling_sign = coupling < 0 ? Real(-1) : Real(1);
-  pair_.aim_radius = static_cast<Real>(node.aim_radius);
-  pair_.inverse_aim2 = static_cast<Real>(1.0 / (node.aim_radius * node.aim_radius));
-  pair_.aim_x = static_cast<Real>(node.aim_centre * field.x);
-  pair_.aim_y = static_cast<Real>(node.aim_centre * field.y);
-  pair_.aim_shift = static_cast<Real>(table.aperture_shift);
-  pair_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius : 1e6 * node.aim_radius);
-  pair_.cut_margin = static_cast<Real>(table.cut_margin);
+  patch_.coupling_sign = coupling < 0 ? Real(-1) : Real(1);
+  patch_.aim_radius = static_cast<Real>(node.aim_radius);
+  patch_.inverse_aim2 = static_cast<Real>(1.0 / (node.aim_radius * node.aim_radius));
+  patch_.aim_x = static_cast<Real>(node.aim_centre * field.x);
+  patch_.aim_y = static_cast<Real>(node.aim_centre * field.y);
+  patch_.aim_shift = static_cast<Real>(table.aperture_shift);
+  patch_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius : 1e6 * node.aim_radius);
+  patch_.cut_margin = static_cast<Real>(table.cut_margin);
   return field;
 }
 
@@ -89,10 +90,10 @@ bool TileTracer<Real>::place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double 
   const double x0 = std::max(pixel_centre.x - half, outer_centre.x - reach);
   const double x1 = std::min(pixel_centre.x + half, outer_centre.x + reach);
   if (!(x1 > x0)) return false;
-  pair_.x_low = static_cast<Real>(x0);
-  pair_.x_width = static_cast<Real>(x1 - x0);
-  pair_.y0 = static_cast<Real>(y0);
-  pair_.y1 = static_cast<Real>(y1);
+  pixel_.x_low = static_cast<Real>(x0);
+  pixel_.x_width = static_cast<Real>(x1 - x0);
+  pixel_.y0 = static_cast<Real>(y0);
+  pixel_.y1 = static_cast<Real>(y1);
   return true;
 }
 
@@ -107,13 +108,14 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
   if (plan_.beams && !plan_.beams->may_meet(type, place)) return;
   const Vec2 centre = node.centre * set_discs(table, node, place);
   const double outer = node.outer_radius;
-  pair_.outer_x = static_cast<Real>(centre.x);
-  pair_.outer_y = static_cast<Real>(centre.y);
-  pair_.outer_radius2 = static_cast<Real>(outer * outer);
-  pair_.lens_x = static_cast<Real>(place.x);
-  pair_.lens_y = static_cast<Real>(place.y);
+  patch_.outer_x = static_cast<Real>(centre.x);
+  patch_.outer_y = static_cast<Real>(centre.y);
+  patch_.outer_radius2 = static_cast<Real>(outer * outer);
+  patch_.lens_x = static_cast<Real>(place.x);
+  patch_.lens_y = static_cast<Real>(place.y);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
+  const double half_diagonal = pitch * std::sqrt(0.5);
   const Vec2 image = place + centre;
   const auto column_of = [&](double x) { return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch)); };
   const auto row_of = [&](double y) { return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch)); };
@@ -128,9 +130,10 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at, centre, outer)) continue;
+      pixel_.open = length(at - centre) + half_diagonal < node.open_radius;
       const double distance = length(at - centre) / outer * (static_cast<double>(node.open.size()) - 1);
       const double open = node.open[std::min(static_cast<std::size_t>(distance), node.open.size() - 1)];
-      add_pair(type, column, row, key, level_of(open * static_cast<double>(pair_.x_width) / pitch));
+      add_pair(type, column, row, key, level_of(open * static_cast<double>(pixel_.x_width) / pitch));
     }
 }
 
@@ -145,10 +148,11 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
   set_discs(table, node, centre);
   const double pitch = camera.spec().sensor.pixel_pitch;
   place_pixel(centre, centre, 2 * pitch);  // nothing cuts the pixel
-  pair_.outer_x = static_cast<Real>(centre.x);
-  pair_.outer_y = static_cast<Real>(centre.y);
-  pair_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
-  pair_.lens_x = pair_.lens_y = 0;
+  patch_.outer_x = static_cast<Real>(centre.x);
+  patch_.outer_y = static_cast<Real>(centre.y);
+  patch_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
+  patch_.lens_x = patch_.lens_y = 0;
+  pixel_.open = true;  // without array the aim disc is the pupil itself
   add_pair(0, column, row, mix64(plan_.settings->seed), 0);
 }
 
@@ -167,28 +171,42 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
                               static_cast<std::uint32_t>(row);
   const std::uint64_t h0 = mix64(pixel ^ key), h1 = mix64(h0), h2 = mix64(h1);
   const int entry = static_cast<int>(h2 % static_cast<std::uint64_t>(pool.entries()));
-  for (int d = 0; d < SobolPool::kDimensions; ++d) pair_.fractions[d] = pool.fractions(entry, d);
-  pair_.shift[0] = static_cast<std::uint32_t>(h0);
-  pair_.shift[1] = static_cast<std::uint32_t>(h0 >> 32);
-  pair_.shift[2] = static_cast<std::uint32_t>(h1);
-  pair_.shift[3] = static_cast<std::uint32_t>(h1 >> 32);
+  pixel_.shift[0] = static_cast<std::uint32_t>(h0);
+  pixel_.shift[1] = static_cast<std::uint32_t>(h0 >> 32);
+  pixel_.shift[2] = static_cast<std::uint32_t>(h1);
+  pixel_.shift[3] = static_cast<std::uint32_t>(h1 >> 32);
   counters_.pairs += 1;
+  type_ = type;
   const int total = pool.replicates() * pool.points();
-  const auto& microlens = plan_.microlenses[static_cast<std::size_t>(type)];
-  // A pair is split only when a block cannot hold it: how it falls into blocks must not depend on
-  // its neighbours, or results would depend on the window.
+  // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must not
+  // depend on the neighbours, or results would depend on the window.
   if (count_ + std::min(total, kBlockRays) > kBlockRays) flush();
   for (int offset = 0; offset < total; offset += kBlockRays) {
     if (offset > 0) flush();
     const int count = std::min(total - offset, kBlockRays);
-    plan_.kernels.generate(pair_, microlens, offset, count_, count, block_);
+    for (int d = 0; d < SobolPool::kDimensions; ++d) {
+      pixel_.fractions[d] = pool.fractions(entry, d) + offset;
+      __builtin_prefetch(pixel_.fractions[d]);
+    }
+    pixel_.first = count_;
+    pixel_.count = count;
+    queued_.push_back(pixel_);
     pending_.push_back({column, row, count_, count, offset, level});
     count_ += count;
   }
 }
 
 template <class Real>
+void TileTracer<Real>::generate_queued() {
+  if (queued_.empty()) return;
+  plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()),
+                         plan_.microlenses[static_cast<std::size_t>(type_)], block_);
+  queued_.clear();
+}
+
+template <class Real>
 void TileTracer<Real>::flush() {
+  generate_queued();
   if (count_ == 0) return;
   const int padded = (count_ + kRayPadding - 1) / kRayPadding * kRayPadding;
   for (int i = count_; i < padded; ++i) {

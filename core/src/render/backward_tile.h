@@ -15,8 +15,8 @@ namespace plenoflame {
 /// Entry points of the kernels for one instruction set.
 template <class Real>
 struct BackwardKernels {
-  void (*generate)(const KernelPair<Real>&, const KernelMicrolens<Real>&, int, int, int,
-                   const KernelBlock<Real>&);
+  void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int,
+                   const KernelMicrolens<Real>&, const KernelBlock<Real>&);
   void (*trace_lens)(const KernelCamera<Real>&, int, const KernelBlock<Real>&);
   double (*accumulate)(const Real*, const Real*, int);
   int (*count_alive)(const int*, int);
@@ -57,7 +57,7 @@ class TileTracer {
 
  private:
   struct Pending {
-    int column, row, first, count, offset, level;
+    int column, row, first, count, offset, level;  ///< offset: first number of the replicates
   };
   void add_microlens(PixelWindow tile, LensIndex lens);
   void add_bare_pixel(int column, int row);
@@ -65,11 +65,15 @@ class TileTracer {
   bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
   int level_of(double worth) const;
   void add_pair(int type, int column, int row, std::uint64_t key, int level);
+  void generate_queued();
   void flush();
 
   const BackwardPlan<Real>& plan_;
   Film& film_;
-  KernelPair<Real> pair_{};
+  KernelPatch<Real> patch_{};
+  KernelPixel<Real> pixel_{};
+  int type_ = 0;                           ///< of the patch
+  std::vector<KernelPixel<Real>> queued_;  ///< pixels of the patch whose rays are still to be made
   std::vector<Pending> pending_;
   int count_ = 0;        ///< rays in the block
   std::vector<Real> storage_;

@@ -48,7 +48,7 @@ constexpr Directions make_directions() {
 }
 
 constexpr Directions kDirections = make_directions();
-constexpr int kPoolWords = 1 << 18;  // 1 MB: stays in a second-level cache
+constexpr int kPoolWords = 1 << 16;  // 256 kB: stays in a second-level cache
 
 }  // namespace
 

@@ -32,6 +32,7 @@ struct PupilNode {
   double aim_radius = 0;           ///< [m] radius of the first disc
   double outer_radius = 0;         ///< [m] no ray that passes has |s - centre| beyond this
 
+  double open_radius = 0;          ///< [m] within it the whole aperture sees the scene
   /// Share of the aperture that is open at distance i/16 of outer_radius from the centre: decides
   /// how many rays a pixel there is worth.
   std::array<double, 17> open{};
