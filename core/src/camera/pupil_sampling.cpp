@@ -373,7 +373,7 @@ PupilTable microlens_table(const Camera& camera, int type) {
       measure_open_share(node, table);
     }
   const auto& k = table.nodes.front().coupling;
-  table.cut_margin = 1.02 + 0.25 * (std::fabs(k[1]) + std::fabs(k[2])) /
+  table.cut_margin = 1.02 + 0.08 * (std::fabs(k[1]) + std::fabs(k[2])) /
                                 (std::fabs(k[0]) + std::fabs(k[1]) + std::fabs(k[2]) + 1e-12);
   return table;
 }

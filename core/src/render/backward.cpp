@@ -12,7 +12,7 @@ namespace plenoflame {
 namespace {
 
 constexpr int kLevels = 5;       ///< of fewer points, each half of the one before
-constexpr int kLeastPoints = 2;  ///< of a replicate on the last level
+constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
 constexpr int kTile = 64;  ///< pixels along the side of a unit of work
 
 template <class Real>

@@ -62,7 +62,7 @@ PLENOFLAME_INLINE Real find_cut(const KernelPatch<Real>& c, Real sx, Real sy, Re
   const bool outside2 = f2 > Real(0);
   const Real p3 = false_position(outside2 ? p2 : a1, outside2 ? f2 : fa1, outside2 ? b1 : p2,
                                  outside2 ? fb1 : f2);
-  error = Real(0.5) * magnitude(p3 - p2);
+  error = Real(0.25) * magnitude(p3 - p2);
   return p3;
 }
 

@@ -158,8 +158,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
 
 template <class Real>
 int TileTracer<Real>::level_of(double worth) const {
-  // Error times flux is least in sum when points go as flux^(2 / (1 + 2 a)), where the error falls
-  // with points^-a; a is about 3/4.
+  // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
+  // error falls with points^-a; a is about 3/4.
   const int level = worth > 0 ? static_cast<int>(-0.8 * std::log2(worth)) : 99;
   return std::clamp(level, 0, static_cast<int>(plan_.pools.size()) - 1);
 }
