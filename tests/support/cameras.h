@@ -1,0 +1,24 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "plenoflame/scene/compile.h"
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame::test {
+
+inline CameraSpec preset_camera(const std::string& name) {
+  return parse_scene("[camera]\npreset = \"" + name + "\"\n", "test.toml").scene.camera;
+}
+
+/// A scene of one camera and any medium, without files.
+inline CompiledScene scene_of(const CameraSpec& camera, std::unique_ptr<Medium> medium) {
+  Scene scene;
+  scene.camera = camera;
+  Camera compiled(camera);
+  PupilSampling pupils(compiled);
+  return {std::move(scene), std::move(compiled), std::move(pupils), std::move(medium)};
+}
+
+}  // namespace plenoflame::test
