@@ -12,6 +12,13 @@ inline CameraSpec preset_camera(const std::string& name) {
   return parse_scene("[camera]\npreset = \"" + name + "\"\n", "test.toml").scene.camera;
 }
 
+inline Execution threads(int count) {
+  Execution execution;
+  execution.threads = count;
+  return execution;
+}
+inline Execution one_thread() { return threads(1); }
+
 /// A scene of one camera and any medium, without files.
 inline CompiledScene scene_of(const CameraSpec& camera, std::unique_ptr<Medium> medium) {
   Scene scene;

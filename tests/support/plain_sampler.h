@@ -47,6 +47,15 @@ class PlainSampler {
     double weight = 0;  ///< cos(theta) dOmega over the density of aim points [sr]
     bool at_rim = false;
   };
+  /// Hands `rays` rays from a region of the upright image to `use`, as below.
+  template <class Use>
+  void samples(double column, double row, double width, double height, long rays, const Use& use) {
+    shift();
+    for (long i = 0; i < rays; ++i) {
+      step();
+      sample(column + width * coordinate(0), row + height * coordinate(1), use);
+    }
+  }
   /// Aims one ray and hands it to `use` for every microlens through which it reaches the scene. An
   /// oblique ray may cross the aim plane, where the vertices are, beside the lens that it meets
   /// further on: all lenses near the aim point are tried.

@@ -1,0 +1,147 @@
+// The pupil tables and the choice of rays must not lose light: everything that a plain sampler over
+// all apertures finds, the renderer finds too.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/plain_sampler.h"
+#include "support/uniform_medium.h"
+
+namespace plenoflame::test {
+namespace {
+
+#ifdef PLENOFLAME_LONG_TEST
+constexpr long kFluxRays = 32'000'000, kDiscRays = 4'000'000, kPixelRays = 1'600'000;
+#else
+constexpr long kFluxRays = 1'600'000, kDiscRays = 400'000, kPixelRays = 160'000;
+#endif
+constexpr int kWindow = 40;  ///< pixels along the side
+
+struct Case {
+  std::string name;
+  CameraSpec camera;
+  double field;  ///< of the sensor's half diagonal
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name << " at field " << c.field; }
+
+/// A sensor without array behind the paper's lens, aberrations included.
+CameraSpec bare_camera() {
+  CameraSpec camera = preset_camera("paper-plenoptic2");
+  camera.array = {};
+  camera.focus.conjugate = "sensor";
+  return camera;
+}
+
+CameraSpec with_models(CameraSpec camera, LensModel lens, LensModel array) {
+  camera.lens.model = lens;
+  camera.array.model = array;
+  return camera;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  for (const double field : {0.0, 0.6, 1.0}) {
+    for (const char* name : {"paper-plenoptic2", "paper-plenoptic1", "paper-previous-60x60",
+                             "raytrix-r29-reduced"})
+      all.push_back({name, preset_camera(name), field});
+    const CameraSpec paper = preset_camera("paper-plenoptic2");
+    all.push_back({"ideal", with_models(paper, LensModel::ideal, LensModel::ideal), field});
+    all.push_back({"ideal lens", with_models(paper, LensModel::ideal, LensModel::real), field});
+    all.push_back({"no array", bare_camera(), field});
+  }
+  return all;
+}
+
+PixelWindow window_of(const Case& c) {
+  const SensorSpec& sensor = c.camera.sensor;
+  return {static_cast<int>((sensor.columns - kWindow) * (0.5 - 0.5 * c.field)),
+          static_cast<int>((sensor.rows - kWindow) * (0.5 - 0.5 * c.field)), kWindow, kWindow};
+}
+
+class NoLightLost : public ::testing::TestWithParam<Case> {};
+
+TEST_P(NoLightLost, TotalFlux) {
+  const CompiledScene scene = scene_of(GetParam().camera, std::make_unique<UniformMedium>());
+  RenderSettings settings;
+  settings.window = window_of(GetParam());
+  settings.samples = scene.camera.has_array() ? 256 : 64;
+  settings.precision = Precision::double_precision;
+  const PixelWindow& w = settings.window;
+  const RenderResult result = render(scene, settings, one_thread());
+  const double own_error = result.statistics.relative_error * result.statistics.flux / kWindow;
+  const PlainSampler::Estimate plain =
+      PlainSampler(scene.camera, 1).flux(w.x, w.y, w.width, w.height, kFluxRays);
+  EXPECT_EQ(plain.at_rim, 0) << "the plain sampler's own square is too small";
+  EXPECT_GT(plain.reached, kFluxRays / 100);
+  const double error = std::hypot(plain.standard_error, own_error);
+  RecordProperty("standard_errors", std::to_string((result.statistics.flux - plain.flux) / error));
+  EXPECT_TRUE(within(result.statistics.flux, plain.flux, 1, 1e-3 * plain.flux + 3 * error))
+      << "relative difference " << result.statistics.flux / plain.flux - 1 << " +- "
+      << error / plain.flux;
+}
+
+TEST_P(NoLightLost, EveryRayThatPassesIsInsideBothDiscs) {
+  const Camera camera(GetParam().camera);
+  if (!camera.has_array()) GTEST_SKIP() << "the disc of a bare camera: BareCameraDisc";
+  const PupilSampling pupils(camera);
+  const PixelWindow w = window_of(GetParam());
+  long passed = 0, outside_aperture = 0, outside_stop = 0, outside_bound = 0, outside_image = 0;
+  PlainSampler(camera, 2).samples(
+      w.x, w.y, w.width, w.height, kDiscRays, [&](const PlainSampler::Sample& s) {
+        const Vec2 place = camera.lattice().centre(*s.lens);
+        const auto type = static_cast<std::size_t>(camera.lattice().type(*s.lens));
+        const PupilTable& table = pupils.tables()[type];
+        const double h = length(place);
+        const PupilNode node = table.at(h);
+        const Vec2 out = h > 0 ? (1 / h) * place : Vec2{1, 0};
+        const auto local = [&](Vec2 v) { return Vec2{dot(v, out), out.x * v.y - out.y * v.x}; };
+        const Vec2 from = local(s.sensor - place), aim = local(s.aim - place);
+        ++passed;
+        outside_aperture += length(aim - table.aperture_shift * from) >= table.aperture_radius;
+        outside_stop += length(from - node.centre_at(aim)) >= node.radius_at(aim);
+        outside_bound += length(aim) > table.bound_radius;
+        outside_image += length(from - Vec2{node.centre, 0}) > node.outer_radius;
+      });
+  EXPECT_GT(passed, kDiscRays / 100);
+  EXPECT_EQ(outside_aperture, 0) << "of " << passed;
+  EXPECT_EQ(outside_stop, 0) << "of " << passed;
+  EXPECT_EQ(outside_bound, 0) << "of " << passed;
+  EXPECT_EQ(outside_image, 0) << "of " << passed;
+}
+
+TEST_P(NoLightLost, EveryPixel) {
+  const CompiledScene scene = scene_of(GetParam().camera, std::make_unique<UniformMedium>());
+  const PixelWindow w = window_of(GetParam());
+  for (int k = 0; k < 5; ++k) {
+    RenderSettings settings;
+    settings.window = {w.x + 7 * k, w.y + 5 * k, 1, 1};
+    settings.samples = 4096;
+    settings.replicates = 16;
+    settings.precision = Precision::double_precision;
+    const RenderResult result = render(scene, settings, one_thread());
+    const double flux = result.light_field.channels[0].flux.at(0, 0);
+    const double own = result.light_field.channels[0].standard_error.at(0, 0);
+    const PlainSampler::Estimate plain =
+        PlainSampler(scene.camera, 3).flux(settings.window.x, settings.window.y, 1, 1, kPixelRays);
+    EXPECT_TRUE(within(flux, plain.flux, 1,
+                       1e-3 * plain.flux + 5 * std::hypot(own, plain.standard_error)))
+        << "pixel " << settings.window.x << ", " << settings.window.y << ": "
+        << flux / plain.flux - 1 << " +- " << plain.standard_error / plain.flux;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cameras, NoLightLost, ::testing::ValuesIn(cases()),
+                         [](const auto& test) {
+                           std::string name = test.param.name + "_" +
+                                              std::to_string(static_cast<int>(10 * test.param.field));
+                           for (char& c : name)
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace plenoflame::test
