@@ -1,6 +1,7 @@
 #include "plenoflame/render/render.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -22,10 +23,20 @@
 namespace plenoflame::cli {
 namespace {
 
+/// Bundles are independent one by one: more replicates cost memory only.
+constexpr int kForwardReplicates = 4;
+
 RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   RenderSettings settings;
   settings.estimator = options.estimator.value_or(scene.render.estimator);
   settings.samples = options.samples.value_or(scene.render.samples);
+  if (settings.estimator == Estimator::forward) {
+    // A scene that is made for the other estimator says nothing about how many bundles are needed.
+    const bool scene_says = scene.render.estimator == Estimator::forward &&
+                            scene.render.samples != RenderSpec{}.samples;
+    if (!options.samples && !scene_says) settings.samples = kForwardSamples;
+    settings.replicates = std::min(kForwardReplicates, settings.samples);
+  }
   settings.seed = options.seed.value_or(scene.render.seed);
   if (options.window) settings.window = *options.window;
   settings.skip = options.skip;

@@ -51,8 +51,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("FILE");
   command
       .add_option("--samples", arguments.samples,
-                  "Rays per pixel and microlens (forward: energy bundles per pixel); with "
-                  "--target-error or --time-limit, at most so many")
+                  "Rays per pixel and microlens (forward: energy bundles in total, 1e6 unless "
+                  "given); with --target-error or --time-limit, at most so many")
       ->option_text("N");
   command
       .add_option("--target-error", arguments.target_error,

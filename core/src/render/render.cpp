@@ -7,6 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "render/backward.h"
+#include "render/forward.h"
 
 namespace plenoflame {
 namespace {
@@ -39,7 +40,8 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   const PixelWindow window = settings.window.width > 0 ? settings.window : whole_sensor(sensor);
   const int channels = static_cast<int>(scene.scene.channels.size());
   // Every replicate gets the same number of points.
-  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+  int points = settings.samples / settings.replicates + (settings.samples % settings.replicates > 0);
+  const bool forward = settings.estimator == Estimator::forward;
 
   RenderResult result;
   RenderStatistics& statistics = result.statistics;
@@ -49,7 +51,15 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   Film film(window, channels, settings.replicates);
   if (scene.medium) {
     statistics.medium_description = scene.medium->description();
-    statistics.complete = render_backward(scene, settings, 0, points, execution, film, statistics);
+    if (forward) {
+      const auto traced =
+          static_cast<int>(render_forward(scene, settings, points, execution, film, statistics));
+      statistics.complete = traced == points;
+      // What was stopped early is a smaller run; the film is empty when nothing was traced.
+      points = std::max(traced, 1);
+    } else {
+      statistics.complete = render_backward(scene, settings, 0, points, execution, film, statistics);
+    }
   }
 
   LightField& field = result.light_field;
@@ -67,7 +77,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   if (!first.standard_error.empty())
     statistics.relative_error = estimated_relative_rmse(first.flux, first.standard_error);
   for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
-  field.estimator = "backward";
+  field.estimator = forward ? "forward" : "backward";
   field.seed = settings.seed;
   field.samples = points * settings.replicates;
   field.complete = statistics.complete;

@@ -366,7 +366,9 @@ constexpr SchemaKey kKeys[] = {
                                         "`backward`: rays from the sensor to the flame; `forward`: "
                                         "energy bundles from the flame, slow, for checks."),
     key<RENDER, &RenderSpec::samples>("render.samples",
-                                      "Rays per pixel and microlens that covers it.", kPure,
+                                      "Estimator `backward`: rays per pixel and microlens that covers it; "
+                                      "`forward`: energy bundles in total.",
+                                      kPure,
                                       {1, 1 << 30, false, false}),
     key<RENDER, &RenderSpec::seed>("render.seed",
                                    "The same seed gives the same image, bit for bit."),

@@ -85,6 +85,22 @@ class Camera {
   /// `lens` (given exactly when there is an array). Exact, in double precision.
   Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim, bool with_points = false) const;
 
+  /// Where a ray from the scene ends.
+  struct Arrival {
+    std::optional<LensIndex> lens;  ///< through which it went; none: no array, or between lenses
+    Vec2 sensor_point;              ///< [m] camera x, y
+    /// Solid angle times projected area of a thin beam around the ray on the sensor, over that in
+    /// the scene: 1 for refraction, cos^4 / cos^4 of the angles with the axis for the paraxial
+    /// transform. A beam's flux changes by it, its radiance does not.
+    double etendue_ratio = 1;
+  };
+  /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of the
+  /// sensor, in double precision: the way of trace(), backwards. Appends where it arrives: through
+  /// every microlens that lets it pass (one, but for ideal ones whose principal planes differ), or
+  /// between them where the array is clear there.
+  /// @return why it went no further when it does not arrive; surface numbered from the scene
+  TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals) const;
+
   /// Sensor point of continuous upright image coordinates (pixel (0,0) has its centre at 0.5, 0.5).
   Vec2 sensor_point(double column, double row) const {
     const double p = spec_.sensor.pixel_pitch;
@@ -96,6 +112,9 @@ class Camera {
   void place_array();
   void solve_focus(std::vector<std::string>* warnings);
   TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
+  TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio) const;
+  TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
+                             std::vector<Arrival>& arrivals) const;
 
   CameraSpec spec_;
   RigidTransform to_world_;

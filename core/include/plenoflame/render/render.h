@@ -19,10 +19,14 @@ enum class Precision {
   double_precision,
 };
 
+inline constexpr int kForwardSamples = 1000000;  ///< bundles, where nobody says otherwise
+
 /// How to render. Figures that are 0 take their default.
 struct RenderSettings {
   Estimator estimator = Estimator::backward;
-  int samples = 64;           ///< rays per pixel and microlens that covers it, all replicates together
+  /// Backward: rays per pixel and microlens that covers it, all replicates together. Forward: energy
+  /// bundles in total, for the whole image; kForwardSamples are a start.
+  int samples = 64;
   int replicates = 2;         ///< independent randomisations, for the standard error
   std::uint64_t seed = 1;
   PixelWindow window;         ///< width 0: the whole sensor
@@ -35,7 +39,8 @@ struct RenderSettings {
 /// What was done, left out, and how long it took.
 struct RenderStatistics {
   double rays = 0;          ///< sent
-  double rays_reached = 0;  ///< of these, left the camera towards the scene
+  double rays_reached = 0;  ///< of these, left the camera towards the scene (forward: arrived on
+                            ///< the sensor)
   double pixels = 0;        ///< in the window
   double pixels_sampled = 0;///< that some microlens could light
   double pairs = 0;         ///< pixels x microlenses that cover them

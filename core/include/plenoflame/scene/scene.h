@@ -163,7 +163,7 @@ enum class Estimator { backward, forward };
 /// Defaults of a run; the command line overrides them.
 struct RenderSpec {
   Estimator estimator = Estimator::backward;
-  int samples = 64;      ///< rays per pixel and microlens that covers it
+  int samples = 64;      ///< rays per pixel and microlens that covers it (forward: bundles)
   std::uint64_t seed = 1;
   friend bool operator==(const RenderSpec&, const RenderSpec&) = default;
 };

@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/camera/camera.h"
+
+namespace plenoflame {
+namespace {
+
+/// Where a line meets the plane z.
+Vec2 at_plane(const Ray& ray, double z) {
+  const double t = (z - ray.origin.z) / ray.direction.z;
+  return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y};
+}
+
+Vec2 slope(const Ray& ray) {
+  return {ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z};
+}
+
+/// A ray towards the sensor with slope dx/dz, dy/dz.
+Ray inwards(Vec2 at, double z, Vec2 slope) {
+  return {{at.x, at.y, z}, -normalize({slope.x, slope.y, 1})};
+}
+
+/// cos^4 of the angle with the axis. The paraxial transform conserves dA d(slope)^2; solid angle
+/// times projected area is cos^4 of that.
+double cos4(Vec2 slope) {
+  const double tangent2 = dot(slope, slope);
+  return 1 / ((1 + tangent2) * (1 + tangent2));
+}
+
+/// Depth of a spherical face's rim behind its vertex (negative: in front of it).
+double rim_depth(double radius, double height) {
+  if (!std::isfinite(radius)) return 0;
+  const double inside = std::max(0.0, (radius - height) * (radius + height));
+  const double depth = height * height / (std::fabs(radius) + std::sqrt(inside));
+  return std::copysign(depth, radius);
+}
+
+}  // namespace
+
+TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio) const {
+  if (!ideal_lens()) return lens_.trace_to_sensor(ray);
+  const Vec2 height = at_plane(ray, ideal_.front_principal);
+  const Vec2 outer = slope(ray);
+  const Vec2 inner = outer + (1.0 / ideal_.focal_length) * height;
+  const Vec2 at_stop = ideal_.stop_height * height + ideal_.stop_slope * inner;
+  ray = inwards(height, ideal_.rear_principal, inner);
+  etendue_ratio *= cos4(inner) / cos4(outer);
+  if (length(at_stop) > ideal_.stop_radius) return {RayStatus::vignetted, 0};
+  return {};
+}
+
+TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
+                                   std::vector<Arrival>& arrivals) const {
+  const auto type = static_cast<std::size_t>(lattice_.type(lens));
+  const Vec2 centre = lattice_.centre(lens);
+  ray.origin.x -= centre.x;
+  ray.origin.y -= centre.y;
+  TraceStatus status;
+  if (ideal_array()) {
+    const Microlens& microlens = microlenses_[type];
+    const Vec2 height = at_plane(ray, microlens.front_principal);
+    const Vec2 outer = slope(ray);
+    const Vec2 inner = outer + (1.0 / microlens.first_order.focal_length) * height;
+    ray = inwards(height, microlens.rear_principal, inner);
+    arrival.etendue_ratio *= cos4(inner) / cos4(outer);
+    if (length(height) > 0.5 * spec_.array.diameter) status = {RayStatus::vignetted, 0};
+  } else {
+    status = microlens_systems_[type].trace_to_sensor(ray);
+  }
+  if (status.status != RayStatus::reached) return status;
+  arrival.lens = lens;
+  arrival.sensor_point = at_plane(ray, sensor_) + centre;
+  arrivals.push_back(arrival);
+  return status;
+}
+
+TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>& arrivals) const {
+  Ray ray = from_scene;
+  Arrival arrival;
+  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio);
+  if (main_lens.status != RayStatus::reached) return main_lens;
+  if (!has_array()) {
+    arrival.sensor_point = at_plane(ray, sensor_);
+    arrivals.push_back(arrival);
+    return {};
+  }
+  const int lens_surfaces = surface_count() - (ideal_array() ? 1 : 2);
+  // The layer of space in which the front faces (or principal planes) lie.
+  const double radius = 0.5 * spec_.array.diameter;
+  double high = -kInfinity, low = kInfinity;
+  for (const Microlens& lens : microlenses_) {
+    const double vertex = ideal_array() ? lens.front_principal : array_front_;
+    const double rim = ideal_array() ? vertex : vertex - rim_depth(lens.radius_front, radius);
+    high = std::max({high, vertex, rim});
+    low = std::min({low, vertex, rim});
+  }
+  const Vec2 a = at_plane(ray, high), b = at_plane(ray, low);
+  const std::size_t before = arrivals.size();
+  TraceStatus status{RayStatus::vignetted, 0};
+  bool on_a_lens = false;
+  const auto attempt = [&](LensIndex lens) {
+    status = pass_microlens(lens, ray, arrival, arrivals);
+    // Whatever gets beyond the front aperture belongs to this lens, even when it ends there.
+    on_a_lens = on_a_lens || status.status == RayStatus::reached ||
+                status.status == RayStatus::total_internal_reflection || status.surface > 0;
+  };
+  const LensIndex nearest = lattice_.nearest(a);
+  if (nearest == lattice_.nearest(b)) {
+    attempt(nearest);  // cells are convex: so is everything between
+  } else {
+    const double reach = spec_.array.pitch;
+    for (const LensIndex lens :
+         lattice_.within({std::min(a.x, b.x) - reach, std::min(a.y, b.y) - reach},
+                         {std::max(a.x, b.x) + reach, std::max(a.y, b.y) + reach}))
+      attempt(lens);
+  }
+  if (!on_a_lens && !spec_.array.opaque_between) {
+    arrival.sensor_point = at_plane(ray, sensor_);
+    arrivals.push_back(arrival);
+  }
+  if (arrivals.size() > before) return {};
+  return {status.status, status.surface + lens_surfaces};
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,80 @@
+#include "render/aperture_cone.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kMargin = 1 + 1e-9;  ///< on the sphere's radius, for rounding
+
+/// The direction at an angle with versine 1 - cos from `axis` (unit length), at azimuth 2 pi v.
+Vec3 around(Vec3 axis, double versine, double v) {
+  // Orthonormal basis without a branch on the axis' size: Duff et al., JCGT 6 (2017) 1.
+  const double sign = std::copysign(1.0, axis.z);
+  const double a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
+  const Vec3 e1{1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
+  const Vec3 e2{b, sign + axis.y * axis.y * a, -axis.y};
+  const double sine = std::sqrt(versine * (2 - versine)), azimuth = 2 * constants::pi * v;
+  return (1 - versine) * axis + sine * std::cos(azimuth) * e1 + sine * std::sin(azimuth) * e2;
+}
+
+}  // namespace
+
+ApertureCone::ApertureCone(const Camera& camera) {
+  if (!camera.ideal_lens()) {
+    const SurfaceSpec& first = camera.spec().lens.surfaces.front();
+    const double height = 0.5 * first.diameter, r = std::fabs(first.radius);
+    double depth = 0;  // of the rim behind the vertex
+    if (std::isfinite(r))
+      depth = std::copysign(height * height / (r + std::sqrt(std::max(0.0, (r - height) * (r + height)))),
+                            first.radius);
+    // A cap up to a hemisphere lies within the sphere around the middle of its rim.
+    centre_ = {0, 0, -depth};
+    radius_ = kMargin * std::max(height, std::fabs(depth));
+    front_ = std::max(0.0, -depth);
+    return;
+  }
+  pupil_ = true;
+  // In terms of the height h at the front principal plane and the slope s in the scene, a ray passes
+  // when |a h + b s| is within the stop; that is a disc where a ray from its centre has a h = -b s.
+  const IdealLens& lens = camera.ideal();
+  const double a = lens.stop_height + lens.stop_slope / lens.focal_length, b = lens.stop_slope;
+  if (std::fabs(a) * 1e9 * lens.focal_length < std::fabs(b)) {
+    telecentric_ = kMargin * lens.stop_radius / std::fabs(b);
+    return;
+  }
+  centre_ = {0, 0, lens.front_principal + b / a};
+  radius_ = kMargin * lens.stop_radius / std::fabs(a);
+}
+
+ApertureCone::Direction ApertureCone::draw(Vec3 point, double u, double v) const {
+  Vec3 axis{0, 0, -1};
+  double versine = 1;  // of the cone: a hemisphere unless the point is outside of the sphere
+  if (telecentric_ > 0) {
+    const double secant = std::hypot(1.0, telecentric_);
+    versine = telecentric_ * telecentric_ / (secant * (1 + secant));
+  } else {
+    const Vec3 to_centre = centre_ - point;
+    const double distance = length(to_centre);
+    if (distance > radius_) {
+      const double sine = radius_ / distance;
+      versine = sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine)));
+      axis = (1 / distance) * to_centre;
+    }
+  }
+  Direction result;
+  result.direction = around(axis, u * versine, v);
+  result.solid_angle = 2 * constants::pi * versine;
+  if (!(result.direction.z < 0)) {
+    if (pupil_ && result.direction.z > 0)
+      result.direction = -result.direction;
+    else
+      result.solid_angle = 0;
+  }
+  return result;
+}
+
+}  // namespace plenoflame

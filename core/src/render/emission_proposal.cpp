@@ -1,0 +1,138 @@
+#include "render/emission_proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/sampling/philox.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kCellsAlong = 64;          ///< at most so many cells along the longest side
+constexpr int kPointsPerCell = 8;        ///< one in each eighth
+constexpr int kScoutPoints = 4096;       ///< to weigh the channels against each other
+constexpr double kNeighbourShare = 0.25; ///< of the brightest neighbour's weight, at least
+constexpr double kFloorShare = 0.02;     ///< of the mean weight, at least
+
+Vec3 place_in(const Box& box, double u, double v, double w) {
+  return {box.lower.x + u * (box.upper.x - box.lower.x), box.lower.y + v * (box.upper.y - box.lower.y),
+          box.lower.z + w * (box.upper.z - box.lower.z)};
+}
+
+/// Replaces each value by the largest of itself and its two neighbours along one axis.
+void spread(std::vector<double>& values, std::size_t count, std::size_t stride) {
+  const std::size_t slab = count * stride;
+  std::vector<double> line(count);
+  for (std::size_t first = 0; first < values.size(); first += slab)
+    for (std::size_t offset = 0; offset < stride; ++offset) {
+      double* const at = values.data() + first + offset;
+      for (std::size_t i = 0; i < count; ++i) line[i] = at[i * stride];
+      for (std::size_t i = 0; i < count; ++i)
+        at[i * stride] = std::max({line[i], i > 0 ? line[i - 1] : 0, i + 1 < count ? line[i + 1] : 0});
+    }
+}
+
+}  // namespace
+
+EmissionProposal::EmissionProposal(const Medium& medium, std::uint64_t seed,
+                                   const Execution& execution)
+    : bounds_(medium.bounds()) {
+  if (bounds_.empty()) return;
+  const Vec3 size = bounds_.upper - bounds_.lower;
+  if (!(size.x > 0 && size.y > 0 && size.z > 0)) return;  // no volume
+  const double longest = std::max({size.x, size.y, size.z});
+  const double cell = std::max(longest / kCellsAlong, medium.feature_size() / 8);
+  const auto cells = [&](double extent) {
+    return std::clamp(static_cast<int>(std::ceil(extent / cell)), 1, kCellsAlong);
+  };
+  nx_ = cells(size.x), ny_ = cells(size.y), nz_ = cells(size.z);
+  cell_volume_ = size.x / nx_ * (size.y / ny_) * (size.z / nz_);
+  set_weights(cell_emission(medium, seed, execution));
+}
+
+std::size_t EmissionProposal::cell_count() const {
+  return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_);
+}
+
+std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::uint64_t seed,
+                                                    const Execution& execution) const {
+  const auto channels = static_cast<std::size_t>(medium.channel_count());
+  // Channels may differ by orders of magnitude; each counts in units of its own mean.
+  std::vector<double> emission(channels), scale(channels);
+  for (std::uint64_t i = 0; i < kScoutPoints; ++i) {
+    const auto word = philox(seed, i, 0);
+    medium.coefficients(
+        place_in(bounds_, unit_uniform(word[0]), unit_uniform(word[1]), unit_uniform(word[2])),
+        emission.data());
+    for (std::size_t c = 0; c < channels; ++c) scale[c] += emission[c] / kScoutPoints;
+  }
+  // A channel that the scouts did not see counts as it is.
+  for (double& s : scale) s = s > 0 ? 1 / s : 1;
+  std::vector<double> weights(cell_count());
+  const auto slab = static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nx_);
+  const bool complete = parallel_for(execution, static_cast<std::size_t>(nz_), [&](std::size_t k, int) {
+    std::vector<double> j(channels);
+    for (std::size_t in_slab = 0; in_slab < slab; ++in_slab) {
+      const std::size_t index = k * slab + in_slab;
+      const auto x = static_cast<double>(in_slab % static_cast<std::size_t>(nx_));
+      const auto y = static_cast<double>(in_slab / static_cast<std::size_t>(nx_));
+      double squares = 0;
+      for (int p = 0; p < kPointsPerCell; ++p) {
+        const auto word = philox(seed, index, 1 + static_cast<std::uint64_t>(p));
+        const auto inside = [](int half, std::uint32_t random) { return 0.5 * (half + unit_uniform(random)); };
+        medium.coefficients(place_in(bounds_, (x + inside(p & 1, word[0])) / nx_,
+                                     (y + inside(p >> 1 & 1, word[1])) / ny_,
+                                     (static_cast<double>(k) + inside(p >> 2, word[2])) / nz_),
+                            j.data());
+        double sum = 0;
+        for (std::size_t c = 0; c < channels; ++c) sum += scale[c] * j[c];
+        squares += sum * sum;
+      }
+      weights[index] = std::sqrt(squares / kPointsPerCell);
+    }
+  });
+  if (!complete) throw Cancelled();
+  return weights;
+}
+
+void EmissionProposal::set_weights(std::vector<double> weights) {
+  const double mean = std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
+  // Too small a thing for every point of the grid could still emit, but nobody can find it.
+  if (!(mean > 0)) return;
+  std::vector<double> around = weights;
+  spread(around, static_cast<std::size_t>(nx_), 1);
+  spread(around, static_cast<std::size_t>(ny_), static_cast<std::size_t>(nx_));
+  spread(around, static_cast<std::size_t>(nz_), static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
+  double total = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    total += std::max({weights[i], kNeighbourShare * around[i], kFloorShare * mean});
+    weights[i] = total;
+  }
+  for (double& w : weights) w /= total;
+  weights.back() = 1;
+  cumulative_ = std::move(weights);
+  guide_.resize(cumulative_.size());
+  std::uint32_t cell = 0;
+  for (std::size_t k = 0; k < guide_.size(); ++k) {
+    while (cumulative_[cell] <= static_cast<double>(k) / static_cast<double>(guide_.size())) ++cell;
+    guide_[k] = cell;
+  }
+}
+
+EmissionProposal::Point EmissionProposal::draw(double choice, double u, double v, double w) const {
+  const double place = choice * static_cast<double>(guide_.size());
+  std::size_t cell = guide_[std::min(static_cast<std::size_t>(place), guide_.size() - 1)];
+  while (cell + 1 < cumulative_.size() && cumulative_[cell] <= choice) ++cell;
+  const double share = cumulative_[cell] - (cell > 0 ? cumulative_[cell - 1] : 0);
+  const auto nx = static_cast<std::size_t>(nx_), ny = static_cast<std::size_t>(ny_);
+  Point point;
+  point.position = place_in(bounds_, (static_cast<double>(cell % nx) + u) / nx_,
+                            (static_cast<double>(cell / nx % ny) + v) / ny_,
+                            (static_cast<double>(cell / (nx * ny)) + w) / nz_);
+  point.density = share / cell_volume_;
+  return point;
+}
+
+}  // namespace plenoflame

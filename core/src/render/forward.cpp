@@ -1,0 +1,223 @@
+#include "render/forward.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/sampling/philox.h"
+#include "render/aperture_cone.h"
+#include "render/emission_proposal.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr std::int64_t kChunkBundles = 32768;  ///< about so many are traced by one thread at a time
+constexpr int kChunksPerThread = 8;            ///< between two merges
+/// The lookups of the emission must not be numbers that bundles use.
+constexpr std::uint64_t kProposalSeed = 0x70726f706f73616cu;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// A bundle that arrived on a pixel of the window, before attenuation.
+struct Hit {
+  int column, row, replicate;
+  Vec3 origin, direction;  ///< world, from the flame to the camera
+  double weight;           ///< [m^3 sr] per unit of emission
+};
+
+/// What one chunk adds to the film.
+struct Deposit {
+  int column, row, replicate;
+};
+struct Chunk {
+  std::vector<Deposit> deposits;
+  std::vector<double> flux;  ///< channels values per deposit
+  double bundles = 0, arrived = 0, seconds_optics = 0, seconds_medium = 0;
+  MediumCounters medium;
+  bool done = false;
+};
+
+class BundleTracer {
+ public:
+  BundleTracer(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
+               const EmissionProposal& proposal)
+      : scene_(scene), settings_(settings), window_(film.window()), proposal_(proposal),
+        cone_(scene.camera), to_camera_(scene.camera.to_world().inverse()) {}
+
+  void trace(std::int64_t first, std::int64_t end, Chunk& chunk) const;
+
+ private:
+  void trace_bundle(std::int64_t index, std::vector<Camera::Arrival>& arrivals,
+                    std::vector<Hit>& hits, Chunk& chunk) const;
+  void attenuate(const Hit* hits, int count, Chunk& chunk) const;
+
+  const CompiledScene& scene_;
+  const RenderSettings& settings_;
+  PixelWindow window_;
+  const EmissionProposal& proposal_;
+  ApertureCone cone_;
+  RigidTransform to_camera_;
+};
+
+void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>& arrivals,
+                                std::vector<Hit>& hits, Chunk& chunk) const {
+  const auto a = philox(settings_.seed, static_cast<std::uint64_t>(index), 0);
+  const auto b = philox(settings_.seed, static_cast<std::uint64_t>(index), 1);
+  const EmissionProposal::Point point =
+      proposal_.draw(unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]), unit_uniform(b[2]));
+  const Vec3 origin = to_camera_.point(point.position);
+  if (!cone_.in_front(origin)) return;
+  const ApertureCone::Direction way = cone_.draw(origin, unit_uniform(a[2]), unit_uniform(a[3]));
+  if (!(way.solid_angle > 0)) return;
+  arrivals.clear();
+  scene_.camera.trace_from_scene({origin, way.direction}, arrivals);
+  const SensorSpec& sensor = scene_.camera.spec().sensor;
+  for (const Camera::Arrival& arrival : arrivals) {
+    const double x = 0.5 * sensor.columns - arrival.sensor_point.x / sensor.pixel_pitch;
+    const double y = 0.5 * sensor.rows - arrival.sensor_point.y / sensor.pixel_pitch;
+    if (!(x >= 0 && x < sensor.columns && y >= 0 && y < sensor.rows)) continue;
+    chunk.arrived += 1;
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    if (column < window_.x || column >= window_.x + window_.width || row < window_.y ||
+        row >= window_.y + window_.height)
+      continue;
+    hits.push_back({column, row, static_cast<int>(index % settings_.replicates), point.position,
+                    scene_.camera.to_world().direction(way.direction),
+                    way.solid_angle * arrival.etendue_ratio / point.density});
+  }
+}
+
+void BundleTracer::attenuate(const Hit* hits, int count, Chunk& chunk) const {
+  const Medium& medium = *scene_.medium;
+  const Box box = medium.bounds();
+  const int padded = (count + kRayPadding - 1) / kRayPadding * kRayPadding;
+  constexpr int kArrays = 9;
+  struct alignas(64) Arrays {
+    double value[kArrays][kMaxBatch];
+  };
+  const auto arrays = std::make_unique<Arrays>();
+  auto& v = arrays->value;
+  RayBatch<double> rays;
+  rays.size = padded;
+  rays.anchor = 0.5 * (box.lower + box.upper);
+  for (int i = 0; i < padded; ++i) {
+    const Hit& hit = hits[std::min(i, count - 1)];
+    const Vec3 p = hit.origin - rays.anchor;
+    v[0][i] = p.x, v[1][i] = p.y, v[2][i] = p.z;
+    v[3][i] = hit.direction.x, v[4][i] = hit.direction.y, v[5][i] = hit.direction.z;
+    v[6][i] = 0;
+    v[7][i] = std::numeric_limits<double>::infinity();
+  }
+  rays.x = v[0], rays.y = v[1], rays.z = v[2];
+  rays.dx = v[3], rays.dy = v[4], rays.dz = v[5];
+  rays.t_near = v[6], rays.t_far = v[7];
+  const auto channels = static_cast<std::size_t>(medium.channel_count());
+  std::vector<double> emission(channels);
+  // The integrator gives the radiance of the way as well; only the transmittance is wanted.
+  const std::size_t stride = kMaxBatch;
+  std::vector<double> radiance(channels * stride + 8);
+  RadianceBatch<double> out;
+  void* aligned = radiance.data();
+  std::size_t space = radiance.size() * sizeof(double);
+  out.radiance = static_cast<double*>(std::align(64, channels * stride * sizeof(double), aligned, space));
+  out.stride = kMaxBatch;
+  out.transmittance = v[8];
+  MediumOptions options;
+  options.isa = settings_.isa;
+  options.skip = settings_.skip;
+  medium.integrate(rays, options, out, chunk.medium);
+  for (int i = 0; i < count; ++i) {
+    medium.coefficients(hits[i].origin, emission.data());
+    const double factor = hits[i].weight * v[8][i];
+    bool any = false;
+    for (const double e : emission) any = any || e * factor > 0;
+    if (!any) continue;
+    chunk.deposits.push_back({hits[i].column, hits[i].row, hits[i].replicate});
+    for (const double e : emission) chunk.flux.push_back(e * factor);
+  }
+}
+
+void BundleTracer::trace(std::int64_t first, std::int64_t end, Chunk& chunk) const {
+  auto start = Clock::now();
+  std::vector<Hit> hits;
+  std::vector<Camera::Arrival> arrivals;
+  for (std::int64_t i = first; i < end; ++i) trace_bundle(i, arrivals, hits, chunk);
+  chunk.bundles = static_cast<double>(end - first);
+  chunk.seconds_optics = seconds_since(start);
+  start = Clock::now();
+  for (std::size_t i = 0; i < hits.size(); i += kMaxBatch)
+    attenuate(hits.data() + i, static_cast<int>(std::min<std::size_t>(kMaxBatch, hits.size() - i)), chunk);
+  chunk.seconds_medium = seconds_since(start);
+  chunk.done = true;
+}
+
+/// Adds a chunk to film and statistics.
+void merge(const Chunk& chunk, Film& film, RenderStatistics& statistics) {
+  const auto channels = static_cast<std::size_t>(film.channels());
+  for (std::size_t i = 0; i < chunk.deposits.size(); ++i) {
+    const Deposit& d = chunk.deposits[i];
+    for (std::size_t c = 0; c < channels; ++c)
+      film.sum(static_cast<int>(c), d.replicate, d.column, d.row) += chunk.flux[i * channels + c];
+  }
+  statistics.rays += chunk.bundles;
+  statistics.rays_reached += chunk.arrived;
+  statistics.seconds_optics += chunk.seconds_optics;
+  statistics.seconds_medium += chunk.seconds_medium;
+  statistics.medium.rays += chunk.medium.rays;
+  statistics.medium.cells += chunk.medium.cells;
+  statistics.medium.skipped_empty += chunk.medium.skipped_empty;
+  statistics.medium.skipped_constant += chunk.medium.skipped_constant;
+  statistics.medium.opaque_tails += chunk.medium.opaque_tails;
+}
+
+}  // namespace
+
+std::int64_t render_forward(const CompiledScene& scene, const RenderSettings& settings,
+                            std::int64_t points, const Execution& execution, Film& film,
+                            RenderStatistics& statistics) {
+  statistics.precision = "double";
+  const auto start = Clock::now();
+  const EmissionProposal proposal(*scene.medium, settings.seed ^ kProposalSeed, execution);
+  statistics.seconds_generate += seconds_since(start) * execution.thread_count();
+  if (proposal.dark()) return points;
+  const BundleTracer tracer(scene, settings, film, proposal);
+  // Chunks are whole numbers of points of every replicate, so that any number of leading chunks is a
+  // valid, smaller run. They are merged in order: the sums do not depend on who traced what.
+  const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBundles / settings.replicates);
+  const std::int64_t chunks = (points + per_chunk - 1) / per_chunk;
+  const std::int64_t round = static_cast<std::int64_t>(kChunksPerThread) * execution.thread_count();
+  std::vector<Chunk> pending;
+  std::int64_t merged = 0;
+  for (bool complete = true; complete && merged < chunks;) {
+    const std::int64_t count = std::min(round, chunks - merged);
+    pending.assign(static_cast<std::size_t>(count), {});
+    complete = parallel_for(execution, static_cast<std::size_t>(count), [&](std::size_t i, int) {
+      const std::int64_t chunk = merged + static_cast<std::int64_t>(i);
+      tracer.trace(chunk * per_chunk * settings.replicates,
+                   std::min((chunk + 1) * per_chunk, points) * settings.replicates, pending[i]);
+    });
+    for (const Chunk& chunk : pending) {
+      if (!chunk.done) break;
+      merge(chunk, film, statistics);
+      ++merged;
+    }
+    if (!execution.progress) continue;
+    Progress progress;
+    const double elapsed = seconds_since(start);
+    progress.fraction = static_cast<double>(merged) / static_cast<double>(chunks);
+    progress.rays = statistics.rays;
+    progress.rays_per_second = statistics.rays / elapsed;
+    if (merged > 0) progress.remaining_seconds = elapsed * (1 / progress.fraction - 1);
+    execution.progress(progress);
+  }
+  return std::min(merged * per_chunk, points);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/film/film.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame {
+
+/// Forward Monte Carlo: energy bundles leave the flame nearly in proportion to its emission, head
+/// into the cone of the camera's front aperture, are attenuated on their way out and traced through
+/// main lens and array onto the pixels. Adds sum(weight) to the film, in W times the number of
+/// bundles per replicate; bundle `index` belongs to replicate index mod replicates. Shares nothing
+/// with the backward estimator but the medium and the lens surfaces.
+/// @param points bundles of each replicate
+/// @return how many of each replicate were traced: fewer when it was stopped. The film depends on
+///         scene, seed and this number only, not on the number of threads.
+std::int64_t render_forward(const CompiledScene& scene, const RenderSettings& settings,
+                            std::int64_t points, const Execution& execution, Film& film,
+                            RenderStatistics& statistics);
+
+}  // namespace plenoflame
