@@ -15,8 +15,10 @@ namespace {
 
 #ifdef PLENOFLAME_LONG_TEST
 constexpr long kFluxRays = 32'000'000, kDiscRays = 4'000'000, kPixelRays = 1'600'000;
+constexpr double kFields[] = {0.0, 0.3, 0.6, 0.8, 1.0};
 #else
-constexpr long kFluxRays = 1'600'000, kDiscRays = 400'000, kPixelRays = 160'000;
+constexpr long kFluxRays = 800'000, kDiscRays = 320'000, kPixelRays = 80'000;
+constexpr double kFields[] = {0.0, 1.0};
 #endif
 constexpr int kWindow = 40;  ///< pixels along the side
 
@@ -24,9 +26,14 @@ struct Case {
   std::string name;
   CameraSpec camera;
   double field;  ///< of the sensor's half diagonal
+  /// Share of the light that may come from outside the stop's disc as the table describes it; the
+  /// plano-convex microlenses of the thin-lens presets have more coma than its terms hold.
+  double outside_stop = 0;
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name << " at field " << c.field; }
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name << " at field " << c.field;
+}
 
 /// A sensor without array behind the paper's lens, aberrations included.
 CameraSpec bare_camera() {
@@ -44,10 +51,12 @@ CameraSpec with_models(CameraSpec camera, LensModel lens, LensModel array) {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const double field : {0.0, 0.6, 1.0}) {
-    for (const char* name : {"paper-plenoptic2", "paper-plenoptic1", "paper-previous-60x60",
-                             "raytrix-r29-reduced"})
+  for (const double field : kFields) {
+    for (const char* name :
+         {"paper-plenoptic2", "paper-plenoptic1", "paper-previous-60x60", "raytrix-r29-reduced"})
       all.push_back({name, preset_camera(name), field});
+    for (const char* name : {"r12", "raytrix-r29"})
+      all.push_back({name, preset_camera(name), field, 5e-4});
     const CameraSpec paper = preset_camera("paper-plenoptic2");
     all.push_back({"ideal", with_models(paper, LensModel::ideal, LensModel::ideal), field});
     all.push_back({"ideal lens", with_models(paper, LensModel::ideal, LensModel::real), field});
@@ -86,10 +95,28 @@ TEST_P(NoLightLost, TotalFlux) {
 
 TEST_P(NoLightLost, EveryRayThatPassesIsInsideBothDiscs) {
   const Camera camera(GetParam().camera);
-  if (!camera.has_array()) GTEST_SKIP() << "the disc of a bare camera: BareCameraDisc";
   const PupilSampling pupils(camera);
   const PixelWindow w = window_of(GetParam());
-  long passed = 0, outside_aperture = 0, outside_stop = 0, outside_bound = 0, outside_image = 0;
+  if (!camera.has_array()) {
+    const PupilTable& table = pupils.tables().front();
+    long passed = 0, outside = 0;
+    PlainSampler(camera, 2).samples(
+        w.x, w.y, w.width, w.height, kDiscRays, [&](const PlainSampler::Sample& s) {
+          // As the renderer does, by the pixel's centre.
+          const double p = camera.spec().sensor.pixel_pitch;
+          const auto centred = [p](double x) { return (std::floor(x / p) + 0.5) * p; };
+          const Vec2 pixel{centred(s.sensor.x), centred(s.sensor.y)};
+          const double h = length(pixel);
+          const PupilNode node = table.at(h);
+          ++passed;
+          outside += length(s.aim - (node.aim_centre / h) * pixel) >= node.aim_radius;
+        });
+    EXPECT_GT(passed, kDiscRays / 100);
+    EXPECT_EQ(outside, 0) << "of " << passed;
+    return;
+  }
+  long passed = 0, outside_aperture = 0, outside_bound = 0, outside_image = 0;
+  double all_light = 0, outside_stop = 0;
   PlainSampler(camera, 2).samples(
       w.x, w.y, w.width, w.height, kDiscRays, [&](const PlainSampler::Sample& s) {
         const Vec2 place = camera.lattice().centre(*s.lens);
@@ -102,13 +129,14 @@ TEST_P(NoLightLost, EveryRayThatPassesIsInsideBothDiscs) {
         const Vec2 from = local(s.sensor - place), aim = local(s.aim - place);
         ++passed;
         outside_aperture += length(aim - table.aperture_shift * from) >= table.aperture_radius;
-        outside_stop += length(from - node.centre_at(aim)) >= node.radius_at(aim);
+        all_light += s.weight;
+        if (length(from - node.centre_at(aim)) >= node.radius_at(aim)) outside_stop += s.weight;
         outside_bound += length(aim) > table.bound_radius;
         outside_image += length(from - Vec2{node.centre, 0}) > node.outer_radius;
       });
   EXPECT_GT(passed, kDiscRays / 100);
   EXPECT_EQ(outside_aperture, 0) << "of " << passed;
-  EXPECT_EQ(outside_stop, 0) << "of " << passed;
+  EXPECT_LE(outside_stop, GetParam().outside_stop * all_light);
   EXPECT_EQ(outside_bound, 0) << "of " << passed;
   EXPECT_EQ(outside_image, 0) << "of " << passed;
 }
@@ -127,21 +155,20 @@ TEST_P(NoLightLost, EveryPixel) {
     const double own = result.light_field.channels[0].standard_error.at(0, 0);
     const PlainSampler::Estimate plain =
         PlainSampler(scene.camera, 3).flux(settings.window.x, settings.window.y, 1, 1, kPixelRays);
-    EXPECT_TRUE(within(flux, plain.flux, 1,
-                       1e-3 * plain.flux + 5 * std::hypot(own, plain.standard_error)))
+    EXPECT_TRUE(
+        within(flux, plain.flux, 1, 1e-3 * plain.flux + 5 * std::hypot(own, plain.standard_error)))
         << "pixel " << settings.window.x << ", " << settings.window.y << ": "
         << flux / plain.flux - 1 << " +- " << plain.standard_error / plain.flux;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, NoLightLost, ::testing::ValuesIn(cases()),
-                         [](const auto& test) {
-                           std::string name = test.param.name + "_" +
-                                              std::to_string(static_cast<int>(10 * test.param.field));
-                           for (char& c : name)
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Cameras, NoLightLost, ::testing::ValuesIn(cases()), [](const auto& test) {
+  const Case& c = test.param;
+  std::string name = c.name + "_" + std::to_string(static_cast<int>(10 * c.field));
+  for (char& letter : name)
+    if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
+  return name;
+});
 
 }  // namespace
 }  // namespace plenoflame::test

@@ -17,7 +17,9 @@ inline Execution threads(int count) {
   execution.threads = count;
   return execution;
 }
-inline Execution one_thread() { return threads(1); }
+inline Execution one_thread() {
+  return threads(1);
+}
 
 /// A scene of one camera and any medium, without files.
 inline CompiledScene scene_of(const CameraSpec& camera, std::unique_ptr<Medium> medium) {

@@ -86,7 +86,8 @@ class PlainSampler {
 
   /// Flux on a region of the upright image from a source of radiance 1 that `sees` a leaving ray.
   template <class Sees>
-  Estimate flux(double column, double row, double width, double height, long rays, const Sees& sees) {
+  Estimate flux(double column, double row, double width, double height, long rays,
+                const Sees& sees) {
     Estimate estimate;
     double sum = 0, squares = 0;
     const long each = rays / kShifts;
@@ -109,7 +110,7 @@ class PlainSampler {
     const double area = width * height * pitch * pitch;
     const double mean = sum / kShifts;
     estimate.flux = area * mean;
-    estimate.standard_error = 
+    estimate.standard_error =
         area * std::sqrt(std::max(0.0, squares / kShifts - mean * mean) / (kShifts - 1));
     return estimate;
   }

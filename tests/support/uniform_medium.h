@@ -21,8 +21,9 @@ class UniformMedium : public Medium {
   int channel_count() const override { return 1; }
   Box bounds() const override { return box_; }
   double feature_size() const override {
-    return everywhere_ ? 1.0 : std::min({box_.upper.x - box_.lower.x, box_.upper.y - box_.lower.y,
-                                         box_.upper.z - box_.lower.z});
+    return everywhere_ ? 1.0
+                       : std::min({box_.upper.x - box_.lower.x, box_.upper.y - box_.lower.y,
+                                   box_.upper.z - box_.lower.z});
   }
   void integrate(const RayBatch<float>& rays, const MediumOptions&, RadianceBatch<float> out,
                  MediumCounters& counters) const override {

@@ -351,9 +351,15 @@ PupilTable microlens_table(const Camera& camera, int type) {
   // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
   const double h_max = field_radius(camera) + 2 * camera.spec().array.pitch;
   table.field_step = h_max / (kNodes - 1);
-  // First the outline with the nominal aperture, which bounds s; then the aperture itself.
-  const Outline axis = trace_outline(tracer, 0, tracer.aperture_radius());
-  fit_aperture(tracer.own_at(0), outer_radius(axis.node, 0), table);
+  // First the outlines with the nominal aperture, which bound s; then the aperture itself. Towards
+  // the edge of the field micro-images move out from under their lenses.
+  double s_max = 0;
+  for (const double h : {0.0, 0.5 * h_max, h_max}) {
+    const Outline outline = trace_outline(tracer, h, tracer.aperture_radius());
+    if (!outline.node.dark())
+      s_max = std::max(s_max, std::fabs(outline.node.centre) + outer_radius(outline.node, 0));
+  }
+  fit_aperture(tracer.own_at(0), s_max, table);
   for (int i = 0; i < kNodes; ++i) {
     Outline outline = trace_outline(tracer, i * table.field_step, table.aperture_radius);
     table.nodes.push_back(outline.node);

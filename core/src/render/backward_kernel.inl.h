@@ -70,7 +70,7 @@ PLENOFLAME_INLINE Real find_cut(const KernelPatch<Real>& c, Real sx, Real sy, Re
 /// (`side` +1: the part lies above, -1: below), from the implicit curve |s - centre(u)| = radius(u);
 /// a quarter wider than the circle of curvature, for what the two terms leave out.
 template <class Real>
-PLENOFLAME_INLINE Real cut_diameter(const KernelPatch<Real>& c, Real p, Real side) {
+PLENOFLAME_INLINE Real cut_diameter(const KernelPatch<Real>& c, Real p, Real side, Real& bulge) {
   const Real t = p * p * c.inverse_aim2;
   const Real k = c.coupling_sign * (c.coupling[0] + t * (c.coupling[1] + t * c.coupling[2]));
   const Real k_t = c.coupling_sign * (c.coupling[1] + Real(2) * t * c.coupling[2]) * c.inverse_aim2;
@@ -82,8 +82,25 @@ PLENOFLAME_INLINE Real cut_diameter(const KernelPatch<Real>& c, Real p, Real sid
   const Real bend = k * k / (Real(2) * radius) - side * p * k_t - r_t + flatter;
   const Real slope = k + Real(2) * p * p * k_t + side * Real(2) * p * r_t;
   const Real diameter = c.cut_margin * slope / bend;
+  // A curve that bends outwards leaves open what lies beyond its cut of the axis; `bulge` covers
+  // what plain rays have shown to be in use (tests/statistical/no_light_lost_test.cpp).
+  const Real chord2 = Real(0.35) * greatest(c.aim_radius * c.aim_radius - p * p, Real(0));
+  bulge = slope > Real(0) ? greatest(-bend * chord2, Real(0)) / slope : Real(2) * c.aim_radius;
   const bool curved = (bend > Real(0)) & (slope > Real(0));
   return curved ? diameter : Real(1e6) * c.aim_radius;
+}
+
+/// The same diameter, or none when that circle would cut off what is open: near a microlens' focus
+/// the curve is far from a circle. Looked at where the circle crosses the middle of the open part of
+/// the axis, `half` from its ends.
+template <class Real>
+PLENOFLAME_INLINE Real checked_diameter(const KernelPatch<Real>& c, Real sx, Real sy, Real middle_x,
+                                        Real middle_y, Real ex, Real ey, Real half, Real diameter) {
+  const Real q = square_root(greatest(half * (diameter - half), Real(0)));
+  const Real f1 = outside_stop(c, sx, sy, middle_x - q * ey, middle_y + q * ex);
+  const Real f2 = outside_stop(c, sx, sy, middle_x + q * ey, middle_y - q * ex);
+  const bool bounds = (diameter > Real(2) * half) & (f1 > Real(0)) & (f2 > Real(0));
+  return bounds ? diameter : Real(1e6) * c.aim_radius;
 }
 
 /// The part of the aperture that is sampled, along an axis through the middle of its disc.
@@ -141,18 +158,28 @@ PLENOFLAME_INLINE Cut<Real> find_cuts(const KernelPatch<Real>& c, Real sx, Real 
   const Real pc = least(sigma / greatest(k1, tiny), a);
   const Real f_low = outside_stop(c, sx, sy, ax - a * ex, ay - a * ey);
   const Real f_high = outside_stop(c, sx, sy, ax + a * ex, ay + a * ey);
-  const Real fc = least(outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey), -tiny * a);
+  // With strong coma even the nearest point may lie outside, and what is open elsewhere: then the
+  // whole aperture is taken, which costs rays but no light.
+  const Real nearest = outside_stop(c, sx, sy, ax + pc * ex, ay + pc * ey);
+  const bool bracketed = nearest < Real(0);
+  const Real fc = least(nearest, -tiny * a);
   Real low_error = 0, high_error = 0;
   const Real at_low = find_cut(c, sx, sy, ax, ay, ex, ey, -a, f_low, pc, fc, low_error);
   const Real at_high = find_cut(c, sx, sy, ax, ay, ex, ey, a, f_high, pc, fc, high_error);
   const Real slack = Real(0.001) * a;
-  const bool cut_low = f_low > Real(0), cut_high = f_high > Real(0);
-  cut.low = cut_low ? greatest(at_low - slack - low_error, -a) : -a;
+  const bool cut_low = bracketed & (f_low > Real(0)), cut_high = bracketed & (f_high > Real(0));
+  Real low_bulge = 0, high_bulge = 0;  // nothing was seen to be lost at the high end
+  const Real entry = greatest(at_low - slack - low_error, -a);
+  const Real low_diameter = cut_diameter(c, entry, Real(1), low_bulge);
+  cut.low = cut_low ? greatest(entry - low_bulge, -a) : -a;
   cut.high = cut_high ? least(at_high + slack + high_error, cut.high) : cut.high;
-  const Real low_diameter = cut_diameter(c, cut.low, Real(1));
-  const Real high_diameter = cut_diameter(c, cut.high, Real(-1));
-  cut.low_diameter = cut_low ? low_diameter : Real(1e6) * a;
-  cut.high_diameter = cut_high ? high_diameter : Real(1e6) * a;
+  const Real high_diameter = cut_diameter(c, cut.high, Real(-1), high_bulge);
+  const Real half = Real(0.5) * (cut.high - cut.low);
+  const Real mx = ax + (cut.low + half) * ex, my = ay + (cut.low + half) * ey;
+  const Real low_bound = checked_diameter(c, sx, sy, mx, my, ex, ey, half, low_diameter);
+  const Real high_bound = checked_diameter(c, sx, sy, mx, my, ex, ey, half, high_diameter);
+  cut.low_diameter = cut_low ? low_bound : Real(1e6) * a;
+  cut.high_diameter = cut_high ? high_bound : Real(1e6) * a;
   return cut;
 }
 
