@@ -54,6 +54,18 @@ class Render(CommandTest):
         self.assertEqual(self.read("1.exr"), self.read("2.exr"))
         self.assertEqual(self.read("1.exr"), self.read("7.exr"))
 
+    def test_forward_estimator(self):
+        def rays(*arguments):
+            return self.json_of("render", "a.toml", *WINDOW, *arguments)["rays"]
+        self.assertEqual(rays("--estimator", "forward", "--samples", "2e5"), 200000)
+        self.assertEqual(self.json_of("info", "a.exr")["estimator"], "forward")
+        self.assertGreater(max(value for row in read_exr(self.path("a.exr"))[1]["total"] for value in row), 0)
+        # 64 rays a pixel, the scene's default, would be no picture of so many bundles.
+        self.assertEqual(rays("--estimator", "forward"), 1e6)
+        self.assertEqual(rays("--estimator", "forward", "--samples", "1"), 1)
+        self.write("a.toml", SCENE + '[render]\nestimator = "forward"\nsamples = 30000\n')
+        self.assertEqual(rays(), 30000)
+
     def test_quiet_says_nothing(self):
         self.assertEqual(self.succeeds("render", "a.toml", *WINDOW, "--samples", "2", "--quiet"), "")
         self.assertIn("rays", json.loads(self.succeeds("render", "a.toml", *WINDOW, "--samples", "2", "--json")))

@@ -29,8 +29,9 @@ ApertureCone::ApertureCone(const Camera& camera) {
     const double height = 0.5 * first.diameter, r = std::fabs(first.radius);
     double depth = 0;  // of the rim behind the vertex
     if (std::isfinite(r))
-      depth = std::copysign(height * height / (r + std::sqrt(std::max(0.0, (r - height) * (r + height)))),
-                            first.radius);
+      depth = std::copysign(
+          height * height / (r + std::sqrt(std::max(0.0, (r - height) * (r + height)))),
+          first.radius);
     // A cap up to a hemisphere lies within the sphere around the middle of its rim.
     centre_ = {0, 0, -depth};
     radius_ = kMargin * std::max(height, std::fabs(depth));
@@ -38,8 +39,9 @@ ApertureCone::ApertureCone(const Camera& camera) {
     return;
   }
   pupil_ = true;
-  // In terms of the height h at the front principal plane and the slope s in the scene, a ray passes
-  // when |a h + b s| is within the stop; that is a disc where a ray from its centre has a h = -b s.
+  // In terms of the height h at the front principal plane and the slope s in the scene, a ray
+  // passes when |a h + b s| is within the stop; that is a disc where a ray from its centre has a h
+  // = -b s.
   const IdealLens& lens = camera.ideal();
   const double a = lens.stop_height + lens.stop_slope / lens.focal_length, b = lens.stop_slope;
   if (std::fabs(a) * 1e9 * lens.focal_length < std::fabs(b)) {

@@ -3,9 +3,9 @@
 
 namespace plenoflame {
 
-/// The directions in which light may enter a camera: seen from a point of the scene, the cone around
-/// a sphere that encloses the front surface's clear aperture (with an ideal main lens, the entrance
-/// pupil). Camera frame.
+/// The directions in which light may enter a camera: seen from a point of the scene, the cone
+/// around a sphere that encloses the front surface's clear aperture (with an ideal main lens, the
+/// entrance pupil). Camera frame.
 class ApertureCone {
  public:
   explicit ApertureCone(const Camera& camera);
@@ -14,19 +14,20 @@ class ApertureCone {
   bool in_front(Vec3 point) const { return point.z > front_; }
 
   struct Direction {
-    Vec3 direction;         ///< towards -z
-    double solid_angle = 0; ///< [sr] over which directions are drawn evenly; 0: away from the camera
+    Vec3 direction;  ///< towards -z
+    double solid_angle =
+        0;  ///< [sr] over which directions are drawn evenly; 0: away from the camera
   };
   /// @param u, v uniform in (0, 1)
   Direction draw(Vec3 point, double u, double v) const;
 
  private:
-  double front_ = 0;      ///< z in front of which the scene begins [m]
-  Vec3 centre_;           ///< of the sphere [m]
-  double radius_ = 0;     ///< [m]
+  double front_ = 0;   ///< z in front of which the scene begins [m]
+  Vec3 centre_;        ///< of the sphere [m]
+  double radius_ = 0;  ///< [m]
   /// Lines that meet the sphere count whichever way it lies: a pupil may be behind the flame.
   bool pupil_ = false;
-  double telecentric_ = 0;///< > 0: instead, tangent of the largest angle with the axis
+  double telecentric_ = 0;  ///< > 0: instead, tangent of the largest angle with the axis
 };
 
 }  // namespace plenoflame

@@ -10,14 +10,15 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kCellsAlong = 64;          ///< at most so many cells along the longest side
-constexpr int kPointsPerCell = 8;        ///< one in each eighth
-constexpr int kScoutPoints = 4096;       ///< to weigh the channels against each other
-constexpr double kNeighbourShare = 0.25; ///< of the brightest neighbour's weight, at least
-constexpr double kFloorShare = 0.02;     ///< of the mean weight, at least
+constexpr int kCellsAlong = 64;           ///< at most so many cells along the longest side
+constexpr int kPointsPerCell = 8;         ///< one in each eighth
+constexpr int kScoutPoints = 4096;        ///< to weigh the channels against each other
+constexpr double kNeighbourShare = 0.25;  ///< of the brightest neighbour's weight, at least
+constexpr double kFloorShare = 0.02;      ///< of the mean weight, at least
 
 Vec3 place_in(const Box& box, double u, double v, double w) {
-  return {box.lower.x + u * (box.upper.x - box.lower.x), box.lower.y + v * (box.upper.y - box.lower.y),
+  return {box.lower.x + u * (box.upper.x - box.lower.x),
+          box.lower.y + v * (box.upper.y - box.lower.y),
           box.lower.z + w * (box.upper.z - box.lower.z)};
 }
 
@@ -30,7 +31,8 @@ void spread(std::vector<double>& values, std::size_t count, std::size_t stride) 
       double* const at = values.data() + first + offset;
       for (std::size_t i = 0; i < count; ++i) line[i] = at[i * stride];
       for (std::size_t i = 0; i < count; ++i)
-        at[i * stride] = std::max({line[i], i > 0 ? line[i - 1] : 0, i + 1 < count ? line[i + 1] : 0});
+        at[i * stride] =
+            std::max({line[i], i > 0 ? line[i - 1] : 0, i + 1 < count ? line[i + 1] : 0});
     }
 }
 
@@ -53,7 +55,8 @@ EmissionProposal::EmissionProposal(const Medium& medium, std::uint64_t seed,
 }
 
 std::size_t EmissionProposal::cell_count() const {
-  return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nz_);
+  return static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_) *
+         static_cast<std::size_t>(nz_);
 }
 
 std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::uint64_t seed,
@@ -72,39 +75,44 @@ std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::u
   for (double& s : scale) s = s > 0 ? 1 / s : 1;
   std::vector<double> weights(cell_count());
   const auto slab = static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nx_);
-  const bool complete = parallel_for(execution, static_cast<std::size_t>(nz_), [&](std::size_t k, int) {
-    std::vector<double> j(channels);
-    for (std::size_t in_slab = 0; in_slab < slab; ++in_slab) {
-      const std::size_t index = k * slab + in_slab;
-      const auto x = static_cast<double>(in_slab % static_cast<std::size_t>(nx_));
-      const auto y = static_cast<double>(in_slab / static_cast<std::size_t>(nx_));
-      double squares = 0;
-      for (int p = 0; p < kPointsPerCell; ++p) {
-        const auto word = philox(seed, index, 1 + static_cast<std::uint64_t>(p));
-        const auto inside = [](int half, std::uint32_t random) { return 0.5 * (half + unit_uniform(random)); };
-        medium.coefficients(place_in(bounds_, (x + inside(p & 1, word[0])) / nx_,
-                                     (y + inside(p >> 1 & 1, word[1])) / ny_,
-                                     (static_cast<double>(k) + inside(p >> 2, word[2])) / nz_),
-                            j.data());
-        double sum = 0;
-        for (std::size_t c = 0; c < channels; ++c) sum += scale[c] * j[c];
-        squares += sum * sum;
-      }
-      weights[index] = std::sqrt(squares / kPointsPerCell);
-    }
-  });
+  const bool complete =
+      parallel_for(execution, static_cast<std::size_t>(nz_), [&](std::size_t k, int) {
+        std::vector<double> j(channels);
+        for (std::size_t in_slab = 0; in_slab < slab; ++in_slab) {
+          const std::size_t index = k * slab + in_slab;
+          const auto x = static_cast<double>(in_slab % static_cast<std::size_t>(nx_));
+          const auto y = static_cast<double>(in_slab / static_cast<std::size_t>(nx_));
+          double squares = 0;
+          for (int p = 0; p < kPointsPerCell; ++p) {
+            const auto word = philox(seed, index, 1 + static_cast<std::uint64_t>(p));
+            const auto inside = [](int half, std::uint32_t random) {
+              return 0.5 * (half + unit_uniform(random));
+            };
+            medium.coefficients(place_in(bounds_, (x + inside(p & 1, word[0])) / nx_,
+                                         (y + inside(p >> 1 & 1, word[1])) / ny_,
+                                         (static_cast<double>(k) + inside(p >> 2, word[2])) / nz_),
+                                j.data());
+            double sum = 0;
+            for (std::size_t c = 0; c < channels; ++c) sum += scale[c] * j[c];
+            squares += sum * sum;
+          }
+          weights[index] = std::sqrt(squares / kPointsPerCell);
+        }
+      });
   if (!complete) throw Cancelled();
   return weights;
 }
 
 void EmissionProposal::set_weights(std::vector<double> weights) {
-  const double mean = std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
+  const double mean =
+      std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
   // Too small a thing for every point of the grid could still emit, but nobody can find it.
   if (!(mean > 0)) return;
   std::vector<double> around = weights;
   spread(around, static_cast<std::size_t>(nx_), 1);
   spread(around, static_cast<std::size_t>(ny_), static_cast<std::size_t>(nx_));
-  spread(around, static_cast<std::size_t>(nz_), static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
+  spread(around, static_cast<std::size_t>(nz_),
+         static_cast<std::size_t>(nx_) * static_cast<std::size_t>(ny_));
   double total = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     total += std::max({weights[i], kNeighbourShare * around[i], kFloorShare * mean});

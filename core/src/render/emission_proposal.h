@@ -9,8 +9,8 @@
 namespace plenoflame {
 
 /// Draws points of a medium nearly in proportion to its emission: a coarse grid over the medium's
-/// bounds, uniform within each cell. Cells are weighted by the root mean square of the emission at a
-/// few points; since those can miss something, every cell of the bounds keeps a share, so that an
+/// bounds, uniform within each cell. Cells are weighted by the root mean square of the emission at
+/// a few points; since those can miss something, every cell of the bounds keeps a share, so that an
 /// estimate weighted by 1 / density is unbiased for any medium.
 class EmissionProposal {
  public:

@@ -48,8 +48,12 @@ class BundleTracer {
  public:
   BundleTracer(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
                const EmissionProposal& proposal)
-      : scene_(scene), settings_(settings), window_(film.window()), proposal_(proposal),
-        cone_(scene.camera), to_camera_(scene.camera.to_world().inverse()) {}
+      : scene_(scene),
+        settings_(settings),
+        window_(film.window()),
+        proposal_(proposal),
+        cone_(scene.camera),
+        to_camera_(scene.camera.to_world().inverse()) {}
 
   void trace(std::int64_t first, std::int64_t end, Chunk& chunk) const;
 
@@ -70,8 +74,8 @@ void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>
                                 std::vector<Hit>& hits, Chunk& chunk) const {
   const auto a = philox(settings_.seed, static_cast<std::uint64_t>(index), 0);
   const auto b = philox(settings_.seed, static_cast<std::uint64_t>(index), 1);
-  const EmissionProposal::Point point =
-      proposal_.draw(unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]), unit_uniform(b[2]));
+  const EmissionProposal::Point point = proposal_.draw(unit_uniform(a[0], a[1]), unit_uniform(b[0]),
+                                                       unit_uniform(b[1]), unit_uniform(b[2]));
   const Vec3 origin = to_camera_.point(point.position);
   if (!cone_.in_front(origin)) return;
   const ApertureCone::Direction way = cone_.draw(origin, unit_uniform(a[2]), unit_uniform(a[3]));
@@ -126,7 +130,8 @@ void BundleTracer::attenuate(const Hit* hits, int count, Chunk& chunk) const {
   RadianceBatch<double> out;
   void* aligned = radiance.data();
   std::size_t space = radiance.size() * sizeof(double);
-  out.radiance = static_cast<double*>(std::align(64, channels * stride * sizeof(double), aligned, space));
+  out.radiance =
+      static_cast<double*>(std::align(64, channels * stride * sizeof(double), aligned, space));
   out.stride = kMaxBatch;
   out.transmittance = v[8];
   MediumOptions options;
@@ -153,7 +158,8 @@ void BundleTracer::trace(std::int64_t first, std::int64_t end, Chunk& chunk) con
   chunk.seconds_optics = seconds_since(start);
   start = Clock::now();
   for (std::size_t i = 0; i < hits.size(); i += kMaxBatch)
-    attenuate(hits.data() + i, static_cast<int>(std::min<std::size_t>(kMaxBatch, hits.size() - i)), chunk);
+    attenuate(hits.data() + i, static_cast<int>(std::min<std::size_t>(kMaxBatch, hits.size() - i)),
+              chunk);
   chunk.seconds_medium = seconds_since(start);
   chunk.done = true;
 }
@@ -188,8 +194,8 @@ std::int64_t render_forward(const CompiledScene& scene, const RenderSettings& se
   statistics.seconds_generate += seconds_since(start) * execution.thread_count();
   if (proposal.dark()) return points;
   const BundleTracer tracer(scene, settings, film, proposal);
-  // Chunks are whole numbers of points of every replicate, so that any number of leading chunks is a
-  // valid, smaller run. They are merged in order: the sums do not depend on who traced what.
+  // Chunks are whole numbers of points of every replicate, so that any number of leading chunks is
+  // a valid, smaller run. They are merged in order: the sums do not depend on who traced what.
   const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBundles / settings.replicates);
   const std::int64_t chunks = (points + per_chunk - 1) / per_chunk;
   const std::int64_t round = static_cast<std::int64_t>(kChunksPerThread) * execution.thread_count();
