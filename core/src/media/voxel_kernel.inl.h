@@ -94,6 +94,12 @@ class Packet {
       // A little more, so that rounding does not leave a sliver of a whole cell.
       spacing_[l] = Real(1.001) / (fastest > 0 ? fastest : Real(1));
     }
+    // Lanes that never search keep these.
+    for (int l = 0; l < kLanes; ++l) {
+      segment_brick_.x[l] = segment_brick_.y[l] = segment_brick_.z[l] = 0;
+      segment_begin_[l] = segment_end_[l] = 0;
+      segment_entry_[l] = -1;
+    }
     for (int c = 0; c < channels_; ++c)
       for (int l = 0; l < kLanes; ++l) radiance_[c][l] = 0;
     if (medium_.temperature) start_temperature(from);
