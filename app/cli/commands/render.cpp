@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -13,6 +14,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
+#include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/validate.h"
@@ -25,12 +27,19 @@ namespace {
 
 /// Bundles are independent one by one: more replicates cost memory only.
 constexpr int kForwardReplicates = 4;
+constexpr int kMostSamples = 1 << 16;  ///< at which a target error is given up
 
 RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   RenderSettings settings;
   settings.estimator = options.estimator.value_or(scene.render.estimator);
-  settings.samples = options.samples.value_or(scene.render.samples);
+  settings.target_error = options.target_error.value_or(0);
+  settings.time_limit = options.time_limit.value_or(0);
+  // With a target or a time limit the scene's number of samples is no limit.
+  const bool open_ended = options.target_error || options.time_limit;
+  settings.samples = options.samples.value_or(open_ended ? kMostSamples : scene.render.samples);
   if (settings.estimator == Estimator::forward) {
+    if (open_ended || !options.resume.empty())
+      throw UsageError("--target-error, --time-limit and --resume work with --estimator backward");
     // A scene that is made for the other estimator says nothing about how many bundles are needed.
     const bool scene_says = scene.render.estimator == Estimator::forward &&
                             scene.render.samples != RenderSpec{}.samples;
@@ -106,6 +115,20 @@ void describe(const Scene& scene, const CompiledScene& compiled, LightField& fie
   }
 }
 
+/// What a kept state belongs to: anything that changes the image's bits.
+std::string state_key(const Scene& scene, const RenderSettings& s) {
+  nlohmann::ordered_json key;
+  key["version"] = version();
+  key["scene"] = write_scene(scene);
+  key["seed"] = s.seed;
+  key["samples"] = s.samples;
+  key["replicates"] = s.replicates;
+  key["target_error"] = s.target_error;
+  key["isa"] = name(s.isa);
+  key["window"] = {s.window.x, s.window.y, s.window.width, s.window.height};
+  return key.dump();
+}
+
 int run_render(const RenderArguments& arguments) {
   const RenderOptions options = checked_options(arguments);
   const SceneDocument document = read_scene_file(options.scene);
@@ -121,24 +144,42 @@ int run_render(const RenderArguments& arguments) {
   if (!compiled.medium) execution.warn("the scene has no flame: the picture is black");
   const double compile_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  RenderSettings settings = settings_of(options, document.scene);
+  const std::string key = state_key(document.scene, settings);
+  Film earlier;
+  if (!options.resume.empty()) {
+    earlier = read_checkpoint(state_path(options.resume), key);
+    settings.resume = &earlier;
+  }
+  const std::string state = state_path(options.output);
+  settings.checkpoint = [&](const Film& film) { write_checkpoint(state, film, key); };
+  const bool open_ended = settings.target_error > 0 || settings.time_limit > 0;
   RenderResult result;
   bool interrupted = false;
   {
     const InterruptHandler interrupt;
     execution.stop = interrupt.token();
-    result = render(compiled, settings_of(options, document.scene), execution);
+    result = render(compiled, settings, execution);
     interrupted = interrupt.interrupted();
   }
   bar.finish();
   describe(document.scene, compiled, result.light_field);
   write_light_field(options.output, result.light_field);
+  // Runs to a target go on from their last whole round, whose state is there already: what the part
+  // of a round would decide is not what the whole one would have decided.
+  if (!result.statistics.complete && !open_ended && settings.estimator == Estimator::backward)
+    write_checkpoint(state, result.film, key);
+  if (result.statistics.complete) std::filesystem::remove(state);
   const Report report = report_of(result.statistics, compile_seconds);
   if (!options.stats.empty())
     write_file(options.stats, report.json_text());
   if (options.json || !options.quiet) report.print(options.json);
   if (interrupted)
-    std::cerr << "plenoflame: stopped; " << options.output << " holds what was rendered, marked partial\n";
-  return interrupted ? 1 : 0;
+    std::cerr << "plenoflame: stopped; " << options.output
+              << " holds what was rendered, marked partial; go on with --resume " << options.output << '\n';
+  if (!interrupted && !result.statistics.target_reached)
+    std::cerr << "plenoflame: the target error was not reached within the limit of samples or time\n";
+  return interrupted || !result.statistics.target_reached ? 1 : 0;
 }
 
 }  // namespace

@@ -82,7 +82,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("X,Y,W,H");
   command
       .add_option("--resume", options.resume,
-                  "Go on with a light field (.exr) whose run was stopped early")
+                  "Go on with the run that was to write this light field (.exr) and was "
+                  "stopped; its state is beside it in FILE.state")
       ->option_text("FILE");
   command
       .add_option("--stats", options.stats,
@@ -132,10 +133,15 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   return options;
 }
 
+std::string state_path(const std::string& light_field) { return light_field + ".state"; }
+
 void check_files(const RenderOptions& options) {
   check_writable(options.output);
   if (!options.stats.empty()) check_writable(options.stats);
-  if (!options.resume.empty()) static_cast<void>(read_light_field_header(options.resume));
+  if (!options.resume.empty() && !std::filesystem::exists(state_path(options.resume)))
+    throw FileError(state_path(options.resume) +
+                    ": no such file; only a run that was stopped leaves one, and only while the "
+                    "light field stands beside it");
 }
 
 void check_window(const RenderOptions& options, const SensorSpec& sensor) {

@@ -45,6 +45,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 /// Checks what was given, before anything is read. @throws UsageError
 RenderOptions checked_options(const RenderArguments& arguments);
 
+/// Where the state of a stopped run is kept, for the light field that it was to write.
+std::string state_path(const std::string& light_field);
+
 /// Finds out before any work whether the results can be written, and whether the file to go on
 /// from is there. @throws FileError
 void check_files(const RenderOptions& options);

@@ -10,22 +10,35 @@ Film::Film(PixelWindow window, int channels, int replicates)
       channels_(channels),
       replicates_(replicates),
       sums_(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height) *
-            static_cast<std::size_t>(channels) * static_cast<std::size_t>(replicates)) {}
+            static_cast<std::size_t>(channels) * static_cast<std::size_t>(replicates)),
+      tile_samples_(static_cast<std::size_t>(tile_count())) {}
 
-Image Film::flux(int channel, double samples) const {
+PixelWindow Film::tile(int index) const {
+  const int x = index % tiles_across() * kTile, y = index / tiles_across() * kTile;
+  return {window_.x + x, window_.y + y, std::min(kTile, window_.width - x),
+          std::min(kTile, window_.height - y)};
+}
+
+double Film::tile_scale(int column, int row) const {
+  const double samples = tile_samples(row / kTile * tiles_across() + column / kTile);
+  return samples > 0 ? 1.0 / samples : 0.0;
+}
+
+template <class Scale>
+Image Film::flux_scaled(int channel, const Scale& scale) const {
   Image image(window_.width, window_.height);
-  const double scale = 1.0 / (samples * replicates_);
   for (int row = 0; row < window_.height; ++row)
     for (int column = 0; column < window_.width; ++column) {
       double total = 0;
       for (int r = 0; r < replicates_; ++r)
         total += sum(channel, r, column + window_.x, row + window_.y);
-      image.at(column, row) = static_cast<float>(total * scale);
+      image.at(column, row) = static_cast<float>(total / replicates_ * scale(column, row));
     }
   return image;
 }
 
-Image Film::standard_error(int channel, double samples) const {
+template <class Scale>
+Image Film::error_scaled(int channel, const Scale& scale) const {
   if (replicates_ < 2) return {};
   Image image(window_.width, window_.height);
   for (int row = 0; row < window_.height; ++row)
@@ -40,9 +53,26 @@ Image Film::standard_error(int channel, double samples) const {
         squares += d * d;
       }
       image.at(column, row) = static_cast<float>(
-          std::sqrt(squares / (static_cast<double>(replicates_) * (replicates_ - 1))) / samples);
+          std::sqrt(squares / (static_cast<double>(replicates_) * (replicates_ - 1))) *
+          scale(column, row));
     }
   return image;
+}
+
+Image Film::flux(int channel, double samples) const {
+  return flux_scaled(channel, [=](int, int) { return 1.0 / samples; });
+}
+
+Image Film::standard_error(int channel, double samples) const {
+  return error_scaled(channel, [=](int, int) { return 1.0 / samples; });
+}
+
+Image Film::flux(int channel) const {
+  return flux_scaled(channel, [this](int column, int row) { return tile_scale(column, row); });
+}
+
+Image Film::standard_error(int channel) const {
+  return error_scaled(channel, [this](int column, int row) { return tile_scale(column, row); });
 }
 
 double estimated_relative_rmse(const Image& flux, const Image& standard_error) {

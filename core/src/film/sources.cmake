@@ -1,1 +1,1 @@
-list(APPEND core_sources src/film/compare.cpp src/film/film.cpp)
+list(APPEND core_sources src/film/compare.cpp src/film/film.cpp src/film/checkpoint.cpp)

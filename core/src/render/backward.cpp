@@ -1,7 +1,6 @@
 #include "render/backward.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 
@@ -13,7 +12,6 @@ namespace {
 
 constexpr int kLevels = 5;       ///< of fewer points, each half of the one before
 constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
-constexpr int kTile = 64;  ///< pixels along the side of a unit of work
 
 template <class Real>
 KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter, double before,
@@ -90,6 +88,15 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
   return lenses;
 }
 
+/// How far from its microlens' centre any micro-image reaches [m].
+double micro_image_reach(const PupilSampling& pupils) {
+  double reach = 0;
+  for (const PupilTable& table : pupils.tables())
+    for (const PupilNode& node : table.nodes)
+      if (!node.dark()) reach = std::max(reach, std::fabs(node.centre) + node.outer_radius);
+  return reach;
+}
+
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const RenderSettings& settings,
                              std::uint32_t first, int points) {
@@ -118,10 +125,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const RenderSettings& s
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)));
   if (plan.pools.empty()) plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
-  for (const PupilTable& table : scene.pupils.tables())
-    for (const PupilNode& node : table.nodes)
-      if (!node.dark() && camera.has_array())
-        plan.reach = std::max(plan.reach, std::fabs(node.centre) + node.outer_radius);
+  if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   return plan;
 }
 
@@ -129,6 +133,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.rays += part.rays;
   total.rays_reached += part.rays_reached;
   total.pairs += part.pairs;
+  total.pixels_skipped += part.pixels_skipped;
   total.seconds_generate += part.seconds_generate;
   total.seconds_optics += part.seconds_optics;
   total.seconds_medium += part.seconds_medium;
@@ -141,40 +146,43 @@ void add(TileCounters& total, const TileCounters& part) {
 
 template <class Real>
 bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first, int points,
-         const Execution& execution, Film& film, RenderStatistics& statistics) {
+         const std::vector<int>& tiles, const Execution& execution, Film& film,
+         RenderStatistics& statistics) {
   const BackwardPlan<Real> plan = make_plan<Real>(scene, settings, first, points);
-  const PixelWindow& window = film.window();
-  const int across = (window.width + kTile - 1) / kTile, down = (window.height + kTile - 1) / kTile;
   std::vector<TileTracer<Real>> tracers;
   const int workers = execution.thread_count();
   tracers.reserve(static_cast<std::size_t>(workers));
   for (int i = 0; i < workers; ++i) tracers.emplace_back(plan, film);
-  std::atomic<std::size_t> done{0};
   const auto start = std::chrono::steady_clock::now();
-  const std::size_t tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   std::mutex mutex;
-  const bool complete = parallel_for(execution, tiles, [&](std::size_t index, int worker) {
-    const int tx = static_cast<int>(index % static_cast<std::size_t>(across));
-    const int ty = static_cast<int>(index / static_cast<std::size_t>(across));
-    const PixelWindow tile{window.x + tx * kTile, window.y + ty * kTile,
-                           std::min(kTile, window.width - tx * kTile),
-                           std::min(kTile, window.height - ty * kTile)};
-    tracers[static_cast<std::size_t>(worker)].render(tile);
-    const std::size_t finished = ++done;
+  std::size_t done = 0;
+  const double rays_before = statistics.rays;
+  const bool complete = parallel_for(execution, tiles.size(), [&](std::size_t index, int worker) {
+    TileTracer<Real>& tracer = tracers[static_cast<std::size_t>(worker)];
+    const double rays_of_worker = tracer.counters().rays;
+    tracer.render(film.tile(tiles[index]));
+    film.add_samples(tiles[index], points);
     if (!execution.progress) return;
     const std::lock_guard lock(mutex);
+    ++done;
+    statistics.rays += tracer.counters().rays - rays_of_worker;
     Progress progress;
-    progress.fraction = static_cast<double>(finished) / static_cast<double>(tiles);
-    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    // The other workers' counters are read only through their own reports.
+    progress.fraction = static_cast<double>(done) / static_cast<double>(tiles.size());
+    const double elapsed =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    progress.rays = statistics.rays;
+    progress.rays_per_second = (statistics.rays - rays_before) / elapsed;
+    progress.relative_error = statistics.relative_error;
     progress.remaining_seconds = elapsed * (1 / progress.fraction - 1);
     execution.progress(progress);
   });
+  statistics.rays = rays_before;
   TileCounters total;
   for (const auto& tracer : tracers) add(total, tracer.counters());
   statistics.rays += total.rays;
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
+  statistics.pixels_skipped += total.pixels_skipped;
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
   const double busy = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
@@ -202,6 +210,23 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
 template BackwardKernels<float> backward_kernels<float>(Isa);
 template BackwardKernels<double> backward_kernels<double>(Isa);
 
+void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
+                  const PixelWindow& window, RenderStatistics& statistics) {
+  const Camera& camera = scene.camera;
+  if (!camera.has_array() || !scene.medium) return;
+  const BeamBounds beams(camera, scene.pupils.tables(), scene.medium->bounds());
+  const double reach = micro_image_reach(scene.pupils);
+  const Vec2 margin{reach, reach};
+  const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
+  const Vec2 b = camera.sensor_point(window.x, window.y);
+  for (const LensIndex lens : camera.lattice().within(a - margin, b + margin)) {
+    const Vec2 place = camera.lattice().centre(lens);
+    statistics.lenses += 1;
+    if (settings.skip && !beams.may_meet(camera.lattice().type(lens), place))
+      statistics.lenses_skipped += 1;
+  }
+}
+
 bool single_precision_suffices(const CompiledScene& scene) {
   if (!scene.medium) return true;
   const Box box = scene.medium->bounds();
@@ -211,13 +236,13 @@ bool single_precision_suffices(const CompiledScene& scene) {
 }
 
 bool render_backward(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-                     int points, const Execution& execution, Film& film,
-                     RenderStatistics& statistics) {
+                     int points, const std::vector<int>& tiles, const Execution& execution,
+                     Film& film, RenderStatistics& statistics) {
   const bool single = settings.precision == Precision::single_precision ||
                       (settings.precision == Precision::automatic && single_precision_suffices(scene));
   statistics.precision = single ? "single" : "double";
-  return single ? run<float>(scene, settings, first, points, execution, film, statistics)
-                : run<double>(scene, settings, first, points, execution, film, statistics);
+  return single ? run<float>(scene, settings, first, points, tiles, execution, film, statistics)
+                : run<double>(scene, settings, first, points, tiles, execution, film, statistics);
 }
 
 }  // namespace plenoflame

@@ -144,7 +144,10 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
   const Vec2 centre = camera.sensor_point(column + 0.5, row + 0.5);
   const PupilNode node = table.at(length(centre));
   if (node.dark()) return;
-  if (plan_.beams && !plan_.beams->may_meet(0, centre)) return;
+  if (plan_.beams && !plan_.beams->may_meet(0, centre)) {
+    counters_.pixels_skipped += 1;
+    return;
+  }
   set_discs(table, node, centre);
   const double pitch = camera.spec().sensor.pixel_pitch;
   place_pixel(centre, centre, 2 * pitch);  // nothing cuts the pixel

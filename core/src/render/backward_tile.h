@@ -42,7 +42,7 @@ struct BackwardPlan {
 
 /// Numbers counted by one worker.
 struct TileCounters {
-  double rays = 0, rays_reached = 0, pairs = 0;
+  double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0;
   double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
   MediumCounters medium;
 };

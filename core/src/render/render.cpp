@@ -8,6 +8,7 @@
 #include "plenoflame/base/version.h"
 #include "render/backward.h"
 #include "render/forward.h"
+#include "render/rounds.h"
 
 namespace plenoflame {
 namespace {
@@ -26,6 +27,8 @@ void check(const RenderSettings& settings, const SensorSpec& sensor) {
     throw UsageError("the number of replicates must be 1 to 64");
   if (settings.samples < settings.replicates)
     throw UsageError("at least " + std::to_string(settings.replicates) + " samples are needed");
+  if (settings.target_error > 0 && settings.replicates < 2)
+    throw UsageError("a target error needs at least 2 replicates");
   if (!is_supported(settings.isa))
     throw UsageError("this processor does not support " + std::string(name(settings.isa)));
 }
@@ -39,8 +42,6 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   check(settings, sensor);
   const PixelWindow window = settings.window.width > 0 ? settings.window : whole_sensor(sensor);
   const int channels = static_cast<int>(scene.scene.channels.size());
-  // Every replicate gets the same number of points.
-  int points = settings.samples / settings.replicates + (settings.samples % settings.replicates > 0);
   const bool forward = settings.estimator == Estimator::forward;
 
   RenderResult result;
@@ -48,18 +49,30 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   statistics.threads = execution.thread_count();
   statistics.isa = std::string(name(settings.isa));
   statistics.pixels = static_cast<double>(window.width) * window.height;
-  Film film(window, channels, settings.replicates);
+  result.film = Film(window, channels, settings.replicates);
+  Film& film = result.film;
+  if (settings.resume) {
+    if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
+        settings.resume->replicates() != settings.replicates)
+      throw UsageError("the film to go on from has another window, channels or replicates");
+    film = *settings.resume;
+  }
   if (scene.medium) {
     statistics.medium_description = scene.medium->description();
     if (forward) {
+      const int points =
+          settings.samples / settings.replicates + (settings.samples % settings.replicates > 0);
       const auto traced =
           static_cast<int>(render_forward(scene, settings, points, execution, film, statistics));
       statistics.complete = traced == points;
       // What was stopped early is a smaller run; the film is empty when nothing was traced.
-      points = std::max(traced, 1);
+      for (int t = 0; t < film.tile_count(); ++t) film.add_samples(t, std::max(traced, 1));
     } else {
-      statistics.complete = render_backward(scene, settings, 0, points, execution, film, statistics);
+      count_lenses(scene, settings, window, statistics);
+      render_rounds(scene, settings, execution, film, statistics);
     }
+  } else {
+    for (int t = 0; t < film.tile_count(); ++t) film.add_samples(t, 1);
   }
 
   LightField& field = result.light_field;
@@ -69,8 +82,8 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (int c = 0; c < channels; ++c) {
     LightFieldChannel channel;
     channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
-    channel.flux = film.flux(c, points);
-    if (settings.standard_error) channel.standard_error = film.standard_error(c, points);
+    channel.flux = film.flux(c);
+    if (settings.standard_error) channel.standard_error = film.standard_error(c);
     field.channels.push_back(std::move(channel));
   }
   const LightFieldChannel& first = field.channels.front();
@@ -79,7 +92,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
   field.estimator = forward ? "forward" : "backward";
   field.seed = settings.seed;
-  field.samples = points * settings.replicates;
+  double samples = 0;
+  for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
+  field.samples = samples * settings.replicates;
   field.complete = statistics.complete;
   statistics.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

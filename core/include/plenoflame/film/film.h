@@ -26,6 +26,25 @@ class Film {
     return sums_[index(channel, replicate, column, row)];
   }
 
+  /// The film is worked on in tiles of kTile x kTile pixels, from the window's top left corner.
+  static constexpr int kTile = 64;
+  int tiles_across() const { return (window_.width + kTile - 1) / kTile; }
+  int tile_count() const { return tiles_across() * ((window_.height + kTile - 1) / kTile); }
+  PixelWindow tile(int index) const;
+  /// Samples per replicate that a tile's sums hold.
+  double tile_samples(int tile) const { return tile_samples_[static_cast<std::size_t>(tile)]; }
+  void add_samples(int tile, double samples) { tile_samples_[static_cast<std::size_t>(tile)] += samples; }
+
+  /// Estimate and its standard error [W] by each tile's own number of samples; 0 where there are none.
+  Image flux(int channel) const;
+  Image standard_error(int channel) const;
+
+  /// All sums and tile counts, in a fixed order: to keep a film in a file and to continue it.
+  const std::vector<double>& sums() const { return sums_; }
+  std::vector<double>& sums() { return sums_; }
+  const std::vector<double>& all_tile_samples() const { return tile_samples_; }
+  std::vector<double>& all_tile_samples() { return tile_samples_; }
+
   /// Estimate [W]: mean of the replicates' sums, divided by `samples` per replicate.
   Image flux(int channel, double samples) const;
   /// Its standard error [W] from the scatter of the replicates; empty with one replicate.
@@ -42,7 +61,15 @@ class Film {
   }
   PixelWindow window_;
   int channels_ = 0, replicates_ = 0;
+  /// `scale(column, row)` turns a mean of sums into a flux.
+  template <class Scale>
+  Image flux_scaled(int channel, const Scale& scale) const;
+  template <class Scale>
+  Image error_scaled(int channel, const Scale& scale) const;
+  double tile_scale(int column, int row) const;
+
   std::vector<double> sums_;
+  std::vector<double> tile_samples_;
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors

@@ -29,11 +29,21 @@ struct RenderSettings {
   int samples = 64;
   int replicates = 2;         ///< independent randomisations, for the standard error
   std::uint64_t seed = 1;
+  /// Relative RMSE over lit pixels (film.h) at which to stop; 0: `samples` are taken. Samples then
+  /// go where the error is, tile by tile, at most `samples` per pixel.
+  double target_error = 0;
+  double time_limit = 0;      ///< [s] after which no further round is begun; 0: none
   PixelWindow window;         ///< width 0: the whole sensor
   bool skip = true;           ///< false: nothing is left out (for comparison)
   bool standard_error = true;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
+  /// A film of the same scene and settings to go on from; its sums are continued as if there had
+  /// been no break.
+  const Film* resume = nullptr;
+  /// Called between units of work, at most every checkpoint_seconds, with a consistent film.
+  std::function<void(const Film&)> checkpoint;
+  double checkpoint_seconds = 60;
 };
 
 /// What was done, left out, and how long it took.
@@ -50,7 +60,8 @@ struct RenderStatistics {
   MediumCounters medium;
   double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
   double flux = 0;             ///< [W] sum over the image, first channel
-  bool complete = true;
+  bool complete = true;        ///< false: stopped from outside
+  bool target_reached = true;  ///< false: the target error needs more samples or time
   int threads = 0;
   std::string isa, precision, medium_description;
   /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over threads.
@@ -59,6 +70,7 @@ struct RenderStatistics {
 
 struct RenderResult {
   LightField light_field;
+  Film film;  ///< what light_field was made from; to continue it
   RenderStatistics statistics;
 };
 

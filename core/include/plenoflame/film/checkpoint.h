@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+
+#include "plenoflame/film/film.h"
+
+namespace plenoflame {
+
+/// Keeps a film in a file, bit for bit, so that an interrupted run can be continued.
+/// @param key what the film belongs to (scene, settings, version): it is compared when reading
+/// @throws FileError
+void write_checkpoint(const std::string& path, const Film& film, const std::string& key);
+
+/// @throws FileError (cannot be read, damaged), InputError (another scene, other settings or another
+///         version: says so)
+Film read_checkpoint(const std::string& path, const std::string& key);
+
+}  // namespace plenoflame

@@ -1,0 +1,102 @@
+#include "plenoflame/film/checkpoint.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr std::string_view kMagic = "plenoflame film 1\n";
+
+/// FNV-1a over the bytes: finds damage, not malice.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+template <class T>
+std::string_view bytes_of(const T* data, std::size_t count) {
+  return {reinterpret_cast<const char*>(data), count * sizeof(T)};
+}
+
+class Reader {
+ public:
+  Reader(const std::string& path, std::string_view text) : path_(path), rest_(text) {}
+  std::string_view take(std::size_t count) {
+    if (count > rest_.size())
+      throw FileError(path_ + ": is damaged (too short); start the run again without it");
+    const std::string_view part = rest_.substr(0, count);
+    rest_.remove_prefix(count);
+    return part;
+  }
+  template <class T>
+  T number() {
+    T value;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::size_t left() const { return rest_.size(); }
+
+ private:
+  const std::string& path_;
+  std::string_view rest_;
+};
+
+}  // namespace
+
+void write_checkpoint(const std::string& path, const Film& film, const std::string& key) {
+  AtomicFile file(path);
+  const PixelWindow& w = film.window();
+  const std::array<std::int32_t, 6> shape{w.x, w.y, w.width, w.height, film.channels(), film.replicates()};
+  const std::uint64_t key_size = key.size();
+  const std::string_view sums = bytes_of(film.sums().data(), film.sums().size());
+  const std::string_view tiles = bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
+  const std::uint64_t sum = checksum(sums) ^ checksum(tiles) * 3;
+  file.write(kMagic);
+  file.write(bytes_of(&key_size, 1));
+  file.write(key);
+  file.write(bytes_of(shape.data(), shape.size()));
+  file.write(bytes_of(&sum, 1));
+  file.write(tiles);
+  file.write(sums);
+  file.commit();
+}
+
+Film read_checkpoint(const std::string& path, const std::string& key) {
+  const std::string text = read_file(path);
+  Reader reader(path, text);
+  if (text.size() < kMagic.size() || reader.take(kMagic.size()) != kMagic)
+    throw FileError(path + ": is not the state of an interrupted run");
+  const auto key_size = reader.number<std::uint64_t>();
+  if (reader.take(static_cast<std::size_t>(key_size)) != key)
+    throw InputError(path + ": belongs to another scene, to other settings or to another version; "
+                            "give the same as for the run that was stopped");
+  std::array<std::int32_t, 6> shape{};
+  for (auto& value : shape) value = reader.number<std::int32_t>();
+  const auto sum = reader.number<std::uint64_t>();
+  const auto plausible = [&] {
+    double values = 1;
+    for (std::size_t i = 2; i < 6; ++i) {
+      if (shape[i] < 1) return false;
+      values *= shape[i];
+    }
+    return values * sizeof(double) <= static_cast<double>(reader.left());
+  };
+  if (!plausible()) throw FileError(path + ": is damaged; start the run again without it");
+  Film film({shape[0], shape[1], shape[2], shape[3]}, shape[4], shape[5]);
+  const std::string_view tiles = reader.take(film.all_tile_samples().size() * sizeof(double));
+  const std::string_view sums = reader.take(film.sums().size() * sizeof(double));
+  if (reader.left() != 0 || (checksum(sums) ^ checksum(tiles) * 3) != sum)
+    throw FileError(path + ": is damaged; start the run again without it");
+  std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
+  std::memcpy(film.sums().data(), sums.data(), sums.size());
+  return film;
+}
+
+}  // namespace plenoflame
