@@ -1,0 +1,50 @@
+"""Renders one example scene as its own header comment says, at reduced size, and checks that light arrives.
+
+    render_example.py PLENOFLAME SCENE.toml
+
+The whole sensor with two samples would take long for the large cameras: the middle of it is rendered. The error that a
+run states must fall when it takes more samples, and two runs with different seeds must agree within what they state.
+"""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+
+def run(*arguments, cwd):
+    result = subprocess.run(arguments, cwd=cwd, capture_output=True, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(map(str, arguments))}: status {result.returncode}\n{result.stderr}")
+    return result.stdout
+
+
+def main():
+    plenoflame, scene = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copy(scene, folder)
+        for name in re.findall(r'file = "([^"]+)\.vdb"', scene.read_text()):
+            run(plenoflame, "flame", name, "-o", f"{name}.vdb", "--voxel-size", "1 mm", cwd=folder)
+        info = json.loads(run(plenoflame, "info", scene.name, "--json", cwd=folder))
+        columns, rows = info["sensor"]
+        width, height = min(columns, 200), min(rows, 200)
+        window = f"{(columns - width) // 2},{(rows - height) // 2},{width},{height}"
+        errors = []
+        for samples, seed in ((16, 1), (256, 1), (256, 2)):
+            output = run(plenoflame, "render", scene.name, "-o", f"{samples}-{seed}.exr", "--samples", str(samples),
+                         "--seed", str(seed), "--window", window, "--json", cwd=folder)
+            figures = json.loads(output)
+            if not figures["flux"] > 0:
+                sys.exit("no light in the middle of the sensor")
+            errors.append(figures["relative_error"])
+        if not errors[1] < 0.6 * errors[0]:
+            sys.exit(f"16 times the samples took the error from {errors[0]} to {errors[1]} only")
+        compared = json.loads(run(plenoflame, "compare", "256-1.exr", "256-2.exr", "--json", cwd=folder))
+        expected = (errors[1] ** 2 + errors[2] ** 2) ** 0.5
+        if not 0.5 * expected < compared["relative_rmse"] < 2 * expected:
+            sys.exit(f"two seeds differ by {compared['relative_rmse']}, their stated errors say {expected}")
+
+
+main()
