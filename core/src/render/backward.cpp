@@ -98,14 +98,15 @@ double micro_image_reach(const PupilSampling& pupils) {
 }
 
 template <class Real>
-BackwardPlan<Real> make_plan(const CompiledScene& scene, const RenderSettings& settings,
-                             std::uint32_t first, int points) {
+BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
+                             const RenderSettings& settings, std::uint32_t first, int points) {
   BackwardPlan<Real> plan;
   plan.scene = &scene;
+  plan.medium = &medium;
   plan.settings = &settings;
   plan.kernels = backward_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
-  const Box box = scene.medium->bounds();
+  const Box box = medium.bounds();
   plan.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
   plan.camera = {};
@@ -148,7 +149,7 @@ template <class Real>
 bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first, int points,
          const std::vector<int>& tiles, const Execution& execution, Film& film,
          RenderStatistics& statistics) {
-  const BackwardPlan<Real> plan = make_plan<Real>(scene, settings, first, points);
+  const BackwardPlan<Real> plan = make_plan<Real>(scene, *scene.medium, settings, first, points);
   std::vector<TileTracer<Real>> tracers;
   const int workers = execution.thread_count();
   tracers.reserve(static_cast<std::size_t>(workers));
@@ -209,6 +210,12 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);
 template BackwardKernels<double> backward_kernels<double>(Isa);
+
+BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
+                                      const RenderSettings& settings, std::uint32_t first,
+                                      int points) {
+  return make_plan<double>(scene, medium, settings, first, points);
+}
 
 void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
                   const PixelWindow& window, RenderStatistics& statistics) {

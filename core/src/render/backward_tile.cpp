@@ -202,6 +202,14 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
 template <class Real>
 void TileTracer<Real>::generate_queued() {
   if (queued_.empty()) return;
+  if (sink_) {
+    // Once without a microlens, for the rays as they are drawn: the same call makes them below.
+    KernelMicrolens<Real> none{};
+    none.distance = plan_.microlenses[static_cast<std::size_t>(type_)].distance;
+    plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()), none, block_);
+    const int first = queued_.front().first;
+    sink_->drawn(patch_, block_, first, queued_.back().first + queued_.back().count - first);
+  }
   plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()),
                          plan_.microlenses[static_cast<std::size_t>(type_)], block_);
   queued_.clear();
@@ -244,12 +252,15 @@ void TileTracer<Real>::flush() {
   out.radiance = radiance_;
   out.stride = kPadding;
   out.transmittance = transmittance_;
-  plan_.scene->medium->integrate(batch, options, out, counters_.medium);
+  plan_.medium->integrate(batch, options, out, counters_.medium);
   counters_.seconds_medium += seconds_since(start);
   const int all_points = plan_.pools.front().points();
   for (const Pending& pending : pending_) {
     const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
     const double scale = static_cast<double>(all_points) / points;
+    if (sink_)
+      sink_->finished(pending.column, pending.row, pending.first, pending.count, scale, radiance_,
+                      kPadding, transmittance_);
     for (int channel = 0; channel < film_.channels(); ++channel) {
       const Real* radiance = radiance_ + channel * kPadding;
       for (int done = 0; done < pending.count;) {

@@ -29,6 +29,7 @@ BackwardKernels<Real> backward_kernels(Isa isa);
 template <class Real>
 struct BackwardPlan {
   const CompiledScene* scene = nullptr;
+  const Medium* medium = nullptr;  ///< the scene's
   const RenderSettings* settings = nullptr;
   BackwardKernels<Real> kernels;
   KernelCamera<Real> camera;
@@ -38,6 +39,27 @@ struct BackwardPlan {
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
+};
+
+/// What render_backward() goes by in double precision. @param medium the scene's, or what stands in
+/// for it; plan and tracers keep pointers to all of them
+BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
+                                      const RenderSettings& settings, std::uint32_t first,
+                                      int points);
+
+/// Receives the rays of a tracer, for those who want more of them than their sum.
+template <class Real>
+class RaySink {
+ public:
+  virtual ~RaySink() = default;
+  /// Entries [first, first + count) of the block are rays of the patch at the aim plane, relative to
+  /// the centre of its microlens, with the weights they were drawn with, before any optics.
+  virtual void drawn(const KernelPatch<Real>& patch, const KernelBlock<Real>& block, int first,
+                     int count) = 0;
+  /// The same entries, behind optics and medium: all are rays of one pixel. Each adds scale * weight
+  /// * radiance to it. Channel c of entry i is radiance[c * stride + i].
+  virtual void finished(int column, int row, int first, int count, double scale,
+                        const Real* radiance, int stride, const Real* transmittance) = 0;
 };
 
 /// Numbers counted by one worker.
@@ -53,6 +75,8 @@ class TileTracer {
  public:
   TileTracer(const BackwardPlan<Real>& plan, Film& film);
   void render(PixelWindow tile);
+  /// From now on shows all rays to `sink` (nullptr: none).
+  void show_rays_to(RaySink<Real>* sink) { sink_ = sink; }
   const TileCounters& counters() const { return counters_; }
 
  private:
@@ -70,6 +94,7 @@ class TileTracer {
 
   const BackwardPlan<Real>& plan_;
   Film& film_;
+  RaySink<Real>* sink_ = nullptr;
   KernelPatch<Real> patch_{};
   KernelPixel<Real> pixel_{};
   int type_ = 0;                           ///< of the patch

@@ -1,0 +1,149 @@
+#include "plenoflame/render/ray_paths.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <iostream>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/scene_input.h"
+#include "interrupt.h"
+#include "medium_loader.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string scene, output;
+  std::vector<std::string> pixels;
+  std::string rays, random, seed;
+  bool chief = false;
+  bool json = false;
+};
+
+/// A whole number from `least` on. @throws UsageError
+template <class Number>
+Number number_option(const char* option, const std::string& text, Number least) {
+  Number value{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end || value < least)
+    throw UsageError(std::string(option) + ": '" + text + "' is not a whole number from " +
+                     std::to_string(least) + " on");
+  return value;
+}
+
+Pixel pixel_option(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos)
+    throw UsageError("--pixel: '" + text + "' is not of the form X,Y: two whole numbers");
+  return {number_option("--pixel", text.substr(0, comma), 0),
+          number_option("--pixel", text.substr(comma + 1), 0)};
+}
+
+void describe(const RayPaths& paths, Report& report) {
+  std::size_t reached = 0, vignetted = 0, total_reflection = 0, missed = 0;
+  for (const RayPath& ray : paths.rays) {
+    reached += ray.status.status == RayStatus::reached;
+    vignetted += ray.status.status == RayStatus::vignetted;
+    total_reflection += ray.status.status == RayStatus::total_internal_reflection;
+    missed += ray.status.status == RayStatus::missed;
+  }
+  const auto add = [&](const char* label, std::size_t count, const char* key) {
+    report.add(label, std::to_string(count), key, count);
+  };
+  add("rays", paths.rays.size(), "rays");
+  add("reached the scene", reached, "reached");
+  add("vignetted", vignetted, "vignetted");
+  add("totally reflected", total_reflection, "total_internal_reflection");
+  add("missed a surface", missed, "missed");
+  add("vertices", paths.vertices.size(), "vertices");
+  for (std::size_t c = 0; c < paths.channels.size(); ++c) {
+    double flux = 0;
+    for (std::size_t i = 0; i < paths.rays.size(); ++i)
+      flux += paths.rays[i].weight * paths.radiance_of(i, c);
+    report.add("flux, " + paths.channels[c],
+               readable(flux, Dimension::flux) + " carried by these rays",
+               "flux." + paths.channels[c], flux);
+  }
+}
+
+int run_rays(const Settings& settings) {
+  RenderSettings render;
+  std::vector<Pixel> pixels;
+  for (const std::string& text : settings.pixels) pixels.push_back(pixel_option(text));
+  if (!settings.rays.empty()) render.samples = number_option("--rays", settings.rays, 2);
+  const int random = settings.random.empty() ? 0 : number_option("--random", settings.random, 1);
+  if (pixels.empty() && random == 0 && !settings.chief)
+    throw UsageError("say which rays: --pixel X,Y (may be repeated), --random N or --chief");
+  if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
+      !settings.output.ends_with(".json"))
+    throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv or .json");
+  check_not_overwritten("-o", settings.output, settings.scene);
+  check_writable(settings.output);
+
+  std::vector<std::string> warnings;
+  const SceneDocument document = read_valid_scene(settings.scene, warnings);
+  render.seed = settings.seed.empty() ? document.scene.render.seed
+                                      : number_option<std::uint64_t>("--seed", settings.seed, 0);
+  Execution execution;
+  execution.message = [](Severity severity, const std::string& text) {
+    if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
+  };
+  for (const std::string& warning : warnings) execution.warn(warning);
+  const CompiledScene scene = compile(document.scene, medium_loader(), execution);
+  if (!scene.medium) execution.warn("the scene has no flame: its rays carry no radiance");
+  const std::vector<Pixel> drawn = random_pixels(document.scene.camera.sensor, random, render.seed);
+  pixels.insert(pixels.end(), drawn.begin(), drawn.end());
+
+  RayPaths paths = empty_ray_paths(scene);
+  {
+    const InterruptHandler interrupt;
+    execution.stop = interrupt.token();
+    add_pixel_rays(scene, render, pixels, execution, paths);
+  }
+  if (settings.chief) add_chief_rays(scene, paths);
+  write_ray_paths(settings.output, paths);
+  Report report;
+  describe(paths, report);
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_rays(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(
+      registry, "rays", "Export the paths of the rays that an image is made of",
+      "plenoflame rays examples/paper-flame-1m.toml --pixel 1500,1500 --rays 64 -o rays.vtp");
+  command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
+  command
+      .add_option("-o,--output", settings->output,
+                  "File to write: .vtp (VTK PolyData), .csv (a line for each vertex) or .json")
+      ->required()
+      ->option_text("FILE");
+  command
+      .add_option("--pixel", settings->pixels,
+                  "All rays of this pixel: column and row, from the top left; may be repeated")
+      ->option_text("X,Y")
+      ->allow_extra_args(false);
+  command.add_option("--random", settings->random, "All rays of N pixels drawn at random")
+      ->option_text("N");
+  command.add_flag("--chief", settings->chief, "The chief ray of every microlens");
+  command
+      .add_option("--rays", settings->rays,
+                  "Rays per pixel and microlens that covers it, as --samples of render; fewer at "
+                  "the rim of a micro-image (default: 64)")
+      ->option_text("N");
+  command.add_option("--seed", settings->seed, "Seed (default: the scene's)")->option_text("N");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_rays(*settings); });
+}
+
+}  // namespace plenoflame::cli

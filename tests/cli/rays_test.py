@@ -1,0 +1,115 @@
+"""plenoflame rays: the three formats hold the same rays, and these make the pixel of `render`."""
+
+import csv
+import io
+import json
+import math
+import re
+import struct
+
+from command import CommandTest, main
+from exr import read_exr
+
+SCENE = """[camera]
+preset = "paper-plenoptic2"
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+"""
+PIXELS = ("--pixel", "1500,1490", "--pixel", "1506,1493")
+FORMATS = {"Float64": "d", "Int64": "q", "Int32": "i"}
+
+
+def read_vtp(data):
+    """(counts, {section: {array name: (components, values)}}) of a .vtp with raw appended arrays."""
+    start = data.index(b"_", data.index(b"<AppendedData")) + 1
+    head = data[:start].decode()
+    counts = {name: int(n) for name, n in re.findall(r'(NumberOf\w+)="(\d+)"', re.search(r"<Piece[^>]*>", head)[0])}
+    sections, end = {}, start
+    for section in ("PointData", "CellData", "Points", "Lines"):
+        body = re.search(rf"<{section}>(.*?)</{section}>", head, re.DOTALL)[1]
+        arrays = sections[section] = {}
+        for tag in re.findall(r"<DataArray ([^>]*)/>", body):
+            attributes = dict(re.findall(r'(\w+)="([^"]*)"', tag))
+            at = start + int(attributes["offset"])
+            (size,) = struct.unpack_from("<Q", data, at)
+            code = FORMATS[attributes["type"]]
+            values = struct.unpack_from(f"<{size // struct.calcsize(code)}{code}", data, at + 8)
+            arrays[attributes["Name"]] = (int(attributes["NumberOfComponents"]), values)
+            end = max(end, at + 8 + size)
+    assert data[end:] == b"\n</AppendedData>\n</VTKFile>\n", "the arrays do not fill the appended data"
+    return counts, sections
+
+
+class Rays(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a.toml", SCENE)
+
+    def test_formats_hold_the_same(self):
+        for ending in ("vtp", "csv", "json"):
+            self.succeeds("rays", "a.toml", *PIXELS, "--rays", "8", "-o", "r." + ending)
+        self.assertEqual(self.files(), ["a.toml", "r.csv", "r.json", "r.vtp"])
+        rays = json.loads(self.read("r.json"))["rays"]
+        counts, vtp = read_vtp(self.read("r.vtp"))
+        self.assertEqual(counts["NumberOfLines"], len(rays))
+        self.assertEqual(counts["NumberOfPoints"], sum(len(ray["vertices"]) for ray in rays))
+        cells = vtp["CellData"]
+        for name in ("pixel", "microlens", "radiance"):
+            self.assertEqual(list(cells[name][1]), [value for ray in rays for value in ray[name]], name)
+        for name in ("type", "weight", "ended_at", "optical_thickness"):
+            self.assertEqual(list(cells[name][1]), [ray[name] for ray in rays], name)
+        names = ["reached", "vignetted", "total_internal_reflection", "missed"]
+        status = [re.sub(r"\W", "_", ray["status"]) for ray in rays]
+        self.assertEqual([names[s] for s in cells["status"][1]], status)
+        vertices = [vertex for ray in rays for vertex in ray["vertices"]]
+        self.assertEqual(list(vtp["Points"]["Points"][1]), [x for v in vertices for x in v["position"]])
+        for name in ("surface", "refractive_index", "distance"):
+            self.assertEqual(list(vtp["PointData"][name][1]), [v[name] for v in vertices], name)
+        self.assertEqual(vtp["Lines"]["connectivity"][1], tuple(range(len(vertices))))
+        lengths = [len(ray["vertices"]) for ray in rays]
+        self.assertEqual(vtp["Lines"]["offsets"][1], tuple(sum(lengths[:i + 1]) for i in range(len(rays))))
+        rows = list(csv.DictReader(io.StringIO(self.read("r.csv").decode())))
+        self.assertEqual(len(rows), len(vertices))
+        for row, vertex in zip(rows, vertices):
+            self.assertEqual([float(row[axis]) for axis in "xyz"], vertex["position"])
+            self.assertEqual(float(row["distance"]), vertex["distance"])
+        self.assertEqual([float(row["radiance.total"]) for row in rows],
+                         [ray["radiance"][0] for ray in rays for _ in ray["vertices"]])
+
+    def test_make_the_pixel_of_render(self):
+        figures = self.json_of("rays", "a.toml", "--pixel", "1500,1490", "--rays", "64", "--seed", "3", "-o", "r.json")
+        rays = json.loads(self.read("r.json"))["rays"]
+        flux = math.fsum(ray["weight"] * ray["radiance"][0] for ray in rays)
+        self.assertGreater(flux, 0)
+        self.assertEqual(figures["rays"], len(rays))
+        self.succeeds("render", "a.toml", "--window", "1500,1490,1,1", "--samples", "64", "--seed", "3", "--quiet")
+        pixel = read_exr(self.path("a.exr"))[1]["total"][0][0]
+        # The image is made and kept in single precision.
+        self.assertLess(abs(flux / pixel - 1), 2e-5)
+
+    def test_random_and_chief(self):
+        figures = self.json_of("rays", "a.toml", "--random", "5", "--rays", "4", "-o", "r.json")
+        self.assertGreater(figures["rays"], 0)
+        self.assertLessEqual(len({tuple(ray["pixel"]) for ray in json.loads(self.read("r.json"))["rays"]}), 5)
+        figures = self.json_of("rays", "a.toml", "--chief", "-o", "c.vtp")
+        self.assertEqual(figures["reached"], figures["rays"])
+        self.assertEqual(self.json_of("info", "c.vtp")["lines"], figures["rays"])
+
+    def test_messages(self):
+        def refused(status, *arguments, mentions):
+            self.fails(status, "rays", "a.toml", *arguments, mentions=mentions)
+        refused(2, "-o", "r.vtp", mentions=["--pixel", "--random", "--chief"])
+        refused(2, "--pixel", "1", "-o", "r.vtp", mentions="X,Y")
+        refused(2, "--pixel", "1,-2", "-o", "r.vtp", mentions="--pixel")
+        refused(2, "--pixel", "1,2x", "-o", "r.vtp", mentions="--pixel")
+        refused(2, "--pixel", "3000,0", "-o", "r.vtp", mentions="3000 x 3000")
+        refused(2, "--chief", "-o", "r.txt", mentions=".vtp")
+        refused(2, "--chief", "-o", "a.toml", mentions=".vtp")
+        refused(2, "--pixel", "1,2", "--rays", "1", "-o", "r.vtp", mentions="--rays")
+        refused(1, "--chief", "-o", "none/r.vtp", mentions="none")
+        self.assertEqual(self.files(), ["a.toml"])
+
+
+if __name__ == "__main__":
+    main()
