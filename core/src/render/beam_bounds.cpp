@@ -26,12 +26,15 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
   upper_ = {upper.x, upper.y};
   always_ = !(lower.z > 0) || !std::isfinite(upper.z);
   if (always_) return;
+  // Without array a beam belongs to a whole pixel, not to its centre.
+  half_diagonal_ = camera.has_array() ? 0 : std::sqrt(0.5) * camera.spec().sensor.pixel_pitch;
   const double planes[2] = {lower.z, upper.z};
   for (const PupilTable& table : tables) {
     FieldTable field;
     field.step = table.field_step;
     for (const std::vector<Ray>& rays : table.edges) {
-      Footprint footprint;
+      // Beyond the last field that anything passes at, pupil tables go on as there.
+      Footprint footprint = rays.empty() && !field.nodes.empty() ? field.nodes.back() : Footprint{};
       for (int k = 0; k < 2; ++k) {
         double lo = kInfinity, hi = -kInfinity;
         std::vector<Vec2> points;
@@ -69,7 +72,10 @@ bool BeamBounds::may_meet(int table, Vec2 place) const {
   for (int k = 0; k < 2; ++k) {
     centre[k] = (a.centre[k] + t * (b.centre[k] - a.centre[k])) * outwards;
     // Half of what the centre moves between nodes covers its curvature.
-    radius = std::max({radius, a.radius[k], b.radius[k]});
+    const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
+    const double across = h > 0 ? length(centre[k]) / h : along;
+    radius = std::max(
+        radius, std::max(a.radius[k], b.radius[k]) + (1 + kMargin) * std::max(along, across) * half_diagonal_);
   }
   // The beam lies in the hull of both footprints: a capsule. Distance of its axis from the
   // rectangle, bounded by testing the axis' own bounding rectangle first, then its normal.

@@ -18,8 +18,8 @@ PixelWindow whole_sensor(const SensorSpec& sensor) { return {0, 0, sensor.column
 void check(const RenderSettings& settings, const SensorSpec& sensor) {
   const PixelWindow& w = settings.window;
   if (w.width != 0 || w.height != 0) {
-    if (w.width <= 0 || w.height <= 0 || w.x < 0 || w.y < 0 || w.x + w.width > sensor.columns ||
-        w.y + w.height > sensor.rows)
+    if (w.width <= 0 || w.height <= 0 || w.x < 0 || w.y < 0 || w.width > sensor.columns - w.x ||
+        w.height > sensor.rows - w.y)
       throw UsageError("the window must lie inside the sensor of " + std::to_string(sensor.columns) +
                        " x " + std::to_string(sensor.rows) + " pixels");
   }
