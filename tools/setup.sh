@@ -27,6 +27,9 @@ volumes       libtbb-dev               threads of OpenVDB
 volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find module asks for it)
 volumes       libblosc-dev             compression of OpenVDB files
 cli           libcli11-dev             command line
+cli           libcairo2-dev            plots (bench)
+cli           pkg-config               finds Cairo
+cli           fonts-dejavu-core        text in plots
 tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
 tests         binutils                 nm: tests for symbols that must not exist

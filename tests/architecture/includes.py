@@ -22,6 +22,7 @@ LIBRARIES = {
     "OpenVDB": re.compile(r"openvdb/|nanovdb/"),
     "TBB": re.compile(r"tbb/|oneapi/"),
     "CLI11": re.compile(r"CLI/"),
+    "Cairo": re.compile(r"cairo"),
     "VTK": re.compile(r"vtk|QVTK"),
     "Qt": re.compile(r"Q[A-Z]|Qt[A-Z]"),
     "GoogleTest": re.compile(r"g(test|mock)/"),
@@ -32,7 +33,7 @@ STANDARD = re.compile(r"[a-z_0-9]+$")
 
 CORE_SRC = {"OpenEXR", "libpng", "zlib", "toml++", "nlohmann-json", "fmt", "Eigen", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
-CLI = {"CLI11", "nlohmann-json", "fmt", "POSIX"}
+CLI = {"CLI11", "Cairo", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK"}
 ANY = set(LIBRARIES)
 

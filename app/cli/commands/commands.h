@@ -6,6 +6,7 @@ namespace plenoflame::cli {
 // One function per command, in commands/NAME.cpp.
 void register_render(const Registry& registry);
 void register_rays(const Registry& registry);
+void register_bench(const Registry& registry);
 void register_develop(const Registry& registry);
 void register_flame(const Registry& registry);  ///< only with PLENOFLAME_HAS_VOLUMES
 void register_compare(const Registry& registry);

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace plenoflame::cli {
+
+/// Starts measuring this process' largest resident memory anew, where the system can (Linux).
+void reset_peak_memory();
+/// The largest resident memory since then [byte]; since the start where it cannot be reset.
+double peak_memory();
+
+}  // namespace plenoflame::cli

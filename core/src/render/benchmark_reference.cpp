@@ -1,0 +1,160 @@
+#include <bit>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/render/benchmark.h"
+#include "plenoflame/sampling/sobol.h"
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kReplicates = 4;
+const char* const kChecksum = "benchmark.checksum";
+
+/// FNV-1a, 64 bits: Fowler, Noll, Vo; RFC 9923.
+class Fnv {
+ public:
+  void add(std::string_view bytes) {
+    for (const char byte : bytes)
+      state_ = (state_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+  }
+  void add(const Image& image) {
+    for (const float value : image.pixels) {
+      const auto bits = std::bit_cast<std::uint32_t>(value);
+      for (int shift = 0; shift < 32; shift += 8)
+        state_ = (state_ ^ ((bits >> shift) & 0xffu)) * 0x100000001b3u;
+    }
+  }
+  std::string text() const {
+    char out[17];
+    std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(state_));
+    return out;
+  }
+
+ private:
+  std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+std::string checksum(const LightField& field) {
+  Fnv sum;
+  for (const LightFieldChannel& channel : field.channels) {
+    sum.add(channel.flux);
+    sum.add(channel.standard_error);
+  }
+  return sum.text();
+}
+
+/// Everything that the picture is made from but the program itself.
+std::string key_of(const Scene& scene, const PixelWindow& window) {
+  Fnv key;
+  key.add(write_scene(scene));
+  const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
+  for (const FlameSpec& flame : scene.flames) {
+    if (flame.file.empty()) continue;
+    std::error_code none;
+    const std::filesystem::path file = folder / flame.file;
+    const auto size = std::filesystem::file_size(file, none);
+    const auto changed = std::filesystem::last_write_time(file, none).time_since_epoch().count();
+    for (const std::string& part : {flame.file, std::to_string(size), std::to_string(changed)}) {
+      key.add("|");
+      key.add(part);
+    }
+  }
+  for (const int number : {window.x, window.y, window.width, window.height}) {
+    key.add("|");
+    key.add(std::to_string(number));
+  }
+  return key.text();
+}
+
+/// The reference from a file; without value when it is not there or of no use.
+std::optional<LightField> from_cache(const std::string& file, const ReferenceSettings& settings,
+                                     std::uint64_t seed, const Execution& execution) {
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return {};
+  const auto useless = [&](const std::string& why) {
+    execution.note("the reference in " + file + " " + why + "; it is computed again");
+    return std::optional<LightField>();
+  };
+  try {
+    LightField field = read_light_field(file);
+    if (field.version != version())
+      return useless("is of version " + field.version + ", this is " + std::string(version()));
+    if (field.channels.empty() || field.channels.front().standard_error.empty() ||
+        field.texts[kChecksum] != checksum(field))
+      return useless("is damaged");
+    if (field.samples < settings.samples) return useless("has too few samples");
+    if (field.seed != seed) return useless("has another seed");
+    return field;
+  } catch (const Error&) {
+    return useless("is damaged");
+  }
+}
+
+bool keep(const std::string& file, LightField& field, const Execution& execution) {
+  try {
+    std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+    field.texts[kChecksum] = checksum(field);
+    write_light_field(file, field);
+    return true;
+  } catch (const std::filesystem::filesystem_error& error) {
+    execution.warn("the reference is not kept: " + error.path1().string() + ": " +
+                   error.code().message());
+  } catch (const FileError& error) {
+    execution.warn(std::string("the reference is not kept: ") + error.what());
+  }
+  return false;
+}
+
+}  // namespace
+
+BenchmarkReference benchmark_reference(const CompiledScene& scene,
+                                       const ReferenceSettings& settings,
+                                       const Execution& execution) {
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  const PixelWindow window =
+      settings.window.width > 0 ? settings.window : PixelWindow{0, 0, sensor.columns, sensor.rows};
+  const std::uint64_t seed = mix64(settings.seed ^ 0x7265666572656e63u);
+  BenchmarkReference reference;
+  if (!settings.cache.empty())
+    reference.file = (std::filesystem::path(settings.cache) /
+                      ("reference-" + key_of(scene.scene, window) + ".exr"))
+                         .string();
+  std::optional<LightField> cached;
+  if (!reference.file.empty()) cached = from_cache(reference.file, settings, seed, execution);
+  reference.cached = cached.has_value();
+  if (cached) {
+    reference.light_field = std::move(*cached);
+  } else {
+    RenderSettings render_settings;
+    render_settings.samples = settings.samples;
+    render_settings.replicates = std::min(kReplicates, std::max(2, settings.samples));
+    render_settings.seed = seed;
+    render_settings.window = window;
+    const auto start = std::chrono::steady_clock::now();
+    RenderResult result = render(scene, render_settings, execution);
+    reference.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!result.statistics.complete) throw Cancelled();
+    reference.light_field = std::move(result.light_field);
+    reference.light_field.scene_text = write_scene(scene.scene);
+    reference.light_field.version = version();
+  }
+  const LightFieldChannel& channel = reference.light_field.channels.front();
+  reference.relative_error = estimated_relative_rmse(channel.flux, channel.standard_error);
+  bool lit = false;
+  for (const float value : channel.flux.pixels) lit = lit || value > 0;
+  if (!lit)
+    throw InputError("no pixel is lit, so there is no error to measure; choose another window");
+  if (!reference.cached && !reference.file.empty() &&
+      !keep(reference.file, reference.light_field, execution))
+    reference.file.clear();
+  return reference;
+}
+
+}  // namespace plenoflame
