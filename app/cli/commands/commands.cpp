@@ -6,6 +6,7 @@ void register_commands(const Registry& registry) {
   register_render(registry);
   register_rays(registry);
   register_bench(registry);
+  register_design(registry);
   register_develop(registry);
 #if defined(PLENOFLAME_HAS_VOLUMES)
   register_flame(registry);

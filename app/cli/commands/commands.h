@@ -7,6 +7,7 @@ namespace plenoflame::cli {
 void register_render(const Registry& registry);
 void register_rays(const Registry& registry);
 void register_bench(const Registry& registry);
+void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
 void register_flame(const Registry& registry);  ///< only with PLENOFLAME_HAS_VOLUMES
 void register_compare(const Registry& registry);

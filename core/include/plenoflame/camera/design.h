@@ -1,0 +1,71 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/camera/camera.h"
+
+namespace plenoflame {
+
+/// Distances at which a microlens type is sharp to a pixel. In array space: a [m] in front of the
+/// type's front principal plane; negative: behind it, which is past infinity. In object space: from
+/// the front vertex of the main lens [m]; negative: past infinity (light that converges on a point
+/// behind the front vertex).
+struct SharpRange {
+  double near = 0;   ///< a0-
+  double focus = 0;  ///< a0
+  double far = 0;    ///< a0+
+};
+
+/// First-order properties of one microlens type. Perwass and Wietzke, Proc. SPIE 8291 (2012),
+/// 829108.
+struct TypeDesign {
+  std::string name;
+  double focal_length = 0;     ///< f [m], thick lens
+  double sensor_distance = 0;  ///< B [m]
+  double f_number = 0;         ///< B / D
+  double image_diameter = 0;   ///< [m] of the exit pupil's image: the micro-image
+  bool keplerian = true;       ///< f < B; otherwise Galilean
+  double virtual_depth = 0;    ///< a0 / B
+  double dioptric_width = 0;   ///< [1/m] 1/a0- - 1/a0+ = 2 p / (D B)
+  SharpRange array, object;
+};
+
+/// Image of an object point by real rays in its plane of least RMS radius.
+struct SpotDesign {
+  double image_height = 0;  ///< [m] paraxial
+  double rms = 0;           ///< [m] RMS radius about the centroid
+  double shift = 0;         ///< [m] of the plane from the paraxial image towards the lens
+};
+
+/// What is known about a camera before an image is rendered.
+struct CameraDesign {
+  FirstOrder lens;
+  double object_distance =
+      0;  ///< [m] of the object in focus, from the front vertex; may be infinite
+  double array_f_number = 0;  ///< exit pupil to the array (or sensor) / exit pupil's diameter
+  std::vector<TypeDesign> types;
+  /// All types together: length of the union of their ranges of 1/a, over that of the first type.
+  double joint_ratio = 0;
+  double covering_depth = 0;  ///< least |v| at which every point is seen through every type
+  std::vector<SpotDesign>
+      spots;  ///< on the axis, then towards the sensor's corner; real lenses only
+  std::vector<std::string> warnings;
+};
+
+/// a0-, a0, a0+ of a thin microlens: s = D |B (1/f - 1/a) - 1| is at most a pixel between the ends.
+/// All [m]; infinite where the dioptres vanish.
+SharpRange depth_of_field(double focal_length, double sensor_distance, double diameter,
+                          double pixel_pitch);
+
+/// Where an object is imaged at `image_distance` behind the last vertex [m]: from the first vertex,
+/// negative past infinity. Inverse of paraxial_image_distance().
+double paraxial_object_distance(const FirstOrder& lens, double image_distance);
+
+/// Least RMS spot of the object point at `object_distance` in front of the first vertex (may be
+/// infinite) whose paraxial image is at `image_height`. @throws InputError when no ray gets through
+SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_distance,
+                     double image_height);
+
+CameraDesign design(const Camera& camera);
+
+}  // namespace plenoflame
