@@ -112,6 +112,20 @@ TEST(ForwardAgreement, IdealLensRealArray) {
   expect_agreement(small_scene(ideal_singlet(), large_array(Lattice::square, LensModel::real)));
 }
 
+// The front surface itself limits the beam; and a stop so far behind the lens that the entrance
+// pupil lies beyond the flame.
+TEST(ForwardAgreement, ApertureAtTheFrontOrBeyondTheFlame) {
+  MainLensSpec lens = singlet();
+  lens.surfaces = {{kInfinity, 0.01, 1, 0.06, true},
+                   {0.3, 0.02426, 1.5, 0.12, false},
+                   {-0.3, 0, 1, 0.12, false}};
+  expect_agreement(small_scene(lens, large_array(Lattice::square, LensModel::real)));
+  lens = ideal_singlet();
+  lens.surfaces[1].thickness = 0.31;
+  lens.surfaces[2].diameter = 0.03;
+  expect_agreement(small_scene(lens, large_array(Lattice::square, LensModel::real)));
+}
+
 TEST(ForwardAgreement, WithoutArray) {
   expect_agreement(small_scene(singlet(), {}));
   expect_agreement(small_scene(ideal_singlet(), {}));
