@@ -42,6 +42,7 @@ std::vector<std::string> parts_of(const std::string& list) {
 /// Ascending whole numbers from a list such as "4,16" or "1e5,1e6".
 std::vector<int> counts_option(const std::string& option, const std::string& text, int least) {
   std::vector<int> counts;
+  const std::string given = ", not '" + text + "'";
   for (const std::string& part : parts_of(text)) {
     double value = 0;
     const char* const end = part.data() + part.size();
@@ -49,9 +50,9 @@ std::vector<int> counts_option(const std::string& option, const std::string& tex
     if (read.ec != std::errc() || read.ptr != end || !(value >= least && value <= 1 << 30) ||
         value != std::floor(value))
       throw UsageError(option + ": whole numbers from " + std::to_string(least) +
-                       " to 1073741824, separated by commas, not '" + text + "'");
+                       " to 1073741824, separated by commas" + given);
     if (!counts.empty() && value <= counts.back())
-      throw UsageError(option + ": each number larger than the one before, not '" + text + "'");
+      throw UsageError(option + ": each number larger than the one before" + given);
     counts.push_back(static_cast<int>(value));
   }
   if (counts.empty()) throw UsageError(option + " is empty");

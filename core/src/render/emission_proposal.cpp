@@ -80,8 +80,9 @@ std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::u
         std::vector<double> j(channels);
         for (std::size_t in_slab = 0; in_slab < slab; ++in_slab) {
           const std::size_t index = k * slab + in_slab;
-          const auto x = static_cast<double>(in_slab % static_cast<std::size_t>(nx_));
-          const auto y = static_cast<double>(in_slab / static_cast<std::size_t>(nx_));
+          const std::size_t column = in_slab % static_cast<std::size_t>(nx_);
+          const std::size_t row = in_slab / static_cast<std::size_t>(nx_);
+          const auto x = static_cast<double>(column), y = static_cast<double>(row);
           double squares = 0;
           for (int p = 0; p < kPointsPerCell; ++p) {
             const auto word = philox(seed, index, 1 + static_cast<std::uint64_t>(p));
@@ -135,10 +136,10 @@ EmissionProposal::Point EmissionProposal::draw(double choice, double u, double v
   while (cell + 1 < cumulative_.size() && cumulative_[cell] <= choice) ++cell;
   const double share = cumulative_[cell] - (cell > 0 ? cumulative_[cell - 1] : 0);
   const auto nx = static_cast<std::size_t>(nx_), ny = static_cast<std::size_t>(ny_);
+  const std::size_t i = cell % nx, j = cell / nx % ny, k = cell / (nx * ny);
   Point point;
-  point.position = place_in(bounds_, (static_cast<double>(cell % nx) + u) / nx_,
-                            (static_cast<double>(cell / nx % ny) + v) / ny_,
-                            (static_cast<double>(cell / (nx * ny)) + w) / nz_);
+  point.position = place_in(bounds_, (static_cast<double>(i) + u) / nx_,
+                            (static_cast<double>(j) + v) / ny_, (static_cast<double>(k) + w) / nz_);
   point.density = share / cell_volume_;
   return point;
 }
