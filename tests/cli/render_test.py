@@ -99,9 +99,36 @@ class Render(CommandTest):
             process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 1, errors)
-        self.assertEqual(self.files(), ["a.exr", "a.toml"])
+        self.assertEqual(self.files(), ["a.exr", "a.exr.state", "a.toml"])
         self.assertFalse(self.json_of("info", "a.exr")["complete"])
         self.assertNotIn("\r", errors)  # progress is for terminals
+
+    def test_resumed_run_gives_the_same_bits(self):
+        options = ["--window", "1400,1400,256,256", "--samples", "4096", "--quiet"]
+        self.succeeds("render", "a.toml", *options, "-o", "whole.exr")
+        for delay in (1.0, 0.5, 0.25, 0.1):  # until one is caught in the middle
+            process = subprocess.Popen([command.COMMAND, "render", "a.toml", *options, "--threads", "1", "-o", "part.exr"],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            try:
+                process.wait(timeout=delay)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGINT)
+            if process.wait(timeout=60) == 1:
+                break
+        self.assertIn("part.exr.state", self.files())
+        self.fails(1, "render", "a.toml", *options, "--seed", "5", "-o", "part.exr", "--resume", "part.exr",
+                   mentions="other settings")
+        self.succeeds("render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr")
+        self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
+        self.assertNotIn("part.exr.state", self.files())
+        self.fails(1, "render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr", mentions="part.exr.state")
+
+    def test_target_error(self):
+        window = ["--window", "1400,1400,128,128"]
+        figures = self.json_of("render", "a.toml", *window, "--target-error", "5%")
+        self.assertLess(figures["relative_error"], 0.05)
+        self.fails(1, "render", "a.toml", *window, "--target-error", "0.001%", "--samples", "64", "--quiet",
+                   mentions="not reached")
 
     def test_full_disk_leaves_the_old_image(self):
         self.write("a.exr", "old")

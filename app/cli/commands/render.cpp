@@ -46,6 +46,8 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
     if (!options.samples && !scene_says) settings.samples = kForwardSamples;
     settings.replicates = std::min(kForwardReplicates, settings.samples);
   }
+  // One sample alone tells nothing of its error.
+  settings.replicates = std::clamp(settings.samples, 1, settings.replicates);
   settings.seed = options.seed.value_or(scene.render.seed);
   if (options.window) settings.window = *options.window;
   settings.skip = options.skip;
@@ -178,7 +180,7 @@ int run_render(const RenderArguments& arguments) {
     std::cerr << "plenoflame: stopped; " << options.output
               << " holds what was rendered, marked partial; go on with --resume " << options.output << '\n';
   if (!interrupted && !result.statistics.target_reached)
-    std::cerr << "plenoflame: the target error was not reached within the limit of samples or time\n";
+    std::cerr << "plenoflame: error: the target error was not reached within the limit of samples or time\n";
   return interrupted || !result.statistics.target_reached ? 1 : 0;
 }
 

@@ -1,15 +1,10 @@
-// Emission and absorption along rays through voxel bricks. Sixteen rays advance together: brick by
-// brick over the table, then interval by interval within a brick, with the fields at an interval's
-// two Gauss nodes interpolated from the corners of its cell and its radiance composed front to
-// back. The formulas are derived in docs/theory.md, "Voxel grids".
+// Emission and absorption along rays through voxel bricks, sixteen together: brick by brick, then
+// interval by interval, composed front to back. Formulas: docs/theory.md, "Voxel grids".
 #include "media/voxel_kernel_cells.h"
 #include "media/voxel_kernel_transfer.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
-
-constexpr double kLargest = 1e20;  // of coordinates and lengths
-constexpr int kMaxChannels = 16;   // processed together; more take another pass over the rays
 
 template <class Real>
 class Packet {

@@ -13,6 +13,9 @@ using voxel::kBrickPairs;
 using voxel::kLanes;
 using voxel::LatticeView;
 
+constexpr double kLargest = 1e20;  // of coordinates and lengths
+constexpr int kMaxChannels = 16;   // processed together; more take another pass over the rays
+
 template <class Real>
 struct Limits;
 template <>

@@ -245,6 +245,10 @@ bool single_precision_suffices(const CompiledScene& scene) {
 bool render_backward(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
                      int points, const std::vector<int>& tiles, const Execution& execution,
                      Film& film, RenderStatistics& statistics) {
+  const ArraySpec& array = scene.camera.spec().array;
+  if (array.present && !array.opaque_between)
+    throw InputError("camera.array.opaque_between = false: the backward estimator does not follow light "
+                     "between the microlenses; use the forward one, or opaque_between = true");
   const bool single = settings.precision == Precision::single_precision ||
                       (settings.precision == Precision::automatic && single_precision_suffices(scene));
   statistics.precision = single ? "single" : "double";
