@@ -42,17 +42,17 @@ std::vector<std::string> parts_of(const std::string& list) {
 /// Ascending whole numbers from a list such as "4,16" or "1e5,1e6".
 std::vector<int> counts_option(const std::string& option, const std::string& text, int least) {
   std::vector<int> counts;
-  const std::string given = ", not '" + text + "'";
+  const auto refuse = [&](const std::string& wanted) {
+    throw UsageError(option + ": " + wanted + ", not '" + text + "'");
+  };
   for (const std::string& part : parts_of(text)) {
     double value = 0;
     const char* const end = part.data() + part.size();
     const auto read = std::from_chars(part.data(), end, value);
     if (read.ec != std::errc() || read.ptr != end || !(value >= least && value <= 1 << 30) ||
         value != std::floor(value))
-      throw UsageError(option + ": whole numbers from " + std::to_string(least) +
-                       " to 1073741824, separated by commas" + given);
-    if (!counts.empty() && value <= counts.back())
-      throw UsageError(option + ": each number larger than the one before" + given);
+      refuse("whole numbers from " + std::to_string(least) + " to 1073741824, separated by commas");
+    if (!counts.empty() && value <= counts.back()) refuse("each number larger than the one before");
     counts.push_back(static_cast<int>(value));
   }
   if (counts.empty()) throw UsageError(option + " is empty");
