@@ -8,6 +8,8 @@ void register_commands(const Registry& registry) {
   register_bench(registry);
   register_design(registry);
   register_develop(registry);
+  register_views(registry);
+  register_refocus(registry);
 #if defined(PLENOFLAME_HAS_VOLUMES)
   register_flame(registry);
 #endif

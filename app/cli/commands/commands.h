@@ -10,6 +10,8 @@ void register_bench(const Registry& registry);
 void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
 void register_flame(const Registry& registry);  ///< only with PLENOFLAME_HAS_VOLUMES
+void register_views(const Registry& registry);
+void register_refocus(const Registry& registry);
 void register_compare(const Registry& registry);
 void register_info(const Registry& registry);
 

@@ -118,7 +118,7 @@ Imf::Header make_header(const LightField& light_field) {
   header.insert(joined(kPrefix, "layers"), Imf::StringVectorAttribute(layers));
   header.insert(joined(kPrefix, "samples"), Imf::DoubleAttribute(light_field.samples));
   header.insert(joined(kPrefix, "complete"), Imf::IntAttribute(light_field.complete ? 1 : 0));
-  text("unit", "W");
+  text("unit", light_field.unit);
   text("version", light_field.version);
   text("scene", light_field.scene_text);
   text("estimator", light_field.estimator);
@@ -193,6 +193,8 @@ LightField from_header(const std::string& path, const Imf::Header& header) {
   light_field.scene_text = attributes.get<std::string>("scene");
   light_field.estimator = attributes.get<std::string>("estimator");
   light_field.version = attributes.get<std::string>("version");
+  if (const auto* unit = header.findTypedAttribute<Imf::StringAttribute>(joined(kPrefix, "unit")))
+    light_field.unit = unit->value();
   light_field.samples = attributes.get<double>("samples");
   light_field.complete = attributes.get<int>("complete") != 0;
   const std::string& seed = attributes.get<std::string>("seed");

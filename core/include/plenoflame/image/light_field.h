@@ -32,6 +32,7 @@ struct LightField {
   std::string version;   ///< of Plenoflame
   std::map<std::string, double> numbers;     ///< derived figures, e.g. "array.pitch" [m]
   std::map<std::string, std::string> texts;  ///< further attributes
+  std::string unit = "W";  ///< of the channels; pictures made from a raw image hold "W/(m^2 sr)"
 };
 
 /// The channel of this name; the first when `name` is empty.

@@ -1,0 +1,128 @@
+#include "plenoflame/lightfield/refocus.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cstdio>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/light_field_output.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string input, output, scene, depth, depths, channel;
+  int size = 0, threads = 0;
+  double aperture = 1;
+  bool exr = false, force = false, json = false;
+};
+
+/// "0.9m:1.1m:11": first, last, number of them.
+std::vector<double> depths_of(const Settings& settings) {
+  if (settings.depth.empty() == settings.depths.empty())
+    throw UsageError("give either --depth, e.g. \"1 m\", or --depths, e.g. 0.9m:1.1m:11");
+  if (!settings.depth.empty()) return {quantity_option("--depth", settings.depth, Dimension::length)};
+  const std::string& text = settings.depths;
+  const auto first = text.find(':'), second = text.find(':', first == std::string::npos ? first : first + 1);
+  int count = 0;
+  if (second != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [after, error] = std::from_chars(text.data() + second + 1, end, count);
+    if (error != std::errc() || after != end) count = 0;
+  }
+  if (count < 2 || count > 1000)
+    throw UsageError("--depths: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, with 2 to 1000 depths");
+  const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
+  const double b = quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
+  std::vector<double> depths;
+  for (int i = 0; i < count; ++i) depths.push_back(a + (b - a) * i / (count - 1));
+  return depths;
+}
+
+int run_refocus(const Settings& settings) {
+  const std::vector<double> depths = depths_of(settings);
+  const RawLightField raw = read_raw(settings.input, settings.scene);
+  const Camera camera(raw.camera);
+  for (const double depth : depths) check_refocus_depth(camera, depth);
+  RefocusSettings how;
+  how.width = settings.size;
+  how.aperture = settings.aperture;
+  how.channel = find_channel(raw.field, settings.channel).name;
+  Execution execution;
+  execution.threads = settings.threads;
+  const MicroImages micro(camera, true, execution);
+  std::vector<NamedImage> images;
+  nlohmann::json list = nlohmann::json::array();
+  for (const double depth : depths) {
+    how.depth = depth;
+    RefocusedImage result = refocus(raw.field, micro, how, execution);
+    char name[60];
+    if (depths.size() == 1)
+      std::snprintf(name, sizeof name, "refocus_%.4fm", depth);
+    else
+      std::snprintf(name, sizeof name, "refocus_%03zu_%.4fm", images.size(), depth);
+    list.push_back({{"depth", depth},
+                    {"name", name},
+                    {"pixel", result.pixel},
+                    {"corner", {result.corner.x, result.corner.y}},
+                    {"size", {result.image.width, result.image.height}}});
+    images.push_back({name, std::move(result.image), {{"refocus.depth", depth}, {"refocus.pixel", result.pixel},
+                                                      {"refocus.corner_x", result.corner.x},
+                                                      {"refocus.corner_y", result.corner.y}}});
+  }
+  prepare_folder(settings.output, settings.force);
+  const double white = write_images(settings.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
+
+  Report report;
+  report.add("folder", settings.output, "folder", settings.output);
+  report.add("pictures", std::to_string(images.size()), "pictures", list);
+  report.add("size", std::to_string(images[0].image.width) + " x " + std::to_string(images[0].image.height), "size",
+             {images[0].image.width, images[0].image.height});
+  report.add("pixel on the object", readable(list[0]["pixel"].get<double>(), Dimension::length), "pixel",
+             list[0]["pixel"]);
+  report.add("channel", how.channel, "channel", how.channel);
+  report.add("white in the pictures", readable(white, Dimension::radiance), "white", white);
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_refocus(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
+                                  "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
+  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  command.add_option("-o,--output", settings->output, "Folder for the pictures; made when missing")
+      ->required()
+      ->option_text("DIR");
+  command.add_option("--depth", settings->depth, "Distance from the front of the main lens, e.g. \"1 m\"")
+      ->option_text("LENGTH");
+  command.add_option("--depths", settings->depths, "Several distances: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11")
+      ->option_text("A:B:N");
+  command.add_option("--size", settings->size, "Pixels across; without it, one per microlens")
+      ->check(CLI::Range(1, 20000))
+      ->option_text("N");
+  command
+      .add_option("--aperture", settings->aperture,
+                  "Diameter of the synthetic lens in those of the real one, above 0 to 1 (1)")
+      ->check(CLI::Range(1e-3, 1.0))
+      ->option_text("A");
+  command.add_option("--channel", settings->channel, "Channel; without it, the first")->option_text("NAME");
+  command.add_option("--scene", settings->scene, "Scene file that gives the camera, for a light field without its own")
+      ->option_text("SCENE.toml");
+  command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
+  command.add_flag("--force", settings->force, "Write into a folder that has files in it");
+  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_refocus(*settings); });
+}
+
+}  // namespace plenoflame::cli

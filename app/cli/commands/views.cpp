@@ -1,0 +1,113 @@
+#include "plenoflame/lightfield/views.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/light_field_output.h"
+#include "plenoflame/base/error.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct Settings {
+  std::string input, output, scene, resampling = "barycentric", channel;
+  int grid = 7, threads = 0;
+  double spread = 0.7;
+  bool raw_flux = false, exr = false, sheet_only = false, force = false, json = false;
+};
+
+const std::map<std::string, ViewResampling> kResamplings = {{"nearest", ViewResampling::nearest},
+                                                            {"barycentric", ViewResampling::barycentric},
+                                                            {"paper9", ViewResampling::paper9},
+                                                            {"paper10", ViewResampling::paper10}};
+
+int run_views(const Settings& settings) {
+  const RawLightField raw = read_raw(settings.input, settings.scene);
+  ViewSettings how;
+  how.grid = settings.grid;
+  how.spread = settings.spread;
+  how.resampling = kResamplings.at(settings.resampling);
+  how.white_correction = !settings.raw_flux;
+  how.channel = find_channel(raw.field, settings.channel).name;
+  Execution execution;
+  execution.threads = settings.threads;
+  const MicroImages micro(Camera(raw.camera), how.white_correction, execution);
+  const Views views = extract_views(raw.field, micro, how, execution);
+  prepare_folder(settings.output, settings.force);
+
+  std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
+  if (!settings.sheet_only)
+    for (const View& view : views.views) {
+      char name[40];
+      std::snprintf(name, sizeof name, "view_%02d_%02d", view.row, view.column);
+      images.push_back({name, view.image, {{"view.column", view.column}, {"view.row", view.row},
+                                           {"view.offset_x", view.offset.x}, {"view.offset_y", view.offset.y},
+                                           {"view.lens_step", views.lens_step}}});
+    }
+  const double white = write_images(settings.output, images, views.unit, how.channel, settings.exr, raw.field);
+
+  const Image& first = views.views.front().image;
+  Report report;
+  report.add("folder", settings.output, "folder", settings.output);
+  report.add("views", std::to_string(settings.grid) + " x " + std::to_string(settings.grid), "grid", settings.grid);
+  report.add("size of a view", std::to_string(first.width) + " x " + std::to_string(first.height), "size",
+             {first.width, first.height});
+  report.add("channel", how.channel, "channel", how.channel);
+  report.add("resampling", settings.resampling, "resampling", settings.resampling);
+  char text[60];
+  std::snprintf(text, sizeof text, "%.4g %s", white, views.unit.c_str());
+  report.add("white in the pictures", text, "white", white);
+  report.add_json("unit", views.unit);
+  nlohmann::json list = nlohmann::json::array();
+  for (const View& view : views.views)
+    list.push_back({{"row", view.row}, {"column", view.column}, {"offset_pixels", {view.offset.x, view.offset.y}}});
+  report.add_json("views", list);
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_views(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
+                                  "plenoflame views flame.exr -o views --grid 5");
+  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  command.add_option("-o,--output", settings->output, "Folder for contact.png and the views; made when missing")
+      ->required()
+      ->option_text("DIR");
+  command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
+      ->check(CLI::Range(1, 99))
+      ->option_text("N");
+  command
+      .add_option("--spread", settings->spread,
+                  "Side of the square that the views cover, in diameters of a micro-image (0.7)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->option_text("S");
+  command
+      .add_option("--resampling", settings->resampling,
+                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels paper9 and "
+                  "paper10, for hexagonal arrays (barycentric)")
+      ->check(CLI::IsMember({"barycentric", "nearest", "paper9", "paper10"}))
+      ->option_text("NAME");
+  command.add_flag("--raw-flux", settings->raw_flux,
+                   "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
+  command.add_option("--channel", settings->channel, "Channel; without it, the first")->option_text("NAME");
+  command.add_option("--scene", settings->scene, "Scene file that gives the camera, for a light field without its own")
+      ->option_text("SCENE.toml");
+  command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
+  command.add_flag("--sheet-only", settings->sheet_only, "Write the contact sheet, not the single views");
+  command.add_flag("--force", settings->force, "Write into a folder that has files in it");
+  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_views(*settings); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,86 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/camera/camera.h"
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame {
+
+/// Camera of a light field, from its scene text.
+/// @param what names the light field in messages
+/// @throws InputError: no scene text, or one whose sensor is another one; no microlens array
+CameraSpec array_camera(const LightField& light_field, const std::string& what = "the light field");
+
+/// Where every micro-image lies on the sensor, which ray each of its points stands for, and how much
+/// light falls there: traced with the exact optics at some distances from the axis, interpolated
+/// between. Nothing is rounded to whole pixels. Sensor points are camera x, y [m].
+class MicroImages {
+ public:
+  /// @param white whether white() will be asked for: costs most of the time
+  /// @throws InputError without array, or when no light gets through
+  explicit MicroImages(const Camera& camera, bool white = true, const Execution& execution = {});
+
+  const Camera& camera() const { return camera_; }
+  /// Least distance between the centres of neighbouring micro-images near the axis [m].
+  double spacing() const { return spacing_; }
+
+  /// One micro-image.
+  struct Place {
+    bool dark = true;      ///< no light gets here
+    Vec2 centre;           ///< [m] where the ray through the middles of microlens and stop arrives
+    double radius = 0;     ///< [m] of the stop's image
+    Vec2 outwards{1, 0};   ///< unit vector away from the optical axis: first axis of the tables
+    double node = 0;       ///< place in the tables
+    int type = 0;
+  };
+  Place place(LensIndex lens) const;
+
+  /// A straight line in object space: (x, y) = position + z * slope, camera frame.
+  struct Line {
+    Vec2 position;  ///< [m] at the front vertex, z = 0
+    Vec2 slope;
+  };
+  /// The ray that arrives at `sensor_point` through the middle of the microlens. Exact within the
+  /// fit's error for points in the disc of place.radius.
+  Line chief_ray(const Place& place, Vec2 sensor_point) const;
+
+  /// chief_ray's intersection with the plane z = depth, prepared for many points of one micro-image.
+  class ToPlane {
+   public:
+    Vec2 operator()(Vec2 sensor_point) const;
+
+   private:
+    friend class MicroImages;
+    Place place_;
+    std::array<double, 21> x_{}, y_{};
+  };
+  ToPlane to_plane(const Place& place, double depth) const;
+
+  /// Etendue [m^2 sr] of the pixel centred at a sensor point, through this microlens alone: its flux
+  /// [W] when everything has the radiance 1 W/(m^2 sr).
+  double white(const Place& place, Vec2 sensor_point) const;
+
+ private:
+  struct Node {
+    bool dark = true;
+    double centre = 0, radius = 0;  ///< [m]
+    /// Coefficients of the chief ray's x and y at z = 0 and its slopes, over the monomials of
+    /// degree up to 5 in (s - centre) / radius.
+    std::array<std::array<double, 21>, 4> line{};
+    double white_half = 0;     ///< [m] half the side of the table
+    std::vector<float> white;  ///< kWhite x kWhite, first axis fastest
+  };
+  void fit_lines(const Camera& open, Node& node) const;
+  void fill_white(const Camera& own, Node& node, double outer_radius) const;
+  std::array<double, 21> mixed(const Place& place, std::size_t which) const;
+
+  Camera camera_;
+  double spacing_ = 0;
+  std::vector<double> step_;              ///< [m] between nodes, per type
+  std::vector<std::vector<Node>> nodes_;  ///< per type, over the distance from the axis
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,61 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/image/image.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/micro_images.h"
+
+namespace plenoflame {
+
+/// How one sample per microlens becomes a picture with square pixels.
+enum class ViewResampling {
+  nearest,      ///< the sample of the nearest microlens
+  barycentric,  ///< linear over the triangles of a hexagonal array, bilinear over a square one
+  paper9,       ///< the paper's Eq. (9), hexagonal arrays only
+  paper10,      ///< the paper's Eq. (10), hexagonal arrays only
+};
+
+struct ViewSettings {
+  int grid = 7;         ///< views along each side
+  /// Side of the square over which the views' middles are spread, in diameters of the stop's image;
+  /// up to 0.7 all of them lie inside.
+  double spread = 0.7;
+  ViewResampling resampling = ViewResampling::barycentric;
+  /// true: divided by the light that a uniform scene would give, so that values are radiances
+  /// [W/(m^2 sr)]; false: as recorded, flux per pixel [W].
+  bool white_correction = true;
+  std::string channel;  ///< empty: the first
+};
+
+/// What the scene looks like from one place on the main lens.
+struct View {
+  int column = 0, row = 0;  ///< in the grid: to the right and down as the place on the main lens
+  Vec2 offset;              ///< [pixel] from the micro-images' centres, upright: x right, y down
+  Image image;              ///< upright; 0 where nothing is known
+};
+
+struct Views {
+  std::vector<View> views;  ///< row by row
+  double lens_step = 0;     ///< [m] on the array between neighbouring pixels of a view
+  std::string unit;         ///< "W/(m^2 sr)" or "W"
+};
+
+/// Sub-aperture views: for each place on the main lens one sample per microlens, at the same offset
+/// from the centre of its micro-image (sub-pixel, interpolated between pixels bilinearly), the
+/// samples then resampled to square pixels of the area that one microlens has. With white correction
+/// it is the ratio of interpolated light to interpolated white light, so that a uniform scene stays
+/// uniform up to the rim of the micro-images. Where that white light is below kLeastWhite of the
+/// axis' a sample counts as unknown.
+/// @throws InputError: unknown channel, settings out of range, a kernel that the lattice does not suit,
+///         offsets beyond the light, pixels that are not finite
+Views extract_views(const LightField& light_field, const MicroImages& micro_images,
+                    const ViewSettings& settings, const Execution& execution = {});
+
+inline constexpr double kLeastWhite = 0.1;
+
+/// All views side by side in their grid, one dark pixel between.
+Image contact_sheet(const Views& views);
+
+}  // namespace plenoflame

@@ -1,0 +1,281 @@
+#include "plenoflame/lightfield/micro_images.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/camera/pupil_sampling.h"
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kDegree = 5;
+constexpr std::size_t kTerms = 21;  ///< (kDegree + 1) (kDegree + 2) / 2
+constexpr int kWhite = 41;          ///< points along the side of a white table
+constexpr int kApertureRings = 5;   ///< of the quadrature over a microlens' aperture
+
+/// The monomials x^i y^j, i + j <= kDegree.
+std::array<double, kTerms> monomials(Vec2 p) {
+  std::array<double, kTerms> terms{};
+  std::size_t k = 0;
+  double y = 1;
+  for (int j = 0; j <= kDegree; ++j) {
+    double term = y;
+    for (int i = 0; i + j <= kDegree; ++i) {
+      terms[k++] = term;
+      term *= p.x;
+    }
+    y *= p.y;
+  }
+  return terms;
+}
+
+double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>& b) {
+  double total = 0;
+  for (std::size_t k = 0; k < kTerms; ++k) total += a[k] * b[k];
+  return total;
+}
+
+Vec2 to_local(Vec2 v, Vec2 axis) { return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y}; }
+Vec2 to_camera(Vec2 v, Vec2 axis) { return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x}; }
+
+/// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
+CameraSpec single_type(const Camera& camera, std::size_t type) {
+  CameraSpec spec = camera.spec();
+  spec.array.types = {spec.array.types[type]};
+  spec.array.rotation = 0;
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = camera.lens_distance();
+  spec.array.sensor_distance = camera.array_back() - camera.sensor();
+  spec.array.measured_from = ArrayReference::vertex;
+  return spec;
+}
+
+/// The same with wider apertures of the main lens, so that the rays at the rim of the stop get
+/// through: the fit then needs no extrapolation.
+CameraSpec opened(CameraSpec spec) {
+  spec.lens.diameter *= 1.1;
+  for (SurfaceSpec& surface : spec.lens.surfaces) {
+    surface.diameter *= surface.stop ? 1.1 : 1.4;
+    if (std::isfinite(surface.radius))
+      surface.diameter = std::min(surface.diameter, 1.99 * std::fabs(surface.radius));
+  }
+  return spec;
+}
+
+Camera at_distance(CameraSpec spec, double h) {
+  spec.array.offset = {h, 0};
+  return Camera(spec);
+}
+
+}  // namespace
+
+CameraSpec array_camera(const LightField& light_field, const std::string& what) {
+  if (light_field.unit != "W")
+    throw InputError(what + " is not a raw image: it holds " + light_field.unit + ", not the flux of pixels in W");
+  if (light_field.scene_text.empty())
+    throw InputError(what + " holds no scene, so its camera is not known; give the scene file that it was made with");
+  const CameraSpec camera = parse_scene(light_field.scene_text, "scene of " + what).scene.camera;
+  if (camera.sensor.columns != light_field.sensor_width || camera.sensor.rows != light_field.sensor_height)
+    throw InputError("the scene's sensor has " + std::to_string(camera.sensor.columns) + " x " +
+                     std::to_string(camera.sensor.rows) + " pixels, that of " + what + " " +
+                     std::to_string(light_field.sensor_width) + " x " +
+                     std::to_string(light_field.sensor_height) + ": it is not a raw image of this camera");
+  if (!camera.array.present)
+    throw InputError("the camera of " + what + " has no microlens array: its picture is a single view; use develop");
+  return camera;
+}
+
+MicroImages::MicroImages(const Camera& camera, bool white, const Execution& execution) : camera_(camera) {
+  if (!camera.has_array()) throw InputError("a camera without microlens array has no micro-images");
+  const PupilSampling pupils(camera, execution);
+  const std::size_t types = pupils.tables().size();
+  nodes_.resize(types);
+  step_.resize(types);
+  for (std::size_t type = 0; type < types; ++type) {
+    const PupilTable& table = pupils.tables()[type];
+    const CameraSpec own = single_type(camera, type), open = opened(own);
+    step_[type] = table.field_step;
+    nodes_[type].resize(table.nodes.size());
+    const bool done = parallel_for(execution, table.nodes.size(), [&](std::size_t i, int) {
+      const PupilNode& pupil = table.nodes[i];
+      Node& node = nodes_[type][i];
+      if (pupil.dark()) return;
+      node.dark = false;
+      node.centre = pupil.centre;
+      node.radius = pupil.radius[0];
+      const double h = static_cast<double>(i) * table.field_step;
+      fit_lines(at_distance(open, h), node);
+      if (white && !node.dark) fill_white(at_distance(own, h), node, pupil.outer_radius);
+    });
+    if (!done) throw Cancelled();
+  }
+  const Vec2 here = place({0, 0}).centre;
+  spacing_ = std::min(length(place({1, 0}).centre - here), length(place({0, 1}).centre - here));
+}
+
+void MicroImages::fit_lines(const Camera& open, Node& node) const {
+  const Vec2 lens = open.lattice().centre({0, 0});
+  std::vector<std::array<double, kTerms>> rows;
+  std::vector<std::array<double, 4>> values;
+  for (int ring = 0; ring <= 5; ++ring) {
+    const int count = ring == 0 ? 1 : 6 * ring;
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * constants::pi * (k + 0.5 * (ring % 2)) / count;
+      const Vec2 p{0.2 * ring * std::cos(angle), 0.2 * ring * std::sin(angle)};
+      const Vec2 s{lens.x + node.centre + node.radius * p.x, node.radius * p.y};
+      const Camera::Path path = open.trace(s, LensIndex{0, 0}, lens);
+      if (path.status.status != RayStatus::reached) continue;
+      const Vec3 d = path.exit.direction, o = path.exit.origin;
+      const Vec2 slope{d.x / d.z, d.y / d.z};
+      rows.push_back(monomials(p));
+      values.push_back({o.x - o.z * slope.x, o.y - o.z * slope.y, slope.x, slope.y});
+    }
+  }
+  if (rows.size() < 2 * kTerms) {  // too little of the stop is left to say where rays go
+    node.dark = true;
+    return;
+  }
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd a(n, static_cast<Eigen::Index>(kTerms)), b(n, 4);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < kTerms; ++k)
+      a(i, static_cast<Eigen::Index>(k)) = rows[static_cast<std::size_t>(i)][k];
+    for (std::size_t k = 0; k < 4; ++k)
+      b(i, static_cast<Eigen::Index>(k)) = values[static_cast<std::size_t>(i)][k];
+  }
+  const Eigen::MatrixXd x = a.colPivHouseholderQr().solve(b);
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t t = 0; t < kTerms; ++t)
+      node.line[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
+}
+
+void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius) const {
+  const double p = own.spec().sensor.pixel_pitch;
+  const double aperture = 0.5 * own.spec().array.diameter;
+  const double gap = own.aim_plane(0) - own.sensor();
+  const Vec2 lens = own.lattice().centre({0, 0});
+  node.white_half = outer_radius + p;
+  const double step = 2 * node.white_half / (kWhite - 1);
+  // Rings of equal area; the light of a pixel is the integral of dA_u gap^2 / d^4 over the aperture.
+  std::vector<double> fine(static_cast<std::size_t>(kWhite) * kWhite, 0.0);
+  for (int j = kWhite / 2; j < kWhite; ++j)
+    for (int i = 0; i < kWhite; ++i) {
+      const Vec2 v{node.centre - node.white_half + i * step, -node.white_half + j * step};
+      if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
+      double total = 0;
+      int points = 0;
+      for (int ring = 0; ring < kApertureRings; ++ring) {
+        const double radius = aperture * std::sqrt((ring + 0.5) / kApertureRings);
+        for (int k = 0; k < 12; ++k, ++points) {
+          const double angle = 2 * constants::pi * (k + 0.5 * (ring % 2)) / 12;
+          const Vec2 u{radius * std::cos(angle), radius * std::sin(angle)};
+          if (own.trace(lens + v, LensIndex{0, 0}, lens + u).status.status != RayStatus::reached) continue;
+          const double d2 = dot(u - v, u - v) + gap * gap;
+          total += gap * gap / (d2 * d2);
+        }
+      }
+      const double value = p * p * constants::pi * aperture * aperture * total / points;
+      fine[static_cast<std::size_t>(j * kWhite + i)] = value;
+      fine[static_cast<std::size_t>((kWhite - 1 - j) * kWhite + i)] = value;  // mirror symmetry
+    }
+  const auto sample = [&](double x, double y) {  // bilinear, 0 outside
+    const double fx = std::floor(x), fy = std::floor(y);
+    const int i = static_cast<int>(fx), j = static_cast<int>(fy);
+    const auto get = [&](int a, int b) {
+      return a < 0 || b < 0 || a >= kWhite || b >= kWhite ? 0.0 : fine[static_cast<std::size_t>(b * kWhite + a)];
+    };
+    const double s = x - fx, t = y - fy;
+    return (1 - t) * ((1 - s) * get(i, j) + s * get(i + 1, j)) + t * ((1 - s) * get(i, j + 1) + s * get(i + 1, j + 1));
+  };
+  // A pixel is the mean over its square (turned with the field's axis, which only the rim feels).
+  constexpr int kBox = 5;
+  node.white.resize(fine.size());
+  for (int j = 0; j < kWhite; ++j)
+    for (int i = 0; i < kWhite; ++i) {
+      double total = 0;
+      for (int b = 0; b < kBox; ++b)
+        for (int a = 0; a < kBox; ++a)
+          total += sample(i + ((a + 0.5) / kBox - 0.5) * p / step, j + ((b + 0.5) / kBox - 0.5) * p / step);
+      node.white[static_cast<std::size_t>(j * kWhite + i)] = static_cast<float>(total / (kBox * kBox));
+    }
+}
+
+MicroImages::Place MicroImages::place(LensIndex lens) const {
+  Place place;
+  place.type = camera_.lattice().type(lens);
+  const auto type = static_cast<std::size_t>(place.type);
+  const Vec2 middle = camera_.lattice().centre(lens);
+  const double h = length(middle);
+  place.centre = middle;
+  if (h > 0) place.outwards = (1 / h) * middle;
+  place.node = h / step_[type];
+  const std::vector<Node>& nodes = nodes_[type];
+  const auto i = static_cast<std::size_t>(place.node);
+  if (i + 1 >= nodes.size() || nodes[i].dark || nodes[i + 1].dark) return place;
+  const double t = place.node - static_cast<double>(i);
+  place.dark = false;
+  place.centre = middle + ((1 - t) * nodes[i].centre + t * nodes[i + 1].centre) * place.outwards;
+  place.radius = (1 - t) * nodes[i].radius + t * nodes[i + 1].radius;
+  return place;
+}
+
+std::array<double, 21> MicroImages::mixed(const Place& place, std::size_t which) const {
+  const std::vector<Node>& nodes = nodes_[static_cast<std::size_t>(place.type)];
+  const auto i = static_cast<std::size_t>(place.node);
+  const double t = place.node - static_cast<double>(i);
+  std::array<double, kTerms> c{};
+  for (std::size_t k = 0; k < kTerms; ++k)
+    c[k] = (1 - t) * nodes[i].line[which][k] + t * nodes[i + 1].line[which][k];
+  return c;
+}
+
+MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) const {
+  ToPlane plane;
+  plane.place_ = place;
+  const auto x0 = mixed(place, 0), y0 = mixed(place, 1), x1 = mixed(place, 2), y1 = mixed(place, 3);
+  for (std::size_t k = 0; k < kTerms; ++k) {
+    const double along = x0[k] + depth * x1[k], across = y0[k] + depth * y1[k];
+    const Vec2 c = to_camera({along, across}, place.outwards);
+    plane.x_[k] = c.x;
+    plane.y_[k] = c.y;
+  }
+  return plane;
+}
+
+Vec2 MicroImages::ToPlane::operator()(Vec2 sensor_point) const {
+  const auto terms = monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
+  return {sum(x_, terms), sum(y_, terms)};
+}
+
+MicroImages::Line MicroImages::chief_ray(const Place& place, Vec2 sensor_point) const {
+  const Vec2 start = to_plane(place, 0)(sensor_point), end = to_plane(place, 1)(sensor_point);
+  return {start, end - start};
+}
+
+double MicroImages::white(const Place& place, Vec2 sensor_point) const {
+  if (place.dark) return 0;
+  const std::vector<Node>& nodes = nodes_[static_cast<std::size_t>(place.type)];
+  const auto first = static_cast<std::size_t>(place.node);
+  const double t = place.node - static_cast<double>(first);
+  const Vec2 v = to_local(sensor_point - place.centre, place.outwards);
+  double total = 0;
+  for (std::size_t n = 0; n < 2; ++n) {
+    const Node& node = nodes[first + n];
+    if (node.white.empty()) return 0;
+    const double scale = (kWhite - 1) / (2 * node.white_half);
+    const double x = (v.x + node.white_half) * scale, y = (v.y + node.white_half) * scale;
+    if (!(x >= 0 && y >= 0 && x < kWhite - 1 && y < kWhite - 1)) continue;
+    const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
+    const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
+    const float* w = node.white.data() + j * kWhite + i;
+    const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
+    total += (n == 0 ? 1 - t : t) * ((1 - r) * ((1 - s) * at(0) + s * at(1)) + r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
+  }
+  return total;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,180 @@
+#include "plenoflame/lightfield/refocus.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr std::size_t kParts = 8;  ///< of the work, summed in order: any number of threads gives the same
+
+/// Light and white light, in pixels of the picture.
+struct Sums {
+  int width = 0, height = 0;
+  std::vector<double> light, white;
+  Sums(int w, int h)
+      : width(w), height(h), light(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)), white(light) {}
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+  }
+  /// Bilinear; x, y count from the middle of pixel (0, 0).
+  void add(double x, double y, double light_, double white_) {
+    const double x_floor = std::floor(x), y_floor = std::floor(y);
+    if (!(x_floor >= -1 && y_floor >= -1 && x_floor < width && y_floor < height)) return;
+    const int i = static_cast<int>(x_floor), j = static_cast<int>(y_floor);
+    for (int b = 0; b <= 1; ++b)
+      for (int a = 0; a <= 1; ++a) {
+        if (i + a < 0 || j + b < 0 || i + a >= width || j + b >= height) continue;
+        const double weight = (a == 1 ? x - x_floor : 1 - (x - x_floor)) * (b == 1 ? y - y_floor : 1 - (y - y_floor));
+        light[index(i + a, j + b)] += weight * light_;
+        white[index(i + a, j + b)] += weight * white_;
+      }
+  }
+};
+
+/// Gives pixels that met nothing what their surroundings have: a level of half the size, filled in
+/// the same way, counts with a weight that never shows where there are samples.
+void fill_gaps(Sums& sums) {
+  if (sums.width < 2 || sums.height < 2) return;
+  double largest = 0;
+  for (const double w : sums.white) largest = std::max(largest, w);
+  const double least = 1e-3 * largest;
+  if (std::none_of(sums.white.begin(), sums.white.end(), [&](double w) { return w < least; })) return;
+  Sums coarse((sums.width + 1) / 2, (sums.height + 1) / 2);
+  for (int row = 0; row < sums.height; ++row)
+    for (int column = 0; column < sums.width; ++column) {
+      const std::size_t from = sums.index(column, row), to = coarse.index(column / 2, row / 2);
+      coarse.light[to] += sums.light[from];
+      coarse.white[to] += sums.white[from];
+    }
+  fill_gaps(coarse);
+  for (int row = 0; row < sums.height; ++row)
+    for (int column = 0; column < sums.width; ++column) {
+      const std::size_t to = sums.index(column, row), from = coarse.index(column / 2, row / 2);
+      if (sums.white[to] >= least || coarse.white[from] <= 0) continue;
+      const double missing = least - sums.white[to];
+      sums.light[to] += missing * coarse.light[from] / coarse.white[from];
+      sums.white[to] = least;
+    }
+}
+
+struct Target {
+  double pixel = 0;  ///< [m]
+  Vec2 corner;       ///< [m]
+  int width = 0, height = 0;
+};
+
+/// What the middles of the micro-images see of the plane.
+Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>& places, double depth, int width) {
+  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
+  for (const MicroImages::Place& place : places) {
+    if (place.dark) continue;
+    const Vec2 point = micro.to_plane(place, depth)(place.centre);
+    lower = {std::min(lower.x, point.x), std::min(lower.y, point.y)};
+    upper = {std::max(upper.x, point.x), std::max(upper.y, point.y)};
+  }
+  if (!(upper.x > lower.x && upper.y > lower.y))
+    throw InputError("the light field's window holds too few micro-images to refocus");
+  Target target;
+  target.width = width;
+  target.pixel = (upper.x - lower.x) / width;
+  target.height = std::max(1, static_cast<int>(std::lround((upper.y - lower.y) / target.pixel)));
+  target.corner = {lower.x, 0.5 * (lower.y + upper.y) - 0.5 * target.height * target.pixel};
+  return target;
+}
+
+void add_micro_image(const LightField& field, const Image& flux, const MicroImages& micro,
+                     const MicroImages::Place& place, const Target& target, double depth, double radius, Sums& sums) {
+  const SensorSpec& sensor = micro.camera().spec().sensor;
+  const PixelWindow& window = field.window;
+  const double p = sensor.pixel_pitch;
+  const double x = 0.5 * sensor.columns - place.centre.x / p, y = 0.5 * sensor.rows - place.centre.y / p;
+  const auto bound = [](double value, int low, int high) {
+    return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
+  };
+  const int first_column = bound(std::floor(x - radius / p), window.x, window.x + window.width);
+  const int last_column = bound(std::ceil(x + radius / p) + 1, window.x, window.x + window.width);
+  const int first_row = bound(std::floor(y - radius / p), window.y, window.y + window.height);
+  const int last_row = bound(std::ceil(y + radius / p) + 1, window.y, window.y + window.height);
+  const MicroImages::ToPlane to_plane = micro.to_plane(place, depth);
+  for (int row = first_row; row < last_row; ++row)
+    for (int column = first_column; column < last_column; ++column) {
+      const Vec2 s = micro.camera().sensor_point(column + 0.5, row + 0.5);
+      if (length(s - place.centre) > radius) continue;
+      const double white = micro.white(place, s);
+      if (white <= 0) continue;
+      const double light = static_cast<double>(flux.at(column - window.x, row - window.y));
+      if (!std::isfinite(light))
+        throw InputError("the light field holds a value that is not finite, in column " + std::to_string(column) +
+                         ", row " + std::to_string(row));
+      const Vec2 point = to_plane(s);
+      sums.add((point.x - target.corner.x) / target.pixel - 0.5, (point.y - target.corner.y) / target.pixel - 0.5,
+               light, white);
+    }
+}
+
+}  // namespace
+
+void check_refocus_depth(const Camera& camera, double depth) {
+  const double focal = std::max(0.0, -camera.lens_first_order().front_focal_distance);
+  if (depth > focal && std::isfinite(depth)) return;
+  const std::string given = "cannot refocus at " + format_quantity(depth, Dimension::length) + ": ";
+  if (!(depth > 0)) throw InputError(given + "the plane lies behind the front of the camera; give a depth above 0 m");
+  throw InputError(given + "the depth must be finite and beyond the front focal plane, " +
+                   format_quantity(focal, Dimension::length) + " in front of the lens");
+}
+
+RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
+                       const RefocusSettings& settings, const Execution& execution) {
+  const Camera& camera = micro_images.camera();
+  check_refocus_depth(camera, settings.depth);
+  if (settings.width < 0 || settings.width > 20000)
+    throw InputError("refocus: the picture has 1 to 20000 pixels across");
+  if (!(settings.aperture > 0 && settings.aperture <= 1))
+    throw InputError("refocus: the synthetic aperture lies above 0 and up to 1");
+  const Image& flux = find_channel(light_field, settings.channel).flux;
+  const PixelWindow& window = light_field.window;
+  const ArraySpec& array = camera.spec().array;
+  // Lenses whose micro-images begin inside the window.
+  const double scale = array.pitch / micro_images.spacing();
+  const Vec2 upper = scale * camera.sensor_point(window.x, window.y);
+  const Vec2 lower = scale * camera.sensor_point(window.x + window.width, window.y + window.height);
+  std::vector<MicroImages::Place> places;
+  for (const LensIndex lens : camera.lattice().within(lower, upper)) places.push_back(micro_images.place(lens));
+  const int across = std::max(1, static_cast<int>(std::lround((upper.x - lower.x) / array.pitch)));
+  const Target target = target_of(micro_images, places, settings.depth, settings.width > 0 ? settings.width : across);
+
+  // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe bound.
+  // The disc always holds the middle of a pixel, however small the micro-images are.
+  const double most = 0.5 * micro_images.spacing(), least = 0.71 * camera.spec().sensor.pixel_pitch;
+  std::vector<Sums> parts(kParts, Sums(target.width, target.height));
+  const bool done = parallel_for(execution, kParts, [&](std::size_t part, int) {
+    for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts; ++k)
+      if (!places[k].dark)
+        add_micro_image(light_field, flux, micro_images, places[k], target, settings.depth,
+                        std::max(std::min(settings.aperture * places[k].radius, most), least), parts[part]);
+  });
+  if (!done) throw Cancelled();
+  Sums& sums = parts.front();
+  for (std::size_t part = 1; part < kParts; ++part)
+    for (std::size_t k = 0; k < sums.white.size(); ++k) {
+      sums.light[k] += parts[part].light[k];
+      sums.white[k] += parts[part].white[k];
+    }
+  fill_gaps(sums);
+  RefocusedImage result;
+  result.image = Image(target.width, target.height);
+  for (std::size_t k = 0; k < sums.white.size(); ++k)
+    if (sums.white[k] > 0) result.image.pixels[k] = static_cast<float>(sums.light[k] / sums.white[k]);
+  result.depth = settings.depth;
+  result.pixel = target.pixel;
+  result.corner = target.corner;
+  return result;
+}
+
+}  // namespace plenoflame

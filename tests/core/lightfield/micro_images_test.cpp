@@ -1,0 +1,143 @@
+#include "plenoflame/lightfield/micro_images.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/scene_file.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/plain_sampler.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+using test::within;
+
+/// Thin ideal main lens (f = 0.1 m, 25 mm) with a thin ideal array: everything has a closed form.
+CameraSpec thin_camera() {
+  CameraSpec camera;
+  camera.lens.model = LensModel::ideal;
+  camera.lens.focal_length = 0.1;
+  camera.lens.diameter = 0.025;
+  camera.array.present = true;
+  camera.array.lattice = Lattice::square;
+  camera.array.model = LensModel::ideal;
+  camera.array.pitch = camera.array.diameter = 200e-6;
+  MicrolensSpec lens;
+  lens.name = "type1";
+  lens.focal_length = 1e-3;
+  camera.array.types = {lens};
+  camera.array.sensor_distance = 1e-3;
+  camera.sensor = {400, 300, 10e-6};
+  camera.focus.mode = FocusMode::paraxial;
+  camera.focus.object_distance = 1;
+  return camera;
+}
+
+// Similar triangles: the stop's middle, the microlens' middle and the point on the sensor.
+TEST(MicroImages, CentresAndRadiiOfAThinCamera) {
+  const Camera camera(thin_camera());
+  const MicroImages micro(camera, false, test::one_thread());
+  const double distance = 1 / (1 / 0.1 - 1 / 1.0), gap = 1e-3;
+  EXPECT_TRUE(relative(camera.lens_distance(), distance, 1e-12));
+  for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{5, 2}, LensIndex{-7, 3}, LensIndex{9, -7}}) {
+    const MicroImages::Place place = micro.place(lens);
+    ASSERT_FALSE(place.dark);
+    const double scale = 1 + gap / distance;
+    EXPECT_TRUE(within(place.centre.x, lens.q * 200e-6 * scale, 1e-3, 10e-6)) << lens.q;
+    EXPECT_TRUE(within(place.centre.y, lens.r * 200e-6 * scale, 1e-3, 10e-6)) << lens.r;
+    EXPECT_TRUE(relative(place.radius, 0.5 * 0.025 * gap / distance, 3e-3));
+  }
+  EXPECT_TRUE(relative(micro.spacing(), 200e-6 * (1 + gap / distance), 1e-4));
+}
+
+// All chief rays of a microlens meet where the main lens images its middle: X = -x (1 m) / distance.
+TEST(MicroImages, ChiefRaysMeetTheImageOfTheMicrolens) {
+  const Camera camera(thin_camera());
+  const MicroImages micro(camera, false, test::one_thread());
+  const double distance = 1 / (1 / 0.1 - 1 / 1.0);
+  for (const LensIndex lens : {LensIndex{4, -3}, LensIndex{-9, 6}}) {
+    const MicroImages::Place place = micro.place(lens);
+    const Vec2 expected{-lens.q * 200e-6 / distance, -lens.r * 200e-6 / distance};
+    const MicroImages::ToPlane plane = micro.to_plane(place, 1.0);
+    for (const Vec2 u : {Vec2{0, 0}, Vec2{0.9, 0}, Vec2{-0.5, 0.6}, Vec2{0.1, -0.95}}) {
+      const Vec2 point = plane(place.centre + place.radius * u);
+      EXPECT_TRUE(within(point.x, expected.x, 1e-4, 200e-6 / distance));
+      EXPECT_TRUE(within(point.y, expected.y, 1e-4, 200e-6 / distance));
+      // At the front vertex the ray is where it crosses the stop: opposite to the sensor point.
+      const MicroImages::Line line = micro.chief_ray(place, place.centre + place.radius * u);
+      EXPECT_TRUE(within(line.position.x, -0.0125 * u.x, 4e-3, 0.0125));
+      EXPECT_TRUE(within(line.position.y, -0.0125 * u.y, 4e-3, 0.0125));
+    }
+  }
+}
+
+// Against the camera's own trace, through real glass.
+TEST(MicroImages, ChiefRaysAreThoseOfTheRealCamera) {
+  for (const char* name : {"paper-plenoptic1", "raytrix-r29-reduced"}) {
+    const Camera camera(test::preset_camera(name));
+    const MicroImages micro(camera, false, test::threads(2));
+    int compared = 0;
+    for (const Vec2 at : {Vec2{0, 0}, Vec2{0.003, -0.002}, Vec2{-0.005, 0.0045}, Vec2{0.0001, 0.006}}) {
+      const LensIndex lens = camera.lattice().nearest(at);
+      const MicroImages::Place place = micro.place(lens);
+      ASSERT_FALSE(place.dark) << name;
+      for (const Vec2 u : {Vec2{0, 0}, Vec2{0.8, 0.1}, Vec2{-0.3, 0.7}, Vec2{-0.6, -0.6}}) {
+        const Vec2 s = place.centre + place.radius * u;
+        const Camera::Path path = camera.trace(s, lens, camera.lattice().centre(lens));
+        if (path.status.status != RayStatus::reached) continue;
+        ++compared;
+        const Ray& ray = path.exit;
+        const Vec3 hit = ray.at((1.2 - ray.origin.z) / ray.direction.z);
+        const Vec2 found = micro.to_plane(place, 1.2)(s);
+        // Within 30 um at 1.2 m, a hundredth of what a microlens covers there.
+        EXPECT_LT(length(found - Vec2{hit.x, hit.y}), 30e-6) << name << ' ' << u.x << ' ' << u.y;
+      }
+    }
+    EXPECT_GE(compared, 12) << name;
+  }
+}
+
+// Plain sampling of the measurement equation shares neither tables nor quadrature.
+TEST(MicroImages, WhiteIsTheEtendueOfThePixel) {
+  const Camera camera(test::preset_camera("raytrix-r29-reduced"));
+  const MicroImages micro(camera, true, test::threads(2));
+  test::PlainSampler sampler(camera, 5);
+  for (const Vec2 at : {Vec2{0, 0}, Vec2{0.006, -0.003}}) {
+    const MicroImages::Place place = micro.place(camera.lattice().nearest(at));
+    const double p = camera.spec().sensor.pixel_pitch;
+    const SensorSpec& sensor = camera.spec().sensor;
+    const double column = std::floor(0.5 * sensor.columns - place.centre.x / p);
+    const double row = std::floor(0.5 * sensor.rows - place.centre.y / p);
+    const auto estimate = sampler.flux(column, row, 1, 1, 200000);
+    const double white = micro.white(place, camera.sensor_point(column + 0.5, row + 0.5));
+    EXPECT_LT(estimate.standard_error, 0.01 * estimate.flux);
+    EXPECT_LT(std::fabs(white - estimate.flux), 0.005 * white + 4 * estimate.standard_error) << white << ' ' << estimate.flux;
+  }
+}
+
+TEST(MicroImages, RefusesWhatHasNone) {
+  CameraSpec bare = thin_camera();
+  bare.array = {};
+  bare.focus.conjugate = "sensor";
+  EXPECT_THROW(MicroImages{Camera(bare)}, InputError);
+  LightField field;
+  EXPECT_THROW(array_camera(field), InputError);
+  Scene scene;
+  scene.camera = thin_camera();
+  field.scene_text = write_scene(scene);
+  field.sensor_width = 400;
+  field.sensor_height = 300;
+  EXPECT_EQ(array_camera(field), scene.camera);
+  field.sensor_width = 399;
+  EXPECT_THROW(array_camera(field), InputError);
+  field.sensor_width = 400;
+  field.unit = "W/(m^2 sr)";
+  EXPECT_THROW(array_camera(field), InputError);
+}
+
+}  // namespace
+}  // namespace plenoflame

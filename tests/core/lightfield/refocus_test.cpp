@@ -1,0 +1,128 @@
+#include "plenoflame/lightfield/refocus.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/uniform_medium.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+
+LightField rendered(const CompiledScene& scene, PixelWindow window) {
+  RenderSettings settings;
+  settings.samples = 32;
+  settings.window = window;
+  settings.standard_error = false;
+  return render(scene, settings, test::threads(2)).light_field;
+}
+
+/// A small bright cube at z = `depth` in front of the camera, beside the axis.
+CompiledScene cube_scene(const CameraSpec& camera, double depth, Vec2 at, double half) {
+  // The presets' cameras stand at the origin and look along +x: camera x is world -y, camera y is -z.
+  const Vec3 middle{depth, -at.x, -at.y};
+  const Vec3 size{half, half, half};
+  return test::scene_of(camera, std::make_unique<test::UniformMedium>(Box{middle - size, middle + size}));
+}
+
+struct Spot {
+  Vec2 centre;        ///< [m]
+  double spread = 0;  ///< [m] RMS radius
+  double peak = 0;
+};
+
+Spot spot_of(const RefocusedImage& picture) {
+  Spot spot;
+  double total = 0, square = 0;
+  for (int row = 0; row < picture.image.height; ++row)
+    for (int column = 0; column < picture.image.width; ++column) {
+      const double value = static_cast<double>(picture.image.at(column, row));
+      const Vec2 at = picture.corner + picture.pixel * Vec2{column + 0.5, row + 0.5};
+      total += value;
+      spot.centre = spot.centre + value * at;
+      square += value * dot(at, at);
+      spot.peak = std::max(spot.peak, value);
+    }
+  spot.centre = (1 / total) * spot.centre;
+  spot.spread = std::sqrt(std::max(0.0, square / total - dot(spot.centre, spot.centre)));
+  return spot;
+}
+
+// A point source is sharpest at its depth, and in its place there.
+TEST(Refocus, FindsTheDepthAndPlaceOfACube) {
+  struct Case { const char* name; double depth; Vec2 at; double half; };
+  for (const Case& c : {Case{"paper-previous-60x60", 0.9, {0.004, -0.007}, 1e-3},
+                        Case{"raytrix-r29-reduced", 1.4, {-0.003, 0.002}, 0.4e-3}}) {
+    const CameraSpec spec = test::preset_camera(c.name);
+    const CompiledScene scene = cube_scene(spec, c.depth, c.at, c.half);
+    const SensorSpec& sensor = spec.sensor;
+    const int side = std::min({sensor.columns, sensor.rows, 700});
+    const LightField field = rendered(scene, {(sensor.columns - side) / 2, (sensor.rows - side) / 2, side, side});
+    const MicroImages micro(scene.camera, true, test::threads(2));
+    double best = 0, least = kInfinity;
+    Spot sharpest;
+    double pixel = 0;
+    for (const double factor : {0.8, 0.9, 1.0, 1.1, 1.25}) {
+      RefocusSettings settings;
+      settings.depth = factor * c.depth;
+      const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
+      const Spot spot = spot_of(picture);
+      const double angle = spot.spread / settings.depth;  // planes farther away are magnified
+      if (angle < least) {
+        least = angle;
+        best = factor;
+        sharpest = spot;
+        pixel = picture.pixel;
+      }
+    }
+    EXPECT_EQ(best, 1.0) << c.name;
+    EXPECT_LT(length(sharpest.centre - c.at), 0.5 * pixel) << c.name << ' ' << sharpest.centre.x << ' ' << sharpest.centre.y;
+  }
+}
+
+TEST(Refocus, UniformSceneStaysUniform) {
+  const CompiledScene scene =
+      test::scene_of(test::preset_camera("raytrix-r29-reduced"), std::make_unique<test::UniformMedium>());
+  const LightField field = rendered(scene, {1700, 1100, 300, 300});
+  const MicroImages micro(scene.camera, true, test::threads(2));
+  for (const double depth : {1.0, 1.5, 3.0})
+    for (const int width : {0, 64}) {
+      RefocusSettings settings;
+      settings.depth = depth;
+      settings.width = width;
+      settings.aperture = 0.9;
+      const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
+      for (const float value : picture.image.pixels) EXPECT_TRUE(relative(static_cast<double>(value), 1, 0.02));
+    }
+}
+
+TEST(Refocus, SameForAnyNumberOfThreads) {
+  const CompiledScene scene = cube_scene(test::preset_camera("paper-previous-60x60"), 1, {0, 0}, 5e-3);
+  const LightField field = rendered(scene, {200, 200, 200, 200});
+  const MicroImages one(scene.camera, true, test::one_thread()), many(scene.camera, true, test::threads(3));
+  RefocusSettings settings;
+  settings.depth = 1;
+  EXPECT_EQ(refocus(field, one, settings, test::one_thread()).image.pixels,
+            refocus(field, many, settings, test::threads(5)).image.pixels);
+}
+
+TEST(Refocus, RefusesImpossiblePlanes) {
+  const Camera camera(test::preset_camera("paper-previous-60x60"));
+  const double focal = -camera.lens_first_order().front_focal_distance;
+  EXPECT_THROW(check_refocus_depth(camera, -1), InputError);
+  EXPECT_THROW(check_refocus_depth(camera, 0), InputError);
+  EXPECT_THROW(check_refocus_depth(camera, 0.99 * focal), InputError);
+  EXPECT_THROW(check_refocus_depth(camera, kInfinity), InputError);
+  EXPECT_THROW(check_refocus_depth(camera, std::nan("")), InputError);
+  EXPECT_NO_THROW(check_refocus_depth(camera, 1.01 * focal));
+}
+
+}  // namespace
+}  // namespace plenoflame

@@ -1,0 +1,146 @@
+#include "plenoflame/lightfield/views.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/uniform_medium.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+
+LightField rendered(const CompiledScene& scene, PixelWindow window) {
+  RenderSettings settings;
+  settings.samples = 256;
+  settings.window = window;
+  settings.standard_error = false;
+  return render(scene, settings, test::threads(2)).light_field;
+}
+
+// A scene of radiance 1 everywhere has views that are 1 everywhere.
+TEST(Views, UniformSceneGivesUniformViews) {
+  struct Case { const char* name; PixelWindow window; };
+  for (const Case& c : {Case{"raytrix-r29-reduced", {1790, 1180, 200, 200}}, Case{"raytrix-r29-reduced", {400, 300, 200, 200}},
+                        Case{"paper-previous-60x60", {300, 250, 100, 100}}}) {
+    const CompiledScene scene = test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
+    const LightField field = rendered(scene, c.window);
+    const MicroImages micro(scene.camera, true, test::threads(2));
+    ViewSettings settings;
+    settings.grid = 3;
+    settings.spread = 0.6;
+    const Views views = extract_views(field, micro, settings, test::threads(2));
+    ASSERT_EQ(views.views.size(), 9U);
+    for (const View& view : views.views) {
+      const Image& image = view.image;
+      ASSERT_GE(image.width, 4);
+      // The window cuts the micro-images at its rim.
+      for (int row = 2; row < image.height - 2; ++row)
+        for (int column = 2; column < image.width - 2; ++column)
+          EXPECT_TRUE(relative(static_cast<double>(image.at(column, row)), 1, 0.01))
+              << c.name << " view " << view.column << ',' << view.row << " pixel " << column << ',' << row;
+    }
+  }
+}
+
+/// A raw image made by hand of a square array: micro-image (q, r) holds a value of its own.
+class PaintedViews : public ::testing::Test {
+ protected:
+  PaintedViews() : camera(spec()), micro(camera, false, test::one_thread()) {
+    field.sensor_width = camera.spec().sensor.columns;
+    field.sensor_height = camera.spec().sensor.rows;
+    field.window = {0, 0, field.sensor_width, field.sensor_height};
+    field.channels.push_back({"total", Image(field.sensor_width, field.sensor_height), {}});
+    settings.white_correction = false;
+    settings.grid = 3;
+  }
+  static CameraSpec spec() {
+    CameraSpec camera = test::preset_camera("paper-previous-60x60");
+    camera.sensor.columns = camera.sensor.rows = 200;
+    return camera;
+  }
+  Camera camera;
+  MicroImages micro;
+  LightField field;
+  ViewSettings settings;
+};
+
+// What is painted at a place of the upright raw image turns up at the same place of the views.
+TEST_F(PaintedViews, AreUpright) {
+  // The lens whose micro-image is nearest to column 150, row 40: right of and above the middle.
+  const Vec2 s = camera.sensor_point(150, 40);
+  const LensIndex lens = camera.lattice().nearest(s);
+  const Vec2 centre = micro.place(lens).centre;
+  const double p = camera.spec().sensor.pixel_pitch;
+  for (int row = 0; row < 200; ++row)
+    for (int column = 0; column < 200; ++column)
+      if (length(camera.sensor_point(column + 0.5, row + 0.5) - centre) < 5 * p) field.channels[0].flux.at(column, row) = 7;
+  settings.resampling = ViewResampling::nearest;
+  const Views views = extract_views(field, micro, settings, test::one_thread());
+  const Image& middle = views.views[4].image;
+  EXPECT_TRUE(relative(views.lens_step, 1e-3, 1e-12));
+  int bright = 0;
+  for (int row = 0; row < middle.height; ++row)
+    for (int column = 0; column < middle.width; ++column)
+      if (middle.at(column, row) > 6) {
+        ++bright;
+        EXPECT_LE(std::abs(column - 0.75 * middle.width), 1.0);
+        EXPECT_LE(std::abs(row - 0.2 * middle.height), 1.0);
+      }
+  EXPECT_EQ(bright, 1);
+}
+
+// A raw image that is linear in the upright coordinates: bilinear sampling is exact, so that the
+// difference of two views is the gradient times the difference of their offsets.
+TEST_F(PaintedViews, SampleAtSubPixelOffsets) {
+  for (int row = 0; row < 200; ++row)
+    for (int column = 0; column < 200; ++column)
+      field.channels[0].flux.at(column, row) = static_cast<float>(2 * column + 3 * row);
+  const Views views = extract_views(field, micro, settings, test::one_thread());
+  const View& middle = views.views[4];
+  EXPECT_EQ(middle.offset, (Vec2{0, 0}));
+  const double step = views.views[5].offset.x;
+  EXPECT_TRUE(relative(step, 0.7 * 2.0 / 3 * micro.place({0, 0}).radius / 100e-6, 1e-3));
+  for (const View& view : views.views) {
+    EXPECT_TRUE(test::within(view.offset.x, (view.column - 1) * step, 1e-9, step));
+    EXPECT_TRUE(test::within(view.offset.y, (view.row - 1) * step, 1e-9, step));
+    for (const int column : {3, 9, 14}) {
+      const double difference = static_cast<double>(view.image.at(column, 6) - middle.image.at(column, 6));
+      EXPECT_TRUE(test::within(difference, 2 * view.offset.x + 3 * view.offset.y, 1e-4, 10));
+    }
+  }
+}
+
+TEST_F(PaintedViews, BadSettingsAreRefused) {
+  settings.grid = 0;
+  EXPECT_THROW(extract_views(field, micro, settings), InputError);
+  settings.grid = 3;
+  settings.spread = 1.5;
+  EXPECT_THROW(extract_views(field, micro, settings), InputError);
+  settings.spread = 0.7;
+  settings.resampling = ViewResampling::paper9;
+  EXPECT_THROW(extract_views(field, micro, settings), InputError);
+  settings.resampling = ViewResampling::nearest;
+  settings.channel = "red";
+  EXPECT_THROW(extract_views(field, micro, settings), InputError);
+}
+
+TEST_F(PaintedViews, ContactSheetHoldsEveryView) {
+  for (int row = 0; row < 200; ++row)
+    for (int column = 0; column < 200; ++column)
+      field.channels[0].flux.at(column, row) = static_cast<float>(column + 1000 * row);
+  const Views views = extract_views(field, micro, settings, test::one_thread());
+  const Image sheet = contact_sheet(views);
+  const View& view = views.views[5];
+  EXPECT_EQ(sheet.width, 3 * view.image.width + 2);
+  EXPECT_EQ(sheet.at(2 * (view.image.width + 1) + 4, view.image.height + 1 + 7), view.image.at(4, 7));
+}
+
+}  // namespace
+}  // namespace plenoflame
