@@ -15,8 +15,14 @@ namespace plenoflame::cli {
 RawLightField read_raw(const std::string& path, const std::string& scene) {
   RawLightField raw;
   raw.field = read_light_field(path);
-  if (!scene.empty()) raw.field.scene_text = write_scene(read_scene_file(scene).scene);
-  raw.camera = array_camera(raw.field, "'" + path + "'");
+  if (scene.empty() && raw.field.scene_text.empty())
+    throw InputError("'" + path +
+                     "' holds no scene, so its camera is not known; give the one it was made with: "
+                     "--scene SCENE.toml");
+  raw.camera = (scene.empty() ? parse_scene(raw.field.scene_text, "scene of " + path)
+                              : read_scene_file(scene))
+                   .scene.camera;
+  check_raw_image(raw.field, raw.camera, "'" + path + "'");
   return raw;
 }
 
@@ -25,19 +31,22 @@ void prepare_folder(const std::string& folder, bool force) {
   std::error_code error;
   const fs::path path(folder);
   if (fs::exists(path, error)) {
-    if (!fs::is_directory(path, error)) throw FileError("'" + folder + "' is not a folder; choose another one with -o");
+    if (!fs::is_directory(path, error))
+      throw FileError("'" + folder + "' is not a folder; choose another one with -o");
     const bool empty = fs::is_empty(path, error);
     if (error) throw FileError("cannot read the folder '" + folder + "': " + error.message());
     if (!empty && !force)
-      throw FileError("the folder '" + folder + "' has files in it; choose another one, or give --force to add to it");
+      throw FileError("the folder '" + folder +
+                      "' has files in it; choose another one, or give --force to add to it");
     return;
   }
   fs::create_directory(path, error);
   if (error) throw FileError("cannot make the folder '" + folder + "': " + error.message());
 }
 
-double write_images(const std::string& folder, const std::vector<NamedImage>& images, const std::string& unit,
-                    const std::string& channel, bool exr, const LightField& raw) {
+double write_images(const std::string& folder, const std::vector<NamedImage>& images,
+                    const std::string& unit, const std::string& channel, bool exr,
+                    const LightField& raw) {
   Image all;  // one exposure for all pictures
   for (const NamedImage& named : images)
     all.pixels.insert(all.pixels.end(), named.image.pixels.begin(), named.image.pixels.end());

@@ -17,8 +17,8 @@ struct RawLightField {
 /// @throws FileError, InputError
 RawLightField read_raw(const std::string& path, const std::string& scene);
 
-/// Makes sure that results can go into a folder: it is made when its parent exists, and must be empty
-/// unless `force`. @throws FileError
+/// Makes sure that results can go into a folder: it is made when its parent exists, and must be
+/// empty unless `force`. @throws FileError
 void prepare_folder(const std::string& folder, bool force);
 
 /// A picture that was computed from a raw light field, ready to be written.
@@ -31,7 +31,8 @@ struct NamedImage {
 /// Writes every image as PNG (sRGB curve, 16 bits, one exposure for all: 99.9 % of the pixels with
 /// light are not saturated), and as EXR in `unit` when asked for.
 /// @return the value that is white
-double write_images(const std::string& folder, const std::vector<NamedImage>& images, const std::string& unit,
-                    const std::string& channel, bool exr, const LightField& raw);
+double write_images(const std::string& folder, const std::vector<NamedImage>& images,
+                    const std::string& unit, const std::string& channel, bool exr,
+                    const LightField& raw);
 
 }  // namespace plenoflame::cli

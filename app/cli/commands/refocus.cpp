@@ -26,9 +26,11 @@ struct Settings {
 std::vector<double> depths_of(const Settings& settings) {
   if (settings.depth.empty() == settings.depths.empty())
     throw UsageError("give either --depth, e.g. \"1 m\", or --depths, e.g. 0.9m:1.1m:11");
-  if (!settings.depth.empty()) return {quantity_option("--depth", settings.depth, Dimension::length)};
+  if (!settings.depth.empty())
+    return {quantity_option("--depth", settings.depth, Dimension::length)};
   const std::string& text = settings.depths;
-  const auto first = text.find(':'), second = text.find(':', first == std::string::npos ? first : first + 1);
+  const auto first = text.find(':'),
+             second = text.find(':', first == std::string::npos ? first : first + 1);
   int count = 0;
   if (second != std::string::npos) {
     const char* const end = text.data() + text.size();
@@ -38,7 +40,8 @@ std::vector<double> depths_of(const Settings& settings) {
   if (count < 2 || count > 1000)
     throw UsageError("--depths: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, with 2 to 1000 depths");
   const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
-  const double b = quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
+  const double b =
+      quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
   std::vector<double> depths;
   for (int i = 0; i < count; ++i) depths.push_back(a + (b - a) * i / (count - 1));
   return depths;
@@ -71,20 +74,25 @@ int run_refocus(const Settings& settings) {
                     {"pixel", result.pixel},
                     {"corner", {result.corner.x, result.corner.y}},
                     {"size", {result.image.width, result.image.height}}});
-    images.push_back({name, std::move(result.image), {{"refocus.depth", depth}, {"refocus.pixel", result.pixel},
-                                                      {"refocus.corner_x", result.corner.x},
-                                                      {"refocus.corner_y", result.corner.y}}});
+    images.push_back({name,
+                      std::move(result.image),
+                      {{"refocus.depth", depth},
+                       {"refocus.pixel", result.pixel},
+                       {"refocus.corner_x", result.corner.x},
+                       {"refocus.corner_y", result.corner.y}}});
   }
   prepare_folder(settings.output, settings.force);
-  const double white = write_images(settings.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
+  const double white =
+      write_images(settings.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
 
   Report report;
   report.add("folder", settings.output, "folder", settings.output);
   report.add("pictures", std::to_string(images.size()), "pictures", list);
-  report.add("size", std::to_string(images[0].image.width) + " x " + std::to_string(images[0].image.height), "size",
-             {images[0].image.width, images[0].image.height});
-  report.add("pixel on the object", readable(list[0]["pixel"].get<double>(), Dimension::length), "pixel",
-             list[0]["pixel"]);
+  report.add("size",
+             std::to_string(images[0].image.width) + " x " + std::to_string(images[0].image.height),
+             "size", {images[0].image.width, images[0].image.height});
+  report.add("pixel on the object", readable(list[0]["pixel"].get<double>(), Dimension::length),
+             "pixel", list[0]["pixel"]);
   report.add("channel", how.channel, "channel", how.channel);
   report.add("white in the pictures", readable(white, Dimension::radiance), "white", white);
   report.print(settings.json);
@@ -95,15 +103,20 @@ int run_refocus(const Settings& settings) {
 
 void register_refocus(const Registry& registry) {
   auto settings = std::make_shared<Settings>();
-  CLI::App& command = add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
-                                  "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
+  CLI::App& command =
+      add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
+                  "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
   command.add_option("-o,--output", settings->output, "Folder for the pictures; made when missing")
       ->required()
       ->option_text("DIR");
-  command.add_option("--depth", settings->depth, "Distance from the front of the main lens, e.g. \"1 m\"")
+  command
+      .add_option("--depth", settings->depth,
+                  "Distance from the front of the main lens, e.g. \"1 m\"")
       ->option_text("LENGTH");
-  command.add_option("--depths", settings->depths, "Several distances: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11")
+  command
+      .add_option("--depths", settings->depths,
+                  "Several distances: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11")
       ->option_text("A:B:N");
   command.add_option("--size", settings->size, "Pixels across; without it, one per microlens")
       ->check(CLI::Range(1, 20000))
@@ -113,8 +126,11 @@ void register_refocus(const Registry& registry) {
                   "Diameter of the synthetic lens in those of the real one, above 0 to 1 (1)")
       ->check(CLI::Range(1e-3, 1.0))
       ->option_text("A");
-  command.add_option("--channel", settings->channel, "Channel; without it, the first")->option_text("NAME");
-  command.add_option("--scene", settings->scene, "Scene file that gives the camera, for a light field without its own")
+  command.add_option("--channel", settings->channel, "Channel; without it, the first")
+      ->option_text("NAME");
+  command
+      .add_option("--scene", settings->scene,
+                  "Scene file that gives the camera, for a light field without its own")
       ->option_text("SCENE.toml");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
   command.add_flag("--force", settings->force, "Write into a folder that has files in it");

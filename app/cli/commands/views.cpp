@@ -21,10 +21,11 @@ struct Settings {
   bool raw_flux = false, exr = false, sheet_only = false, force = false, json = false;
 };
 
-const std::map<std::string, ViewResampling> kResamplings = {{"nearest", ViewResampling::nearest},
-                                                            {"barycentric", ViewResampling::barycentric},
-                                                            {"paper9", ViewResampling::paper9},
-                                                            {"paper10", ViewResampling::paper10}};
+const std::map<std::string, ViewResampling> kResamplings = {
+    {"nearest", ViewResampling::nearest},
+    {"barycentric", ViewResampling::barycentric},
+    {"paper9", ViewResampling::paper9},
+    {"paper10", ViewResampling::paper10}};
 
 int run_views(const Settings& settings) {
   const RawLightField raw = read_raw(settings.input, settings.scene);
@@ -45,18 +46,24 @@ int run_views(const Settings& settings) {
     for (const View& view : views.views) {
       char name[40];
       std::snprintf(name, sizeof name, "view_%02d_%02d", view.row, view.column);
-      images.push_back({name, view.image, {{"view.column", view.column}, {"view.row", view.row},
-                                           {"view.offset_x", view.offset.x}, {"view.offset_y", view.offset.y},
-                                           {"view.lens_step", views.lens_step}}});
+      images.push_back({name,
+                        view.image,
+                        {{"view.column", view.column},
+                         {"view.row", view.row},
+                         {"view.offset_x", view.offset.x},
+                         {"view.offset_y", view.offset.y},
+                         {"view.lens_step", views.lens_step}}});
     }
-  const double white = write_images(settings.output, images, views.unit, how.channel, settings.exr, raw.field);
+  const double white =
+      write_images(settings.output, images, views.unit, how.channel, settings.exr, raw.field);
 
   const Image& first = views.views.front().image;
   Report report;
   report.add("folder", settings.output, "folder", settings.output);
-  report.add("views", std::to_string(settings.grid) + " x " + std::to_string(settings.grid), "grid", settings.grid);
-  report.add("size of a view", std::to_string(first.width) + " x " + std::to_string(first.height), "size",
-             {first.width, first.height});
+  report.add("views", std::to_string(settings.grid) + " x " + std::to_string(settings.grid), "grid",
+             settings.grid);
+  report.add("size of a view", std::to_string(first.width) + " x " + std::to_string(first.height),
+             "size", {first.width, first.height});
   report.add("channel", how.channel, "channel", how.channel);
   report.add("resampling", settings.resampling, "resampling", settings.resampling);
   char text[60];
@@ -65,7 +72,9 @@ int run_views(const Settings& settings) {
   report.add_json("unit", views.unit);
   nlohmann::json list = nlohmann::json::array();
   for (const View& view : views.views)
-    list.push_back({{"row", view.row}, {"column", view.column}, {"offset_pixels", {view.offset.x, view.offset.y}}});
+    list.push_back({{"row", view.row},
+                    {"column", view.column},
+                    {"offset_pixels", {view.offset.x, view.offset.y}}});
   report.add_json("views", list);
   report.print(settings.json);
   return kSuccess;
@@ -75,10 +84,13 @@ int run_views(const Settings& settings) {
 
 void register_views(const Registry& registry) {
   auto settings = std::make_shared<Settings>();
-  CLI::App& command = add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
-                                  "plenoflame views flame.exr -o views --grid 5");
+  CLI::App& command =
+      add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
+                  "plenoflame views flame.exr -o views --grid 5");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
-  command.add_option("-o,--output", settings->output, "Folder for contact.png and the views; made when missing")
+  command
+      .add_option("-o,--output", settings->output,
+                  "Folder for contact.png and the views; made when missing")
       ->required()
       ->option_text("DIR");
   command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
@@ -91,17 +103,23 @@ void register_views(const Registry& registry) {
       ->option_text("S");
   command
       .add_option("--resampling", settings->resampling,
-                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels paper9 and "
+                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
+                  "paper9 and "
                   "paper10, for hexagonal arrays (barycentric)")
       ->check(CLI::IsMember({"barycentric", "nearest", "paper9", "paper10"}))
       ->option_text("NAME");
-  command.add_flag("--raw-flux", settings->raw_flux,
-                   "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
-  command.add_option("--channel", settings->channel, "Channel; without it, the first")->option_text("NAME");
-  command.add_option("--scene", settings->scene, "Scene file that gives the camera, for a light field without its own")
+  command.add_flag(
+      "--raw-flux", settings->raw_flux,
+      "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
+  command.add_option("--channel", settings->channel, "Channel; without it, the first")
+      ->option_text("NAME");
+  command
+      .add_option("--scene", settings->scene,
+                  "Scene file that gives the camera, for a light field without its own")
       ->option_text("SCENE.toml");
   command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
-  command.add_flag("--sheet-only", settings->sheet_only, "Write the contact sheet, not the single views");
+  command.add_flag("--sheet-only", settings->sheet_only,
+                   "Write the contact sheet, not the single views");
   command.add_flag("--force", settings->force, "Write into a folder that has files in it");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))

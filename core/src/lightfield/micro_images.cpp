@@ -7,15 +7,14 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/pupil_sampling.h"
-#include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
 namespace {
 
 constexpr int kDegree = 5;
-constexpr std::size_t kTerms = 21;  ///< (kDegree + 1) (kDegree + 2) / 2
-constexpr int kWhite = 41;          ///< points along the side of a white table
-constexpr int kApertureRings = 5;   ///< of the quadrature over a microlens' aperture
+constexpr std::size_t kTerms = 21;    ///< (kDegree + 1) (kDegree + 2) / 2
+constexpr int kWhite = 41;            ///< points along the side of a white table
+constexpr int kAperturePoints = 400;  ///< of the quadrature over a microlens' aperture
 
 /// The monomials x^i y^j, i + j <= kDegree.
 std::array<double, kTerms> monomials(Vec2 p) {
@@ -39,8 +38,12 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
   return total;
 }
 
-Vec2 to_local(Vec2 v, Vec2 axis) { return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y}; }
-Vec2 to_camera(Vec2 v, Vec2 axis) { return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x}; }
+Vec2 to_local(Vec2 v, Vec2 axis) {
+  return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y};
+}
+Vec2 to_camera(Vec2 v, Vec2 axis) {
+  return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x};
+}
 
 /// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
 CameraSpec single_type(const Camera& camera, std::size_t type) {
@@ -73,23 +76,25 @@ Camera at_distance(CameraSpec spec, double h) {
 
 }  // namespace
 
-CameraSpec array_camera(const LightField& light_field, const std::string& what) {
+void check_raw_image(const LightField& light_field, const CameraSpec& camera,
+                     const std::string& what) {
   if (light_field.unit != "W")
-    throw InputError(what + " is not a raw image: it holds " + light_field.unit + ", not the flux of pixels in W");
-  if (light_field.scene_text.empty())
-    throw InputError(what + " holds no scene, so its camera is not known; give the scene file that it was made with");
-  const CameraSpec camera = parse_scene(light_field.scene_text, "scene of " + what).scene.camera;
-  if (camera.sensor.columns != light_field.sensor_width || camera.sensor.rows != light_field.sensor_height)
+    throw InputError(what + " is not a raw image: it holds " + light_field.unit +
+                     ", not the flux of pixels in W");
+  if (camera.sensor.columns != light_field.sensor_width ||
+      camera.sensor.rows != light_field.sensor_height)
     throw InputError("the scene's sensor has " + std::to_string(camera.sensor.columns) + " x " +
                      std::to_string(camera.sensor.rows) + " pixels, that of " + what + " " +
                      std::to_string(light_field.sensor_width) + " x " +
-                     std::to_string(light_field.sensor_height) + ": it is not a raw image of this camera");
+                     std::to_string(light_field.sensor_height) +
+                     ": it is not a raw image of this camera");
   if (!camera.array.present)
-    throw InputError("the camera of " + what + " has no microlens array: its picture is a single view; use develop");
-  return camera;
+    throw InputError("the camera of " + what +
+                     " has no microlens array: its picture is a single view; use develop");
 }
 
-MicroImages::MicroImages(const Camera& camera, bool white, const Execution& execution) : camera_(camera) {
+MicroImages::MicroImages(const Camera& camera, bool white, const Execution& execution)
+    : camera_(camera) {
   if (!camera.has_array()) throw InputError("a camera without microlens array has no micro-images");
   const PupilSampling pupils(camera, execution);
   const std::size_t types = pupils.tables().size();
@@ -160,25 +165,31 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
   const Vec2 lens = own.lattice().centre({0, 0});
   node.white_half = outer_radius + p;
   const double step = 2 * node.white_half / (kWhite - 1);
-  // Rings of equal area; the light of a pixel is the integral of dA_u gap^2 / d^4 over the aperture.
+  // The light of a pixel is the integral of dA_u gap^2 / d^4 over the aperture. A sunflower of
+  // points of equal area: no two have the same radius, so that a rim that cuts them is found to 1
+  // in 160. A little beyond the aperture, as an oblique ray may cross the aim plane beside the lens
+  // it meets.
+  constexpr double kMargin = 1.03;
+  const double golden = constants::pi * (3 - std::sqrt(5.0));
+  std::vector<Vec2> aims;
+  for (int k = 0; k < kAperturePoints; ++k) {
+    const double radius = kMargin * aperture * std::sqrt((k + 0.5) / kAperturePoints);
+    aims.push_back({radius * std::cos(golden * k), radius * std::sin(golden * k)});
+  }
+  const double area = constants::pi * kMargin * kMargin * aperture * aperture / kAperturePoints;
   std::vector<double> fine(static_cast<std::size_t>(kWhite) * kWhite, 0.0);
   for (int j = kWhite / 2; j < kWhite; ++j)
     for (int i = 0; i < kWhite; ++i) {
       const Vec2 v{node.centre - node.white_half + i * step, -node.white_half + j * step};
       if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
       double total = 0;
-      int points = 0;
-      for (int ring = 0; ring < kApertureRings; ++ring) {
-        const double radius = aperture * std::sqrt((ring + 0.5) / kApertureRings);
-        for (int k = 0; k < 12; ++k, ++points) {
-          const double angle = 2 * constants::pi * (k + 0.5 * (ring % 2)) / 12;
-          const Vec2 u{radius * std::cos(angle), radius * std::sin(angle)};
-          if (own.trace(lens + v, LensIndex{0, 0}, lens + u).status.status != RayStatus::reached) continue;
-          const double d2 = dot(u - v, u - v) + gap * gap;
-          total += gap * gap / (d2 * d2);
-        }
+      for (const Vec2 u : aims) {
+        if (own.trace(lens + v, LensIndex{0, 0}, lens + u).status.status != RayStatus::reached)
+          continue;
+        const double d2 = dot(u - v, u - v) + gap * gap;
+        total += gap * gap / (d2 * d2);
       }
-      const double value = p * p * constants::pi * aperture * aperture * total / points;
+      const double value = p * p * area * total;
       fine[static_cast<std::size_t>(j * kWhite + i)] = value;
       fine[static_cast<std::size_t>((kWhite - 1 - j) * kWhite + i)] = value;  // mirror symmetry
     }
@@ -186,10 +197,13 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
     const double fx = std::floor(x), fy = std::floor(y);
     const int i = static_cast<int>(fx), j = static_cast<int>(fy);
     const auto get = [&](int a, int b) {
-      return a < 0 || b < 0 || a >= kWhite || b >= kWhite ? 0.0 : fine[static_cast<std::size_t>(b * kWhite + a)];
+      return a < 0 || b < 0 || a >= kWhite || b >= kWhite
+                 ? 0.0
+                 : fine[static_cast<std::size_t>(b * kWhite + a)];
     };
     const double s = x - fx, t = y - fy;
-    return (1 - t) * ((1 - s) * get(i, j) + s * get(i + 1, j)) + t * ((1 - s) * get(i, j + 1) + s * get(i + 1, j + 1));
+    return (1 - t) * ((1 - s) * get(i, j) + s * get(i + 1, j)) +
+           t * ((1 - s) * get(i, j + 1) + s * get(i + 1, j + 1));
   };
   // A pixel is the mean over its square (turned with the field's axis, which only the rim feels).
   constexpr int kBox = 5;
@@ -199,8 +213,10 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
       double total = 0;
       for (int b = 0; b < kBox; ++b)
         for (int a = 0; a < kBox; ++a)
-          total += sample(i + ((a + 0.5) / kBox - 0.5) * p / step, j + ((b + 0.5) / kBox - 0.5) * p / step);
-      node.white[static_cast<std::size_t>(j * kWhite + i)] = static_cast<float>(total / (kBox * kBox));
+          total += sample(i + ((a + 0.5) / kBox - 0.5) * p / step,
+                          j + ((b + 0.5) / kBox - 0.5) * p / step);
+      node.white[static_cast<std::size_t>(j * kWhite + i)] =
+          static_cast<float>(total / (kBox * kBox));
     }
 }
 
@@ -247,7 +263,8 @@ MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) con
 }
 
 Vec2 MicroImages::ToPlane::operator()(Vec2 sensor_point) const {
-  const auto terms = monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
+  const auto terms =
+      monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
   return {sum(x_, terms), sum(y_, terms)};
 }
 
@@ -273,7 +290,8 @@ double MicroImages::white(const Place& place, Vec2 sensor_point) const {
     const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
     const float* w = node.white.data() + j * kWhite + i;
     const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
-    total += (n == 0 ? 1 - t : t) * ((1 - r) * ((1 - s) * at(0) + s * at(1)) + r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
+    total += (n == 0 ? 1 - t : t) * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
+                                     r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
   }
   return total;
 }

@@ -11,16 +11,21 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::size_t kParts = 8;  ///< of the work, summed in order: any number of threads gives the same
+constexpr std::size_t kParts =
+    8;  ///< of the work, summed in order: any number of threads gives the same
 
 /// Light and white light, in pixels of the picture.
 struct Sums {
   int width = 0, height = 0;
   std::vector<double> light, white;
   Sums(int w, int h)
-      : width(w), height(h), light(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)), white(light) {}
+      : width(w),
+        height(h),
+        light(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)),
+        white(light) {}
   std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
   }
   /// Bilinear; x, y count from the middle of pixel (0, 0).
   void add(double x, double y, double light_, double white_) {
@@ -30,7 +35,8 @@ struct Sums {
     for (int b = 0; b <= 1; ++b)
       for (int a = 0; a <= 1; ++a) {
         if (i + a < 0 || j + b < 0 || i + a >= width || j + b >= height) continue;
-        const double weight = (a == 1 ? x - x_floor : 1 - (x - x_floor)) * (b == 1 ? y - y_floor : 1 - (y - y_floor));
+        const double weight =
+            (a == 1 ? x - x_floor : 1 - (x - x_floor)) * (b == 1 ? y - y_floor : 1 - (y - y_floor));
         light[index(i + a, j + b)] += weight * light_;
         white[index(i + a, j + b)] += weight * white_;
       }
@@ -44,7 +50,8 @@ void fill_gaps(Sums& sums) {
   double largest = 0;
   for (const double w : sums.white) largest = std::max(largest, w);
   const double least = 1e-3 * largest;
-  if (std::none_of(sums.white.begin(), sums.white.end(), [&](double w) { return w < least; })) return;
+  if (std::none_of(sums.white.begin(), sums.white.end(), [&](double w) { return w < least; }))
+    return;
   Sums coarse((sums.width + 1) / 2, (sums.height + 1) / 2);
   for (int row = 0; row < sums.height; ++row)
     for (int column = 0; column < sums.width; ++column) {
@@ -70,7 +77,8 @@ struct Target {
 };
 
 /// What the middles of the micro-images see of the plane.
-Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>& places, double depth, int width) {
+Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>& places,
+                 double depth, int width) {
   Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
   for (const MicroImages::Place& place : places) {
     if (place.dark) continue;
@@ -89,11 +97,13 @@ Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>
 }
 
 void add_micro_image(const LightField& field, const Image& flux, const MicroImages& micro,
-                     const MicroImages::Place& place, const Target& target, double depth, double radius, Sums& sums) {
+                     const MicroImages::Place& place, const Target& target, double depth,
+                     double radius, Sums& sums) {
   const SensorSpec& sensor = micro.camera().spec().sensor;
   const PixelWindow& window = field.window;
   const double p = sensor.pixel_pitch;
-  const double x = 0.5 * sensor.columns - place.centre.x / p, y = 0.5 * sensor.rows - place.centre.y / p;
+  const double x = 0.5 * sensor.columns - place.centre.x / p,
+               y = 0.5 * sensor.rows - place.centre.y / p;
   const auto bound = [](double value, int low, int high) {
     return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
   };
@@ -110,11 +120,11 @@ void add_micro_image(const LightField& field, const Image& flux, const MicroImag
       if (white <= 0) continue;
       const double light = static_cast<double>(flux.at(column - window.x, row - window.y));
       if (!std::isfinite(light))
-        throw InputError("the light field holds a value that is not finite, in column " + std::to_string(column) +
-                         ", row " + std::to_string(row));
+        throw InputError("the light field holds a value that is not finite, in column " +
+                         std::to_string(column) + ", row " + std::to_string(row));
       const Vec2 point = to_plane(s);
-      sums.add((point.x - target.corner.x) / target.pixel - 0.5, (point.y - target.corner.y) / target.pixel - 0.5,
-               light, white);
+      sums.add((point.x - target.corner.x) / target.pixel - 0.5,
+               (point.y - target.corner.y) / target.pixel - 0.5, light, white);
     }
 }
 
@@ -124,7 +134,9 @@ void check_refocus_depth(const Camera& camera, double depth) {
   const double focal = std::max(0.0, -camera.lens_first_order().front_focal_distance);
   if (depth > focal && std::isfinite(depth)) return;
   const std::string given = "cannot refocus at " + format_quantity(depth, Dimension::length) + ": ";
-  if (!(depth > 0)) throw InputError(given + "the plane lies behind the front of the camera; give a depth above 0 m");
+  if (!(depth > 0))
+    throw InputError(given +
+                     "the plane lies behind the front of the camera; give a depth above 0 m");
   throw InputError(given + "the depth must be finite and beyond the front focal plane, " +
                    format_quantity(focal, Dimension::length) + " in front of the lens");
 }
@@ -145,19 +157,23 @@ RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_i
   const Vec2 upper = scale * camera.sensor_point(window.x, window.y);
   const Vec2 lower = scale * camera.sensor_point(window.x + window.width, window.y + window.height);
   std::vector<MicroImages::Place> places;
-  for (const LensIndex lens : camera.lattice().within(lower, upper)) places.push_back(micro_images.place(lens));
+  for (const LensIndex lens : camera.lattice().within(lower, upper))
+    places.push_back(micro_images.place(lens));
   const int across = std::max(1, static_cast<int>(std::lround((upper.x - lower.x) / array.pitch)));
-  const Target target = target_of(micro_images, places, settings.depth, settings.width > 0 ? settings.width : across);
+  const Target target =
+      target_of(micro_images, places, settings.depth, settings.width > 0 ? settings.width : across);
 
-  // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe bound.
-  // The disc always holds the middle of a pixel, however small the micro-images are.
+  // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
+  // bound. The disc always holds the middle of a pixel, however small the micro-images are.
   const double most = 0.5 * micro_images.spacing(), least = 0.71 * camera.spec().sensor.pixel_pitch;
   std::vector<Sums> parts(kParts, Sums(target.width, target.height));
   const bool done = parallel_for(execution, kParts, [&](std::size_t part, int) {
-    for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts; ++k)
+    for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts;
+         ++k)
       if (!places[k].dark)
         add_micro_image(light_field, flux, micro_images, places[k], target, settings.depth,
-                        std::max(std::min(settings.aperture * places[k].radius, most), least), parts[part]);
+                        std::max(std::min(settings.aperture * places[k].radius, most), least),
+                        parts[part]);
   });
   if (!done) throw Cancelled();
   Sums& sums = parts.front();
@@ -170,7 +186,8 @@ RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_i
   RefocusedImage result;
   result.image = Image(target.width, target.height);
   for (std::size_t k = 0; k < sums.white.size(); ++k)
-    if (sums.white[k] > 0) result.image.pixels[k] = static_cast<float>(sums.light[k] / sums.white[k]);
+    if (sums.white[k] > 0)
+      result.image.pixels[k] = static_cast<float>(sums.light[k] / sums.white[k]);
   result.depth = settings.depth;
   result.pixel = target.pixel;
   result.corner = target.corner;

@@ -15,15 +15,18 @@ void check(const ViewSettings& settings, const Camera& camera) {
     throw InputError("views: the grid has 1 to 99 views along a side");
   if (!(settings.spread >= 0 && settings.spread <= 1))
     throw InputError("views: the spread lies between 0 and 1 diameters of a micro-image");
-  const bool paper = settings.resampling == ViewResampling::paper9 || settings.resampling == ViewResampling::paper10;
+  const bool paper = settings.resampling == ViewResampling::paper9 ||
+                     settings.resampling == ViewResampling::paper10;
   if (paper && camera.spec().array.lattice != Lattice::hexagonal)
-    throw InputError("views: the paper's kernels are for hexagonal arrays; use barycentric or nearest");
+    throw InputError(
+        "views: the paper's kernels are for hexagonal arrays; use barycentric or nearest");
 }
 
 /// The samples of all micro-images at one offset.
 class Sampler {
  public:
-  Sampler(const LightField& field, const Image& flux, const MicroImages& micro, bool white, double least)
+  Sampler(const LightField& field, const Image& flux, const MicroImages& micro, bool white,
+          double least)
       : flux_(flux), micro_(micro), window_(field.window), white_(white), least_(least) {}
 
   /// @param offset [m] from the centre, camera x, y
@@ -35,8 +38,10 @@ class Sampler {
     const double x = 0.5 * sensor.columns - s.x / sensor.pixel_pitch - 0.5;
     const double y = 0.5 * sensor.rows - s.y / sensor.pixel_pitch - 0.5;
     const double x_floor = std::floor(x), y_floor = std::floor(y);
-    const int column = static_cast<int>(x_floor) - window_.x, row = static_cast<int>(y_floor) - window_.y;
-    if (column < 0 || row < 0 || column + 1 >= window_.width || row + 1 >= window_.height) return unknown;
+    const int column = static_cast<int>(x_floor) - window_.x,
+              row = static_cast<int>(y_floor) - window_.y;
+    if (column < 0 || row < 0 || column + 1 >= window_.width || row + 1 >= window_.height)
+      return unknown;
     const double a = x - x_floor, b = y - y_floor;
     double light = 0, white = 0;
     for (int j = 0; j <= 1; ++j)
@@ -44,8 +49,9 @@ class Sampler {
         const double weight = (i == 1 ? a : 1 - a) * (j == 1 ? b : 1 - b);
         light += weight * static_cast<double>(flux_.at(column + i, row + j));
         if (white_)
-          white += weight * micro_.white(place, micro_.camera().sensor_point(window_.x + column + i + 0.5,
-                                                                             window_.y + row + j + 0.5));
+          white += weight *
+                   micro_.white(place, micro_.camera().sensor_point(window_.x + column + i + 0.5,
+                                                                    window_.y + row + j + 0.5));
       }
     if (!white_) return static_cast<float>(light);
     return white > least_ ? static_cast<float>(light / white) : unknown;
@@ -82,7 +88,8 @@ OutputGrid output_grid(const MicroImages& micro, const PixelWindow& window) {
   grid.width = static_cast<int>(right - left) + 1;
   grid.height = static_cast<int>(top - bottom) + 1;
   if (grid.width < 1 || grid.height < 1)
-    throw InputError("the light field's window is smaller than a micro-image: nothing to make views of");
+    throw InputError(
+        "the light field's window is smaller than a micro-image: nothing to make views of");
   grid.first = array.offset + Vec2{right * grid.step, top * grid.step};
   return grid;
 }
@@ -111,7 +118,8 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   Views views;
   views.lens_step = grid.step;
   views.unit = settings.white_correction ? "W/(m^2 sr)" : "W";
-  views.views.resize(static_cast<std::size_t>(settings.grid) * static_cast<std::size_t>(settings.grid));
+  views.views.resize(static_cast<std::size_t>(settings.grid) *
+                     static_cast<std::size_t>(settings.grid));
   const bool done = parallel_for(execution, views.views.size(), [&](std::size_t index, int) {
     View& view = views.views[index];
     view.column = static_cast<int>(index) % settings.grid;
@@ -126,7 +134,8 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
     view.image = Image(grid.width, grid.height);
     for (int row = 0; row < grid.height; ++row)
       for (int column = 0; column < grid.width; ++column) {
-        const Vec2 point = grid.first - grid.step * Vec2{static_cast<double>(column), static_cast<double>(row)};
+        const Vec2 point =
+            grid.first - grid.step * Vec2{static_cast<double>(column), static_cast<double>(row)};
         const double value = samples.value(point, settings.resampling);
         if (std::isinf(value)) throw InputError("the light field holds a value that is not finite");
         view.image.at(column, row) = std::isnan(value) ? 0.0F : static_cast<float>(value);
@@ -145,7 +154,8 @@ Image contact_sheet(const Views& views) {
   for (const View& view : views.views)
     for (int row = 0; row < view.image.height; ++row)
       for (int column = 0; column < view.image.width; ++column)
-        sheet.at(view.column * step_x + column, view.row * step_y + row) = view.image.at(column, row);
+        sheet.at(view.column * step_x + column, view.row * step_y + row) =
+            view.image.at(column, row);
   return sheet;
 }
 

@@ -27,11 +27,13 @@ LensSamples samples(const ArraySpec& spec, const Function& function) {
   const MicrolensLattice lattice(spec);
   const auto lenses = lattice.within({-5e-3, -5e-3}, {5e-3, 5e-3});
   LensSamples result(spec, lenses);
-  for (const LensIndex lens : lenses) result.at(lens) = static_cast<float>(function(lens, lattice.centre(lens)));
+  for (const LensIndex lens : lenses)
+    result.at(lens) = static_cast<float>(function(lens, lattice.centre(lens)));
   return result;
 }
 
-constexpr Vec2 kPoints[] = {{0, 0}, {1.23e-3, -0.4e-3}, {-1.9e-3, 0.77e-3}, {0.051e-3, 1.31e-3}, {-0.6e-3, -1.7e-3}};
+constexpr Vec2 kPoints[] = {
+    {0, 0}, {1.23e-3, -0.4e-3}, {-1.9e-3, 0.77e-3}, {0.051e-3, 1.31e-3}, {-0.6e-3, -1.7e-3}};
 
 TEST(ViewResampling, LinearPicturesAreReproduced) {
   const auto plane = [](Vec2 p) { return 5 + 1e3 * p.x - 700 * p.y; };
@@ -46,12 +48,14 @@ TEST(ViewResampling, LinearPicturesAreReproduced) {
 // that is all that they do. Up in the picture is +y of the array before its rotation.
 TEST(ViewResampling, PaperKernelsShiftALinearPicture) {
   const ArraySpec spec = array(Lattice::hexagonal);
-  const Vec2 row{-std::sin(spec.rotation) * spec.pitch * std::sqrt(0.75), std::cos(spec.rotation) * spec.pitch * std::sqrt(0.75)};
+  const Vec2 row{-std::sin(spec.rotation) * spec.pitch * std::sqrt(0.75),
+                 std::cos(spec.rotation) * spec.pitch * std::sqrt(0.75)};
   const auto plane = [](Vec2 p) { return 5 + 1e3 * p.x - 700 * p.y; };
   const auto values = samples(spec, [&](LensIndex, Vec2 p) { return plane(p); });
   for (const Vec2 p : kPoints) {
     EXPECT_TRUE(within(values.value(p, ViewResampling::paper10), plane(p + 0.5 * row), 1e-6, 5));
-    EXPECT_TRUE(within(values.value(p, ViewResampling::paper9), plane(p + (1 - std::sqrt(0.75)) * row), 1e-6, 5));
+    EXPECT_TRUE(within(values.value(p, ViewResampling::paper9),
+                       plane(p + (1 - std::sqrt(0.75)) * row), 1e-6, 5));
   }
 }
 
@@ -60,9 +64,13 @@ TEST(ViewResampling, WeightsOfOneLens) {
   ArraySpec spec = array(Lattice::hexagonal);
   spec.rotation = 0;
   spec.offset = {};
-  const auto values = samples(spec, [](LensIndex lens, Vec2) { return lens == LensIndex{0, 0} ? 1.0 : 0.0; });
+  const auto values = samples(spec, [](LensIndex lens, Vec2) {
+    return lens == LensIndex{0, 0} ? 1.0 : 0.0;
+  });
   const double c = std::sqrt(0.75), row = c * spec.pitch;
-  const auto at = [&](double x, double rows, ViewResampling how) { return values.value({x * spec.pitch, rows * row}, how); };
+  const auto at = [&](double x, double rows, ViewResampling how) {
+    return values.value({x * spec.pitch, rows * row}, how);
+  };
   // Eq. (9) at the lens: 2c - 1, and of its neighbours at distance c the share 1 - c each.
   EXPECT_TRUE(within(at(0, 0, ViewResampling::paper9), 2 * c - 1 + (1 - c) * (1 - c), 1e-6, 1));
   // The row below takes half of (1 - c) from each side; at x = c one side is exactly on the lens.

@@ -18,7 +18,7 @@ using test::relative;
 
 LightField rendered(const CompiledScene& scene, PixelWindow window) {
   RenderSettings settings;
-  settings.samples = 256;
+  settings.samples = 1024;
   settings.window = window;
   settings.standard_error = false;
   return render(scene, settings, test::threads(2)).light_field;
@@ -26,10 +26,15 @@ LightField rendered(const CompiledScene& scene, PixelWindow window) {
 
 // A scene of radiance 1 everywhere has views that are 1 everywhere.
 TEST(Views, UniformSceneGivesUniformViews) {
-  struct Case { const char* name; PixelWindow window; };
-  for (const Case& c : {Case{"raytrix-r29-reduced", {1790, 1180, 200, 200}}, Case{"raytrix-r29-reduced", {400, 300, 200, 200}},
+  struct Case {
+    const char* name;
+    PixelWindow window;
+  };
+  for (const Case& c : {Case{"raytrix-r29-reduced", {1790, 1180, 200, 200}},
+                        Case{"raytrix-r29-reduced", {400, 300, 200, 200}},
                         Case{"paper-previous-60x60", {300, 250, 100, 100}}}) {
-    const CompiledScene scene = test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
+    const CompiledScene scene =
+        test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
     const LightField field = rendered(scene, c.window);
     const MicroImages micro(scene.camera, true, test::threads(2));
     ViewSettings settings;
@@ -44,7 +49,8 @@ TEST(Views, UniformSceneGivesUniformViews) {
       for (int row = 2; row < image.height - 2; ++row)
         for (int column = 2; column < image.width - 2; ++column)
           EXPECT_TRUE(relative(static_cast<double>(image.at(column, row)), 1, 0.01))
-              << c.name << " view " << view.column << ',' << view.row << " pixel " << column << ',' << row;
+              << c.name << " view " << view.column << ',' << view.row << " pixel " << column << ','
+              << row;
     }
   }
 }
@@ -80,7 +86,8 @@ TEST_F(PaintedViews, AreUpright) {
   const double p = camera.spec().sensor.pixel_pitch;
   for (int row = 0; row < 200; ++row)
     for (int column = 0; column < 200; ++column)
-      if (length(camera.sensor_point(column + 0.5, row + 0.5) - centre) < 5 * p) field.channels[0].flux.at(column, row) = 7;
+      if (length(camera.sensor_point(column + 0.5, row + 0.5) - centre) < 5 * p)
+        field.channels[0].flux.at(column, row) = 7;
   settings.resampling = ViewResampling::nearest;
   const Views views = extract_views(field, micro, settings, test::one_thread());
   const Image& middle = views.views[4].image;
@@ -111,7 +118,8 @@ TEST_F(PaintedViews, SampleAtSubPixelOffsets) {
     EXPECT_TRUE(test::within(view.offset.x, (view.column - 1) * step, 1e-9, step));
     EXPECT_TRUE(test::within(view.offset.y, (view.row - 1) * step, 1e-9, step));
     for (const int column : {3, 9, 14}) {
-      const double difference = static_cast<double>(view.image.at(column, 6) - middle.image.at(column, 6));
+      const double difference =
+          static_cast<double>(view.image.at(column, 6) - middle.image.at(column, 6));
       EXPECT_TRUE(test::within(difference, 2 * view.offset.x + 3 * view.offset.y, 1e-4, 10));
     }
   }
@@ -139,7 +147,8 @@ TEST_F(PaintedViews, ContactSheetHoldsEveryView) {
   const Image sheet = contact_sheet(views);
   const View& view = views.views[5];
   EXPECT_EQ(sheet.width, 3 * view.image.width + 2);
-  EXPECT_EQ(sheet.at(2 * (view.image.width + 1) + 4, view.image.height + 1 + 7), view.image.at(4, 7));
+  EXPECT_EQ(sheet.at(2 * (view.image.width + 1) + 4, view.image.height + 1 + 7),
+            view.image.at(4, 7));
 }
 
 }  // namespace

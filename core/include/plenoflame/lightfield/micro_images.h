@@ -9,14 +9,16 @@
 
 namespace plenoflame {
 
-/// Camera of a light field, from its scene text.
+/// Makes sure that a light field can be a raw image of this camera, usually that of its scene text.
 /// @param what names the light field in messages
-/// @throws InputError: no scene text, or one whose sensor is another one; no microlens array
-CameraSpec array_camera(const LightField& light_field, const std::string& what = "the light field");
+/// @throws InputError: it is something derived from a raw image, its sensor is another one, or the
+///         camera has no microlens array
+void check_raw_image(const LightField& light_field, const CameraSpec& camera,
+                     const std::string& what = "the light field");
 
-/// Where every micro-image lies on the sensor, which ray each of its points stands for, and how much
-/// light falls there: traced with the exact optics at some distances from the axis, interpolated
-/// between. Nothing is rounded to whole pixels. Sensor points are camera x, y [m].
+/// Where every micro-image lies on the sensor, which ray each of its points stands for, and how
+/// much light falls there: traced with the exact optics at some distances from the axis,
+/// interpolated between. Nothing is rounded to whole pixels. Sensor points are camera x, y [m].
 class MicroImages {
  public:
   /// @param white whether white() will be asked for: costs most of the time
@@ -29,11 +31,11 @@ class MicroImages {
 
   /// One micro-image.
   struct Place {
-    bool dark = true;      ///< no light gets here
-    Vec2 centre;           ///< [m] where the ray through the middles of microlens and stop arrives
-    double radius = 0;     ///< [m] of the stop's image
-    Vec2 outwards{1, 0};   ///< unit vector away from the optical axis: first axis of the tables
-    double node = 0;       ///< place in the tables
+    bool dark = true;     ///< no light gets here
+    Vec2 centre;          ///< [m] where the ray through the middles of microlens and stop arrives
+    double radius = 0;    ///< [m] of the stop's image
+    Vec2 outwards{1, 0};  ///< unit vector away from the optical axis: first axis of the tables
+    double node = 0;      ///< place in the tables
     int type = 0;
   };
   Place place(LensIndex lens) const;
@@ -47,7 +49,8 @@ class MicroImages {
   /// fit's error for points in the disc of place.radius.
   Line chief_ray(const Place& place, Vec2 sensor_point) const;
 
-  /// chief_ray's intersection with the plane z = depth, prepared for many points of one micro-image.
+  /// chief_ray's intersection with the plane z = depth, prepared for many points of one
+  /// micro-image.
   class ToPlane {
    public:
     Vec2 operator()(Vec2 sensor_point) const;
@@ -59,8 +62,8 @@ class MicroImages {
   };
   ToPlane to_plane(const Place& place, double depth) const;
 
-  /// Etendue [m^2 sr] of the pixel centred at a sensor point, through this microlens alone: its flux
-  /// [W] when everything has the radiance 1 W/(m^2 sr).
+  /// Etendue [m^2 sr] of the pixel centred at a sensor point, through this microlens alone: its
+  /// flux [W] when everything has the radiance 1 W/(m^2 sr).
   double white(const Place& place, Vec2 sensor_point) const;
 
  private:

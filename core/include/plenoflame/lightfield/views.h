@@ -18,7 +18,7 @@ enum class ViewResampling {
 };
 
 struct ViewSettings {
-  int grid = 7;         ///< views along each side
+  int grid = 7;  ///< views along each side
   /// Side of the square over which the views' middles are spread, in diameters of the stop's image;
   /// up to 0.7 all of them lie inside.
   double spread = 0.7;
@@ -44,11 +44,12 @@ struct Views {
 
 /// Sub-aperture views: for each place on the main lens one sample per microlens, at the same offset
 /// from the centre of its micro-image (sub-pixel, interpolated between pixels bilinearly), the
-/// samples then resampled to square pixels of the area that one microlens has. With white correction
-/// it is the ratio of interpolated light to interpolated white light, so that a uniform scene stays
-/// uniform up to the rim of the micro-images. Where that white light is below kLeastWhite of the
-/// axis' a sample counts as unknown.
-/// @throws InputError: unknown channel, settings out of range, a kernel that the lattice does not suit,
+/// samples then resampled to square pixels of the area that one microlens has. With white
+/// correction it is the ratio of interpolated light to interpolated white light, so that a uniform
+/// scene stays uniform up to the rim of the micro-images. Where that white light is below
+/// kLeastWhite of the axis' a sample counts as unknown.
+/// @throws InputError: unknown channel, settings out of range, a kernel that the lattice does not
+/// suit,
 ///         offsets beyond the light, pixels that are not finite
 Views extract_views(const LightField& light_field, const MicroImages& micro_images,
                     const ViewSettings& settings, const Execution& execution = {});
