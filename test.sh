@@ -4,6 +4,8 @@
 #   ./test.sh            release build with warnings as errors, core alone, and the tests again under
 #                        AddressSanitizer + UndefinedBehaviorSanitizer and under ThreadSanitizer
 #   ./test.sh --quick    the release build and its tests only
+# Tests labelled long (minutes each) run on request only: ctest --preset release -L long
+#
 #   ./test.sh --no-setup installs nothing (for machines without apt-get)
 #
 # The last line is a summary like that of ctest; the status is 0 only if everything passed.
@@ -16,7 +18,7 @@ for argument in "$@"; do
   case "$argument" in
     --quick) quick=yes ;;
     --no-setup) setup=no ;;
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "test.sh: unknown option $argument (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -91,18 +93,18 @@ if [ "$setup" = yes ]; then
 fi
 
 if stage "build: release" build release; then
-  run_tests release
+  run_tests release -LE long
 fi
 if [ "$quick" = no ]; then
   stage "build: core alone" build core-only || true
   # What takes long in the release build already ran there (label slow).
   if stage "build: address and undefined-behaviour sanitizers" build asan; then
-    run_tests asan -LE 'slow|meta'
+    run_tests asan -LE 'slow|long|meta'
   fi
   # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
   if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
   if stage "build: thread sanitizer" build tsan; then
-    run_tests tsan -LE 'slow|meta|fuzz'
+    run_tests tsan -LE 'slow|long|meta|fuzz'
   fi
 fi
 summary
