@@ -12,7 +12,6 @@
 #include "interrupt.h"
 #include "medium_loader.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
@@ -65,7 +64,7 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
     return whole > 0 ? number(100 * part / whole) + " %" : std::string("none");
   };
   report.add("complete", s.complete ? "yes" : "no, stopped early", "complete", s.complete);
-  report.add("flux", format_quantity(s.flux, Dimension::flux) + " over the image", "flux", s.flux);
+  report.add("flux", number(s.flux) + " W over the image", "flux", s.flux);
   if (s.relative_error >= 0)
     report.add("error", number(100 * s.relative_error) + " % relative RMSE over lit pixels",
                "relative_error", s.relative_error);
