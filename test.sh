@@ -87,6 +87,7 @@ summary() {
 }
 
 run=()
+export LSAN_OPTIONS="suppressions=$PWD/tests/lsan_suppressions.txt:print_suppressions=0"
 if [ "$setup" = yes ]; then
   say "packages"
   tools/setup.sh core volumes cli tests || exit 1
