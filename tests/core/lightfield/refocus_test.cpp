@@ -96,10 +96,9 @@ TEST(Refocus, FindsTheDepthAndPlaceOfACube) {
   }
 }
 
-// The micro-images of this camera touch: some light of the neighbours, which the white image of one
-// microlens leaves out, brightens the picture by 2 to 4 % (docs/light-fields.md). This bounds it; a
-// white image with crosstalk should bring it to 1 %.
-TEST(Refocus, UniformSceneStaysUniformButForCrosstalk) {
+// The picture comes out 2 to 4 % too bright, for a reason not yet established (docs/light-fields.md).
+// The bound was widened from 2 % to hold that; finding the cause should bring it to 1 %.
+TEST(Refocus, UniformSceneStaysUniformWithinAKnownFault) {
   const CompiledScene scene = test::scene_of(test::preset_camera("raytrix-r29-reduced"),
                                              std::make_unique<test::UniformMedium>());
   const LightField field = rendered(scene, {1700, 1100, 200, 200}, 512);
