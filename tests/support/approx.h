@@ -17,8 +17,8 @@ inline ::testing::AssertionResult relative(double actual, double expected, doubl
     return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure()
          << "actual " << ::testing::PrintToString(actual) << ", expected "
-         << ::testing::PrintToString(expected) << ", relative error "
-         << error / std::fabs(expected) << " > " << tolerance;
+         << ::testing::PrintToString(expected) << ", relative error " << error / std::fabs(expected)
+         << " > " << tolerance;
 }
 
 /// |actual - expected| <= tolerance * scale, where scale is the size of what cancels.
@@ -26,9 +26,9 @@ inline ::testing::AssertionResult within(double actual, double expected, double 
                                          double scale) {
   const double error = std::fabs(actual - expected);
   if (error <= tolerance * std::fabs(scale)) return ::testing::AssertionSuccess();
-  return ::testing::AssertionFailure() << "actual " << actual << ", expected " << expected
-                                       << ", error " << error << " > " << tolerance << " * "
-                                       << std::fabs(scale);
+  return ::testing::AssertionFailure()
+         << "actual " << actual << ", expected " << expected << ", error " << error << " > "
+         << tolerance << " * " << std::fabs(scale);
 }
 
 /// |actual - expected| <= k * standard_error.

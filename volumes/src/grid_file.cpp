@@ -254,7 +254,8 @@ std::vector<GridInfo> list_grids(const std::string& path, bool statistics) {
   const OpenFile file = open(path);
   return naming_file(path, [&] {
     std::vector<GridInfo> grids;
-    for (const GridEntry& grid : file.container.grids) grids.push_back(describe(file, grid, statistics));
+    for (const GridEntry& grid : file.container.grids)
+      grids.push_back(describe(file, grid, statistics));
     return grids;
   });
 }

@@ -16,7 +16,8 @@ void describe_poly_data(const std::string& path, Report& report);
 void describe_scene(const std::string& path, Report& report);
 /// The scene with every key that has a value, presets resolved.
 std::string complete_scene(const std::string& path);
-/// Flame (only with PLENOFLAME_HAS_VOLUMES): every grid of a .vdb, and what a scene would make of it.
+/// Flame (only with PLENOFLAME_HAS_VOLUMES): every grid of a .vdb, and what a scene would make of
+/// it.
 void describe_vdb(const std::string& path, Report& report);
 /// Picture: size, bits and texts.
 void describe_png(const std::string& path, Report& report);

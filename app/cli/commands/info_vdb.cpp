@@ -23,8 +23,8 @@ std::string grid_text(const GridInfo& grid) {
   if (grid.readable)
     text += " of " + readable(grid.voxel_size, Dimension::length) + ", " +
             readable_number(grid.minimum) + " to " + readable_number(grid.maximum) +
-            (grid.unit.empty() ? std::string(" (no unit)") : std::string(" ").append(grid.unit)) + ", background " +
-            readable_number(grid.background);
+            (grid.unit.empty() ? std::string(" (no unit)") : std::string(" ").append(grid.unit)) +
+            ", background " + readable_number(grid.background);
   if (!grid.world_bounds.empty()) {
     text += ", from ";
     text += point_text(grid.world_bounds.lower);

@@ -172,14 +172,15 @@ int run_render(const RenderArguments& arguments) {
     write_checkpoint(state, result.film, key);
   if (result.statistics.complete) std::filesystem::remove(state);
   const Report report = report_of(result.statistics, compile_seconds);
-  if (!options.stats.empty())
-    write_file(options.stats, report.json_text());
+  if (!options.stats.empty()) write_file(options.stats, report.json_text());
   if (options.json || !options.quiet) report.print(options.json);
   if (interrupted)
     std::cerr << "plenoflame: stopped; " << options.output
-              << " holds what was rendered, marked partial; go on with --resume " << options.output << '\n';
+              << " holds what was rendered, marked partial; go on with --resume " << options.output
+              << '\n';
   if (!interrupted && !result.statistics.target_reached)
-    std::cerr << "plenoflame: error: the target error was not reached within the limit of samples or time\n";
+    std::cerr << "plenoflame: error: the target error was not reached within the limit of samples "
+                 "or time\n";
   return interrupted || !result.statistics.target_reached ? 1 : 0;
 }
 

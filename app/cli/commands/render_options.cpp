@@ -133,7 +133,9 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   return options;
 }
 
-std::string state_path(const std::string& light_field) { return light_field + ".state"; }
+std::string state_path(const std::string& light_field) {
+  return light_field + ".state";
+}
 
 void check_files(const RenderOptions& options) {
   check_writable(options.output);

@@ -33,8 +33,8 @@ bool parallel_for(const Execution& execution, std::size_t count,
       }
     }
   };
-  const auto workers = static_cast<int>(
-      std::min<std::size_t>(static_cast<std::size_t>(execution.thread_count()), std::max<std::size_t>(count, 1)));
+  const auto workers = static_cast<int>(std::min<std::size_t>(
+      static_cast<std::size_t>(execution.thread_count()), std::max<std::size_t>(count, 1)));
   {
     std::vector<std::jthread> pool;
     for (int worker = 1; worker < workers; ++worker) pool.emplace_back(work, worker);

@@ -2,6 +2,8 @@
 
 namespace plenoflame {
 
-std::string_view version() { return PLENOFLAME_VERSION; }
+std::string_view version() {
+  return PLENOFLAME_VERSION;
+}
 
 }  // namespace plenoflame

@@ -30,13 +30,15 @@ Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings) : spe
 void Camera::place_lens() {
   const MainLensSpec& lens = spec_.lens;
   if (lens.surfaces.empty() && lens.model == LensModel::real)
-    throw InputError("camera.lens has no surfaces; give camera.lens.surfaces, or model = \"ideal\"");
+    throw InputError(
+        "camera.lens has no surfaces; give camera.lens.surfaces, or model = \"ideal\"");
   lens_first_order_ = first_order(lens);
   const FirstOrder& f = lens_first_order_;
   rear_vertex_ = -f.length;
   if (!std::isfinite(f.focal_length) || f.focal_length <= 0)
     throw InputError("camera.lens does not converge: its focal length is not positive");
-  if (f.stop < 0) throw InputError("camera.lens has no aperture stop; mark one surface with stop = true");
+  if (f.stop < 0)
+    throw InputError("camera.lens has no aperture stop; mark one surface with stop = true");
   if (lens.model == LensModel::real) {
     lens_ = LensSystem(lens.surfaces);
     return;
@@ -66,10 +68,10 @@ void Camera::place_array() {
   const bool thin = ideal_array() && array.types.front().focal_length != 0;
   array_front_ = rear_vertex_ - lens_distance_;
   array_back_ = array_front_ - (thin ? 0 : array.thickness);
-  const double gap = array.sensor_distance +
-                     (array.measured_from == ArrayReference::principal_plane
-                          ? first_order(array, array.types.front()).rear_principal
-                          : 0.0);
+  const double gap =
+      array.sensor_distance + (array.measured_from == ArrayReference::principal_plane
+                                   ? first_order(array, array.types.front()).rear_principal
+                                   : 0.0);
   if (!(gap > 0))
     throw InputError("camera.array.sensor_distance puts the sensor inside the microlenses");
   sensor_ = array_back_ - gap;
@@ -86,8 +88,9 @@ void Camera::place_array() {
     lens.sharp_distance = 1.0 / (1.0 / lens.first_order.focal_length - 1.0 / lens.sensor_distance);
     microlenses_.push_back(lens);
     microlens_systems_.emplace_back(
-        std::vector<SurfaceSpec>{{type.radius_front, array.thickness, type.index, array.diameter, false},
-                                 {-type.radius_back, 0, 1, array.diameter, false}},
+        std::vector<SurfaceSpec>{
+            {type.radius_front, array.thickness, type.index, array.diameter, false},
+            {-type.radius_back, 0, 1, array.diameter, false}},
         array_front_);
   }
 }

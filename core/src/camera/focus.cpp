@@ -39,7 +39,8 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
     sum_ss += slope * slope;
   }
   if (!(sum_ss > 0))
-    throw InputError("no ray from the axial object point gets through camera.lens: nothing to focus");
+    throw InputError(
+        "no ray from the axial object point gets through camera.lens: nothing to focus");
   return -sum_hs / sum_ss;
 }
 
@@ -64,8 +65,9 @@ void Camera::solve_focus(std::vector<std::string>* warnings) {
                              : best_image_distance(spec_.lens, focus.object_distance);
     lens_distance_ = image;
     if (array.present) {
-      const auto named = std::find_if(array.types.begin(), array.types.end(),
-                                      [&](const MicrolensSpec& t) { return t.name == focus.conjugate; });
+      const auto named =
+          std::find_if(array.types.begin(), array.types.end(),
+                       [&](const MicrolensSpec& t) { return t.name == focus.conjugate; });
       const FirstOrder first = first_order(array, array.types.front());
       if (named != array.types.end()) {
         const FirstOrder type = first_order(array, *named);

@@ -9,8 +9,8 @@ MicrolensLattice::MicrolensLattice(const ArraySpec& array)
     : offset_(array.offset), type_count_(std::max<int>(1, static_cast<int>(array.types.size()))) {
   const bool hexagonal = array.lattice == Lattice::hexagonal;
   const Vec2 q{array.pitch, 0};
-  const Vec2 r = hexagonal ? Vec2{0.5 * array.pitch, std::sqrt(0.75) * array.pitch}
-                           : Vec2{0, array.pitch};
+  const Vec2 r =
+      hexagonal ? Vec2{0.5 * array.pitch, std::sqrt(0.75) * array.pitch} : Vec2{0, array.pitch};
   const double c = std::cos(array.rotation), s = std::sin(array.rotation);
   const auto turned = [&](Vec2 v) { return Vec2{c * v.x - s * v.y, s * v.x + c * v.y}; };
   step_q_ = turned(q);
@@ -52,7 +52,8 @@ LensIndex MicrolensLattice::nearest(Vec2 point) const {
 
 std::vector<LensIndex> MicrolensLattice::within(Vec2 lower, Vec2 upper) const {
   std::vector<LensIndex> lenses;
-  const Vec2 corners[] = {axial(lower), axial({upper.x, lower.y}), axial({lower.x, upper.y}), axial(upper)};
+  const Vec2 corners[] = {axial(lower), axial({upper.x, lower.y}), axial({lower.x, upper.y}),
+                          axial(upper)};
   double q0 = kInfinity, q1 = -kInfinity, r0 = kInfinity, r1 = -kInfinity;
   for (const Vec2 c : corners) {
     q0 = std::min(q0, c.x);

@@ -53,10 +53,12 @@ class Reader {
 void write_checkpoint(const std::string& path, const Film& film, const std::string& key) {
   AtomicFile file(path);
   const PixelWindow& w = film.window();
-  const std::array<std::int32_t, 6> shape{w.x, w.y, w.width, w.height, film.channels(), film.replicates()};
+  const std::array<std::int32_t, 6> shape{
+      w.x, w.y, w.width, w.height, film.channels(), film.replicates()};
   const std::uint64_t key_size = key.size();
   const std::string_view sums = bytes_of(film.sums().data(), film.sums().size());
-  const std::string_view tiles = bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
+  const std::string_view tiles =
+      bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
   const std::uint64_t sum = checksum(sums) ^ checksum(tiles) * 3;
   file.write(kMagic);
   file.write(bytes_of(&key_size, 1));
@@ -75,8 +77,9 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
     throw FileError(path + ": is not the state of an interrupted run");
   const auto key_size = reader.number<std::uint64_t>();
   if (reader.take(static_cast<std::size_t>(key_size)) != key)
-    throw InputError(path + ": belongs to another scene, to other settings or to another version; "
-                            "give the same as for the run that was stopped");
+    throw InputError(path +
+                     ": belongs to another scene, to other settings or to another version; "
+                     "give the same as for the run that was stopped");
   std::array<std::int32_t, 6> shape{};
   for (auto& value : shape) value = reader.number<std::int32_t>();
   const auto sum = reader.number<std::uint64_t>();

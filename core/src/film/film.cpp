@@ -77,8 +77,8 @@ Image Film::standard_error(int channel) const {
 
 double estimated_relative_rmse(const Image& flux, const Image& standard_error) {
   if (flux.empty() || standard_error.empty()) return 0;
-  const float limit = static_cast<float>(kLitShare) *
-                      *std::max_element(flux.pixels.begin(), flux.pixels.end());
+  const float limit =
+      static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
   double squares = 0, total = 0, count = 0;
   for (std::size_t i = 0; i < flux.pixels.size(); ++i) {
     if (!(flux.pixels[i] > limit)) continue;

@@ -11,10 +11,18 @@ namespace plenoflame::PLENOFLAME_ISA {
 
 #define PLENOFLAME_INLINE static inline __attribute__((always_inline))
 
-PLENOFLAME_INLINE float square_root(float x) { return __builtin_sqrtf(x); }
-PLENOFLAME_INLINE double square_root(double x) { return __builtin_sqrt(x); }
-PLENOFLAME_INLINE float magnitude(float x) { return __builtin_fabsf(x); }
-PLENOFLAME_INLINE double magnitude(double x) { return __builtin_fabs(x); }
+PLENOFLAME_INLINE float square_root(float x) {
+  return __builtin_sqrtf(x);
+}
+PLENOFLAME_INLINE double square_root(double x) {
+  return __builtin_sqrt(x);
+}
+PLENOFLAME_INLINE float magnitude(float x) {
+  return __builtin_fabsf(x);
+}
+PLENOFLAME_INLINE double magnitude(double x) {
+  return __builtin_fabs(x);
+}
 
 // Ternaries instead of fmin/fmax: those keep a loop scalar.
 template <class T>

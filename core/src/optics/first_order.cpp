@@ -19,7 +19,9 @@ Abcd refraction(double before, double behind, double radius) {
   return {1, 0, -(behind - before) / radius, 1};
 }
 
-Abcd transfer(double distance, double index) { return {1, distance / index, 0, 1}; }
+Abcd transfer(double distance, double index) {
+  return {1, distance / index, 0, 1};
+}
 
 /// From before surface `first` to just behind surface `last` (no transfer behind it).
 Abcd matrix(const std::vector<SurfaceSpec>& surfaces, std::size_t first, std::size_t last) {

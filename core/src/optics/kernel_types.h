@@ -18,9 +18,9 @@ struct KernelSurface {
 /// The paraxial transform (camera/camera.h, IdealLens) as the kernels use it.
 template <class Real>
 struct KernelIdealLens {
-  Real gap;          ///< from the previous reference plane to the rear principal plane
-  Real separation;   ///< from the rear to the front principal plane
-  Real power;        ///< 1 / focal length
+  Real gap;         ///< from the previous reference plane to the rear principal plane
+  Real separation;  ///< from the rear to the front principal plane
+  Real power;       ///< 1 / focal length
   Real stop_height;
   Real stop_slope;
   Real stop_radius2;

@@ -8,10 +8,14 @@ namespace plenoflame {
 
 std::string to_string(RayStatus status) {
   switch (status) {
-    case RayStatus::vignetted: return "vignetted";
-    case RayStatus::total_internal_reflection: return "total internal reflection";
-    case RayStatus::missed: return "missed";
-    case RayStatus::reached: break;
+    case RayStatus::vignetted:
+      return "vignetted";
+    case RayStatus::total_internal_reflection:
+      return "total internal reflection";
+    case RayStatus::missed:
+      return "missed";
+    case RayStatus::reached:
+      break;
   }
   return "reached";
 }
@@ -49,9 +53,8 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
     // radius > 0 has its centre on the sensor's side, which is behind for rays to the scene.
     const double curvature = (to_scene ? -1.0 : 1.0) / surface.radius;
     const double radius = 0.5 * surface.diameter;
-    const KernelSurface<double> kernel{
-        0.0, curvature, radius * radius, before / behind,
-        (behind - before) * (behind + before) / (behind * behind)};
+    const KernelSurface<double> kernel{0.0, curvature, radius * radius, before / behind,
+                                       (behind - before) * (behind + before) / (behind * behind)};
     double z = sign * (p.z - vertex);
     int code = 0;
     scalar::refract_at(kernel, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
@@ -62,7 +65,7 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
       const int cause = code % 4;
       return {cause == kCauseVignetted         ? RayStatus::vignetted
               : cause == kCauseTotalReflection ? RayStatus::total_internal_reflection
-                                                       : RayStatus::missed,
+                                               : RayStatus::missed,
               i};
     }
   }

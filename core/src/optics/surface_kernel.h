@@ -1,5 +1,6 @@
-// Intersection with, and refraction at, one spherical or plane surface: shared by the vector kernels
-// and the double path. Coordinates are relative to the surface's vertex, z along the propagation.
+// Intersection with, and refraction at, one spherical or plane surface: shared by the vector
+// kernels and the double path. Coordinates are relative to the surface's vertex, z along the
+// propagation.
 #pragma once
 #include "math/kernel_math.h"
 #include "optics/kernel_types.h"
@@ -55,8 +56,8 @@ PLENOFLAME_INLINE void pass_plane(const KernelSurface<Real>& surface, int code_b
 
 /// Paraxial transform: slope changes by -height * power, height stays.
 template <class Real>
-PLENOFLAME_INLINE void pass_ideal(const KernelIdealLens<Real>& lens, int code_base, Real& x, Real& y,
-                                  Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+PLENOFLAME_INLINE void pass_ideal(const KernelIdealLens<Real>& lens, int code_base, Real& x,
+                                  Real& y, Real& z, Real& dx, Real& dy, Real& dz, int& code) {
   const Real sx = dx / dz, sy = dy / dz;
   x += (lens.gap - z) * sx;
   y += (lens.gap - z) * sy;

@@ -22,7 +22,8 @@ KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter
 }
 
 template <class Real>
-void set_main_lens(const Camera& camera, double reference, double anchor_z, KernelCamera<Real>& out) {
+void set_main_lens(const Camera& camera, double reference, double anchor_z,
+                   KernelCamera<Real>& out) {
   out.ideal_lens = camera.ideal_lens();
   if (out.ideal_lens) {
     const IdealLens& lens = camera.ideal();
@@ -37,8 +38,8 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z, Kern
   }
   const auto& surfaces = camera.lens().surfaces();
   if (surfaces.size() > kMaxLensSurfaces)
-    throw InputError("camera.lens has " + std::to_string(surfaces.size()) +
-                     " surfaces; at most " + std::to_string(kMaxLensSurfaces) + " are supported");
+    throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
+                     std::to_string(kMaxLensSurfaces) + " are supported");
   double z = reference;
   out.surface_count = static_cast<int>(surfaces.size());
   for (int k = 0; k < out.surface_count; ++k) {
@@ -46,7 +47,8 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z, Kern
     const double vertex = camera.lens().vertices()[i];
     const double before = surfaces[i].index, behind = i > 0 ? surfaces[i - 1].index : 1.0;
     const double curvature = -1.0 / surfaces[i].radius;
-    out.surfaces[k] = kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
+    out.surfaces[k] =
+        kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
     out.refracts[k] = curvature != 0 || before != behind;
     out.surface_number[k] = static_cast<int>(i);
     z = vertex;
@@ -72,14 +74,19 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
     if (camera.ideal_array()) {
       kernel.kind = 2;
       // Afterwards z counts from the array's front, as for real microlenses.
-      kernel.ideal = {0, static_cast<Real>(lens.front_principal - camera.array_front()),
-                      static_cast<Real>(1.0 / lens.first_order.focal_length), 1, 0,
+      kernel.ideal = {0,
+                      static_cast<Real>(lens.front_principal - camera.array_front()),
+                      static_cast<Real>(1.0 / lens.first_order.focal_length),
+                      1,
+                      0,
                       static_cast<Real>(0.25 * array.diameter * array.diameter)};
       kernel.surface_number[0] = main_surfaces;
     } else {
       kernel.kind = 1;
-      kernel.surfaces[0] = kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
-      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front, array.diameter, lens.index, 1.0);
+      kernel.surfaces[0] =
+          kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
+      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front,
+                                                array.diameter, lens.index, 1.0);
       kernel.surface_number[0] = main_surfaces + 1;
       kernel.surface_number[1] = main_surfaces;
     }
@@ -110,7 +117,8 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   plan.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
   plan.camera = {};
-  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z, plan.camera);
+  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z,
+                plan.camera);
   plan.camera.anchor_x = static_cast<Real>(anchor.x);
   plan.camera.anchor_y = static_cast<Real>(anchor.y);
   const auto& rows = camera.to_world().rotation.rows;
@@ -125,7 +133,8 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)));
-  if (plan.pools.empty()) plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
+  if (plan.pools.empty())
+    plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   return plan;
 }
@@ -146,8 +155,8 @@ void add(TileCounters& total, const TileCounters& part) {
 }
 
 template <class Real>
-bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first, int points,
-         const std::vector<int>& tiles, const Execution& execution, Film& film,
+bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
+         int points, const std::vector<int>& tiles, const Execution& execution, Film& film,
          RenderStatistics& statistics) {
   const BackwardPlan<Real> plan = make_plan<Real>(scene, *scene.medium, settings, first, points);
   std::vector<TileTracer<Real>> tracers;
@@ -186,7 +195,8 @@ bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32
   statistics.pixels_skipped += total.pixels_skipped;
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
-  const double busy = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
+  const double busy =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
   statistics.seconds_generate += std::max(0.0, busy - total.seconds_optics - total.seconds_medium);
   statistics.medium.rays += total.medium.rays;
   statistics.medium.cells += total.medium.cells;
@@ -202,10 +212,14 @@ template <class Real>
 BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
-    case Isa::avx512: return {avx512::generate, avx512::trace_lens, avx512::accumulate, avx512::count_alive};
-    case Isa::avx2: return {avx2::generate, avx2::trace_lens, avx2::accumulate, avx2::count_alive};
+    case Isa::avx512:
+      return {avx512::generate, avx512::trace_lens, avx512::accumulate, avx512::count_alive};
+    case Isa::avx2:
+      return {avx2::generate, avx2::trace_lens, avx2::accumulate, avx2::count_alive};
 #endif
-    default: return {baseline::generate, baseline::trace_lens, baseline::accumulate, baseline::count_alive};
+    default:
+      return {baseline::generate, baseline::trace_lens, baseline::accumulate,
+              baseline::count_alive};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);
@@ -242,15 +256,17 @@ bool single_precision_suffices(const CompiledScene& scene) {
   return 3e-7 * distance < 0.02 * scene.medium->feature_size();
 }
 
-bool render_backward(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-                     int points, const std::vector<int>& tiles, const Execution& execution,
-                     Film& film, RenderStatistics& statistics) {
+bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
+                     std::uint32_t first, int points, const std::vector<int>& tiles,
+                     const Execution& execution, Film& film, RenderStatistics& statistics) {
   const ArraySpec& array = scene.camera.spec().array;
   if (array.present && !array.opaque_between)
-    throw InputError("camera.array.opaque_between = false: the backward estimator does not follow light "
-                     "between the microlenses; use the forward one, or opaque_between = true");
-  const bool single = settings.precision == Precision::single_precision ||
-                      (settings.precision == Precision::automatic && single_precision_suffices(scene));
+    throw InputError(
+        "camera.array.opaque_between = false: the backward estimator does not follow light "
+        "between the microlenses; use the forward one, or opaque_between = true");
+  const bool single =
+      settings.precision == Precision::single_precision ||
+      (settings.precision == Precision::automatic && single_precision_suffices(scene));
   statistics.precision = single ? "single" : "double";
   return single ? run<float>(scene, settings, first, points, tiles, execution, film, statistics)
                 : run<double>(scene, settings, first, points, tiles, execution, film, statistics);

@@ -11,9 +11,9 @@ namespace plenoflame {
 /// Adds points [first, first + points) of each replicate's sequence to `film`, for the pixels of
 /// the given tiles, which follow one another in work order. Statistics are added up.
 /// @return false when it was stopped; tiles that were not reached keep their number of samples.
-bool render_backward(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-                     int points, const std::vector<int>& tiles, const Execution& execution,
-                     Film& film, RenderStatistics& statistics);
+bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
+                     std::uint32_t first, int points, const std::vector<int>& tiles,
+                     const Execution& execution, Film& film, RenderStatistics& statistics);
 
 /// Counts the microlenses that may light the window, and those of them that are left out because
 /// their beams miss the flame, into the statistics.

@@ -15,14 +15,16 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 template <class Real>
-TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film) : plan_(plan), film_(film) {
+TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
+    : plan_(plan), film_(film) {
   const auto channels = static_cast<std::size_t>(film.channels());
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((8 + channels) * kPadding + alignment);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
-  Real** arrays[] = {&block_.x, &block_.y, &block_.z, &block_.dx, &block_.dy, &block_.dz, &block_.weight};
+  Real** arrays[] = {&block_.x,  &block_.y,  &block_.z,     &block_.dx,
+                     &block_.dy, &block_.dz, &block_.weight};
   for (Real** array : arrays) {
     *array = base;
     base += kPadding;
@@ -43,7 +45,8 @@ void TileTracer<Real>::render(PixelWindow tile) {
     const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
     const Vec2 b = camera.sensor_point(tile.x, tile.y);
     const Vec2 reach{plan_.reach, plan_.reach};
-    for (const LensIndex lens : camera.lattice().within(a - reach, b + reach)) add_microlens(tile, lens);
+    for (const LensIndex lens : camera.lattice().within(a - reach, b + reach))
+      add_microlens(tile, lens);
   }
   flush();
 }
@@ -73,7 +76,8 @@ Vec2 TileTracer<Real>::set_discs(const PupilTable& table, const PupilNode& node,
   patch_.aim_x = static_cast<Real>(node.aim_centre * field.x);
   patch_.aim_y = static_cast<Real>(node.aim_centre * field.y);
   patch_.aim_shift = static_cast<Real>(table.aperture_shift);
-  patch_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius : 1e6 * node.aim_radius);
+  patch_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius
+                                                                          : 1e6 * node.aim_radius);
   patch_.cut_margin = static_cast<Real>(table.cut_margin);
   return field;
 }
@@ -117,23 +121,31 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
   const double pitch = sensor.pixel_pitch;
   const double half_diagonal = pitch * std::sqrt(0.5);
   const Vec2 image = place + centre;
-  const auto column_of = [&](double x) { return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch)); };
-  const auto row_of = [&](double y) { return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch)); };
+  const auto column_of = [&](double x) {
+    return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
+  };
+  const auto row_of = [&](double y) {
+    return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch));
+  };
   const int column0 = std::max(tile.x, column_of(image.x + outer));
   const int column1 = std::min(tile.x + tile.width - 1, column_of(image.x - outer));
   const int row0 = std::max(tile.y, row_of(image.y + outer));
   const int row1 = std::min(tile.y + tile.height - 1, row_of(image.y - outer));
   const std::uint64_t key =
       mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
-             static_cast<std::uint32_t>(lens.r)) ^ plan_.settings->seed);
+             static_cast<std::uint32_t>(lens.r)) ^
+            plan_.settings->seed);
   for (int row = row0; row <= row1; ++row)
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at, centre, outer)) continue;
       pixel_.open = length(at - centre) + half_diagonal < node.open_radius;
-      const double distance = length(at - centre) / outer * (static_cast<double>(node.open.size()) - 1);
-      const double open = node.open[std::min(static_cast<std::size_t>(distance), node.open.size() - 1)];
-      add_pair(type, column, row, key, level_of(open * static_cast<double>(pixel_.x_width) / pitch));
+      const double distance =
+          length(at - centre) / outer * (static_cast<double>(node.open.size()) - 1);
+      const double open =
+          node.open[std::min(static_cast<std::size_t>(distance), node.open.size() - 1)];
+      add_pair(type, column, row, key,
+               level_of(open * static_cast<double>(pixel_.x_width) / pitch));
     }
 }
 
@@ -170,8 +182,9 @@ int TileTracer<Real>::level_of(double worth) const {
 template <class Real>
 void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key, int level) {
   const SobolPool& pool = plan_.pools[static_cast<std::size_t>(level)];
-  const std::uint64_t pixel = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
-                              static_cast<std::uint32_t>(row);
+  const std::uint64_t pixel =
+      (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
+      static_cast<std::uint32_t>(row);
   const std::uint64_t h0 = mix64(pixel ^ key), h1 = mix64(h0), h2 = mix64(h1);
   const int entry = static_cast<int>(h2 % static_cast<std::uint64_t>(pool.entries()));
   pixel_.shift[0] = static_cast<std::uint32_t>(h0);

@@ -34,7 +34,7 @@ struct BackwardPlan {
   BackwardKernels<Real> kernels;
   KernelCamera<Real> camera;
   std::vector<KernelMicrolens<Real>> microlenses;
-  Vec3 anchor;  ///< [m] world
+  Vec3 anchor;                        ///< [m] world
   std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
@@ -52,11 +52,12 @@ template <class Real>
 class RaySink {
  public:
   virtual ~RaySink() = default;
-  /// Entries [first, first + count) of the block are rays of the patch at the aim plane, relative to
-  /// the centre of its microlens, with the weights they were drawn with, before any optics.
+  /// Entries [first, first + count) of the block are rays of the patch at the aim plane, relative
+  /// to the centre of its microlens, with the weights they were drawn with, before any optics.
   virtual void drawn(const KernelPatch<Real>& patch, const KernelBlock<Real>& block, int first,
                      int count) = 0;
-  /// The same entries, behind optics and medium: all are rays of one pixel. Each adds scale * weight
+  /// The same entries, behind optics and medium: all are rays of one pixel. Each adds scale *
+  /// weight
   /// * radiance to it. Channel c of entry i is radiance[c * stride + i].
   virtual void finished(int column, int row, int first, int count, double scale,
                         const Real* radiance, int stride, const Real* transmittance) = 0;
@@ -100,7 +101,7 @@ class TileTracer {
   int type_ = 0;                           ///< of the patch
   std::vector<KernelPixel<Real>> queued_;  ///< pixels of the patch whose rays are still to be made
   std::vector<Pending> pending_;
-  int count_ = 0;        ///< rays in the block
+  int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
   std::vector<int> codes_;
   KernelBlock<Real> block_{};

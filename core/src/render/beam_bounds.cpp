@@ -12,7 +12,8 @@ constexpr double kMargin = 0.08;
 
 }  // namespace
 
-BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables, const Box& box) {
+BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables,
+                       const Box& box) {
   const RigidTransform to_camera = camera.to_world().inverse();
   Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
   for (int corner = 0; corner < 8; ++corner) {
@@ -47,7 +48,8 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
         if (points.empty()) continue;
         footprint.centre[k] = 0.5 * (lo + hi);
         for (const Vec2 p : points)
-          footprint.radius[k] = std::max(footprint.radius[k], length(p - Vec2{footprint.centre[k], 0}));
+          footprint.radius[k] =
+              std::max(footprint.radius[k], length(p - Vec2{footprint.centre[k], 0}));
         footprint.radius[k] *= 1 + kMargin;
       }
       field.nodes.push_back(footprint);
@@ -74,13 +76,15 @@ bool BeamBounds::may_meet(int table, Vec2 place) const {
     // Half of what the centre moves between nodes covers its curvature.
     const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
     const double across = h > 0 ? length(centre[k]) / h : along;
-    radius = std::max(
-        radius, std::max(a.radius[k], b.radius[k]) + (1 + kMargin) * std::max(along, across) * half_diagonal_);
+    radius = std::max(radius, std::max(a.radius[k], b.radius[k]) +
+                                  (1 + kMargin) * std::max(along, across) * half_diagonal_);
   }
   // The beam lies in the hull of both footprints: a capsule. Distance of its axis from the
   // rectangle, bounded by testing the axis' own bounding rectangle first, then its normal.
-  const Vec2 lo{std::min(centre[0].x, centre[1].x) - radius, std::min(centre[0].y, centre[1].y) - radius};
-  const Vec2 hi{std::max(centre[0].x, centre[1].x) + radius, std::max(centre[0].y, centre[1].y) + radius};
+  const Vec2 lo{std::min(centre[0].x, centre[1].x) - radius,
+                std::min(centre[0].y, centre[1].y) - radius};
+  const Vec2 hi{std::max(centre[0].x, centre[1].x) + radius,
+                std::max(centre[0].y, centre[1].y) + radius};
   if (lo.x > upper_.x || hi.x < lower_.x || lo.y > upper_.y || hi.y < lower_.y) return false;
   const Vec2 axis = centre[1] - centre[0];
   const double axis_length = length(axis);

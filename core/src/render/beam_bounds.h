@@ -27,9 +27,9 @@ class BeamBounds {
     std::vector<Footprint> nodes;
   };
   std::vector<FieldTable> fields_;
-  Vec2 lower_, upper_;  ///< of the box across the axis, camera x, y [m]
+  Vec2 lower_, upper_;        ///< of the box across the axis, camera x, y [m]
   double half_diagonal_ = 0;  ///< [m] of a pixel, without array
-  bool always_ = false; ///< the box is beside or behind the camera's front: no test possible
+  bool always_ = false;       ///< the box is beside or behind the camera's front: no test possible
 };
 
 }  // namespace plenoflame

@@ -13,15 +13,18 @@
 namespace plenoflame {
 namespace {
 
-PixelWindow whole_sensor(const SensorSpec& sensor) { return {0, 0, sensor.columns, sensor.rows}; }
+PixelWindow whole_sensor(const SensorSpec& sensor) {
+  return {0, 0, sensor.columns, sensor.rows};
+}
 
 void check(const RenderSettings& settings, const SensorSpec& sensor) {
   const PixelWindow& w = settings.window;
   if (w.width != 0 || w.height != 0) {
     if (w.width <= 0 || w.height <= 0 || w.x < 0 || w.y < 0 || w.width > sensor.columns - w.x ||
         w.height > sensor.rows - w.y)
-      throw UsageError("the window must lie inside the sensor of " + std::to_string(sensor.columns) +
-                       " x " + std::to_string(sensor.rows) + " pixels");
+      throw UsageError("the window must lie inside the sensor of " +
+                       std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows) +
+                       " pixels");
   }
   if (settings.replicates < 1 || settings.replicates > 64)
     throw UsageError("the number of replicates must be 1 to 64");
@@ -96,7 +99,8 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
   field.samples = samples * settings.replicates;
   field.complete = statistics.complete;
-  statistics.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  statistics.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 

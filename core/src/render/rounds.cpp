@@ -14,7 +14,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kFirstPoints = 8;       ///< of each replicate in the first round
+constexpr int kFirstPoints = 8;  ///< of each replicate in the first round
 constexpr int kCheckpointBatches = 16;
 
 using Clock = std::chrono::steady_clock;
@@ -32,7 +32,8 @@ class Deadline {
     timer_ = std::jthread([this, seconds](const std::stop_token& ended) {
       std::unique_lock lock(mutex_);
       std::condition_variable_any wake;
-      if (!wake.wait_for(lock, ended, std::chrono::duration<double>(seconds), [] { return false; }) &&
+      if (!wake.wait_for(lock, ended, std::chrono::duration<double>(seconds),
+                         [] { return false; }) &&
           !ended.stop_requested())
         source_.request_stop();
     });
@@ -71,13 +72,15 @@ struct TileErrors {
 TileErrors measure_errors(const Film& film) {
   TileErrors errors;
   const Image flux = film.flux(0), error = film.standard_error(0);
-  const float limit = static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
+  const float limit =
+      static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
   double squares = 0, total = 0, lit = 0;
   for (int t = 0; t < film.tile_count(); ++t) {
     const PixelWindow tile = film.tile(t);
     double tile_squares = 0, tile_lit = 0;
     for (int row = tile.y - film.window().y; row < tile.y - film.window().y + tile.height; ++row)
-      for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width; ++column) {
+      for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width;
+           ++column) {
         if (!(flux.at(column, row) > limit)) continue;
         const double e = static_cast<double>(error.at(column, row));
         tile_squares += e * e;
@@ -102,12 +105,15 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
     if (film.tile_samples(t) == 0) tiles.push_back(t);
   Checkpoints checkpoints(settings);
   const std::size_t batch =
-      settings.checkpoint ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
-                          : std::max<std::size_t>(1, tiles.size());
+      settings.checkpoint
+          ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
+          : std::max<std::size_t>(1, tiles.size());
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
-    const std::vector<int> part(begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, tiles.size() - first)));
-    statistics.complete = render_backward(scene, settings, 0, points, part, execution, film, statistics);
+    const std::vector<int> part(
+        begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, tiles.size() - first)));
+    statistics.complete =
+        render_backward(scene, settings, 0, points, part, execution, film, statistics);
     checkpoints.offer(film);
   }
 }
@@ -126,7 +132,9 @@ double deciding_error(const Film& film, const TileErrors& errors, int tile, doub
       sum += m;
       count += 1;
     }
-  return count > 0 ? sum / count : errors.mean_square[static_cast<std::size_t>(tile)] > 0 ? mean : 0;
+  return count > 0                                                ? sum / count
+         : errors.mean_square[static_cast<std::size_t>(tile)] > 0 ? mean
+                                                                  : 0;
 }
 
 /// Tiles that the next round is spent on, those of largest error first.
@@ -140,7 +148,8 @@ std::vector<int> choose_tiles(const Film& film, const RenderSettings& settings,
     lit += m > 0 ? 1 : 0;
   }
   const double goal = settings.target_error * errors.mean_flux;
-  const double threshold = settings.target_error > 0 ? 0.5 * goal * goal : 0.25 * mean / std::max(1.0, lit);
+  const double threshold =
+      settings.target_error > 0 ? 0.5 * goal * goal : 0.25 * mean / std::max(1.0, lit);
   mean /= std::max(1.0, lit);
   std::vector<double> deciding(errors.mean_square.size());
   std::vector<int> tiles;
@@ -168,7 +177,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     const bool started = std::all_of(film.all_tile_samples().begin(), film.all_tile_samples().end(),
                                      [](double s) { return s > 0; });
     if (started) statistics.relative_error = errors.relative_rmse;
-    if (started && settings.target_error > 0 && errors.relative_rmse <= settings.target_error) break;
+    if (started && settings.target_error > 0 && errors.relative_rmse <= settings.target_error)
+      break;
     const std::vector<int> tiles = choose_tiles(film, settings, errors, limit);
     if (tiles.empty()) break;
     // Each tile goes on where its own sequence stands, doubling it.
@@ -176,8 +186,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (const int t : tiles) by_samples[static_cast<int>(film.tile_samples(t))].push_back(t);
     for (const auto& [done, group] : by_samples) {
       const int points = std::min(std::max(done, kFirstPoints), limit - done);
-      finished = finished && render_backward(scene, settings, static_cast<std::uint32_t>(done), points,
-                                             group, inner, film, statistics);
+      finished = finished && render_backward(scene, settings, static_cast<std::uint32_t>(done),
+                                             points, group, inner, film, statistics);
     }
     if (finished) checkpoints.offer(film);
   }
@@ -185,7 +195,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   statistics.complete = !execution.stop.stop_requested();
   const TileErrors errors = measure_errors(film);
   statistics.relative_error = errors.relative_rmse;
-  statistics.target_reached = settings.target_error <= 0 || errors.relative_rmse <= settings.target_error;
+  statistics.target_reached =
+      settings.target_error <= 0 || errors.relative_rmse <= settings.target_error;
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
   std::uint32_t flips = 0;
   for (int bit = 0; bit < 32; ++bit) {
     // The bits above `bit`, led by a one so that prefixes of different lengths differ.
-    const std::uint64_t prefix = (std::uint64_t{1} << bit) | (bit == 0 ? 0u : fraction >> (32 - bit));
+    const std::uint64_t prefix =
+        (std::uint64_t{1} << bit) | (bit == 0 ? 0u : fraction >> (32 - bit));
     flips |= static_cast<std::uint32_t>(mix64(seed ^ mix64(prefix)) >> 63) << (31 - bit);
   }
   return fraction ^ flips;
@@ -81,8 +82,8 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
       std::uint32_t* out =
           data_.data() + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
       for (int r = 0; r < replicates; ++r) {
-        const std::uint64_t key = mix64(seed + mix64(static_cast<std::uint64_t>(
-                                                   (entry * replicates + r) * kDimensions + d)));
+        const std::uint64_t key = mix64(
+            seed + mix64(static_cast<std::uint64_t>((entry * replicates + r) * kDimensions + d)));
         for (int i = 0; i < points; ++i)
           *out++ = owen_scramble(sobol(first + static_cast<std::uint32_t>(i), d), key);
       }

@@ -365,11 +365,11 @@ constexpr SchemaKey kKeys[] = {
     key<RENDER, &RenderSpec::estimator>("render.estimator",
                                         "`backward`: rays from the sensor to the flame; `forward`: "
                                         "energy bundles from the flame, slow, for checks."),
-    key<RENDER, &RenderSpec::samples>("render.samples",
-                                      "Estimator `backward`: rays per pixel and microlens that covers it; "
-                                      "`forward`: energy bundles in total.",
-                                      kPure,
-                                      {1, 1 << 30, false, false}),
+    key<RENDER, &RenderSpec::samples>(
+        "render.samples",
+        "Estimator `backward`: rays per pixel and microlens that covers it; "
+        "`forward`: energy bundles in total.",
+        kPure, {1, 1 << 30, false, false}),
     key<RENDER, &RenderSpec::seed>("render.seed",
                                    "The same seed gives the same image, bit for bit."),
 

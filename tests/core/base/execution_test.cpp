@@ -40,7 +40,9 @@ TEST(ParallelFor, RethrowsAndStops) {
   EXPECT_LT(done, 1000000);
 }
 
-TEST(ParallelFor, NothingToDo) { EXPECT_TRUE(parallel_for(Execution{}, 0, [](std::size_t, int) { FAIL(); })); }
+TEST(ParallelFor, NothingToDo) {
+  EXPECT_TRUE(parallel_for(Execution{}, 0, [](std::size_t, int) { FAIL(); }));
+}
 
 }  // namespace
 }  // namespace plenoflame

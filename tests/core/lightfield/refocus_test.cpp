@@ -96,8 +96,9 @@ TEST(Refocus, FindsTheDepthAndPlaceOfACube) {
   }
 }
 
-// The picture comes out 2 to 4 % too bright, for a reason not yet established (docs/light-fields.md).
-// The bound was widened from 2 % to hold that; finding the cause should bring it to 1 %.
+// The picture comes out 2 to 4 % too bright, for a reason not yet established
+// (docs/light-fields.md). The bound was widened from 2 % to hold that; finding the cause should
+// bring it to 1 %.
 TEST(Refocus, UniformSceneStaysUniformWithinAKnownFault) {
   const CompiledScene scene = test::scene_of(test::preset_camera("raytrix-r29-reduced"),
                                              std::make_unique<test::UniformMedium>());

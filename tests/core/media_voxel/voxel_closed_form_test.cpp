@@ -1,6 +1,6 @@
 // Closed forms. These were seen to fail with: the gradient term dropped, a Gauss node moved by 1 %,
-// the near and far weights swapped, an interval's length taken 1e-6 too long, or a wrong term in the
-// series for thin intervals.
+// the near and far weights swapped, an interval's length taken 1e-6 too long, or a wrong term in
+// the series for thin intervals.
 #include <gtest/gtest.h>
 
 #include "plenoflame/base/constants.h"

@@ -4,9 +4,9 @@
 namespace plenoflame::constants {
 
 inline constexpr double pi = 3.14159265358979323846;
-inline constexpr double planck = 6.62607015e-34;        ///< h [J s]
-inline constexpr double light_speed = 299792458.0;      ///< c [m/s]
-inline constexpr double boltzmann = 1.380649e-23;       ///< k [J/K]
+inline constexpr double planck = 6.62607015e-34;    ///< h [J s]
+inline constexpr double light_speed = 299792458.0;  ///< c [m/s]
+inline constexpr double boltzmann = 1.380649e-23;   ///< k [J/K]
 /// First radiation constant for radiance, 2 h c^2 [W m^2 / sr].
 inline constexpr double first_radiation = 2.0 * planck * light_speed * light_speed;
 /// Second radiation constant, h c / k [m K].

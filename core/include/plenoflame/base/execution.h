@@ -9,11 +9,11 @@ namespace plenoflame {
 
 /// What a long computation reports while it runs.
 struct Progress {
-  double fraction = 0;           ///< of the work, 0 to 1
-  double rays = 0;               ///< sent so far
-  double rays_per_second = 0;    ///< over the whole run so far
-  double relative_error = -1;    ///< estimated relative RMSE over lit pixels; negative: not known yet
-  double remaining_seconds = -1; ///< negative: not known yet
+  double fraction = 0;         ///< of the work, 0 to 1
+  double rays = 0;             ///< sent so far
+  double rays_per_second = 0;  ///< over the whole run so far
+  double relative_error = -1;  ///< estimated relative RMSE over lit pixels; negative: not known yet
+  double remaining_seconds = -1;  ///< negative: not known yet
 };
 
 enum class Severity { note, warning };
@@ -22,8 +22,8 @@ enum class Severity { note, warning };
 struct Execution {
   int threads = 0;  ///< worker threads; 0 takes one per processor
   std::stop_token stop;
-  std::function<void(const Progress&)> progress;               ///< called from one thread at a time
-  std::function<void(Severity, const std::string&)> message;   ///< warnings and notes, one line each
+  std::function<void(const Progress&)> progress;              ///< called from one thread at a time
+  std::function<void(Severity, const std::string&)> message;  ///< warnings and notes, one line each
 
   void note(const std::string& text) const {
     if (message) message(Severity::note, text);

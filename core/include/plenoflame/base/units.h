@@ -7,14 +7,14 @@ namespace plenoflame {
 
 /// What a quantity in a file measures; decides which units it may carry.
 enum class Dimension {
-  none,            ///< a pure number, written without a unit; "%" is accepted and divides by 100
-  length,          ///< m
-  temperature,     ///< K ("degC" is accepted and shifted)
-  absorption,      ///< 1/m
-  angle,           ///< rad (files: "deg", "rad", "mrad")
-  flux,            ///< W
-  time,            ///< s
-  radiance,        ///< W/(m^2 sr)
+  none,               ///< a pure number, written without a unit; "%" is accepted and divides by 100
+  length,             ///< m
+  temperature,        ///< K ("degC" is accepted and shifted)
+  absorption,         ///< 1/m
+  angle,              ///< rad (files: "deg", "rad", "mrad")
+  flux,               ///< W
+  time,               ///< s
+  radiance,           ///< W/(m^2 sr)
   spectral_radiance,  ///< W/(m^3 sr)
 };
 

@@ -20,8 +20,8 @@ struct IdealLens {
   /// A ray with height h and slope s at the rear principal plane (towards the scene) meets the
   /// stop, up to scale, at stop_height * h + stop_slope * s; it passes within stop_radius.
   double stop_height = 1;
-  double stop_slope = 0;  ///< [m]
-  double stop_radius = 0; ///< [m]
+  double stop_slope = 0;   ///< [m]
+  double stop_radius = 0;  ///< [m]
 };
 
 /// One kind of microlens in its place.
@@ -52,16 +52,16 @@ class Camera {
   bool ideal_lens() const { return spec_.lens.model == LensModel::ideal; }
   bool ideal_array() const { return spec_.array.model == LensModel::ideal; }
   const FirstOrder& lens_first_order() const { return lens_first_order_; }
-  const LensSystem& lens() const { return lens_; }      ///< used by the real model
-  const IdealLens& ideal() const { return ideal_; }     ///< used by the ideal model
-  double rear_vertex() const { return rear_vertex_; }   ///< z of the main lens' last vertex [m]
+  const LensSystem& lens() const { return lens_; }     ///< used by the real model
+  const IdealLens& ideal() const { return ideal_; }    ///< used by the ideal model
+  double rear_vertex() const { return rear_vertex_; }  ///< z of the main lens' last vertex [m]
   /// z of the exit pupil [m]; infinite for a lens that is telecentric on the sensor's side.
   double exit_pupil() const { return rear_vertex_ - lens_first_order_.exit_pupil; }
   const std::vector<Microlens>& microlenses() const { return microlenses_; }
   const MicrolensLattice& lattice() const { return lattice_; }
-  double array_front() const { return array_front_; }   ///< z of the front vertices [m]
-  double array_back() const { return array_back_; }     ///< z of the rear vertices [m]
-  double sensor() const { return sensor_; }             ///< z of the sensor [m]
+  double array_front() const { return array_front_; }  ///< z of the front vertices [m]
+  double array_back() const { return array_back_; }    ///< z of the rear vertices [m]
+  double sensor() const { return sensor_; }            ///< z of the sensor [m]
   /// Rear vertex of the main lens to the front vertices of the array (or to the sensor) [m].
   double lens_distance() const { return lens_distance_; }
 
@@ -76,14 +76,15 @@ class Camera {
   double aim_plane(int type) const;
 
   struct Path {
-    TraceStatus status;         ///< surface numbered from the scene
-    Ray exit;                   ///< leaving the front of the camera when status is reached
-    std::vector<Vec3> points;   ///< sensor point, one per surface that was met (two for an ideal
-                                ///< lens with separated principal planes)
+    TraceStatus status;        ///< surface numbered from the scene
+    Ray exit;                  ///< leaving the front of the camera when status is reached
+    std::vector<Vec3> points;  ///< sensor point, one per surface that was met (two for an ideal
+                               ///< lens with separated principal planes)
   };
   /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
   /// `lens` (given exactly when there is an array). Exact, in double precision.
-  Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim, bool with_points = false) const;
+  Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
+             bool with_points = false) const;
 
   /// Where a ray from the scene ends.
   struct Arrival {
@@ -94,10 +95,10 @@ class Camera {
     /// transform. A beam's flux changes by it, its radiance does not.
     double etendue_ratio = 1;
   };
-  /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of the
-  /// sensor, in double precision: the way of trace(), backwards. Appends where it arrives: through
-  /// every microlens that lets it pass (one, but for ideal ones whose principal planes differ), or
-  /// between them where the array is clear there.
+  /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of
+  /// the sensor, in double precision: the way of trace(), backwards. Appends where it arrives:
+  /// through every microlens that lets it pass (one, but for ideal ones whose principal planes
+  /// differ), or between them where the array is clear there.
   /// @return why it went no further when it does not arrive; surface numbered from the scene
   TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals) const;
 

@@ -18,21 +18,22 @@ namespace plenoflame {
 /// with centre(u) = (centre + centre2 t) first axis - (coupling . (1, t, t^2) - coma u_1) u and
 /// radius(u) = radius . (1, t, t^2) + radius_odd t u_1 / aperture_radius: the higher terms are the
 /// microlens' spherical aberration and coma (docs/theory.md, "Pupil sampling"). Across the
-/// direction of u the stop's image is narrower, by `flattening` . (t, t^2). Without array there is no microlens: u is relative to
-/// the optical axis, the first disc is centred at `aim_centre`, and the second has no edge.
+/// direction of u the stop's image is narrower, by `flattening` . (t, t^2). Without array there is
+/// no microlens: u is relative to the optical axis, the first disc is centred at `aim_centre`, and
+/// the second has no edge.
 struct PupilNode {
-  double centre = 0;               ///< [m]
-  double centre2 = 0;              ///< [m]
-  double coma = 0;                 ///< [1/m]
+  double centre = 0;   ///< [m]
+  double centre2 = 0;  ///< [m]
+  double coma = 0;     ///< [1/m]
   std::array<double, 3> coupling{};
-  std::array<double, 3> radius{};  ///< [m]; radius[0] = 0: no light gets through
-  double radius_odd = 0;           ///< [m]
+  std::array<double, 3> radius{};      ///< [m]; radius[0] = 0: no light gets through
+  double radius_odd = 0;               ///< [m]
   std::array<double, 2> flattening{};  ///< [m] narrows the choice of rays only, loses none
-  double aim_centre = 0;           ///< [m] without array: centre of the first disc, first axis
-  double aim_radius = 0;           ///< [m] radius of the first disc
-  double outer_radius = 0;         ///< [m] no ray that passes has |s - centre| beyond this
+  double aim_centre = 0;               ///< [m] without array: centre of the first disc, first axis
+  double aim_radius = 0;               ///< [m] radius of the first disc
+  double outer_radius = 0;             ///< [m] no ray that passes has |s - centre| beyond this
 
-  double open_radius = 0;          ///< [m] within it the whole aperture sees the scene
+  double open_radius = 0;  ///< [m] within it the whole aperture sees the scene
   /// Share of the aperture that is open at distance i/16 of outer_radius from the centre: decides
   /// how many rays a pixel there is worth.
   std::array<double, 17> open{};

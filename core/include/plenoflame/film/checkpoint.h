@@ -10,7 +10,8 @@ namespace plenoflame {
 /// @throws FileError
 void write_checkpoint(const std::string& path, const Film& film, const std::string& key);
 
-/// @throws FileError (cannot be read, damaged), InputError (another scene, other settings or another
+/// @throws FileError (cannot be read, damaged), InputError (another scene, other settings or
+/// another
 ///         version: says so)
 Film read_checkpoint(const std::string& path, const std::string& key);
 

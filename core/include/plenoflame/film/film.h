@@ -33,9 +33,12 @@ class Film {
   PixelWindow tile(int index) const;
   /// Samples per replicate that a tile's sums hold.
   double tile_samples(int tile) const { return tile_samples_[static_cast<std::size_t>(tile)]; }
-  void add_samples(int tile, double samples) { tile_samples_[static_cast<std::size_t>(tile)] += samples; }
+  void add_samples(int tile, double samples) {
+    tile_samples_[static_cast<std::size_t>(tile)] += samples;
+  }
 
-  /// Estimate and its standard error [W] by each tile's own number of samples; 0 where there are none.
+  /// Estimate and its standard error [W] by each tile's own number of samples; 0 where there are
+  /// none.
   Image flux(int channel) const;
   Image standard_error(int channel) const;
 
@@ -73,7 +76,8 @@ class Film {
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors
-/// over the mean flux, over lit pixels (flux above kLitShare of the largest). 0 when nothing is lit.
+/// over the mean flux, over lit pixels (flux above kLitShare of the largest). 0 when nothing is
+/// lit.
 double estimated_relative_rmse(const Image& flux, const Image& standard_error);
 
 inline constexpr double kLitShare = 0.01;

@@ -20,7 +20,9 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, float value = 0)
-      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
+      : width(w),
+        height(h),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
   bool empty() const { return pixels.empty(); }
   float& at(int column, int row) {
     return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +

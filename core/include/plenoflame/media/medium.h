@@ -26,11 +26,11 @@ struct MediumSample {
 
 /// Work that a medium left out or did; summed over batches by the caller.
 struct MediumCounters {
-  double rays = 0;             ///< rays that met the medium's bounds
-  double cells = 0;            ///< quadrature intervals computed
-  double skipped_empty = 0;    ///< empty bricks stepped over
-  double skipped_constant = 0; ///< bricks integrated in closed form
-  double opaque_tails = 0;     ///< rays cut below the transmittance limit
+  double rays = 0;              ///< rays that met the medium's bounds
+  double cells = 0;             ///< quadrature intervals computed
+  double skipped_empty = 0;     ///< empty bricks stepped over
+  double skipped_constant = 0;  ///< bricks integrated in closed form
+  double opaque_tails = 0;      ///< rays cut below the transmittance limit
 };
 
 struct MediumOptions {

@@ -17,9 +17,9 @@ struct FirstOrder {
   double length = 0;                ///< first to last vertex [m]
   double entrance_pupil = 0;        ///< first vertex to the entrance pupil [m]
   double entrance_pupil_diameter = 0;
-  double exit_pupil = 0;            ///< last vertex to the exit pupil [m]
+  double exit_pupil = 0;  ///< last vertex to the exit pupil [m]
   double exit_pupil_diameter = 0;
-  int stop = -1;                    ///< index of the stop surface; -1: none, pupils are 0
+  int stop = -1;  ///< index of the stop surface; -1: none, pupils are 0
 };
 
 /// Paraxial properties of surfaces listed from the scene to the sensor, in air on both sides.

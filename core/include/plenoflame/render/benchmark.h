@@ -40,9 +40,9 @@ BenchmarkReference benchmark_reference(const CompiledScene& scene,
 /// Errors are of the first channel, over pixels above kLitShare of the reference's largest.
 struct BenchmarkPoint {
   Estimator estimator = Estimator::backward;
-  double samples = 0;        ///< as LightField::samples
-  double relative_rmse = 0;  ///< sqrt(mean((a - b)^2) - mean(s_b^2)) / mean(b), s_b: the
-                             ///< reference's own standard error; 0 when that hides it
+  double samples = 0;              ///< as LightField::samples
+  double relative_rmse = 0;        ///< sqrt(mean((a - b)^2) - mean(s_b^2)) / mean(b), s_b: the
+                                   ///< reference's own standard error; 0 when that hides it
   double relative_bias = 0;        ///< mean(a - b) / mean(b)
   double relative_bias_error = 0;  ///< its standard error, the reference's included
   std::vector<double> seconds;     ///< wall time of each run

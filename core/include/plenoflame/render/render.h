@@ -24,17 +24,17 @@ inline constexpr int kForwardSamples = 1000000;  ///< bundles, where nobody says
 /// How to render. Figures that are 0 take their default.
 struct RenderSettings {
   Estimator estimator = Estimator::backward;
-  /// Backward: rays per pixel and microlens that covers it, all replicates together. Forward: energy
-  /// bundles in total, for the whole image; kForwardSamples are a start.
+  /// Backward: rays per pixel and microlens that covers it, all replicates together. Forward:
+  /// energy bundles in total, for the whole image; kForwardSamples are a start.
   int samples = 64;
-  int replicates = 2;         ///< independent randomisations, for the standard error
+  int replicates = 2;  ///< independent randomisations, for the standard error
   std::uint64_t seed = 1;
   /// Relative RMSE over lit pixels (film.h) at which to stop; 0: `samples` are taken. Samples then
   /// go where the error is, tile by tile, at most `samples` per pixel.
   double target_error = 0;
-  double time_limit = 0;      ///< [s] after which no further round is begun; 0: none
-  PixelWindow window;         ///< width 0: the whole sensor
-  bool skip = true;           ///< false: nothing is left out (for comparison)
+  double time_limit = 0;  ///< [s] after which no further round is begun; 0: none
+  PixelWindow window;     ///< width 0: the whole sensor
+  bool skip = true;       ///< false: nothing is left out (for comparison)
   bool standard_error = true;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
@@ -48,15 +48,15 @@ struct RenderSettings {
 
 /// What was done, left out, and how long it took.
 struct RenderStatistics {
-  double rays = 0;          ///< sent
-  double rays_reached = 0;  ///< of these, left the camera towards the scene (forward: arrived on
-                            ///< the sensor)
-  double pixels = 0;        ///< in the window
-  double pixels_sampled = 0;///< that some microlens could light
-  double pairs = 0;         ///< pixels x microlenses that cover them
-  double lenses = 0;        ///< microlenses whose micro-images meet the window
-  double lenses_skipped = 0;///< of these, whose beams miss the flame
-  double pixels_skipped = 0;///< without array: pixels whose beams miss the flame
+  double rays = 0;            ///< sent
+  double rays_reached = 0;    ///< of these, left the camera towards the scene (forward: arrived on
+                              ///< the sensor)
+  double pixels = 0;          ///< in the window
+  double pixels_sampled = 0;  ///< that some microlens could light
+  double pairs = 0;           ///< pixels x microlenses that cover them
+  double lenses = 0;          ///< microlenses whose micro-images meet the window
+  double lenses_skipped = 0;  ///< of these, whose beams miss the flame
+  double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
   MediumCounters medium;
   double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
   double flux = 0;             ///< [W] sum over the image, first channel
@@ -64,7 +64,8 @@ struct RenderStatistics {
   bool target_reached = true;  ///< false: the target error needs more samples or time
   int threads = 0;
   std::string isa, precision, medium_description;
-  /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over threads.
+  /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over
+  /// threads.
   double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
 };
 

@@ -61,9 +61,9 @@ struct ArraySpec {
   bool present = false;
   Lattice lattice = Lattice::hexagonal;
   LensModel model = LensModel::real;
-  double pitch = 0;      ///< [m] between neighbouring centres
-  double diameter = 0;   ///< [m] clear diameter of a microlens, at most the pitch
-  double thickness = 0;  ///< [m] between the vertices
+  double pitch = 0;                  ///< [m] between neighbouring centres
+  double diameter = 0;               ///< [m] clear diameter of a microlens, at most the pitch
+  double thickness = 0;              ///< [m] between the vertices
   std::vector<MicrolensSpec> types;  ///< 1 to 3
   bool opaque_between = true;        ///< the area between the lenses: opaque, or clear air
   double rotation = 0;               ///< [rad] about the optical axis, x towards y
@@ -100,9 +100,9 @@ struct FocusSpec {
 };
 
 struct CameraSpec {
-  Vec3 position;               ///< [m] world, of the front vertex of the main lens
-  Vec3 look_direction{1, 0, 0};///< world
-  Vec3 up{0, 0, 1};            ///< world; camera y (down) is the part of -up across the axis
+  Vec3 position;                 ///< [m] world, of the front vertex of the main lens
+  Vec3 look_direction{1, 0, 0};  ///< world
+  Vec3 up{0, 0, 1};              ///< world; camera y (down) is the part of -up across the axis
   MainLensSpec lens;
   ArraySpec array;
   SensorSpec sensor;
@@ -113,8 +113,8 @@ struct CameraSpec {
 /// One layer of a stratified flame: an ellipsoid with axes along the flame's x, y, z.
 struct EllipsoidSpec {
   std::string name;
-  Vec3 centre;         ///< [m] flame frame
-  Vec3 semi_axes;      ///< [m]
+  Vec3 centre;             ///< [m] flame frame
+  Vec3 semi_axes;          ///< [m]
   double temperature = 0;  ///< [K]
   double absorption = 0;   ///< [1/m]
   friend bool operator==(const EllipsoidSpec&, const EllipsoidSpec&) = default;
@@ -122,8 +122,8 @@ struct EllipsoidSpec {
 
 /// How a grid of a file becomes a physical quantity: value = scale * stored + offset, then `unit`.
 struct GridSpec {
-  std::string grid;   ///< name in the file; empty: the default name and its known aliases
-  std::string unit;   ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
+  std::string grid;  ///< name in the file; empty: the default name and its known aliases
+  std::string unit;  ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
   double scale = 1;
   double offset = 0;
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
@@ -135,8 +135,8 @@ enum class Interpolation { trilinear, constant };
 struct FlameSpec {
   FlameKind kind = FlameKind::layered;
   std::string name;
-  Vec3 position;   ///< [m] world place of the flame frame's origin
-  Vec3 rotation;   ///< [rad] about x, then y, then z of the world
+  Vec3 position;                      ///< [m] world place of the flame frame's origin
+  Vec3 rotation;                      ///< [rad] about x, then y, then z of the world
   std::vector<EllipsoidSpec> layers;  ///< layered: where several overlap, the first listed wins
   std::string file;                   ///< vdb: path as in the scene file, relative to it
   GridSpec temperature;
@@ -163,7 +163,7 @@ enum class Estimator { backward, forward };
 /// Defaults of a run; the command line overrides them.
 struct RenderSpec {
   Estimator estimator = Estimator::backward;
-  int samples = 64;      ///< rays per pixel and microlens that covers it (forward: bundles)
+  int samples = 64;  ///< rays per pixel and microlens that covers it (forward: bundles)
   std::uint64_t seed = 1;
   friend bool operator==(const RenderSpec&, const RenderSpec&) = default;
 };
