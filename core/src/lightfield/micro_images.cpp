@@ -118,6 +118,8 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
     });
     if (!done) throw Cancelled();
   }
+  for (const std::vector<Node>& nodes : nodes_)
+    for (const Node& node : nodes) reach_ = std::max(reach_, node.reach);
   const Vec2 here = place({0, 0}).centre;
   spacing_ = std::min(length(place({1, 0}).centre - here), length(place({0, 1}).centre - here));
 }
@@ -164,6 +166,7 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
   const double gap = own.aim_plane(0) - own.sensor();
   const Vec2 lens = own.lattice().centre({0, 0});
   node.white_half = outer_radius + p;
+  node.reach = outer_radius + 0.71 * p;  // the pixel's corner
   const double step = 2 * node.white_half / (kWhite - 1);
   // The light of a pixel is the integral of dA_u gap^2 / d^4 over the aperture. A sunflower of
   // points of equal area: no two have the same radius, so that a rim that cuts them is found to 1
@@ -183,7 +186,12 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
       const Vec2 v{node.centre - node.white_half + i * step, -node.white_half + j * step};
       if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
       double total = 0;
-      for (const Vec2 u : aims) {
+      // Turned by another angle at each point of the table, so that what the rim misses of the
+      // integral averages out over a pixel.
+      const double turn = golden * (j * kWhite + i);
+      const Vec2 axis{std::cos(turn), std::sin(turn)};
+      for (const Vec2 aim : aims) {
+        const Vec2 u = to_camera(aim, axis);
         if (own.trace(lens + v, LensIndex{0, 0}, lens + u).status.status != RayStatus::reached)
           continue;
         const double d2 = dot(u - v, u - v) + gap * gap;
@@ -222,6 +230,7 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
 
 MicroImages::Place MicroImages::place(LensIndex lens) const {
   Place place;
+  place.lens = lens;
   place.type = camera_.lattice().type(lens);
   const auto type = static_cast<std::size_t>(place.type);
   const Vec2 middle = camera_.lattice().centre(lens);
@@ -274,26 +283,71 @@ MicroImages::Line MicroImages::chief_ray(const Place& place, Vec2 sensor_point) 
 }
 
 double MicroImages::white(const Place& place, Vec2 sensor_point) const {
-  if (place.dark) return 0;
-  const std::vector<Node>& nodes = nodes_[static_cast<std::size_t>(place.type)];
+  return place.dark ? 0 : WhiteTable(*this, place)(sensor_point);
+}
+
+MicroImages::WhiteTable::WhiteTable(const MicroImages& micro_images, const Place& place)
+    : centre_(place.centre), outwards_(place.outwards) {
+  if (place.dark) return;
+  const std::vector<Node>& nodes = micro_images.nodes_[static_cast<std::size_t>(place.type)];
   const auto first = static_cast<std::size_t>(place.node);
   const double t = place.node - static_cast<double>(first);
-  const Vec2 v = to_local(sensor_point - place.centre, place.outwards);
-  double total = 0;
   for (std::size_t n = 0; n < 2; ++n) {
     const Node& node = nodes[first + n];
-    if (node.white.empty()) return 0;
-    const double scale = (kWhite - 1) / (2 * node.white_half);
-    const double x = (v.x + node.white_half) * scale, y = (v.y + node.white_half) * scale;
+    if (node.white.empty()) continue;
+    nodes_[n] = &node;
+    weight_[n] = n == 0 ? 1 - t : t;
+    scale_[n] = (kWhite - 1) / (2 * node.white_half);
+    reach_ = std::max(reach_, node.reach);
+  }
+}
+
+double MicroImages::WhiteTable::operator()(Vec2 sensor_point) const {
+  const Vec2 v = to_local(sensor_point - centre_, outwards_);
+  double total = 0;
+  for (std::size_t n = 0; n < 2; ++n) {
+    if (nodes_[n] == nullptr) continue;
+    const double half = nodes_[n]->white_half;
+    const double x = (v.x + half) * scale_[n], y = (v.y + half) * scale_[n];
     if (!(x >= 0 && y >= 0 && x < kWhite - 1 && y < kWhite - 1)) continue;
     const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
     const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
-    const float* w = node.white.data() + j * kWhite + i;
+    const float* w = nodes_[n]->white.data() + j * kWhite + i;
     const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
-    total += (n == 0 ? 1 - t : t) * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
-                                     r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
+    total += weight_[n] * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
+                           r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
   }
   return total;
+}
+
+MicroImages::LocalWhite::LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius)
+    : own_(micro_images, micro_images.place(lens)), clear_(kInfinity) {
+  const MicrolensLattice& lattice = micro_images.camera().lattice();
+  const Vec2 middle = lattice.centre(lens);
+  const double most = radius + micro_images.reach_ + micro_images.spacing();
+  const Vec2 box{most, most};
+  for (const LensIndex other : lattice.within(middle - box, middle + box)) {
+    if (other == lens) continue;
+    const Place place = micro_images.place(other);
+    if (place.dark) continue;
+    const WhiteTable table(micro_images, place);
+    const double clear = length(place.centre - own_.centre()) - table.reach();
+    if (clear >= radius) continue;
+    clear_ = std::min(clear_, clear);
+    others_.push_back(table);
+  }
+}
+
+MicroImages::White MicroImages::LocalWhite::operator()(Vec2 sensor_point) const {
+  White white;
+  white.own = white.total = own_(sensor_point);
+  const Vec2 v = sensor_point - own_.centre();
+  if (clear_ > 0 && dot(v, v) < clear_ * clear_) return white;
+  for (const WhiteTable& other : others_) {
+    const Vec2 o = sensor_point - other.centre();
+    if (dot(o, o) < other.reach() * other.reach()) white.total += other(sensor_point);
+  }
+  return white;
 }
 
 }  // namespace plenoflame

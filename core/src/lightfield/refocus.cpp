@@ -112,19 +112,23 @@ void add_micro_image(const LightField& field, const Image& flux, const MicroImag
   const int first_row = bound(std::floor(y - radius / p), window.y, window.y + window.height);
   const int last_row = bound(std::ceil(y + radius / p) + 1, window.y, window.y + window.height);
   const MicroImages::ToPlane to_plane = micro.to_plane(place, depth);
+  const MicroImages::LocalWhite local_white(micro, place.lens, radius);
   for (int row = first_row; row < last_row; ++row)
     for (int column = first_column; column < last_column; ++column) {
       const Vec2 s = micro.camera().sensor_point(column + 0.5, row + 0.5);
       if (length(s - place.centre) > radius) continue;
-      const double white = micro.white(place, s);
-      if (white <= 0) continue;
+      const MicroImages::White white = local_white(s);
+      if (white.own <= 0) continue;
       const double light = static_cast<double>(flux.at(column - window.x, row - window.y));
       if (!std::isfinite(light))
         throw InputError("the light field holds a value that is not finite, in column " +
                          std::to_string(column) + ", row " + std::to_string(row));
       const Vec2 point = to_plane(s);
+      // Light that came through neighbours cannot be told apart: the pixel counts as much as its
+      // own share of it, as though the scene were the same there.
       sums.add((point.x - target.corner.x) / target.pixel - 0.5,
-               (point.y - target.corner.y) / target.pixel - 0.5, light, white);
+               (point.y - target.corner.y) / target.pixel - 0.5, light * white.own / white.total,
+               white.own);
     }
 }
 

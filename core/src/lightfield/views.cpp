@@ -25,12 +25,13 @@ void check(const ViewSettings& settings, const Camera& camera) {
 /// The samples of all micro-images at one offset.
 class Sampler {
  public:
-  Sampler(const LightField& field, const Image& flux, const MicroImages& micro, bool white,
-          double least)
-      : flux_(flux), micro_(micro), window_(field.window), white_(white), least_(least) {}
+  Sampler(const LightField& field, const Image& flux, const MicroImages& micro, double least)
+      : flux_(flux), micro_(micro), window_(field.window), least_(least) {}
 
+  /// @param white of this micro-image; unused without white correction
   /// @param offset [m] from the centre, camera x, y
-  float sample(const MicroImages::Place& place, Vec2 offset) const {
+  float sample(const MicroImages::Place& place, const MicroImages::LocalWhite* white_at,
+               Vec2 offset) const {
     constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
     if (place.dark) return unknown;
     const SensorSpec& sensor = micro_.camera().spec().sensor;
@@ -43,25 +44,25 @@ class Sampler {
     if (column < 0 || row < 0 || column + 1 >= window_.width || row + 1 >= window_.height)
       return unknown;
     const double a = x - x_floor, b = y - y_floor;
-    double light = 0, white = 0;
+    double light = 0, own = 0, total = 0;
     for (int j = 0; j <= 1; ++j)
       for (int i = 0; i <= 1; ++i) {
         const double weight = (i == 1 ? a : 1 - a) * (j == 1 ? b : 1 - b);
         light += weight * static_cast<double>(flux_.at(column + i, row + j));
-        if (white_)
-          white += weight *
-                   micro_.white(place, micro_.camera().sensor_point(window_.x + column + i + 0.5,
-                                                                    window_.y + row + j + 0.5));
+        if (white_at == nullptr) continue;
+        const MicroImages::White white = (*white_at)(
+            micro_.camera().sensor_point(window_.x + column + i + 0.5, window_.y + row + j + 0.5));
+        own += weight * white.own;
+        total += weight * white.total;
       }
-    if (!white_) return static_cast<float>(light);
-    return white > least_ ? static_cast<float>(light / white) : unknown;
+    if (white_at == nullptr) return static_cast<float>(light);
+    return own > least_ ? static_cast<float>(light / total) : unknown;
   }
 
  private:
   const Image& flux_;
   const MicroImages& micro_;
   PixelWindow window_;
-  bool white_;
   double least_;
 };
 
@@ -105,7 +106,7 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   const MicroImages::Place axis = micro_images.place(camera.lattice().nearest({0, 0}));
   if (axis.dark) throw InputError("no light reaches the middle of the sensor: there are no views");
   const double least = kLeastWhite * micro_images.white(axis, axis.centre);
-  const Sampler sampler(light_field, flux, micro_images, settings.white_correction, least);
+  const Sampler sampler(light_field, flux, micro_images, least);
   const OutputGrid grid = output_grid(micro_images, light_field.window);
   const double pitch = camera.spec().array.pitch;
   const Vec2 last = grid.first - grid.step * Vec2{grid.width - 1.0, grid.height - 1.0};
@@ -113,7 +114,12 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
                                               {grid.first.x + 2 * pitch, grid.first.y + 2 * pitch});
   std::vector<MicroImages::Place> places;
   places.reserve(lenses.size());
-  for (const LensIndex lens : lenses) places.push_back(micro_images.place(lens));
+  std::vector<MicroImages::LocalWhite> whites;
+  const double farthest = std::sqrt(2.0) * (settings.spread * axis.radius + p);
+  for (const LensIndex lens : lenses) {
+    places.push_back(micro_images.place(lens));
+    if (settings.white_correction) whites.emplace_back(micro_images, lens, farthest);
+  }
 
   Views views;
   views.lens_step = grid.step;
@@ -130,7 +136,8 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
     view.offset = (1 / p) * upright;
     LensSamples samples(camera.spec().array, lenses);
     for (std::size_t k = 0; k < lenses.size(); ++k)
-      samples.at(lenses[k]) = sampler.sample(places[k], -1.0 * upright);
+      samples.at(lenses[k]) =
+          sampler.sample(places[k], whites.empty() ? nullptr : &whites[k], -1.0 * upright);
     view.image = Image(grid.width, grid.height);
     for (int row = 0; row < grid.height; ++row)
       for (int column = 0; column < grid.width; ++column) {

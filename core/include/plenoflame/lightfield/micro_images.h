@@ -37,6 +37,7 @@ class MicroImages {
     Vec2 outwards{1, 0};  ///< unit vector away from the optical axis: first axis of the tables
     double node = 0;      ///< place in the tables
     int type = 0;
+    LensIndex lens;
   };
   Place place(LensIndex lens) const;
 
@@ -66,6 +67,45 @@ class MicroImages {
   /// flux [W] when everything has the radiance 1 W/(m^2 sr).
   double white(const Place& place, Vec2 sensor_point) const;
 
+  /// The light of a pixel from a uniform scene of radiance 1 W/(m^2 sr), in its parts [W].
+  struct White {
+    double own = 0;    ///< through one microlens
+    double total = 0;  ///< through all of them: what the sensor records
+  };
+
+ private:
+  struct Node;
+  /// white() of one microlens, prepared for many points.
+  class WhiteTable {
+   public:
+    WhiteTable(const MicroImages& micro_images, const Place& place);
+    double operator()(Vec2 sensor_point) const;
+    double reach() const { return reach_; }  ///< [m] no light farther from the centre
+    Vec2 centre() const { return centre_; }
+
+   private:
+    std::array<const Node*, 2> nodes_{};
+    std::array<double, 2> weight_{}, scale_{};
+    Vec2 centre_, outwards_;
+    double reach_ = 0;
+  };
+
+ public:
+  /// The white light of the pixels around one micro-image. Where micro-images touch or overlap, a
+  /// pixel gets light through several microlenses; the edge of the stop is out of focus on the
+  /// sensor, so that this begins well inside the geometric rim.
+  class LocalWhite {
+   public:
+    /// @param radius [m] how far from the centre of the micro-image it will be asked for
+    LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius);
+    White operator()(Vec2 sensor_point) const;
+
+   private:
+    WhiteTable own_;
+    std::vector<WhiteTable> others_;
+    double clear_ = 0;  ///< [m] from the own centre, within which no other one reaches
+  };
+
  private:
   struct Node {
     bool dark = true;
@@ -74,6 +114,7 @@ class MicroImages {
     /// degree up to 5 in (s - centre) / radius.
     std::array<std::array<double, 21>, 4> line{};
     double white_half = 0;     ///< [m] half the side of the table
+    double reach = 0;          ///< [m] no light farther from the centre
     std::vector<float> white;  ///< kWhite x kWhite, first axis fastest
   };
   void fit_lines(const Camera& open, Node& node) const;
@@ -81,7 +122,7 @@ class MicroImages {
   std::array<double, 21> mixed(const Place& place, std::size_t which) const;
 
   Camera camera_;
-  double spacing_ = 0;
+  double spacing_ = 0, reach_ = 0;
   std::vector<double> step_;              ///< [m] between nodes, per type
   std::vector<std::vector<Node>> nodes_;  ///< per type, over the distance from the axis
 };
