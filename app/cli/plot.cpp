@@ -38,45 +38,70 @@ void check(cairo_status_t status, const std::string& path) {
     throw FileError(path + ": cannot draw the plot: " + cairo_status_to_string(status));
 }
 
-/// One logarithmic axis: from `low` to `high` (powers of ten) onto pixels.
+/// One axis: from `low` to `high` (decimal logarithms on a logarithmic one) onto pixels.
 struct Axis {
   double low = 0, high = 1, begin = 0, end = 1;
+  bool logarithmic = true;
+  double place(double value) const { return logarithmic ? std::log10(value) : value; }
   double at(double value) const {
-    return begin + (std::log10(value) - low) / (high - low) * (end - begin);
+    return begin + (place(value) - low) / (high - low) * (end - begin);
+  }
+  /// Between the labels of a linear axis: 1, 2 or 5 times a power of ten.
+  double step() const {
+    const double rough = (high - low) / 7, decade = std::pow(10.0, std::floor(std::log10(rough)));
+    const double digits = rough / decade;
+    return decade * (digits < 1.5 ? 1 : digits < 3.5 ? 2 : digits < 7.5 ? 5 : 10);
   }
 };
 
-Axis axis_over(const LogLogPlot& plot, bool x, double begin, double end) {
+Axis axis_over(const Plot& plot, bool x, double begin, double end) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
+  Axis axis{0, 1, begin, end, x ? plot.log_x : plot.log_y};
   for (const PlotSeries& series : plot.series)
     for (const auto& point : series.points) {
-      const double value = std::log10(x ? point.first : point.second);
+      const double value = axis.place(x ? point.first : point.second);
+      if (!std::isfinite(value)) continue;
       low = std::min(low, value), high = std::max(high, value);
     }
   if (!(low <= high)) low = high = 0;
-  // Whole thirds of decades (1, 2, 5), with some room.
-  low = std::floor(3 * (low - 0.05)) / 3, high = std::ceil(3 * (high + 0.05)) / 3;
-  return {low, high, begin, end};
+  if (axis.logarithmic) {
+    // Whole thirds of decades (1, 2, 5), with some room.
+    axis.low = std::floor(3 * (low - 0.05)) / 3, axis.high = std::ceil(3 * (high + 0.05)) / 3;
+    return axis;
+  }
+  // All values alike: some room around them, so that the axis has a length.
+  const double room = high > low ? 0.04 * (high - low) : high != 0 ? 0.1 * std::fabs(high) : 1;
+  axis.low = low - room, axis.high = high + room;
+  if (low >= 0 && axis.low < 0) axis.low = 0;
+  return axis;
 }
 
 std::string number_text(double value) {
   char text[32];
-  const bool plain = value >= 1e-4 && value < 1e5;
-  std::snprintf(text, sizeof text, plain ? "%.4g" : "%.0e", value);
+  const double size = std::fabs(value);
+  const bool plain = size == 0 || (size >= 1e-4 && size < 1e5);
+  std::snprintf(text, sizeof text, plain ? "%.6g" : "%.3g", value);
   return text;
 }
 
 class Painter {
  public:
-  Painter(cairo_t* context, const LogLogPlot& plot)
+  Painter(cairo_t* context, const Plot& plot)
       : c_(context),
         plot_(plot),
         x_(axis_over(plot, true, kLeft, kWidth - kRight)),
-        y_(axis_over(plot, false, kHeight - kBottom, kTop)) {}
+        y_(axis_over(plot, false, kHeight - kBottom, kTop)) {
+    if (!plot.equal_scales) return;
+    const double across = (x_.high - x_.low) / std::fabs(x_.end - x_.begin);
+    const double up = (y_.high - y_.low) / std::fabs(y_.end - y_.begin);
+    Axis& shorter = across < up ? x_ : y_;
+    const double grow = std::max(across, up) / std::min(across, up);
+    const double middle = 0.5 * (shorter.low + shorter.high);
+    const double half = 0.5 * (shorter.high - shorter.low) * grow;
+    shorter.low = middle - half, shorter.high = middle + half;
+  }
 
   void paint() {
-    cairo_set_source_rgb(c_, 1, 1, 1);
-    cairo_paint(c_);
     cairo_select_font_face(c_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(c_, kFontSize);
     grid();
@@ -108,9 +133,31 @@ class Painter {
     cairo_stroke(c_);
   }
 
+  /// A line of the grid, and its label if it has one.
+  void rule(bool horizontal, double at, double shade, const std::string& label) {
+    cairo_set_source_rgb(c_, shade, shade, shade);
+    cairo_set_line_width(c_, 1);
+    if (horizontal)
+      line(at, kTop, at, kHeight - kBottom);
+    else
+      line(kLeft, at, kWidth - kRight, at);
+    if (label.empty()) return;
+    cairo_set_source_rgb(c_, 0, 0, 0);
+    if (horizontal)
+      text(label, at, kHeight - kBottom + 22, Align::centre);
+    else
+      text(label, kLeft - 8, at + 5, Align::right);
+  }
+
   void grid() {
     for (const bool horizontal : {true, false}) {
       const Axis& axis = horizontal ? x_ : y_;
+      if (!axis.logarithmic) {
+        const double step = axis.step();
+        for (double k = std::ceil(axis.low / step); k * step <= axis.high; ++k)
+          rule(horizontal, axis.at(k * step), k == 0 ? 0.6 : 0.85, number_text(k * step + 0.0));
+        continue;
+      }
       // Where there are few decades 2 and 5 are labelled as well.
       const bool all_labels = axis.high - axis.low < 2.5;
       for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high; ++decade)
@@ -118,19 +165,9 @@ class Painter {
           const double value = digit * std::pow(10.0, decade), place = std::log10(value);
           if (place < axis.low - 0.01 || place > axis.high + 0.01) continue;
           const double at = axis.at(value);
-          const double shade = digit == 1 ? 0.72 : 0.9;
-          cairo_set_source_rgb(c_, shade, shade, shade);
-          cairo_set_line_width(c_, 1);
-          if (horizontal)
-            line(at, kTop, at, kHeight - kBottom);
-          else
-            line(kLeft, at, kWidth - kRight, at);
-          if (digit != 1 && !(all_labels && (digit == 2 || digit == 5))) continue;
-          cairo_set_source_rgb(c_, 0, 0, 0);
-          if (horizontal)
-            text(number_text(value), at, kHeight - kBottom + 22, Align::centre);
-          else
-            text(number_text(value), kLeft - 8, at + 5, Align::right);
+          const bool labelled = digit == 1 || (all_labels && (digit == 2 || digit == 5));
+          rule(horizontal, at, digit == 1 ? 0.72 : 0.9,
+               labelled ? number_text(value) : std::string());
         }
     }
   }
@@ -158,13 +195,34 @@ class Painter {
   void draw(const PlotSeries& series) {
     cairo_set_source_rgb(c_, series.colour[0], series.colour[1], series.colour[2]);
     cairo_set_line_width(c_, 2.2);
-    for (const auto& point : series.points)
-      cairo_line_to(c_, x_.at(point.first), y_.at(point.second));
-    cairo_stroke(c_);
-    for (const auto& point : series.points) {
-      cairo_arc(c_, x_.at(point.first), y_.at(point.second), 4.5, 0, 2 * 3.14159265358979);
-      cairo_fill(c_);
+    if (series.style != PlotStyle::marks) {
+      set_dash(series);
+      for (const auto& point : series.points) {
+        const double x = x_.at(point.first), y = y_.at(point.second);
+        if (std::isfinite(x) && std::isfinite(y))
+          cairo_line_to(c_, x, y);
+        else
+          cairo_new_sub_path(c_);
+      }
+      cairo_stroke(c_);
+      cairo_set_dash(c_, nullptr, 0, 0);
     }
+    if (series.style != PlotStyle::marks && series.style != PlotStyle::line_with_marks) return;
+    for (const auto& point : series.points) {
+      const double x = x_.at(point.first), y = y_.at(point.second);
+      if (std::isfinite(x) && std::isfinite(y)) mark(series, x, y);
+    }
+  }
+
+  void set_dash(const PlotSeries& series) {
+    const double dashes[] = {7, 5};
+    if (series.style == PlotStyle::dashed) cairo_set_dash(c_, dashes, 2, 0);
+  }
+
+  void mark(const PlotSeries& series, double x, double y) {
+    const double crowded = series.points.size() > 100 ? 1.6 : 4.5;
+    cairo_arc(c_, x, y, crowded, 0, 2 * 3.14159265358979);
+    cairo_fill(c_);
   }
 
   void frame() {
@@ -187,7 +245,7 @@ class Painter {
     double width = 0;
     std::vector<const PlotSeries*> shown;
     for (const PlotSeries& series : plot_.series) {
-      if (series.points.empty()) continue;
+      if (series.points.empty() || series.name.empty()) continue;
       cairo_text_extents_t size;
       cairo_text_extents(c_, series.name.c_str(), &size);
       width = std::max(width, size.x_advance);
@@ -206,9 +264,11 @@ class Painter {
     for (const PlotSeries* series : shown) {
       cairo_set_source_rgb(c_, series->colour[0], series->colour[1], series->colour[2]);
       cairo_set_line_width(c_, 2.2);
-      line(left + 10, y, left + 38, y);
-      cairo_arc(c_, left + 24, y, 4.5, 0, 2 * 3.14159265358979);
-      cairo_fill(c_);
+      set_dash(*series);
+      if (series->style != PlotStyle::marks) line(left + 10, y, left + 38, y);
+      cairo_set_dash(c_, nullptr, 0, 0);
+      if (series->style == PlotStyle::marks || series->style == PlotStyle::line_with_marks)
+        mark(*series, left + 24, y);
       cairo_set_source_rgb(c_, 0, 0, 0);
       text(series->name, left + 46, y + 5, Align::left);
       y += 24;
@@ -216,34 +276,69 @@ class Painter {
   }
 
   cairo_t* c_;
-  const LogLogPlot& plot_;
+  const Plot& plot_;
   Axis x_, y_;
 };
 
+int row_count(const std::vector<Plot>& plots, int columns) {
+  return (static_cast<int>(plots.size()) + columns - 1) / columns;
+}
+
+void paint(cairo_t* context, const std::vector<Plot>& plots, int columns) {
+  cairo_set_source_rgb(context, 1, 1, 1);
+  cairo_paint(context);
+  for (std::size_t k = 0; k < plots.size(); ++k) {
+    const int place = static_cast<int>(k);
+    cairo_save(context);
+    cairo_translate(context, place % columns * kWidth, place / columns * kHeight);
+    Painter(context, plots[k]).paint();
+    cairo_restore(context);
+  }
+}
+
 }  // namespace
 
-void write_plot_svg(const std::string& path, const LogLogPlot& plot) {
+std::array<double, 3> plot_colour(std::size_t k) {
+  constexpr std::array<double, 3> colours[] = {{0.75, 0.1, 0.1}, {0.1, 0.35, 0.75},
+                                               {0.1, 0.55, 0.2}, {0.55, 0.25, 0.6},
+                                               {0.8, 0.5, 0.05}, {0.1, 0.1, 0.1}};
+  return colours[k % std::size(colours)];
+}
+
+void write_plot_svg(const std::string& path, const std::vector<Plot>& plots, int columns) {
   std::string bytes;
-  const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, kWidth, kHeight));
+  const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, columns * kWidth,
+                                                            row_count(plots, columns) * kHeight));
   const Context context(cairo_create(surface.get()));
-  Painter(context.get(), plot).paint();
+  paint(context.get(), plots, columns);
   check(cairo_status(context.get()), path);
   cairo_surface_finish(surface.get());
   check(cairo_surface_status(surface.get()), path);
   write_file(path, bytes);
 }
 
-void write_plot_png(const std::string& path, const LogLogPlot& plot) {
-  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24,
-                                                   static_cast<int>(kPngScale * kWidth),
-                                                   static_cast<int>(kPngScale * kHeight)));
+void write_plot_png(const std::string& path, const std::vector<Plot>& plots, int columns) {
+  // Several panels are for comparing: half the resolution will do.
+  const double scale = plots.size() > 1 ? 1 : kPngScale;
+  const Surface surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(scale * columns * kWidth),
+                                 static_cast<int>(scale * row_count(plots, columns) * kHeight)));
   const Context context(cairo_create(surface.get()));
-  cairo_scale(context.get(), kPngScale, kPngScale);
-  Painter(context.get(), plot).paint();
+  cairo_scale(context.get(), scale, scale);
+  paint(context.get(), plots, columns);
   check(cairo_status(context.get()), path);
   std::string bytes;
   check(cairo_surface_write_to_png_stream(surface.get(), append, &bytes), path);
   write_file(path, bytes);
+}
+
+void write_plot(const std::string& path, const std::vector<Plot>& plots, int columns) {
+  if (path.ends_with(".svg"))
+    write_plot_svg(path, plots, columns);
+  else if (path.ends_with(".png"))
+    write_plot_png(path, plots, columns);
+  else
+    throw UsageError(path + ": a plot is written as .png or .svg");
 }
 
 }  // namespace plenoflame::cli

@@ -35,6 +35,59 @@ class Design(CommandTest):
         for words in ("focal length:", "304.1 mm", "Keplerian", "through infinity", "RMS radius"):
             self.assertIn(words, text)
 
+    def test_lens_counts_views_and_table_2(self):
+        figures = self.figures('[camera]\npreset = "paper-plenoptic2"\n')
+        self.near(figures["hexagonal_over_square"], 2 / 3**0.5, 5e-3)
+        self.assertEqual(figures["table_2"]["printed_ratio"], 1.955)
+        # The union of the ranges over the first: read off the printed types.
+        ranges = sorted(sorted((1 / t["array_m"][2], 1 / t["array_m"][0])) for t in figures["types"])
+        length, end = 0, ranges[0][0]
+        for low, high in ranges:
+            length += max(0, high - max(low, end))
+            end = max(end, high)
+        self.near(figures["table_2"]["joint_1_m"], length, 1e-9)
+        self.near(figures["table_2"]["ratio"], length / (ranges[0][1] - ranges[0][0]), 1e-9)
+        view = figures["views"]
+        self.near(view["count"], 3.14159265358979 / 4 * figures["types"][0]["image_diameter_pixels"] ** 2, 1e-9)
+        for point in figures["resolution"]:
+            best = max(value for value in point["traced"] if value is not None)
+            self.near(point["traced_joint"], best, 1e-12)
+        text = self.run_command("design", "a.toml").stdout
+        self.assertIn("1.955, which does not follow", text)
+
+    def test_plots(self):
+        self.figures('[camera]\npreset = "paper-plenoptic2"\n')
+        for ending, start in (("png", b"\x89PNG"), ("svg", b"<?xml")):
+            self.run_command("design", "a.toml", "--plots", "plots", "--format", ending)
+            for name in ("resolution", "spots", "microlens"):
+                self.assertTrue(self.read(f"plots/{name}.{ending}").startswith(start), name)
+        # Drawn: lines of the colours of the three types.
+        svg = self.read("plots/resolution.svg").decode()
+        self.assertGreater(svg.count("<path"), 20)
+
+    def test_solving_for_the_array(self):
+        """The scene that is written has the joined focal lengths when it is read again."""
+        self.write("a.toml", '[camera]\npreset = "paper-plenoptic2"\n')
+        b, d, p = 0.2534e-3, 0.1e-3, 0.01e-3
+        for choice in ("index", "radius"):
+            result = self.run_command("design", "a.toml", "--solve", choice, "-o", "b.toml", "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            solved = json.loads(result.stdout)["solved"]
+            again = json.loads(self.run_command("design", "b.toml", "--json").stdout)["types"]
+            for k in range(3):
+                length = 1 / (1 / 0.2336538461538e-3 + k * 2 * p / (d * b))
+                self.near(solved[k]["focal_length_m"], length, 1e-9)
+                self.near(again[k]["focal_length_m"], length, 1e-9)
+            self.assertTrue(all(0.05 < s["gap_share"] < 0.4 for s in solved[1:]))
+        self.fails(2, "design", "a.toml", "-o", "b.toml", mentions="--solve")
+        # The warnings stand before the error.
+        for options, words in ((("index", "--greatest-index", "1.6"), "above the limit of 1.6"),
+                               (("thickness",), "thickness"),
+                               (("radius", "--least-radius", "0.2 mm"), "below the limit of 0.2 mm")):
+            result = self.run_command("design", "a.toml", "--solve", *options)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn(words, result.stderr.splitlines()[-1])
+
     def test_messages(self):
         self.fails(2, "design", mentions="SCENE")
         self.fails(1, "design", "none.toml", mentions="none.toml")

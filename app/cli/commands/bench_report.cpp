@@ -204,7 +204,7 @@ std::string bench_csv(const Json& bench) {
 }
 
 void write_bench_plots(const std::string& base, const Json& bench) {
-  LogLogPlot plot;
+  Plot plot;
   plot.title = "Error against time: " +
                std::filesystem::path(bench["scene"].get<std::string>()).stem().string();
   plot.x_label = "wall time [s], " + std::to_string(bench["threads"].get<int>()) +
@@ -224,8 +224,8 @@ void write_bench_plots(const std::string& base, const Json& bench) {
     plot.guides = {{"slope -1/2", x, y, -0.5}, {"slope -1", x, y, -1}};
     break;
   }
-  write_plot_svg(base + ".svg", plot);
-  write_plot_png(base + ".png", plot);
+  write_plot_svg(base + ".svg", {plot});
+  write_plot_png(base + ".png", {plot});
 }
 
 Json read_bench_json(const std::string& path) {

@@ -6,16 +6,17 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/camera/resolution.h"
 
 namespace plenoflame {
 namespace {
 
-constexpr int kSpotRings = 2000;
+constexpr double kPi = 3.14159265358979323846;
 constexpr int kSpotSpokes = 24;
 
-std::string digits(double value) {
+std::string digits(double value, int count = 3) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
+  std::snprintf(text, sizeof text, "%.*g", count, value);
   return text;
 }
 
@@ -52,10 +53,81 @@ TypeDesign type_design(const Camera& camera, const Microlens& lens, double pixel
     return paraxial_object_distance(main, camera.rear_vertex() - (lens.front_principal + a));
   };
   type.object = {object(type.array.near), object(type.array.focus), object(type.array.far)};
+  const double magnification = paraxial_magnification(main, type.object.focus);
+  type.disparity_rate = camera.spec().array.pitch * type.sensor_distance / pixel *
+                        std::pow(magnification / type.array.focus, 2);
   return type;
 }
 
+/// Distance between the centres of neighbouring micro-images over that of the lenses.
+double sensor_scale(const Camera& camera) {
+  const double pupil = camera.exit_pupil();
+  return std::isfinite(pupil) ? (pupil - camera.sensor()) / (pupil - camera.array_back()) : 1;
+}
+
+LatticeDesign count_lenses(const Camera& camera, Lattice lattice, double image_diameter) {
+  ArraySpec array = camera.spec().array;
+  array.lattice = lattice;
+  array.pitch *= sensor_scale(camera);
+  const SensorSpec& sensor = camera.spec().sensor;
+  const double diameter = std::min(image_diameter, array.pitch);
+  const double width = sensor.columns * sensor.pixel_pitch,
+               height = sensor.rows * sensor.pixel_pitch;
+  const Vec2 reach{0.5 * (width - diameter), 0.5 * (height - diameter)};
+  LatticeDesign result;
+  if (!(reach.x >= 0) || !(reach.y >= 0)) return result;
+  result.lenses =
+      static_cast<int>(MicrolensLattice(array).within({-reach.x, -reach.y}, reach).size());
+  result.used_share = result.lenses * 0.25 * kPi * diameter * diameter / (width * height);
+  return result;
+}
+
+ViewDesign view_design(const Camera& camera, const CameraDesign& d) {
+  const ArraySpec& array = camera.spec().array;
+  const SensorSpec& sensor = camera.spec().sensor;
+  ViewDesign views;
+  views.across = d.types.front().image_diameter / sensor.pixel_pitch;
+  views.count = 0.25 * kPi * views.across * views.across;
+  const double pitch = array.pitch * sensor_scale(camera);
+  const double row = array.lattice == Lattice::hexagonal ? std::sqrt(0.75) * pitch : pitch;
+  views.columns = sensor.columns * sensor.pixel_pitch / pitch;
+  views.rows = sensor.rows * sensor.pixel_pitch / row;
+  const FirstOrder& lens = d.lens;
+  const double magnification = std::fabs(paraxial_magnification(lens, d.object_distance));
+  const double image = paraxial_image_distance(lens, d.object_distance);
+  // From the exit pupil, or in units of it when it is infinitely far.
+  const bool telecentric = !std::isfinite(lens.exit_pupil);
+  const double to_image = image - lens.exit_pupil;
+  const double to_array = camera.lens_distance() - lens.exit_pupil;
+  const double step = telecentric ? array.pitch : array.pitch * to_image / to_array;
+  const double cone = telecentric ? lens.entrance_pupil_diameter / lens.focal_length
+                                  : lens.exit_pupil_diameter / to_image;
+  views.object_pixel = step / magnification;
+  views.disparity_rate = cone * magnification * magnification / step;
+  return views;
+}
+
+/// Says where a type is less sharp for real rays than it should be, and what spoils it.
+void compare_blur(const Camera& camera, double pixel, CameraDesign& design) {
+  for (std::size_t k = 0; k < design.types.size(); ++k) {
+    const TypeDesign& type = design.types[k];
+    const double distance = type.object.focus;
+    if (!(distance > 0) || !std::isfinite(distance)) continue;
+    const TracedBlur blur = BlurTracer(camera, k)(distance);
+    if (!(blur.all > 1.5 * pixel)) continue;
+    const bool microlens = blur.central > 0.7 * blur.all;
+    design.warnings.push_back("type \"" + type.name + "\" should be sharp to a pixel at " +
+                              format_quantity(std::stod(digits(distance, 6)), Dimension::length) +
+                              ", but real rays blur " + digits(blur.all / pixel) +
+                              " pixels there (" + digits(blur.central / pixel) +
+                              " in the microlens on the axis): " +
+                              (microlens ? "aberrations of the microlens itself"
+                                         : "other zones of the main lens focus elsewhere"));
+  }
+}
+
 void compare_with_rays(const Camera& camera, double pixel, CameraDesign& design) {
+  compare_blur(camera, pixel, design);
   if (camera.ideal_lens()) return;
   const SensorSpec& sensor = camera.spec().sensor;
   const double corner = 0.5 * std::hypot(sensor.columns, sensor.rows) * sensor.pixel_pitch;
@@ -100,7 +172,7 @@ double paraxial_object_distance(const FirstOrder& lens, double image_distance) {
 }
 
 SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_distance,
-                     double image_height) {
+                     double image_height, int rings) {
   const FirstOrder lens = first_order(surfaces);
   const LensSystem system(surfaces);
   const double last = system.vertices().back();
@@ -114,9 +186,9 @@ SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_dis
   const double slope = infinite ? image_height / lens.focal_length : 0;  // dx/dz of the light
   // Positions at the last vertex and slopes, summed for the line of centroids and the scatter.
   double n = 0, x = 0, u = 0, w = 0, xx = 0, xu = 0, uu = 0, yy = 0, yw = 0, ww = 0, y = 0;
-  for (int ring = 0; ring < kSpotRings; ++ring)
+  for (int ring = 0; ring < rings; ++ring)
     for (int spoke = 0; spoke < kSpotSpokes; ++spoke) {
-      const double r = pupil * std::sqrt((ring + 0.5) / kSpotRings);  // equal areas
+      const double r = pupil * std::sqrt((ring + 0.5) / rings);  // equal areas
       const double angle = 6.283185307179586 * (spoke + 0.5 * (ring % 2)) / kSpotSpokes;
       const Vec3 target{r * std::cos(angle), r * std::sin(angle), pupil_z};
       // Light that is imaged at +x travels towards +x, i.e. x grows as z falls.
@@ -140,7 +212,7 @@ SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_dis
           paraxial - plane};
 }
 
-CameraDesign design(const Camera& camera) {
+CameraDesign first_order_design(const Camera& camera) {
   CameraDesign design;
   const FirstOrder& lens = design.lens = camera.lens_first_order();
   const double pixel = camera.spec().sensor.pixel_pitch;
@@ -174,9 +246,18 @@ CameraDesign design(const Camera& camera) {
                             : design.types.size() > 1             ? 0
                             : hexagonal                           ? 2 / std::sqrt(3.0)
                                                                   : std::sqrt(2.0);
+    design.hexagonal =
+        count_lenses(camera, Lattice::hexagonal, design.types.front().image_diameter);
+    design.square = count_lenses(camera, Lattice::square, design.types.front().image_diameter);
+    design.views = view_design(camera, design);
   }
-  compare_with_rays(camera, pixel, design);
   return design;
+}
+
+CameraDesign design(const Camera& camera) {
+  CameraDesign result = first_order_design(camera);
+  compare_with_rays(camera, camera.spec().sensor.pixel_pitch, result);
+  return result;
 }
 
 }  // namespace plenoflame

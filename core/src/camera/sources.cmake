@@ -1,2 +1,3 @@
 list(APPEND core_sources src/camera/microlens_lattice.cpp src/camera/camera.cpp src/camera/trace_from_scene.cpp
-  src/camera/design.cpp src/camera/focus.cpp src/camera/pupil_sampling.cpp)
+  src/camera/design.cpp src/camera/focus.cpp src/camera/pupil_sampling.cpp src/camera/resolution.cpp
+  src/camera/array_solver.cpp)

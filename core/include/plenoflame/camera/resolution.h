@@ -1,0 +1,54 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "plenoflame/camera/design.h"
+
+namespace plenoflame {
+
+/// Effective resolution ratio along one axis of a point at `array_distance` a [m] in front of the
+/// array (negative: behind it): pixels of the image that its micro-images can make up, over pixels
+/// of the sensor. The micro-image shows the point |B / a| times smaller, which is at most 1 here,
+/// blurred over s = D |B (1/f - 1/a) - 1|:
+///     min(1, |B / a|) * p / max(s, p, least_spot)
+/// Perwass and Wietzke, Proc. SPIE 8291 (2012), 829108. Squared it is the share of the area.
+/// @param least_spot [m] of diffraction, 1.22 wavelength * B / D, or 0
+double effective_resolution(const TypeDesign& type, double diameter, double pixel,
+                            double array_distance, double least_spot = 0);
+
+/// Blur of the image of an axial point in one type's micro-images by real rays: diameter of the
+/// uniform disc with the same RMS radius about each micro-image's own centroid, on the sensor [m].
+struct TracedBlur {
+  double central = 0;  ///< seen by the microlens on the axis
+  double all = 0;      ///< RMS over microlenses at zones of equal area of the main lens' pupil
+};
+
+/// Traces the blur in the micro-images of one type, as if all microlenses were of that type.
+class BlurTracer {
+ public:
+  BlurTracer(const Camera& camera, std::size_t type);
+  /// @param object_distance [m] in front of the first vertex of the main lens, positive; NaN in the
+  ///        result where no light arrives
+  TracedBlur operator()(double object_distance) const;
+
+ private:
+  /// Where the ray through a point of the entrance pupil meets the plane of the array's front.
+  std::optional<Vec2> at_array(double object_distance, Vec2 pupil) const;
+  double zone_blur2(double object_distance, double zone) const;
+  Camera camera_;
+};
+
+/// Effective resolution at one distance.
+struct ResolutionPoint {
+  double object_distance = 0;            ///< [m] from the front vertex of the main lens
+  double array_distance = 0;             ///< a [m] of its paraxial image
+  std::vector<double> paraxial, traced;  ///< per type; traced: with TracedBlur::all in place of s
+  double paraxial_joint = 0, traced_joint = 0;  ///< the best type's
+};
+
+/// Over the distances at which a type sees anything: |a| from B / 4 to 20 B on the sides on which
+/// the types are sharp, in equal steps of the object's distance. Empty without array.
+std::vector<ResolutionPoint> resolution_curve(const Camera& camera, int points,
+                                              double wavelength = 0);
+
+}  // namespace plenoflame
