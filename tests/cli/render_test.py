@@ -126,9 +126,33 @@ class Render(CommandTest):
     def test_target_error(self):
         window = ["--window", "1400,1400,128,128"]
         figures = self.json_of("render", "a.toml", *window, "--target-error", "5%")
-        self.assertLess(figures["relative_error"], 0.05)
+        self.assertLessEqual(figures["relative_error_bound"], 0.05)
+        self.assertLess(figures["relative_error"], figures["relative_error_bound"])
+        self.assertEqual(figures["confidence"], 0.95)
         self.fails(1, "render", "a.toml", *window, "--target-error", "0.001%", "--samples", "64", "--quiet",
                    mentions="not reached")
+
+    def test_forward_estimator_resumes_and_has_targets(self):
+        options = ["--estimator", "forward", "--samples", "2e6", "--quiet", *WINDOW]
+        self.succeeds("render", "a.toml", *options, "-o", "whole.exr")
+        for delay in (0.8, 0.4, 0.2, 0.1):
+            process = subprocess.Popen([command.COMMAND, "render", "a.toml", *options, "--threads", "1", "-o", "part.exr"],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            try:
+                process.wait(timeout=delay)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGINT)
+            if process.wait(timeout=60) == 1:
+                break
+        # The state of one estimator is none of the other's.
+        self.fails(1, "render", "a.toml", "--samples", "2e6", "--quiet", *WINDOW, "-o", "part.exr", "--resume", "part.exr",
+                   mentions="other settings")
+        self.succeeds("render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr")
+        self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
+        limited = self.json_of("render", "a.toml", "--estimator", "forward", "--time-limit", "0.2s")
+        self.assertTrue(limited["complete"])
+        self.assertLess(limited["rays"], 2**30)
+        self.fails(1, "render", "a.toml", *options, "--target-error", "1%", mentions="not reached")
 
     def test_full_disk_leaves_the_old_image(self):
         self.write("a.exr", "old")

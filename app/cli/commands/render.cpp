@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -27,6 +28,7 @@ namespace {
 /// Bundles are independent one by one: more replicates cost memory only.
 constexpr int kForwardReplicates = 4;
 constexpr int kMostSamples = 1 << 16;  ///< at which a target error is given up
+constexpr int kMostBundles = 1 << 30;
 
 RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   RenderSettings settings;
@@ -37,12 +39,11 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   const bool open_ended = options.target_error || options.time_limit;
   settings.samples = options.samples.value_or(open_ended ? kMostSamples : scene.render.samples);
   if (settings.estimator == Estimator::forward) {
-    if (open_ended || !options.resume.empty())
-      throw UsageError("--target-error, --time-limit and --resume work with --estimator backward");
     // A scene that is made for the other estimator says nothing about how many bundles are needed.
     const bool scene_says = scene.render.estimator == Estimator::forward &&
                             scene.render.samples != RenderSpec{}.samples;
     if (!options.samples && !scene_says) settings.samples = kForwardSamples;
+    if (!options.samples && open_ended) settings.samples = kMostBundles;
     settings.replicates = std::min(kForwardReplicates, settings.samples);
   }
   // One sample alone tells nothing of its error.
@@ -66,8 +67,15 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add("complete", s.complete ? "yes" : "no, stopped early", "complete", s.complete);
   report.add("flux", number(s.flux) + " W over the image", "flux", s.flux);
   if (s.relative_error >= 0)
-    report.add("error", number(100 * s.relative_error) + " % relative RMSE over lit pixels",
+    report.add("error",
+               number(100 * s.relative_error) + " % relative RMSE over lit pixels, below " +
+                   number(100 * s.relative_error_bound) + " % with " +
+                   number(100 * kErrorConfidence) + " % confidence",
                "relative_error", s.relative_error);
+  if (std::isfinite(s.relative_error_bound) && s.relative_error >= 0) {
+    report.add_json("relative_error_bound", s.relative_error_bound);
+    report.add_json("confidence", kErrorConfidence);
+  }
   report.add("rays", number(s.rays), "rays", s.rays);
   report.add("reached the scene", share(s.rays_reached, s.rays), "rays_reached", s.rays_reached);
   report.add("rays per second", number(s.rays / s.seconds), "rays_per_second", s.rays / s.seconds);
@@ -121,6 +129,7 @@ std::string state_key(const Scene& scene, const RenderSettings& s) {
   nlohmann::ordered_json key;
   key["version"] = version();
   key["scene"] = write_scene(scene);
+  key["estimator"] = s.estimator == Estimator::forward ? "forward" : "backward";
   key["seed"] = s.seed;
   key["samples"] = s.samples;
   key["replicates"] = s.replicates;
@@ -168,8 +177,7 @@ int run_render(const RenderArguments& arguments) {
   write_light_field(options.output, result.light_field);
   // Runs to a target go on from their last whole round, whose state is there already: what the part
   // of a round would decide is not what the whole one would have decided.
-  if (!result.statistics.complete && !open_ended && settings.estimator == Estimator::backward)
-    write_checkpoint(state, result.film, key);
+  if (!result.statistics.complete && !open_ended) write_checkpoint(state, result.film, key);
   if (result.statistics.complete) std::filesystem::remove(state);
   const Report report = report_of(result.statistics, compile_seconds);
   if (!options.stats.empty()) write_file(options.stats, report.json_text());

@@ -56,7 +56,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("N");
   command
       .add_option("--target-error", arguments.target_error,
-                  "Stop when the relative RMSE over lit pixels is below this, e.g. 1%")
+                  "Stop when the relative RMSE over lit pixels is below this with 95 % confidence, "
+                  "e.g. 1%")
       ->option_text("SHARE");
   command
       .add_option("--time-limit", arguments.time_limit,

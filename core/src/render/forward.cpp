@@ -11,6 +11,7 @@
 #include "plenoflame/sampling/philox.h"
 #include "render/aperture_cone.h"
 #include "render/emission_proposal.h"
+#include "render/run_control.h"
 
 namespace plenoflame {
 namespace {
@@ -21,9 +22,6 @@ constexpr int kChunksPerThread = 8;            ///< between two merges
 constexpr std::uint64_t kProposalSeed = 0x70726f706f73616cu;
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// A bundle that arrived on a pixel of the window, before attenuation.
 struct Hit {
@@ -183,47 +181,139 @@ void merge(const Chunk& chunk, Film& film, RenderStatistics& statistics) {
   statistics.medium.opaque_tails += chunk.medium.opaque_tails;
 }
 
+/// Traces bundles in chunks: whole numbers of points (one bundle of every replicate), so that any
+/// number of leading chunks is a valid, smaller run. Chunks are merged in order: the sums do not
+/// depend on who traced what.
+class Run {
+ public:
+  Run(const BundleTracer& tracer, const RenderSettings& settings, const Execution& execution,
+      Film& film, RenderStatistics& statistics)
+      : tracer_(tracer),
+        settings_(settings),
+        execution_(execution),
+        film_(film),
+        statistics_(statistics),
+        checkpoints_(settings),
+        done_(static_cast<std::int64_t>(film.tile_samples(0))) {}
+
+  /// Goes on until the film holds `points` of each replicate. @return false when stopped
+  bool trace_until(std::int64_t points, bool keep_parts);
+  /// Goes on until the stated error is below the target, at most to `points`.
+  void trace_to_target(std::int64_t points);
+  std::int64_t done() const { return done_; }
+  std::int64_t per_chunk() const {
+    return std::max<std::int64_t>(1, kChunkBundles / settings_.replicates);
+  }
+  StatedError error() const {
+    return stated_error(film_.flux(0), film_.standard_error(0), film_.replicates());
+  }
+
+ private:
+  void report(std::int64_t points) const;
+
+  const BundleTracer& tracer_;
+  const RenderSettings& settings_;
+  const Execution& execution_;
+  Film& film_;
+  RenderStatistics& statistics_;
+  Checkpoints checkpoints_;
+  std::int64_t done_;
+  Clock::time_point start_ = Clock::now();
+};
+
+void Run::report(std::int64_t points) const {
+  if (!execution_.progress) return;
+  Progress progress;
+  const double elapsed = seconds_since(start_);
+  progress.fraction = static_cast<double>(done_) / static_cast<double>(points);
+  progress.rays = statistics_.rays;
+  progress.rays_per_second = statistics_.rays / elapsed;
+  progress.relative_error = statistics_.relative_error;
+  if (done_ > 0) progress.remaining_seconds = elapsed * (1 / progress.fraction - 1);
+  execution_.progress(progress);
+}
+
+bool Run::trace_until(std::int64_t points, bool keep_parts) {
+  const std::int64_t last = (points + per_chunk() - 1) / per_chunk();
+  const std::int64_t round =
+      static_cast<std::int64_t>(kChunksPerThread) * execution_.thread_count();
+  std::vector<Chunk> pending;
+  for (bool complete = true; done_ < points;) {
+    if (!complete) return false;
+    const std::int64_t first = done_ / per_chunk();
+    pending.assign(static_cast<std::size_t>(std::min(round, last - first)), {});
+    complete = parallel_for(execution_, pending.size(), [&](std::size_t i, int) {
+      const std::int64_t begin = (first + static_cast<std::int64_t>(i)) * per_chunk();
+      tracer_.trace(std::max(begin, done_) * settings_.replicates,
+                    std::min(begin + per_chunk(), points) * settings_.replicates, pending[i]);
+    });
+    const std::int64_t before = done_;
+    for (std::size_t i = 0; i < pending.size() && pending[i].done; ++i) {
+      merge(pending[i], film_, statistics_);
+      done_ = std::min((first + static_cast<std::int64_t>(i) + 1) * per_chunk(), points);
+    }
+    for (int t = 0; t < film_.tile_count(); ++t)
+      film_.add_samples(t, static_cast<double>(done_ - before));
+    if (keep_parts) checkpoints_.offer(film_);
+    report(points);
+  }
+  return true;
+}
+
+void Run::trace_to_target(std::int64_t points) {
+  // The film alone decides how far to go, at the ends of rounds only: a run that goes on from one
+  // of them does what the first would have done.
+  while (done_ < points) {
+    double growth = 2;
+    if (done_ > 0) {
+      const StatedError now = error();
+      statistics_.relative_error = now.relative_rmse;
+      if (settings_.target_error > 0) {
+        if (now.relative_rmse > 0 && now.bound <= settings_.target_error) return;
+        // Errors fall with the root of the number of bundles.
+        growth = 1.02 * std::pow(now.bound / settings_.target_error, 2);
+        if (!(now.relative_rmse > 0)) growth = 2;  // nothing has arrived yet
+      }
+    }
+    const double whole = std::ceil(static_cast<double>(std::max(done_, 2 * per_chunk())) *
+                                   std::clamp(growth, 1.1, 2.0) / static_cast<double>(per_chunk()));
+    const auto next = static_cast<std::int64_t>(whole) * per_chunk();
+    if (!trace_until(std::min(next, points), false)) return;
+    checkpoints_.offer(film_);
+  }
+}
+
 }  // namespace
 
-std::int64_t render_forward(const CompiledScene& scene, const RenderSettings& settings,
-                            std::int64_t points, const Execution& execution, Film& film,
-                            RenderStatistics& statistics) {
+void render_forward(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution, Film& film, RenderStatistics& statistics) {
   statistics.precision = "double";
   const auto start = Clock::now();
+  const std::int64_t points =
+      (static_cast<std::int64_t>(settings.samples) + settings.replicates - 1) / settings.replicates;
   const EmissionProposal proposal(*scene.medium, settings.seed ^ kProposalSeed, execution);
   statistics.seconds_generate += seconds_since(start) * execution.thread_count();
-  if (proposal.dark()) return points;
-  const BundleTracer tracer(scene, settings, film, proposal);
-  // Chunks are whole numbers of points of every replicate, so that any number of leading chunks is
-  // a valid, smaller run. They are merged in order: the sums do not depend on who traced what.
-  const std::int64_t per_chunk = std::max<std::int64_t>(1, kChunkBundles / settings.replicates);
-  const std::int64_t chunks = (points + per_chunk - 1) / per_chunk;
-  const std::int64_t round = static_cast<std::int64_t>(kChunksPerThread) * execution.thread_count();
-  std::vector<Chunk> pending;
-  std::int64_t merged = 0;
-  for (bool complete = true; complete && merged < chunks;) {
-    const std::int64_t count = std::min(round, chunks - merged);
-    pending.assign(static_cast<std::size_t>(count), {});
-    complete = parallel_for(execution, static_cast<std::size_t>(count), [&](std::size_t i, int) {
-      const std::int64_t chunk = merged + static_cast<std::int64_t>(i);
-      tracer.trace(chunk * per_chunk * settings.replicates,
-                   std::min((chunk + 1) * per_chunk, points) * settings.replicates, pending[i]);
-    });
-    for (const Chunk& chunk : pending) {
-      if (!chunk.done) break;
-      merge(chunk, film, statistics);
-      ++merged;
-    }
-    if (!execution.progress) continue;
-    Progress progress;
-    const double elapsed = seconds_since(start);
-    progress.fraction = static_cast<double>(merged) / static_cast<double>(chunks);
-    progress.rays = statistics.rays;
-    progress.rays_per_second = statistics.rays / elapsed;
-    if (merged > 0) progress.remaining_seconds = elapsed * (1 / progress.fraction - 1);
-    execution.progress(progress);
+  if (proposal.dark()) {
+    for (int t = 0; t < film.tile_count(); ++t)
+      film.add_samples(t, static_cast<double>(points) - film.tile_samples(t));
+    return;
   }
-  return std::min(merged * per_chunk, points);
+  const BundleTracer tracer(scene, settings, film, proposal);
+  const bool open_ended = settings.target_error > 0 || settings.time_limit > 0;
+  const Deadline deadline(execution.stop, settings.time_limit);
+  Execution inner = execution;
+  inner.stop = deadline.token();
+  Run run(tracer, settings, inner, film, statistics);
+  if (open_ended)
+    run.trace_to_target(points);
+  else
+    run.trace_until(points, true);
+  // A time limit that ran out is no interruption: what is there is what was asked for.
+  statistics.complete = open_ended ? !execution.stop.stop_requested() : run.done() == points;
+  if (settings.target_error > 0) {
+    const StatedError error = run.error();
+    statistics.target_reached = error.relative_rmse > 0 && error.bound <= settings.target_error;
+  }
 }
 
 }  // namespace plenoflame

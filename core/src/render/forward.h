@@ -1,6 +1,4 @@
 #pragma once
-#include <cstdint>
-
 #include "plenoflame/base/execution.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
@@ -13,11 +11,10 @@ namespace plenoflame {
 /// main lens and array onto the pixels. Adds sum(weight) to the film, in W times the number of
 /// bundles per replicate; bundle `index` belongs to replicate index mod replicates. Shares nothing
 /// with the backward estimator but the medium and the lens surfaces.
-/// @param points bundles of each replicate
-/// @return how many of each replicate were traced: fewer when it was stopped. The film depends on
-///         scene, seed and this number only, not on the number of threads.
-std::int64_t render_forward(const CompiledScene& scene, const RenderSettings& settings,
-                            std::int64_t points, const Execution& execution, Film& film,
-                            RenderStatistics& statistics);
+/// Goes on from what `film` holds: settings.samples bundles, or fewer when a target error or the
+/// time limit is reached. The film depends on scene, seed and the number of bundles only, not on
+/// the number of threads. Sets statistics.complete and target_reached.
+void render_forward(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution, Film& film, RenderStatistics& statistics);
 
 }  // namespace plenoflame

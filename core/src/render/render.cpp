@@ -63,13 +63,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   if (scene.medium) {
     statistics.medium_description = scene.medium->description();
     if (forward) {
-      const int points =
-          settings.samples / settings.replicates + (settings.samples % settings.replicates > 0);
-      const auto traced =
-          static_cast<int>(render_forward(scene, settings, points, execution, film, statistics));
-      statistics.complete = traced == points;
-      // What was stopped early is a smaller run; the film is empty when nothing was traced.
-      for (int t = 0; t < film.tile_count(); ++t) film.add_samples(t, std::max(traced, 1));
+      render_forward(scene, settings, execution, film, statistics);
     } else {
       count_lenses(scene, settings, window, statistics);
       render_rounds(scene, settings, execution, film, statistics);
@@ -90,8 +84,11 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     field.channels.push_back(std::move(channel));
   }
   const LightFieldChannel& first = field.channels.front();
-  if (!first.standard_error.empty())
-    statistics.relative_error = estimated_relative_rmse(first.flux, first.standard_error);
+  if (!first.standard_error.empty()) {
+    const StatedError error = stated_error(first.flux, first.standard_error, settings.replicates);
+    statistics.relative_error = error.relative_rmse;
+    statistics.relative_error_bound = error.bound;
+  }
   for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
   field.estimator = forward ? "forward" : "backward";
   field.seed = settings.seed;

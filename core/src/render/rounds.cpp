@@ -1,15 +1,11 @@
 #include "render/rounds.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
-#include <functional>
 #include <map>
-#include <mutex>
-#include <thread>
 
 #include "render/backward.h"
+#include "render/run_control.h"
 
 namespace plenoflame {
 namespace {
@@ -17,56 +13,11 @@ namespace {
 constexpr int kFirstPoints = 8;  ///< of each replicate in the first round
 constexpr int kCheckpointBatches = 16;
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Requests a stop when time is up, or when the caller's own token does.
-class Deadline {
- public:
-  Deadline(std::stop_token outer, double seconds)
-      : forward_(std::move(outer), [this] { source_.request_stop(); }) {
-    if (seconds <= 0) return;
-    timer_ = std::jthread([this, seconds](const std::stop_token& ended) {
-      std::unique_lock lock(mutex_);
-      std::condition_variable_any wake;
-      if (!wake.wait_for(lock, ended, std::chrono::duration<double>(seconds),
-                         [] { return false; }) &&
-          !ended.stop_requested())
-        source_.request_stop();
-    });
-  }
-  std::stop_token token() const { return source_.get_token(); }
-
- private:
-  std::stop_source source_;
-  std::mutex mutex_;
-  std::stop_callback<std::function<void()>> forward_;
-  std::jthread timer_;
-};
-
-/// Calls settings.checkpoint when enough time has passed.
-class Checkpoints {
- public:
-  explicit Checkpoints(const RenderSettings& settings) : settings_(settings) {}
-  void offer(const Film& film) {
-    if (!settings_.checkpoint || seconds_since(last_) < settings_.checkpoint_seconds) return;
-    settings_.checkpoint(film);
-    last_ = Clock::now();
-  }
-
- private:
-  const RenderSettings& settings_;
-  Clock::time_point last_ = Clock::now();
-};
-
 /// Mean square error of every tile's lit pixels, and of the whole image, first channel.
 struct TileErrors {
   std::vector<double> mean_square;  ///< [W^2] 0: nothing lit
   double mean_flux = 0;             ///< [W] over lit pixels
-  double relative_rmse = 0;
+  StatedError stated;               ///< of the whole image
 };
 
 TileErrors measure_errors(const Film& film) {
@@ -74,7 +25,7 @@ TileErrors measure_errors(const Film& film) {
   const Image flux = film.flux(0), error = film.standard_error(0);
   const float limit =
       static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
-  double squares = 0, total = 0, lit = 0;
+  double total = 0, lit = 0;
   for (int t = 0; t < film.tile_count(); ++t) {
     const PixelWindow tile = film.tile(t);
     double tile_squares = 0, tile_lit = 0;
@@ -88,13 +39,10 @@ TileErrors measure_errors(const Film& film) {
         tile_lit += 1;
       }
     errors.mean_square.push_back(tile_lit > 0 ? tile_squares / tile_lit : 0);
-    squares += tile_squares;
     lit += tile_lit;
   }
-  if (lit > 0) {
-    errors.mean_flux = total / lit;
-    errors.relative_rmse = std::sqrt(squares / lit) / errors.mean_flux;
-  }
+  if (lit > 0) errors.mean_flux = total / lit;
+  errors.stated = stated_error(flux, error, film.replicates());
   return errors;
 }
 
@@ -147,7 +95,9 @@ std::vector<int> choose_tiles(const Film& film, const RenderSettings& settings,
     mean += m;
     lit += m > 0 ? 1 : 0;
   }
-  const double goal = settings.target_error * errors.mean_flux;
+  // It is the bound that has to come below the target.
+  const double goal = settings.target_error * errors.mean_flux * errors.stated.relative_rmse /
+                      std::max(errors.stated.bound, 1e-300);
   const double threshold =
       settings.target_error > 0 ? 0.5 * goal * goal : 0.25 * mean / std::max(1.0, lit);
   mean /= std::max(1.0, lit);
@@ -176,9 +126,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     const TileErrors errors = measure_errors(film);
     const bool started = std::all_of(film.all_tile_samples().begin(), film.all_tile_samples().end(),
                                      [](double s) { return s > 0; });
-    if (started) statistics.relative_error = errors.relative_rmse;
-    if (started && settings.target_error > 0 && errors.relative_rmse <= settings.target_error)
-      break;
+    if (started) statistics.relative_error = errors.stated.relative_rmse;
+    if (started && settings.target_error > 0 && errors.stated.bound <= settings.target_error) break;
     const std::vector<int> tiles = choose_tiles(film, settings, errors, limit);
     if (tiles.empty()) break;
     // Each tile goes on where its own sequence stands, doubling it.
@@ -193,10 +142,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   }
   // A time limit that ran out is no interruption: what is there is what was asked for.
   statistics.complete = !execution.stop.stop_requested();
-  const TileErrors errors = measure_errors(film);
-  statistics.relative_error = errors.relative_rmse;
   statistics.target_reached =
-      settings.target_error <= 0 || errors.relative_rmse <= settings.target_error;
+      settings.target_error <= 0 || measure_errors(film).stated.bound <= settings.target_error;
 }
 
 }  // namespace

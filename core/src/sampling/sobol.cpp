@@ -61,12 +61,21 @@ std::uint32_t sobol(std::uint32_t index, int dimension) {
 }
 
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
+  // One hash of the bits above gives the flips of six levels of the tree: 1 + 2 + 4 + ... + 32
+  // bits.
+  constexpr int kLevels = 6;
   std::uint32_t flips = 0;
-  for (int bit = 0; bit < 32; ++bit) {
-    // The bits above `bit`, led by a one so that prefixes of different lengths differ.
+  for (int above = 0; above < 32; above += kLevels) {
+    // Led by a one so that prefixes of different lengths differ.
     const std::uint64_t prefix =
-        (std::uint64_t{1} << bit) | (bit == 0 ? 0u : fraction >> (32 - bit));
-    flips |= static_cast<std::uint32_t>(mix64(seed ^ mix64(prefix)) >> 63) << (31 - bit);
+        (std::uint64_t{1} << above) | (above == 0 ? 0u : fraction >> (32 - above));
+    const std::uint64_t tree = mix64(seed ^ mix64(prefix));
+    const std::uint32_t below = fraction << above;  // the six bits on top
+    std::uint32_t node = 1;                         // of a binary heap
+    for (int level = 0; level < kLevels && above + level < 32; ++level) {
+      flips |= static_cast<std::uint32_t>(tree >> node & 1) << (31 - above - level);
+      node = 2 * node + (below << level >> 31);
+    }
   }
   return fraction ^ flips;
 }

@@ -82,4 +82,16 @@ double estimated_relative_rmse(const Image& flux, const Image& standard_error);
 
 inline constexpr double kLitShare = 0.01;
 
+/// What the standard errors say about the error of a whole image.
+struct StatedError {
+  double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
+  /// The true relative RMSE is below this with a probability of kErrorConfidence (at least: dim
+  /// pixels that may be lit count as lit). Infinite with one replicate.
+  double bound = 0;
+};
+inline constexpr double kErrorConfidence = 0.95;
+
+/// @param replicates from whose scatter the standard errors are
+StatedError stated_error(const Image& flux, const Image& standard_error, int replicates);
+
 }  // namespace plenoflame

@@ -29,8 +29,9 @@ struct RenderSettings {
   int samples = 64;
   int replicates = 2;  ///< independent randomisations, for the standard error
   std::uint64_t seed = 1;
-  /// Relative RMSE over lit pixels (film.h) at which to stop; 0: `samples` are taken. Samples then
-  /// go where the error is, tile by tile, at most `samples` per pixel.
+  /// Stop when the relative RMSE over lit pixels is below this at kErrorConfidence (film.h); 0:
+  /// `samples` are taken. Backward: samples then go where the error is, tile by tile, at most
+  /// `samples` per pixel.
   double target_error = 0;
   double time_limit = 0;  ///< [s] after which no further round is begun; 0: none
   PixelWindow window;     ///< width 0: the whole sensor
@@ -59,6 +60,7 @@ struct RenderStatistics {
   double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
   MediumCounters medium;
   double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
+  double relative_error_bound = -1;  ///< below which it is at kErrorConfidence (film.h)
   double flux = 0;             ///< [W] sum over the image, first channel
   bool complete = true;        ///< false: stopped from outside
   bool target_reached = true;  ///< false: the target error needs more samples or time

@@ -1,0 +1,43 @@
+#pragma once
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <thread>
+
+#include "plenoflame/film/film.h"
+#include "plenoflame/render/render.h"
+
+namespace plenoflame {
+
+/// Seconds since a moment.
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Requests a stop when time is up, or when the caller's own token does.
+class Deadline {
+ public:
+  /// @param seconds [s] from now; 0: no limit
+  Deadline(std::stop_token outer, double seconds);
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  std::stop_source source_;
+  std::mutex mutex_;
+  std::stop_callback<std::function<void()>> forward_;
+  std::jthread timer_;
+};
+
+/// Calls settings.checkpoint when enough time has passed.
+class Checkpoints {
+ public:
+  explicit Checkpoints(const RenderSettings& settings) : settings_(settings) {}
+  void offer(const Film& film);
+
+ private:
+  const RenderSettings& settings_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace plenoflame

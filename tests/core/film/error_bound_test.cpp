@@ -1,0 +1,62 @@
+#include "film/error_bound.h"
+
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/film/film.h"
+#include "support/approx.h"
+
+namespace plenoflame::test {
+namespace {
+
+TEST(ErrorBound, QuantilesOfFisher) {
+  // P(F < f) = p by 40-digit arithmetic (mpmath).
+  const struct {
+    double p, numerator, denominator, f;
+  } cases[] = {
+      {0.95, 1, 1, 161.447638797588},       {0.95, 1, 3, 10.1279644860139},
+      {0.5, 2.5, 7.25, 0.825291477420655},  {0.05, 4, 9, 0.166700589369475},
+      {0.95, 30, 30, 1.84087168911176},     {0.95, 1000.5, 3001.5, 1.08752580301254},
+      {0.95, 5000, 5000, 1.04762731843436}, {0.95, 20000, 60000, 1.01912173237253},
+      {0.95, 1e6, 1e6, 1.00329512584861},
+  };
+  for (const auto& c : cases)
+    EXPECT_TRUE(relative(f_quantile(c.p, c.numerator, c.denominator), c.f, 1e-10))
+        << c.p << " " << c.numerator << " " << c.denominator;
+}
+
+TEST(ErrorBound, OfEqualPixels) {
+  // n pixels with the same standard error from R replicates: sum e^4 = n e^4, hence n (R + 1)/(R -
+  // 1) degrees of freedom.
+  Image flux(10, 5), error(10, 5);
+  for (float& f : flux.pixels) f = 100;
+  for (float& e : error.pixels) e = 3;
+  const StatedError stated = stated_error(flux, error, 3);
+  EXPECT_TRUE(relative(stated.relative_rmse, 0.03, 1e-7));
+  EXPECT_TRUE(relative(stated.bound, 0.03 * std::sqrt(f_quantile(0.95, 100, 200)), 1e-7));
+}
+
+TEST(ErrorBound, PixelsThatMayBeLitCount) {
+  Image flux(4, 1), error(4, 1);
+  const float f[] = {100, 50, 0.5f, 0.5f}, e[] = {3, 4, 0.3f, 0.2f};
+  for (int i = 0; i < 4; ++i) {
+    flux.at(i, 0) = f[i];
+    error.at(i, 0) = e[i];
+  }
+  const StatedError stated = stated_error(flux, error, 2);
+  EXPECT_TRUE(relative(stated.relative_rmse, std::sqrt(12.5) / 75, 1e-7));
+  const double freedom = 3 * 25.0 * 25 / (81 + 256);
+  EXPECT_TRUE(
+      relative(stated.bound, std::sqrt(25 * 3 * f_quantile(0.95, freedom, freedom)) / 150, 1e-7));
+}
+
+TEST(ErrorBound, WhatIsNotKnown) {
+  Image flux(2, 1);
+  EXPECT_EQ(stated_error(flux, Image(2, 1), 2).bound, 0);  // nothing lit
+  flux.at(0, 0) = 1;
+  EXPECT_EQ(stated_error(flux, Image(2, 1), 2).bound, 0);  // no scatter
+  EXPECT_EQ(stated_error(flux, {}, 1).bound, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace plenoflame::test
