@@ -48,3 +48,5 @@ picture candle "a candle flame from OpenVDB grids"
 
 say "pictures (and beside each, as .exr, the light field in watt per pixel)"
 printf '%s\n' "${pictures[@]}"
+say "to go on (README.md)"
+echo "export PATH=\"$PWD/build/demo/app/cli:\$PATH\" && plenoflame --help"

@@ -1,13 +1,14 @@
 #!/bin/bash
-# Makes the pictures of the documentation: docs/images/*.png from the example scenes.
+# Makes the pictures of docs/gallery.md: docs/images/*.png from the example scenes.
 #
-#   tools/make_pictures.sh [PLENOFLAME]    default: build/release/app/cli/plenoflame
+#   tools/make_pictures.sh [NAME ...]    only these scenes; without any, all
 #
-# The light fields stay in out/. Each picture: the whole sensor, reduced, and beside it a detail at one
-# picture pixel per sensor pixel, where the micro-images can be seen. Packages: tools/setup.sh dev
+# PLENOFLAME names the command, build/release/app/cli/plenoflame unless set; SAMPLES the rays per pixel and
+# microlens (64). The light fields stay in out/. Packages: tools/setup.sh dev
 set -euo pipefail
 cd "$(dirname "$0")/.."
-plenoflame=${1:-build/release/app/cli/plenoflame}
+plenoflame=${PLENOFLAME:-build/release/app/cli/plenoflame}
+samples=${SAMPLES:-64}
 [ -x "$plenoflame" ] || {
   echo "make_pictures.sh: $plenoflame is missing: cmake --preset release && cmake --build --preset release" >&2
   exit 1
@@ -16,24 +17,61 @@ command -v convert >/dev/null || {
   echo "make_pictures.sh: convert is missing: tools/setup.sh dev" >&2
   exit 1
 }
-size=600
+wanted=" $* "
+size=600 # of a panel
+zoom=6   # picture pixels per sensor pixel in the last panel
 mkdir -p out docs/images
 
-# picture SCENE DETAIL_X,DETAIL_Y: the detail's centre in parts of the sensor's width and height
-picture() {
-  local scene=$1 x=${2%,*} y=${2#*,} width height
-  "$plenoflame" render "examples/$scene.toml" --samples 64 -o "out/$scene.exr"
-  "$plenoflame" develop "out/$scene.exr" -o "out/$scene.png"
-  read -r width height < <(identify -format '%w %h\n' "out/$scene.png")
-  local left top
-  left=$(awk -v p="$x" -v n="$width" -v s="$size" 'BEGIN {printf "%d", p * n - s / 2}')
-  top=$(awk -v p="$y" -v n="$height" -v s="$size" 'BEGIN {printf "%d", p * n - s / 2}')
-  convert \( "out/$scene.png" -resize "x$size" \) \
-    \( "out/$scene.png" -crop "${size}x$size+$left+$top" +repage \) \
-    -background black -gravity center +smush 8 -depth 8 -strip "docs/images/$scene.png"
-  echo "docs/images/$scene.png"
+chosen() { [ "$wanted" = "  " ] || [[ "$wanted" == *" $1 "* ]]; }
+
+render() { # SCENE: out/SCENE.exr and .png
+  "$plenoflame" render "examples/$1.toml" --samples "$samples" -o "out/$1.exr"
+  "$plenoflame" develop "out/$1.exr" -o "out/$1.png"
 }
 
-picture paper-flame-1m 0.5,0.5
-"$plenoflame" flame candle -o examples/candle.vdb
-picture candle 0.5,0.5
+# panel SCENE SIDE X,Y PERCENT: the square of SIDE pixels around X,Y (parts of the sensor's width and
+# height), each pixel enlarged as a square; into out/panel-PERCENT.png
+panel() {
+  local picture=out/$1.png side=$2 x=${3%,*} y=${3#*,} width height left top
+  read -r width height < <(identify -format '%w %h\n' "$picture")
+  left=$(awk -v p="$x" -v n="$width" -v s="$side" 'BEGIN {printf "%d", p * n - s / 2}')
+  top=$(awk -v p="$y" -v n="$height" -v s="$side" 'BEGIN {printf "%d", p * n - s / 2}')
+  convert "$picture" -crop "${side}x$side+$left+$top" +repage -filter point -resize "$4%" "out/panel-$4.png"
+}
+
+join() { # SCENE PANEL ...
+  local name=$1
+  shift
+  convert "$@" -background gray30 -gravity center +smush 8 -depth 8 -strip "docs/images/$name.png"
+  echo "docs/images/$name.png"
+}
+
+# picture SCENE X,Y: the whole sensor, reduced; a detail pixel by pixel; its middle enlarged
+picture() {
+  chosen "$1" || return 0
+  render "$1"
+  convert "out/$1.png" -resize "x$size" out/panel-whole.png
+  panel "$1" "$size" "$2" 100
+  panel "$1" $((size / zoom)) "$2" $((100 * zoom))
+  join "$1" out/panel-whole.png out/panel-100.png "out/panel-$((100 * zoom)).png"
+}
+
+picture paper-flame-1m 0.53,0.5
+picture paper-flame-0.3m 0.5,0.5
+if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
+picture candle 0.57,0.5
+
+# A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.
+if chosen paper-previous-60x60; then
+  render paper-previous-60x60
+  panel paper-previous-60x60 $((size / zoom)) 0.5,0.5 $((100 * zoom))
+  join paper-previous-60x60 out/paper-previous-60x60.png "out/panel-$((100 * zoom)).png"
+  rm -rf out/views out/stack
+  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 3
+  convert out/views/contact.png -filter point -resize 300% -depth 8 -strip docs/images/views-contact.png
+  "$plenoflame" refocus out/paper-previous-60x60.exr -o out/stack --depths 0.9m:1.1m:3
+  mapfile -t stack < <(find out/stack -name '*.png' | sort)
+  convert "${stack[@]}" -filter point -resize 400% -background gray30 +smush 8 -depth 8 -strip \
+    docs/images/refocus-stack.png
+  echo "docs/images/views-contact.png docs/images/refocus-stack.png"
+fi

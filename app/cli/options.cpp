@@ -90,8 +90,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 }
 
 std::string readable(double value, Dimension dimension) {
-  if (!std::isfinite(value)) return readable_number(value);
-  return format_quantity(std::strtod(four_digits(value).c_str(), nullptr), dimension);
+  return readable_quantity(value, dimension);
 }
 
 std::string readable_percent(double share) {

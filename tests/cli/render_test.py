@@ -33,6 +33,16 @@ class Render(CommandTest):
         self.assertEqual(struct.unpack("<4i", attributes["dataWindow"][1]), (1480, 1490, 1503, 1509))
         self.assertEqual(struct.unpack("<4i", attributes["displayWindow"][1]), (0, 0, 2999, 2999))
         self.assertEqual(attributes["plenoflame.seed"], ("string", b"7"))
+        # The biconvex lens (R 300 mm, t 24.26 mm, n 1.5) has P = 2 (n - 1)/R - (n - 1)^2 t/(n R^2); its stop of
+        # 100 mm at the rear vertex is seen through the front surface, enlarged by 1/(1 - (n - 1) t/(n R)).
+        focal_length = 1 / (1 / 300 - 0.25 * 24.26 / (1.5 * 300 ** 2))
+        expected = {"effectiveFocalLength": focal_length, "focus": 1.0, "sensorPhotositePitch": 10,
+                    "aperture": focal_length / 100 * (1 - 0.5 * 24.26 / (1.5 * 300))}
+        for name, value in expected.items():
+            kind, data = attributes[name]
+            self.assertEqual(kind, "float")
+            self.assertLess(abs(struct.unpack("<f", data)[0] / value - 1), 1e-6, name)
+        self.assertEqual(struct.unpack("<2f", attributes["sensorOverallDimensions"][1]), (30, 30))
         self.assertEqual(set(images), {"total", "total.error"})
         flux = [value for row in images["total"] for value in row]
         self.assertTrue(all(math.isfinite(value) and value >= 0 for value in flux))

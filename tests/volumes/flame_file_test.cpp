@@ -230,6 +230,17 @@ TEST_F(FlameFile, PlacedByPositionAndRotation) {
   EXPECT_TRUE(relative(there.temperature, 1500, 1e-5));
   EXPECT_TRUE(relative(there.absorption, 30, 1e-5));
   EXPECT_EQ(medium->sample({9e-3, 2e-3, -3e-3}).absorption, 0);
+  // Half as large, its lengths shrink before it is turned and moved; its absorption stays.
+  spec.scale = 0.5;
+  const auto half = load_flame(spec, "/nowhere", {SourceFunction::total()}, {});
+  const MediumSample here = half->sample({1 - 1e-3, 2 + 4.5e-3, 3 - 1.5e-3});
+  EXPECT_TRUE(relative(here.temperature, 1500, 1e-5));
+  EXPECT_TRUE(relative(here.absorption, 30, 1e-5));
+  EXPECT_TRUE(relative(half->feature_size(), 0.5e-3, 1e-6));
+  spec.scale = 0;
+  EXPECT_TRUE(contains(
+      message_of<InputError>([&] { load_flame(spec, "/nowhere", {SourceFunction::total()}, {}); }),
+      "not a positive number"));
 }
 
 }  // namespace

@@ -66,11 +66,11 @@ Quantity absorption() {
   return {"absorption", "1/m", "1/m, 1/cm or 1/mm", kAbsorptionUnits, kAbsorptionNames};
 }
 
-const GridInfo* choose(const std::vector<GridInfo>& grids,
-                       std::span<const std::string_view> names) {
+const GridInfo* choose(const std::vector<GridInfo>& grids, std::span<const std::string_view> names,
+                       bool readable = true) {
   for (const std::string_view name : names)
     for (const GridInfo& grid : grids)
-      if (grid.readable && detail::lower_case(grid.name) == name) return &grid;
+      if (grid.readable == readable && detail::lower_case(grid.name) == name) return &grid;
   return nullptr;
 }
 
@@ -144,6 +144,8 @@ VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, con
   std::string name = spec.grid;
   if (name.empty()) {
     const GridInfo* chosen = choose(grids, quantity.names);
+    // Reading one that cannot be read says why.
+    if (chosen == nullptr) chosen = choose(grids, quantity.names, /*readable=*/false);
     if (chosen == nullptr) missing(path, quantity, grids);
     name = chosen->name;
   }

@@ -1,6 +1,8 @@
+#include <cmath>
 #include <utility>
 
 #include "field.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_file.h"
 
 namespace plenoflame {
@@ -8,10 +10,16 @@ namespace plenoflame {
 std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& scene_folder,
                                    std::vector<SourceFunction> channels,
                                    const Execution& execution) {
+  if (!(spec.scale > 0) || !std::isfinite(spec.scale))
+    throw InputError("flame \"" + spec.name + "\" has a scale that is not a positive number");
   FlameFields flame = read_flame(spec, scene_folder, execution);
   const RigidTransform placement{rotation_xyz(spec.rotation), spec.position};
-  for (VoxelField* field : {&flame.temperature, &flame.absorption})
-    field->index_to_world = detail::compose(placement, field->index_to_world);
+  for (VoxelField* field : {&flame.temperature, &flame.absorption}) {
+    AffineTransform& transform = field->index_to_world;
+    for (Vec3& row : transform.linear.rows) row = spec.scale * row;
+    transform.translation = spec.scale * transform.translation;
+    transform = detail::compose(placement, transform);
+  }
   return make_voxel_medium(std::move(flame.temperature), std::move(flame.absorption),
                            spec.interpolation == Interpolation::trilinear
                                ? VoxelInterpolation::trilinear

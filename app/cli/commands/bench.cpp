@@ -153,16 +153,15 @@ int run_bench(const Arguments& arguments) {
   Execution execution;
   execution.threads = arguments.threads;
   bar.connect(execution);
-  std::vector<std::string> warnings;
-  const SceneDocument document = read_valid_scene(arguments.scene, warnings);
-  for (const std::string& warning : warnings) execution.warn(warning);
+  const SceneDocument document = read_valid_scene(arguments.scene);
   const SensorSpec& sensor = document.scene.camera.sensor;
   PixelWindow& window = plan.reference.window;
   if (window.x > sensor.columns - window.width || window.y > sensor.rows - window.height)
     throw UsageError("--window reaches beyond the sensor of " + std::to_string(sensor.columns) +
                      " x " + std::to_string(sensor.rows) + " pixels");
   plan.reference.seed = document.scene.render.seed;
-  const CompiledScene compiled = compile(document.scene, medium_loader(), execution);
+  const CompiledScene compiled =
+      compile(document.scene, medium_loader(), execution, document.positions);
   if (!compiled.medium)
     throw InputError(arguments.scene + " has no flame: there is no error to measure");
 

@@ -50,8 +50,8 @@ int run_design(const Settings& settings) {
   if (!task.output.empty() && task.freedom.empty())
     throw UsageError("--output: there is nothing to write without --solve");
   std::vector<std::string> warnings;
-  const Scene scene = read_valid_scene(settings.scene, warnings).scene;
-  const Camera camera(scene.camera, &warnings);
+  const Scene scene = read_valid_scene(settings.scene, &warnings).scene;
+  const Camera camera(scene.camera);
   const CameraDesign d = design(camera);
   warnings.insert(warnings.end(), d.warnings.begin(), d.warnings.end());
   for (const std::string& warning : warnings)

@@ -13,6 +13,7 @@
 #include "commands/command.h"
 #include "commands/commands.h"
 #include "interrupt.h"
+#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
@@ -124,8 +125,8 @@ void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& g
     };
     std::cout << "  " << std::left << std::setw(12) << grid.name << grid.minimum << " to "
               << grid.maximum << ' ' << grid.unit << ", " << grid.active_voxels << " voxels of "
-              << format_quantity(grid.voxel_size, Dimension::length) << ", from " << mm(b.lower)
-              << " to " << mm(b.upper) << " mm\n";
+              << readable(grid.voxel_size, Dimension::length) << ", from " << mm(b.lower) << " to "
+              << mm(b.upper) << " mm\n";
   }
 }
 

@@ -50,7 +50,7 @@ std::string channel_text(const ChannelSpec& channel) {
 
 void describe_scene(const std::string& path, Report& report) {
   std::vector<std::string> warnings;
-  const Scene scene = read_valid_scene(path, warnings).scene;
+  const Scene scene = read_valid_scene(path, &warnings).scene;
   for (const std::string& warning : warnings)
     std::cerr << "plenoflame: warning: " << warning << '\n';
   const CameraSpec& camera = scene.camera;

@@ -87,17 +87,15 @@ int run_rays(const Settings& settings) {
   check_not_overwritten("-o", settings.output, settings.scene);
   check_writable(settings.output);
 
-  std::vector<std::string> warnings;
-  const SceneDocument document = read_valid_scene(settings.scene, warnings);
+  const SceneDocument document = read_valid_scene(settings.scene);
   render.seed = settings.seed.empty() ? document.scene.render.seed
                                       : number_option<std::uint64_t>("--seed", settings.seed, 0);
   Execution execution;
   execution.message = [](Severity severity, const std::string& text) {
     if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
   };
-  for (const std::string& warning : warnings) execution.warn(warning);
-  const CompiledScene scene = compile(document.scene, medium_loader(), execution);
-  if (!scene.medium) execution.warn("the scene has no flame: its rays carry no radiance");
+  const CompiledScene scene =
+      compile(document.scene, medium_loader(), execution, document.positions);
   const std::vector<Pixel> drawn = random_pixels(document.scene.camera.sensor, random, render.seed);
   pixels.insert(pixels.end(), drawn.begin(), drawn.end());
 

@@ -10,6 +10,7 @@
 
 #include "commands/commands.h"
 #include "commands/render_options.h"
+#include "commands/scene_input.h"
 #include "interrupt.h"
 #include "medium_loader.h"
 #include "plenoflame/base/error.h"
@@ -17,7 +18,6 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_file.h"
-#include "plenoflame/scene/validate.h"
 #include "progress_bar.h"
 #include "report.h"
 #include "run.h"
@@ -111,8 +111,13 @@ void describe(const Scene& scene, const CompiledScene& compiled, LightField& fie
   field.version = version();
   const Camera& camera = compiled.camera;
   field.numbers["lens.focal_length"] = camera.lens_first_order().focal_length;
+  field.numbers["lens.f_number"] =
+      camera.lens_first_order().focal_length / camera.lens_first_order().entrance_pupil_diameter;
   field.numbers["lens.distance"] = camera.lens_distance();
   field.numbers["lens.exit_pupil"] = camera.exit_pupil();
+  const FocusSpec& focus = scene.camera.focus;
+  if (focus.mode != FocusMode::distance && std::isfinite(focus.object_distance))
+    field.numbers["focus.object_distance"] = focus.object_distance;
   field.numbers["sensor.position"] = camera.sensor();
   field.numbers["sensor.pixel_pitch"] = scene.camera.sensor.pixel_pitch;
   if (!camera.has_array()) return;
@@ -141,17 +146,16 @@ std::string state_key(const Scene& scene, const RenderSettings& s) {
 
 int run_render(const RenderArguments& arguments) {
   const RenderOptions options = checked_options(arguments);
-  const SceneDocument document = read_scene_file(options.scene);
+  const SceneDocument document = read_valid_scene(options.scene);
   ProgressBar bar(options.quiet);
   Execution execution;
   execution.threads = options.threads;
   bar.connect(execution);
-  for (const SceneIssue& issue : validate(document)) execution.warn(to_string(issue));
   check_window(options, document.scene.camera.sensor);
   check_files(options);
   const auto start = std::chrono::steady_clock::now();
-  const CompiledScene compiled = compile(document.scene, medium_loader(), execution);
-  if (!compiled.medium) execution.warn("the scene has no flame: the picture is black");
+  const CompiledScene compiled =
+      compile(document.scene, medium_loader(), execution, document.positions);
   const double compile_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RenderSettings settings = settings_of(options, document.scene);

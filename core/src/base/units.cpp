@@ -334,4 +334,20 @@ std::string format_quantity(double value, Dimension dimension) {
   return decimal_text(value, best->power_of_ten) + " " + std::string(best->name);
 }
 
+std::string readable_quantity(double value, Dimension dimension, int digits) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return format_quantity(value, dimension);
+  std::array<char, 40> buffer;
+  const auto rounded = [&](double exact) {
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), exact,
+                                   std::chars_format::scientific, digits - 1)
+                         .ptr;
+    double result = 0;
+    std::from_chars(buffer.data(), end, result);
+    return result;
+  };
+  if (dimension == Dimension::angle) return decimal_text(rounded(value / kPi * 180), 0) + " deg";
+  return format_quantity(rounded(value), dimension);
+}
+
 }  // namespace plenoflame

@@ -137,7 +137,7 @@ void compare_with_rays(const Camera& camera, double pixel, CameraDesign& design)
           best_spot(camera.spec().lens.surfaces, design.object_distance, field * corner));
     } catch (const InputError&) {
       design.warnings.push_back("no ray of the point imaged " +
-                                format_quantity(field * corner, Dimension::length) +
+                                readable_quantity(field * corner, Dimension::length) +
                                 " from the axis gets through the main lens");
     }
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
@@ -9,6 +10,8 @@ namespace plenoflame {
 namespace {
 
 constexpr int kFocusRays = 1000;
+constexpr double kWidestPupil = 0.65;  // of the paraxial diameter: no real pupil is wider
+constexpr int kEdgeHalvings = 50;
 
 }  // namespace
 
@@ -16,11 +19,12 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
   const FirstOrder paraxial = first_order(lens);
   if (lens.model == LensModel::ideal) return paraxial_image_distance(paraxial, object_distance);
   const LensSystem system(lens.surfaces);
-  // Real pupils differ from the paraxial one: aim wider, and keep what gets through.
-  const double pupil = 0.65 * paraxial.entrance_pupil_diameter;
-  double sum_hs = 0, sum_ss = 0;
-  for (int i = 0; i < kFocusRays; ++i) {
-    const double height = pupil * std::sqrt((i + 0.5) / kFocusRays);  // equal areas
+
+  struct Behind {
+    double height, slope;  ///< at the last vertex, per distance towards the sensor
+  };
+  /// The axial object's ray through that height of the entrance pupil; none when it is stopped.
+  const auto through = [&](double height) -> std::optional<Behind> {
     Ray ray;
     const Vec3 target{height, 0, -paraxial.entrance_pupil};
     if (std::isinf(object_distance)) {
@@ -28,15 +32,25 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
     } else {
       const Vec3 object{0, 0, object_distance};
       ray = {object, normalize(target - object)};
-      if (ray.direction.z >= 0) continue;
+      if (ray.direction.z >= 0) return std::nullopt;
     }
-    if (system.trace_to_sensor(ray).status != RayStatus::reached) continue;
-    // Height at the last vertex and slope per distance towards the sensor.
-    const double last = system.vertices().back();
+    if (system.trace_to_sensor(ray).status != RayStatus::reached) return std::nullopt;
     const double slope = -ray.direction.x / ray.direction.z;
-    const double at_vertex = ray.origin.x + slope * (ray.origin.z - last);
-    sum_hs += at_vertex * slope;
-    sum_ss += slope * slope;
+    return Behind{ray.origin.x + slope * (ray.origin.z - system.vertices().back()), slope};
+  };
+
+  // Real pupils differ from the paraxial one, so the edge is looked for.
+  double edge = 0, outside = kWidestPupil * paraxial.entrance_pupil_diameter;
+  for (int i = 0; i < kEdgeHalvings; ++i) {
+    const double middle = 0.5 * (edge + outside);
+    (through(middle) ? edge : outside) = middle;
+  }
+  double sum_hs = 0, sum_ss = 0;
+  for (int i = 0; i < kFocusRays; ++i) {
+    const auto ray = through(edge * std::sqrt((i + 0.5) / kFocusRays));  // equal areas
+    if (!ray) continue;
+    sum_hs += ray->height * ray->slope;
+    sum_ss += ray->slope * ray->slope;
   }
   if (!(sum_ss > 0))
     throw InputError(
@@ -56,9 +70,9 @@ void Camera::solve_focus(std::vector<std::string>* warnings) {
     const double front_focus = -lens.front_focal_distance;
     if (focus.object_distance <= front_focus)
       throw InputError("camera.focus.object_distance of " +
-                       format_quantity(focus.object_distance, Dimension::length) +
+                       readable_quantity(focus.object_distance, Dimension::length) +
                        " is inside the front focal distance of " +
-                       format_quantity(front_focus, Dimension::length) +
+                       readable_quantity(front_focus, Dimension::length) +
                        ": the image is virtual, nothing can be focused there");
     const double image = focus.mode == FocusMode::paraxial
                              ? paraxial_image_distance(lens, focus.object_distance)
@@ -91,10 +105,10 @@ void Camera::solve_focus(std::vector<std::string>* warnings) {
   if (!(lens_distance_ > 0) || !std::isfinite(lens_distance_))
     throw InputError(std::string("the ") + (array.present ? "microlens array" : "sensor") +
                      " would stand inside the main lens (" +
-                     format_quantity(lens_distance_, Dimension::length) +
+                     readable_quantity(lens_distance_, Dimension::length) +
                      " behind its rear vertex); change camera.focus");
   if (warnings && focus.mode != FocusMode::distance && lens_distance_ > 100 * lens.focal_length)
-    warnings->push_back("the image lies " + format_quantity(lens_distance_, Dimension::length) +
+    warnings->push_back("the image lies " + readable_quantity(lens_distance_, Dimension::length) +
                         " behind the lens: the object is close to its front focal plane");
 }
 

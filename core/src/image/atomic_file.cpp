@@ -21,8 +21,12 @@ namespace fs = std::filesystem;
 [[noreturn]] void fail_for(const std::string& path, int error) {
   const std::string folder = fs::path(path).parent_path().string();
   const std::string where = folder.empty() ? "the current folder" : "folder '" + folder + "'";
+  std::error_code ignored;
   switch (error) {
     case ENOENT:
+      // A folder that exists and takes no files, such as /proc, says the same.
+      if (folder.empty() || fs::is_directory(folder, ignored))
+        throw FileError("cannot write '" + path + "': " + where + " takes no files");
       throw FileError("cannot write '" + path + "': " + where + " does not exist; create it first");
     case ENOTDIR:
       throw FileError("cannot write '" + path + "': " + where + " is not a folder");

@@ -137,12 +137,13 @@ void add_micro_image(const LightField& field, const Image& flux, const MicroImag
 void check_refocus_depth(const Camera& camera, double depth) {
   const double focal = std::max(0.0, -camera.lens_first_order().front_focal_distance);
   if (depth > focal && std::isfinite(depth)) return;
-  const std::string given = "cannot refocus at " + format_quantity(depth, Dimension::length) + ": ";
+  const std::string given =
+      "cannot refocus at " + readable_quantity(depth, Dimension::length) + ": ";
   if (!(depth > 0))
     throw InputError(given +
                      "the plane lies behind the front of the camera; give a depth above 0 m");
   throw InputError(given + "the depth must be finite and beyond the front focal plane, " +
-                   format_quantity(focal, Dimension::length) + " in front of the lens");
+                   readable_quantity(focal, Dimension::length) + " in front of the lens");
 }
 
 RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,

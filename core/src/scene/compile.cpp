@@ -2,6 +2,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
 
@@ -19,23 +20,62 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
                      "\" is an OpenVDB file; this program was built without OpenVDB");
   std::vector<EllipsoidLayer> layers;
   for (const EllipsoidSpec& layer : flame.layers)
-    layers.push_back({layer.centre, layer.semi_axes, layer.temperature, layer.absorption});
+    layers.push_back({flame.scale * layer.centre, flame.scale * layer.semi_axes, layer.temperature,
+                      layer.absorption});
   return make_layered_medium(std::move(layers), {rotation_xyz(flame.rotation), flame.position},
                              channels);
 }
 
-CompiledScene compile(const Scene& scene, const MediumLoader& loader, const Execution& execution) {
-  std::vector<std::string> warnings;
-  Camera camera(scene.camera, &warnings);
-  for (const std::string& warning : warnings) execution.warn(warning);
+namespace {
+
+/// Loads a flame; what is wrong with its file is said with the place that names it.
+std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const MediumLoader& loader,
+                             const std::vector<SourceFunction>& channels,
+                             const Execution& execution, const PositionMap& positions) {
+  const FlameSpec& flame = scene.flames[index];
+  const auto slash = scene.file.find_last_of('/');
+  const std::string folder = slash == std::string::npos ? "" : scene.file.substr(0, slash);
+  const std::string path = "flames[" + std::to_string(index) + "]";
+  const SourcePosition position = positions.find(path + ".file");
+  const std::string where = to_string(position);
+  Execution located = execution;
+  if (!where.empty())
+    located.message = [&](Severity severity, const std::string& text) {
+      if (execution.message) execution.message(severity, where + ": " + text);
+    };
+  std::unique_ptr<Medium> medium;
+  try {
+    medium = loader(flame, folder, channels, located);
+  } catch (const InputError& error) {
+    if (where.empty() || !error.position().file.empty()) throw;
+    throw InputError(position, error.what());
+  } catch (const FileError& error) {
+    if (where.empty()) throw;
+    throw FileError(where + ": " + error.what());
+  }
+  // Where layers lie is known without loading them, and validate() has looked at that.
+  if (flame.kind == FlameKind::layered || !medium) return medium;
+  const std::string name = flame.name.empty() ? flame.file : flame.name;
+  for (const SceneIssue& issue :
+       check_flame_box(scene.camera, name, medium->bounds(), path + ".position", positions)) {
+    if (issue.is_error) throw InputError(issue.position, issue.message);
+    execution.warn(to_string(issue));
+  }
+  return medium;
+}
+
+}  // namespace
+
+CompiledScene compile(const Scene& scene, const MediumLoader& loader, const Execution& execution,
+                      const PositionMap& positions) {
+  for (const SceneIssue& issue : validate(scene, positions)) execution.warn(to_string(issue));
+  Camera camera(scene.camera);  // its warnings are among those of validate()
   PupilSampling pupils(camera, execution);
   std::vector<SourceFunction> channels;
   for (const ChannelSpec& channel : scene.channels) channels.push_back(source_function(channel));
-  const auto slash = scene.file.find_last_of('/');
-  const std::string folder = slash == std::string::npos ? "" : scene.file.substr(0, slash);
   std::vector<std::unique_ptr<Medium>> media;
-  for (const FlameSpec& flame : scene.flames)
-    media.push_back(loader(flame, folder, channels, execution));
+  for (std::size_t i = 0; i < scene.flames.size(); ++i)
+    media.push_back(load(scene, i, loader, channels, execution, positions));
   std::unique_ptr<Medium> medium;
   if (media.size() == 1) medium = std::move(media.front());
   if (media.size() > 1) medium = make_composite_medium(std::move(media));

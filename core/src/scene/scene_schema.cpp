@@ -11,6 +11,8 @@
 namespace plenoflame {
 namespace {
 
+constexpr int kMessageDigits = 6;  // of a value that is refused: enough to recognise it
+
 std::string_view trim(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
@@ -286,9 +288,16 @@ bool in_range(const SchemaKey& key, const SchemaValue& value) {
 }
 
 void check_range(const SchemaKey& key, const SchemaValue& value) {
-  if (!in_range(key, value))
-    throw InputError(value_to_text(key, value) + " is not possible here; " + range_text(key) +
-                     " is allowed");
+  if (in_range(key, value)) return;
+  std::string given = value_to_text(key, value);  // refuses NaN
+  if (key.type == ValueType::number || key.type == ValueType::vector2 ||
+      key.type == ValueType::vector3) {
+    given.clear();
+    for (const double component : components(value))
+      given.append(given.empty() ? "" : ", ")
+          .append(readable_quantity(component, key.dimension, kMessageDigits));
+  }
+  throw InputError(given + " is not possible here; " + range_text(key) + " is allowed");
 }
 
 SchemaValue default_value(const SchemaKey& key) {
@@ -322,9 +331,9 @@ std::string range_text(const SchemaKey& key) {
   const ValueRange& range = key.range;
   const auto number = [&](double value) {
     return key.type == ValueType::integer ? std::to_string(static_cast<std::int64_t>(value))
-                                          : format_quantity(value, key.dimension);
+                                          : readable_quantity(value, key.dimension, kMessageDigits);
   };
-  if (range.nonzero) add("not 0");
+  if (range.nonzero) add("any number but 0");
   if (std::isfinite(range.lower))
     add((range.above_lower ? "above " : "at least ") + number(range.lower));
   if (std::isfinite(range.upper)) add("at most " + number(range.upper));

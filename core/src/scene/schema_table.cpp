@@ -311,6 +311,11 @@ constexpr SchemaKey kKeys[] = {
     key<FLAME, &FlameSpec::rotation>("flames[].rotation",
                                      "Rotation of the flame about the world's x, then y, then z.",
                                      kAngle, within(1000)),
+    key<FLAME, &FlameSpec::scale>(
+        "flames[].scale",
+        "Factor on the flame's own lengths before it is turned and placed, for files that are not "
+        "in metres (0.001: millimetres); absorption stays as it is.",
+        kPure, above_zero(1e9)),
     key<FLAME, &FlameSpec::file>("flames[].file",
                                  "Kind `vdb`: the file, relative to the scene file."),
     key<FLAME, &FlameSpec::interpolation>("flames[].interpolation",

@@ -7,7 +7,7 @@ namespace plenoflame {
 namespace {
 
 /// Every single value against its range, which the reader has done for those that a file gave.
-void check_ranges(const Scene& scene, Issues& issues) {
+void check_ranges(const Scene& scene, const PositionMap& positions, Issues& issues) {
   for (const std::string& path : scene_paths(scene)) {
     if (path.starts_with("camera.array.") && !scene.camera.array.present) continue;
     const ParsedPath parsed = parse_path(path);
@@ -15,7 +15,12 @@ void check_ranges(const Scene& scene, Issues& issues) {
     const SchemaValue value = key.get(scene, parsed.indices);
     if (in_range(key, value)) continue;
     if (value == default_value(key)) {
-      issues.error(path, path + " is missing; " + range_text(key) + " is allowed");
+      const bool no_camera = path.starts_with("camera.") && !scene.file.empty() &&
+                             positions.find("camera").file.empty();
+      issues.error(path, path + " is missing; " + range_text(key) + " is allowed" +
+                             (no_camera ? "; the easiest start is a preset: [camera] preset = "
+                                          "\"paper-plenoptic2\""
+                                        : ""));
       continue;
     }
     try {
@@ -43,7 +48,7 @@ std::string to_string(const SceneIssue& issue) {
 
 std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& positions) {
   Issues issues(positions, scene.file);
-  check_ranges(scene, issues);
+  check_ranges(scene, positions, issues);
   // What follows computes with the values and would be misled by impossible ones.
   if (issues.errors() == 0) {
     check_camera(scene.camera, issues);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "plenoflame/camera/camera.h"
 #include "plenoflame/optics/first_order.h"
 #include "scene/issues.h"
 #include "scene/nearest.h"
@@ -17,11 +20,7 @@ double sag(double radius, double height) {
 }
 
 std::string short_length(double value) {
-  const double size = std::fabs(value);
-  if (size >= 1 || size == 0) return fmt::format("{:.4g} m", value);
-  if (size >= 1e-3) return fmt::format("{:.4g} mm", value * 1e3);
-  if (size >= 1e-6) return fmt::format("{:.4g} um", value * 1e6);
-  return fmt::format("{:.4g} nm", value * 1e9);
+  return readable_quantity(value, Dimension::length);
 }
 
 namespace {
@@ -242,16 +241,17 @@ void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
   if (!lens_is_sound) return;
   const double focal_point = -first_order(camera.lens).front_focal_distance;
   if (focus.object_distance <= focal_point)
-    issues.warning("camera.focus.object_distance",
-                   fmt::format("the object plane at {} lies inside the front focal point at {}, so "
-                               "its image is virtual "
-                               "and cannot be in focus; move it farther away",
-                               short_length(focus.object_distance), short_length(focal_point)));
+    issues.error("camera.focus.object_distance",
+                 fmt::format("the object plane at {} lies inside the front focal point at {}, so "
+                             "its image is virtual "
+                             "and cannot be in focus; move it farther away",
+                             short_length(focus.object_distance), short_length(focal_point)));
 }
 
 }  // namespace
 
 void check_camera(const CameraSpec& camera, Issues& issues) {
+  const std::size_t errors_before = issues.errors();
   check_orientation(camera, issues);
   const std::size_t errors = issues.errors();
   check_lens(camera.lens, issues);
@@ -259,9 +259,18 @@ void check_camera(const CameraSpec& camera, Issues& issues) {
   check_array(camera, issues);
   if (double(camera.sensor.columns) * camera.sensor.rows > kMostPixels)
     issues.error("camera.sensor.columns",
-                 fmt::format("the sensor has {} x {} pixels; at most {:.0e} are possible",
-                             camera.sensor.columns, camera.sensor.rows, kMostPixels));
+                 fmt::format("the sensor has {} x {} pixels; at most {:.0f} million are possible",
+                             camera.sensor.columns, camera.sensor.rows, 1e-6 * kMostPixels));
   check_focus(camera, lens_is_sound, issues);
+  if (issues.errors() != errors_before) return;
+  // What shows only when the parts are put in their places, which are those of camera.focus.
+  try {
+    std::vector<std::string> warnings;
+    const Camera solved(camera, &warnings);
+    for (const std::string& warning : warnings) issues.warning("camera.focus", warning);
+  } catch (const InputError& error) {
+    issues.error("camera.focus", error.what());
+  }
 }
 
 }  // namespace plenoflame

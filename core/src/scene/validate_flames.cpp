@@ -11,6 +11,8 @@
 namespace plenoflame {
 namespace {
 
+constexpr double kSuspiciousMaximum = 200;  // [K] no flame is that cold
+
 /// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
 double camera_front(const CameraSpec& camera) {
   if (camera.lens.surfaces.empty()) return 0;
@@ -52,9 +54,15 @@ double support(const Mat3& rotation, Vec3 semi_axes, Vec3 direction) {
 void check_layered(const Scene& scene, const FlameSpec& flame, const std::string& path,
                    const std::string& what, bool camera_is_sound, Issues& issues) {
   if (flame.layers.empty()) {
-    issues.error(
-        path,
-        what + " has no layers; list them as [[flames.layers]], or set preset = \"paper-layered\"");
+    if (!flame.file.empty())
+      issues.error(path + ".file", what +
+                                       " names a file, but is of kind \"layered\"; set kind = "
+                                       "\"vdb\" to read the file");
+    else
+      issues.error(
+          path,
+          what +
+              " has no layers; list them as [[flames.layers]], or set preset = \"paper-layered\"");
     return;
   }
   if (!flame.file.empty())
@@ -62,15 +70,20 @@ void check_layered(const Scene& scene, const FlameSpec& flame, const std::string
   if (!camera_is_sound) return;
   const Mat3 rotation = rotation_xyz(flame.rotation);
   const Vec3 axis = normalize(scene.camera.look_direction);
-  double nearest = kInfinity, farthest = -kInfinity;
+  double nearest = kInfinity, farthest = -kInfinity, hottest = 0;
   for (const EllipsoidSpec& layer : flame.layers) {
-    const Vec3 centre = flame.position + rotation * layer.centre;
+    hottest = std::max(hottest, layer.temperature);
+    const Vec3 centre = flame.position + rotation * (flame.scale * layer.centre);
     const double distance = dot(axis, centre - scene.camera.position);
-    const double half = support(rotation, layer.semi_axes, axis);
+    const double half = support(rotation, flame.scale * layer.semi_axes, axis);
     nearest = std::min(nearest, distance - half);
     farthest = std::max(farthest, distance + half);
   }
   check_depth(scene.camera, what, nearest, farthest, path + ".position", issues);
+  if (hottest < kSuspiciousMaximum)
+    issues.warning(path + ".layers",
+                   fmt::format("{} is {} at most, too cold to be seen; is that in degC?", what,
+                               readable_quantity(hottest, Dimension::temperature)));
 }
 
 void check_unit(const GridSpec& grid, Dimension dimension, const std::string& path,

@@ -53,6 +53,7 @@ inline Scene full_scene() {
   layered.name = "first";
   layered.position = {1, 2, -0.029};
   layered.rotation = {0.1, -0.2, 0.3};
+  layered.scale = 1.0 / 7;
   layered.layers = {{"core", {0, 0, 0.014}, {0.004, 0.0041, 0.012}, 1200, 1.0},
                     {"", {1e-3, 0, 0}, {0.1, 1, 10}, 1650.5, 30}};
   layered.interpolation = Interpolation::constant;

@@ -33,4 +33,7 @@ double parse_quantity(std::string_view text, Dimension dimension);
 /// back the same double, bit for bit.
 std::string format_quantity(double value, Dimension dimension);
 
+/// The same rounded to a few significant digits, for messages; "nan" and "inf" are possible.
+std::string readable_quantity(double value, Dimension dimension, int digits = 4);
+
 }  // namespace plenoflame

@@ -10,6 +10,7 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
 
@@ -36,9 +37,11 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
                                          const std::vector<SourceFunction>& channels,
                                          const Execution& execution);
 
-/// Solves the camera, traces its pupils and loads the flames. Warnings go to execution.message.
+/// Validates the scene (see validate.h), solves the camera, traces its pupils, loads the flames and
+/// checks where they lie. Warnings go to execution.message, with their place in the scene file.
+/// @param positions of the scene's keys in its file, for messages
 /// @throws InputError, FileError
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
-                      const Execution& execution = {});
+                      const Execution& execution = {}, const PositionMap& positions = {});
 
 }  // namespace plenoflame

@@ -137,6 +137,7 @@ struct FlameSpec {
   std::string name;
   Vec3 position;                      ///< [m] world place of the flame frame's origin
   Vec3 rotation;                      ///< [rad] about x, then y, then z of the world
+  double scale = 1;                   ///< on all lengths of the flame frame, before it is placed
   std::vector<EllipsoidSpec> layers;  ///< layered: where several overlap, the first listed wins
   std::string file;                   ///< vdb: path as in the scene file, relative to it
   GridSpec temperature;
