@@ -1,103 +1,37 @@
-// The references are the C library's long double functions (64-bit mantissa), which share no code
-// with the kernels, and numbers from mpmath.
-#include <algorithm>
+// Special values, tabulated numbers and continuity of the kernels' exponentials; their worst errors
+// over all ranges are measured by the stress suite (tests/stress/radiometry_stress_test.cpp).
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/isa.h"
 #include "support/approx.h"
+#include "support/kernel_probes.h"
 
 namespace plenoflame {
-
-#define PLENOFLAME_DECLARE_PROBES(isa)                                                             \
-  namespace isa {                                                                                  \
-  void probe_exp_float(const float*, int, float*, float*, float*, float*, float*, float*);         \
-  void probe_exp_double(const double*, int, double*, double*, double*, double*, double*, double*); \
-  void probe_source_float(const float*, const float*, int, const float*, float*, int);             \
-  void probe_source_double(const double*, const double*, int, const double*, double*, int);        \
-  }
-PLENOFLAME_DECLARE_PROBES(baseline)
-#if defined(__x86_64__)
-PLENOFLAME_DECLARE_PROBES(avx2)
-PLENOFLAME_DECLARE_PROBES(avx512)
-#endif
-
 namespace {
 
 template <class Real>
-struct Probe {
-  std::vector<Real> exp, expm1, transmittance, emissivity, far_weight, near_weight;
-};
-
-template <class Real, class Float, class Double, class... Args>
-void call(Float f, Double d, Args... args) {
-  if constexpr (std::is_same_v<Real, float>)
-    f(args...);
-  else
-    d(args...);
+test::KernelProbe<Real> probe(Isa isa) {
+  for (const auto& candidate : test::kernel_probes<Real>())
+    if (candidate.instruction_set() == isa) return candidate;
+  throw std::logic_error("not supported by this processor");
 }
 
 template <class Real>
-Probe<Real> run(Isa isa, const std::vector<Real>& in) {
-  const auto n = static_cast<int>(in.size());
-  const std::vector<Real> zero(in.size());
-  Probe<Real> p{zero, zero, zero, zero, zero, zero};
-  const auto with = [&](auto f, auto d) {
-    call<Real>(f, d, in.data(), n, p.exp.data(), p.expm1.data(), p.transmittance.data(),
-               p.emissivity.data(), p.far_weight.data(), p.near_weight.data());
-  };
-#if defined(__x86_64__)
-  if (isa == Isa::avx512) with(avx512::probe_exp_float, avx512::probe_exp_double);
-  if (isa == Isa::avx2) with(avx2::probe_exp_float, avx2::probe_exp_double);
-#endif
-  if (isa == Isa::baseline) with(baseline::probe_exp_float, baseline::probe_exp_double);
-  return p;
+test::Exponentials<Real> run(Isa isa, const std::vector<Real>& in) {
+  return probe<Real>(isa).exponentials(in);
 }
 
 template <class Real>
 std::vector<Real> run_source(Isa isa, const std::vector<Real>& exponents,
                              const std::vector<Real>& weights, const std::vector<Real>& t) {
-  std::vector<Real> out(t.size());
-  const auto with = [&](auto f, auto d) {
-    call<Real>(f, d, exponents.data(), weights.data(), static_cast<int>(exponents.size()), t.data(),
-               out.data(), static_cast<int>(t.size()));
-  };
-#if defined(__x86_64__)
-  if (isa == Isa::avx512) with(avx512::probe_source_float, avx512::probe_source_double);
-  if (isa == Isa::avx2) with(avx2::probe_source_float, avx2::probe_source_double);
-#endif
-  if (isa == Isa::baseline) with(baseline::probe_source_float, baseline::probe_source_double);
-  return out;
-}
-
-/// Error in units of the last place of the exact value.
-template <class Real>
-double ulps(Real actual, long double exact) {
-  const Real rounded = std::fabs(static_cast<Real>(exact));
-  const long double ulp = std::nextafter(rounded, std::numeric_limits<Real>::infinity()) - rounded;
-  return static_cast<double>(std::fabs(static_cast<long double>(actual) - exact) / ulp);
-}
-
-/// psi - e^-tau by its Taylor series where the closed form cancels.
-long double far_reference(long double t) {
-  if (t >= 1) return -expm1l(-t) / t - expl(-t);
-  long double sum = 0, term = t / 2;  // t^(k+1) (-1)^k / (k+2)!
-  for (int k = 0; k < 40; ++k) {
-    sum += (k + 1) * term;
-    term *= -t / (k + 3);
-  }
-  return sum;
-}
-long double near_reference(long double t) {
-  if (t >= 1) return 1 + expm1l(-t) / t;
-  long double sum = 0, term = t / 2;
-  for (int k = 0; k < 40; ++k) {
-    sum += term;
-    term *= -t / (k + 3);
-  }
-  return sum;
+  return probe<Real>(isa).source(exponents, weights, t);
 }
 
 class KernelExp : public ::testing::TestWithParam<Isa> {
@@ -106,32 +40,6 @@ class KernelExp : public ::testing::TestWithParam<Isa> {
     if (!is_supported(GetParam())) GTEST_SKIP() << "not supported by this processor";
   }
 };
-
-template <class Real>
-void check_exponentials(Isa isa, double lowest, double highest) {
-  std::vector<Real> x;
-  for (int i = 0; i < 200000; ++i)
-    x.push_back(static_cast<Real>(lowest + (highest - lowest) * i / 199999.0));
-  for (double s = 1e-30; s < 1; s *= 1.001) {
-    x.push_back(static_cast<Real>(s));
-    x.push_back(static_cast<Real>(-s));
-  }
-  const auto p = run(isa, x);
-  double worst_exp = 0, worst_expm1 = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    worst_exp = std::max(worst_exp, ulps(p.exp[i], expl(x[i])));
-    worst_expm1 = std::max(worst_expm1, ulps(p.expm1[i], expm1l(x[i])));
-  }
-  std::printf("%s, %d bytes: exp %.2f ulp, expm1 %.2f ulp\n", std::string(name(isa)).c_str(),
-              static_cast<int>(sizeof(Real)), worst_exp, worst_expm1);
-  EXPECT_LE(worst_exp, 1.0);
-  EXPECT_LE(worst_expm1, 2.0);
-}
-
-TEST_P(KernelExp, ExponentialsAreWithinTwoUlp) {
-  check_exponentials<float>(GetParam(), -87.3, 88.0);
-  check_exponentials<double>(GetParam(), -708.3, 709.0);
-}
 
 template <class Real>
 void check_special(Isa isa) {
@@ -163,36 +71,6 @@ void check_special(Isa isa) {
 TEST_P(KernelExp, SpecialValues) {
   check_special<float>(GetParam());
   check_special<double>(GetParam());
-}
-
-template <class Real>
-void check_weights(Isa isa) {
-  std::vector<Real> tau;
-  for (double t = 1e-12; t < 1.1e6; t *= 1.0003) tau.push_back(static_cast<Real>(t));
-  for (double t = 1.4; t < 1.6; t += 1e-5) tau.push_back(static_cast<Real>(t));
-  const auto p = run(isa, tau);
-  double worst[4] = {};
-  for (std::size_t i = 0; i < tau.size(); ++i) {
-    const long double t = tau[i];
-    if (-t >= (sizeof(Real) == 4 ? -87.3L : -708.3L))
-      worst[0] = std::max(worst[0], ulps(p.transmittance[i], expl(-t)));
-    worst[1] = std::max(worst[1], ulps(p.emissivity[i], -expm1l(-t)));
-    worst[2] = std::max(worst[2], ulps(p.far_weight[i], far_reference(t)));
-    worst[3] = std::max(worst[3], ulps(p.near_weight[i], near_reference(t)));
-    EXPECT_EQ(p.emissivity[i] <= 1 && p.transmittance[i] >= 0, true);
-  }
-  std::printf("%s, %d bytes: transmittance %.2f, emissivity %.2f, far %.2f, near %.2f ulp\n",
-              std::string(name(isa)).c_str(), static_cast<int>(sizeof(Real)), worst[0], worst[1],
-              worst[2], worst[3]);
-  EXPECT_LE(worst[0], 1.0);
-  EXPECT_LE(worst[1], 2.0);
-  EXPECT_LE(worst[2], 4.0);
-  EXPECT_LE(worst[3], 4.0);
-}
-
-TEST_P(KernelExp, LinearSourceWeightsFrom1em12To1e6) {
-  check_weights<float>(GetParam());
-  check_weights<double>(GetParam());
 }
 
 // The weights as numbers: mpmath, 80 digits.
@@ -271,34 +149,6 @@ void check_switch(Isa isa) {
 TEST_P(KernelExp, NoJumpAcrossTheSwitch) {
   check_switch<float>(GetParam());
   check_switch<double>(GetParam());
-}
-
-template <class Real>
-void check_planck(Isa isa, double conditioning) {
-  for (const double wavelength : {250e-9, 431e-9, 650e-9, 2e-6, 20e-6}) {
-    const double c2 = constants::second_radiation / wavelength;
-    const double w = constants::first_radiation / std::pow(wavelength, 5) * 1e-9;
-    std::vector<Real> t;
-    for (double k = 200; k <= 1e5; k *= 1.01) t.push_back(static_cast<Real>(k));
-    const auto out = run_source<Real>(isa, {static_cast<Real>(c2)}, {static_cast<Real>(w)}, t);
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const long double x = static_cast<long double>(static_cast<Real>(c2)) / t[i];
-      const long double exact = static_cast<long double>(static_cast<Real>(w)) / expm1l(x);
-      const double eps = std::numeric_limits<Real>::epsilon();
-      if (exact < std::numeric_limits<Real>::min()) {
-        EXPECT_LT(out[i], std::numeric_limits<Real>::min());
-        continue;
-      }
-      EXPECT_TRUE(test::relative(out[i], static_cast<double>(exact),
-                                 conditioning * eps * (4 + static_cast<double>(x))))
-          << wavelength << " m, " << t[i] << " K";
-    }
-  }
-}
-
-TEST_P(KernelExp, PlanckTermIsAccurateWhereverItCanBeRepresented) {
-  check_planck<float>(GetParam(), 0.6);
-  check_planck<double>(GetParam(), 0.6);
 }
 
 TEST_P(KernelExp, SourcesAddAndTotalIsStefanBoltzmann) {
