@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Makes docs/benchmarks.md from what `plenoflame bench -o` wrote; called by tools/make_benchmarks.sh.
 
-    tools/benchmark_page.py RESULT.json ...
+    tools/benchmark_page.py FOLDER [RESULT.json ...]
+
+FOLDER holds what `render --stats` wrote as whole-*.json and memory-*.json. Sections for which there is
+nothing new stay as they are on the page.
 """
 
 import json
@@ -85,12 +88,35 @@ def whole_images(folder):
     return ["\n".join(lines) + "\n"]
 
 
+def memory(folder):
+    """Table of the largest resident memory of renders, from memory-NAME, N samples.json."""
+    rows = []
+    for path in sorted(folder.glob("memory-*.json")):
+        run = json.loads(path.read_text())
+        name, samples = path.stem[len("memory-"):].rsplit(", ", 1)
+        rows.append((name, int(samples.split()[0]),
+                     f"| {name} | {samples.split()[0]} | {run['threads']} | "
+                     f"{run['peak_memory'] / 1e6:.0f} MB |"))
+    if not rows:
+        return []
+    return ["\n".join(["## Memory", "",
+                       "Largest resident memory of `plenoflame render`, the image's accumulators and the written image included. "
+                       "It does not grow with the samples.", "",
+                       "| what | samples | threads | memory |", "|---|---|---|---|"] + [row for *_, row in sorted(rows)]) + "\n"]
+
+
+def by_title(sections):
+    """{title: section}, in order, of texts that begin with "## title"."""
+    return {text.split("\n", 1)[0].removeprefix("## "): text for text in sections}
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    sections = [section(pathlib.Path(argument)) for argument in sys.argv[1:]]
-    sections += whole_images(pathlib.Path(sys.argv[1]).parent)
-    PAGE.write_text("\n".join([INTRODUCTION] + sections), encoding="ascii")
+    folder = pathlib.Path(sys.argv[1])
+    old = by_title(["## " + text.rstrip("\n") + "\n" for text in PAGE.read_text(encoding="ascii").split("\n## ")[1:]])
+    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + memory(folder))
+    PAGE.write_text("\n".join([INTRODUCTION, *(old | new).values()]), encoding="ascii")
 
 
 if __name__ == "__main__":

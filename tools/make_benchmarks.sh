@@ -3,7 +3,8 @@
 #
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
-# Wants a machine that does nothing else. Results are kept in out/benchmarks; to compare with them
+# PARTS="lenslets-30 paper-flame-1m whole memory" says what to measure, all of it unless set; the other
+# sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,10 +16,14 @@ if [ -z "$command" ]; then
   command=build/release/app/cli/plenoflame
 fi
 
+parts=" ${PARTS:-lenslets-30 paper-flame-1m whole memory} "
+wanted() { [[ "$parts" == *" $1 "* ]]; }
+
 results=()
 measure() { # NAME OPTION ...
   local name=$1
   shift
+  wanted "$name" || return 0
   "$command" bench "examples/$name.toml" -o "out/benchmarks/$name" "$@"
   cp "out/benchmarks/$name.png" "docs/images/benchmark-$name.png"
   results+=("out/benchmarks/$name.json")
@@ -37,16 +42,37 @@ whole() {
       --stats "out/benchmarks/whole-$name-$run.json" "$@"
   done
 }
-"$command" flame layered -o out/benchmarks/layered.vdb --voxel-size "0.234 mm"
-sed 's|^preset = "paper-layered"|kind = "vdb"\nfile = "layered.vdb"|' examples/paper-flame-1m.toml \
-  >out/benchmarks/paper-flame-1m-grid.toml
-rm -f out/benchmarks/whole-*.json
-whole "closed form, 16 samples, 1 thread" examples/paper-flame-1m.toml --samples 16 --threads 1
-whole "closed form, 64 samples, 1 thread" examples/paper-flame-1m.toml --samples 64 --threads 1
-whole "closed form, 64 samples, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2
-whole "closed form, to 1 %, 2 threads" examples/paper-flame-1m.toml --target-error 1% --threads 2
-whole "closed form, 64 samples, no skipping, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2 --no-skip
-whole "grid, 16 samples, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1
-whole "grid, to 3 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 3% --threads 2
-python3 tools/benchmark_page.py "${results[@]}"
+if wanted whole; then
+  rm -f out/benchmarks/whole-*.json
+  "$command" flame layered -o out/benchmarks/layered.vdb --voxel-size "0.234 mm"
+  sed 's|^preset = "paper-layered"|kind = "vdb"\nfile = "layered.vdb"|' examples/paper-flame-1m.toml \
+    >out/benchmarks/paper-flame-1m-grid.toml
+  whole "closed form, 16 samples, 1 thread" examples/paper-flame-1m.toml --samples 16 --threads 1
+  whole "closed form, 64 samples, 1 thread" examples/paper-flame-1m.toml --samples 64 --threads 1
+  whole "closed form, 64 samples, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2
+  whole "closed form, to 1 %, 2 threads" examples/paper-flame-1m.toml --target-error 1% --threads 2
+  whole "closed form, 64 samples, no skipping, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2 --no-skip
+  whole "grid, 16 samples, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1
+  whole "grid, to 3 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 3% --threads 2
+fi
+# Largest resident memory of a process of its own: NAME SCENE SAMPLES
+memory() {
+  "$command" render "$2" -o out/benchmarks/whole.exr --samples "$3" --quiet \
+    --stats "out/benchmarks/memory-$1, $3 samples.json"
+}
+if wanted memory; then
+  rm -f out/benchmarks/memory-*.json
+  cat >out/benchmarks/raytrix-r29.toml <<'END'
+camera.preset = "raytrix-r29"
+camera.focus = { mode = "best", object_distance = "1 m", conjugate = "array" }
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+END
+  memory "paper-flame-1m, 3000 x 3000 pixels" examples/paper-flame-1m.toml 2
+  memory "paper-flame-1m, 3000 x 3000 pixels" examples/paper-flame-1m.toml 16
+  memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 2
+  memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 16
+fi
+python3 tools/benchmark_page.py out/benchmarks "${results[@]}"
 echo "written: docs/benchmarks.md"

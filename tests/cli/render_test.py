@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import resource
 import signal
 import struct
 import subprocess
@@ -50,6 +51,10 @@ class Render(CommandTest):
         figures = json.loads(self.read("s.json"))
         # The sum in single precision pixels against the sum that the renderer made.
         self.assertLess(abs(math.fsum(flux) / figures["flux"] - 1), 1e-6)
+        # By the kernel's own account, in KiB, which is that of the largest process so far.
+        largest = 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+        self.assertGreater(figures["peak_memory"], 5e6)
+        self.assertLessEqual(figures["peak_memory"], largest)
         info = self.json_of("info", "a.exr")
         self.assertEqual((info["seed"], info["complete"]), (7, True))
         # The scene in the image is complete: it renders to the same image.

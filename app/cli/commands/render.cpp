@@ -13,6 +13,7 @@
 #include "commands/scene_input.h"
 #include "interrupt.h"
 #include "medium_loader.h"
+#include "peak_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
@@ -85,6 +86,7 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add_json("thread_seconds", {{"generate", s.seconds_generate},
                                      {"optics", s.seconds_optics},
                                      {"medium", s.seconds_medium}});
+  report.add("memory", number(1e-6 * peak_memory()) + " MB at most", "peak_memory", peak_memory());
   report.add("threads", std::to_string(s.threads), "threads", s.threads);
   report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
   report.add_json("precision", s.precision);
