@@ -52,6 +52,7 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   settings.seed = options.seed.value_or(scene.render.seed);
   if (options.window) settings.window = *options.window;
   settings.skip = options.skip;
+  settings.control_variate = options.control_variate;
   return settings;
 }
 
@@ -99,6 +100,18 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add_json("pixels", s.pixels);
   report.add_json("pixels_skipped", s.pixels_skipped);
   report.add_json("pairs", s.pairs);
+  if (s.table_nodes > 0) {
+    const double all = s.table_looked_up + s.table_corrected + s.table_rough;
+    report.add("radiance table",
+               share(s.table_looked_up, all) + " of the rays looked up, " +
+                   share(s.table_corrected, all) + " corrected it, " + share(s.table_rough, all) +
+                   " where it is not smooth; " + number(s.table_nodes) + " filled it",
+               "table_looked_up", s.table_looked_up);
+    report.add_json("table_corrected", s.table_corrected);
+    report.add_json("table_rough", s.table_rough);
+    report.add_json("table_nodes", s.table_nodes);
+    report.add_json("table_clamped", s.table_clamped);
+  }
   report.add_json("medium_counters", {{"rays", s.medium.rays},
                                       {"cells", s.medium.cells},
                                       {"skipped_empty", s.medium.skipped_empty},
@@ -139,6 +152,7 @@ std::string state_key(const Scene& scene, const RenderSettings& s) {
   key["estimator"] = s.estimator == Estimator::forward ? "forward" : "backward";
   key["seed"] = s.seed;
   key["samples"] = s.samples;
+  key["control_variate"] = s.control_variate;
   key["replicates"] = s.replicates;
   key["target_error"] = s.target_error;
   key["isa"] = name(s.isa);

@@ -29,6 +29,7 @@ struct RenderOptions {
   std::string stats;                  ///< .json to write; empty: none
   bool quiet = false;
   bool skip = true;  ///< false: --no-skip
+  bool control_variate = true;
   bool json = false;
 };
 

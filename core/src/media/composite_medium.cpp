@@ -22,6 +22,9 @@ class CompositeMedium final : public Medium {
   int channel_count() const override { return media_.front()->channel_count(); }
   Box bounds() const override;
   double feature_size() const override;
+  bool is_costly() const override {
+    return std::any_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_costly(); });
+  }
   void integrate(const RayBatch<float>& rays, const MediumOptions& options,
                  RadianceBatch<float> out, MediumCounters& counters) const override {
     run(rays, options, out, counters);

@@ -110,6 +110,7 @@ class VoxelMedium final : public Medium {
 
   Box bounds() const override { return bounds_; }
 
+  bool is_costly() const override { return true; }
   double feature_size() const override {
     return temperature_ ? std::min(cells_.spacing(), temperature_->spacing()) : cells_.spacing();
   }

@@ -144,6 +144,11 @@ void add(TileCounters& total, const TileCounters& part) {
   total.rays_reached += part.rays_reached;
   total.pairs += part.pairs;
   total.pixels_skipped += part.pixels_skipped;
+  total.table.looked_up += part.table.looked_up;
+  total.table.corrected += part.table.corrected;
+  total.table.rough += part.table.rough;
+  total.table.nodes += part.table.nodes;
+  total.table.clamped += part.table.clamped;
   total.seconds_generate += part.seconds_generate;
   total.seconds_optics += part.seconds_optics;
   total.seconds_medium += part.seconds_medium;
@@ -157,8 +162,9 @@ void add(TileCounters& total, const TileCounters& part) {
 template <class Real>
 bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
          int points, const std::vector<int>& tiles, const Execution& execution, Film& film,
-         RenderStatistics& statistics) {
-  const BackwardPlan<Real> plan = make_plan<Real>(scene, *scene.medium, settings, first, points);
+         RenderStatistics& statistics, RadianceTable* table) {
+  BackwardPlan<Real> plan = make_plan<Real>(scene, *scene.medium, settings, first, points);
+  plan.table = table;
   std::vector<TileTracer<Real>> tracers;
   const int workers = execution.thread_count();
   tracers.reserve(static_cast<std::size_t>(workers));
@@ -193,6 +199,11 @@ bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
   statistics.pixels_skipped += total.pixels_skipped;
+  statistics.table_looked_up += total.table.looked_up;
+  statistics.table_corrected += total.table.corrected;
+  statistics.table_rough += total.table.rough;
+  statistics.table_nodes += total.table.nodes;
+  statistics.table_clamped += total.table.clamped;
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
   const double busy =
@@ -256,20 +267,40 @@ bool single_precision_suffices(const CompiledScene& scene) {
   return 3e-7 * distance < 0.02 * scene.medium->feature_size();
 }
 
+namespace {
+
+bool in_single_precision(const CompiledScene& scene, const RenderSettings& settings) {
+  return settings.precision == Precision::single_precision ||
+         (settings.precision == Precision::automatic && single_precision_suffices(scene));
+}
+
+}  // namespace
+
+std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
+                                                   const RenderSettings& settings) {
+  if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
+  const Box box = scene.medium->bounds();
+  MediumOptions options;
+  options.isa = settings.isa;
+  options.skip = settings.skip;
+  return RadianceTable::make(scene.camera, *scene.medium, 0.5 * (box.lower + box.upper), options);
+}
+
 bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
                      std::uint32_t first, int points, const std::vector<int>& tiles,
-                     const Execution& execution, Film& film, RenderStatistics& statistics) {
+                     const Execution& execution, Film& film, RenderStatistics& statistics,
+                     RadianceTable* table) {
   const ArraySpec& array = scene.camera.spec().array;
   if (array.present && !array.opaque_between)
     throw InputError(
         "camera.array.opaque_between = false: the backward estimator does not follow light "
         "between the microlenses; use the forward one, or opaque_between = true");
-  const bool single =
-      settings.precision == Precision::single_precision ||
-      (settings.precision == Precision::automatic && single_precision_suffices(scene));
+  const bool single = in_single_precision(scene, settings);
   statistics.precision = single ? "single" : "double";
-  return single ? run<float>(scene, settings, first, points, tiles, execution, film, statistics)
-                : run<double>(scene, settings, first, points, tiles, execution, film, statistics);
+  return single
+             ? run<float>(scene, settings, first, points, tiles, execution, film, statistics, table)
+             : run<double>(scene, settings, first, points, tiles, execution, film, statistics,
+                           nullptr);
 }
 
 }  // namespace plenoflame

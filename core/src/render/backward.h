@@ -5,20 +5,27 @@
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
+#include "render/radiance_table.h"
 
 namespace plenoflame {
 
 /// Adds points [first, first + points) of each replicate's sequence to `film`, for the pixels of
 /// the given tiles, which follow one another in work order. Statistics are added up.
+/// @param table stands in for the medium where it is smooth (single precision only); may be nullptr
 /// @return false when it was stopped; tiles that were not reached keep their number of samples.
 bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
                      std::uint32_t first, int points, const std::vector<int>& tiles,
-                     const Execution& execution, Film& film, RenderStatistics& statistics);
+                     const Execution& execution, Film& film, RenderStatistics& statistics,
+                     RadianceTable* table = nullptr);
 
 /// Counts the microlenses that may light the window, and those of them that are left out because
 /// their beams miss the flame, into the statistics.
 void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
                   const PixelWindow& window, RenderStatistics& statistics);
+
+/// The table of radiance for a scene; nullptr where the settings refuse it or it would not pay.
+std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
+                                                   const RenderSettings& settings);
 
 /// Whether single precision is accurate enough: rounding of a ray over the distance to the medium
 /// must stay well below the medium's features.

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace plenoflame {
 namespace {
 
+constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
+/// Of so many points one corrects the table, where it is smooth and where it is fair.
+constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -19,7 +23,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     : plan_(plan), film_(film) {
   const auto channels = static_cast<std::size_t>(film.channels());
   constexpr std::size_t alignment = 64 / sizeof(Real);
-  storage_.resize((8 + channels) * kPadding + alignment);
+  storage_.resize((9 + channels) * kPadding + alignment);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -30,7 +34,8 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     base += kPadding;
   }
   transmittance_ = base;
-  radiance_ = base + kPadding;
+  fair_factor_ = base + kPadding;
+  radiance_ = base + 2 * kPadding;
   block_.code = codes_.data();
 }
 
@@ -229,6 +234,56 @@ void TileTracer<Real>::generate_queued() {
 }
 
 template <class Real>
+void TileTracer<Real>::integrate(int padded) {
+  RayBatch<Real> batch;
+  batch.size = padded;
+  batch.anchor = plan_.anchor;
+  batch.x = block_.x;
+  batch.y = block_.y;
+  batch.z = block_.z;
+  batch.dx = block_.dx;
+  batch.dy = block_.dy;
+  batch.dz = block_.dz;
+  MediumOptions options;
+  options.isa = plan_.settings->isa;
+  options.skip = plan_.settings->skip;
+  RadianceBatch<Real> out;
+  out.radiance = radiance_;
+  out.stride = kPadding;
+  out.transmittance = transmittance_;
+  plan_.medium->integrate(batch, options, out, counters_.medium);
+}
+
+/// Of each replicate's points in a pixel the first few, well spread by themselves, correct the
+/// table. @return false when there is none, or too few points for it
+template <class Real>
+bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
+  if constexpr (std::is_same_v<Real, float>) {
+    if (!plan_.table || sink_ || plan_.pools.front().points() < kLeastTablePoints) return false;
+    if (!table_worker_) table_worker_ = std::make_unique<RadianceTable::Worker>(*plan_.table);
+    const auto set = [&](float* factors, int per_correction) {
+      std::fill_n(factors, padded, 0.F);
+      for (const Pending& pending : pending_) {
+        const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
+        const int corrected =
+            points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
+        const float factor = static_cast<float>(points) / static_cast<float>(corrected);
+        for (int i = 0; i < pending.count; ++i)
+          if ((pending.offset + i) % points < corrected) factors[pending.first + i] = factor;
+      }
+    };
+    set(transmittance_, kSmoothPoints);  // nobody else asks for it here
+    set(fair_factor_, kFairPoints);
+    table_worker_->integrate({&block_, padded, transmittance_, fair_factor_, radiance_, kPadding},
+                             counters_.medium);
+    counters_.table = table_worker_->counters();
+    return true;
+  } else {
+    return false;
+  }
+}
+
+template <class Real>
 void TileTracer<Real>::flush() {
   generate_queued();
   if (count_ == 0) return;
@@ -249,23 +304,7 @@ void TileTracer<Real>::flush() {
   counters_.rays_reached += plan_.kernels.count_alive(block_.code, count_);
   counters_.seconds_optics += seconds_since(start);
   start = std::chrono::steady_clock::now();
-  RayBatch<Real> batch;
-  batch.size = padded;
-  batch.anchor = plan_.anchor;
-  batch.x = block_.x;
-  batch.y = block_.y;
-  batch.z = block_.z;
-  batch.dx = block_.dx;
-  batch.dy = block_.dy;
-  batch.dz = block_.dz;
-  MediumOptions options;
-  options.isa = plan_.settings->isa;
-  options.skip = plan_.settings->skip;
-  RadianceBatch<Real> out;
-  out.radiance = radiance_;
-  out.stride = kPadding;
-  out.transmittance = transmittance_;
-  plan_.medium->integrate(batch, options, out, counters_.medium);
+  if (!integrate_by_table(padded)) integrate(padded);
   counters_.seconds_medium += seconds_since(start);
   const int all_points = plan_.pools.front().points();
   for (const Pending& pending : pending_) {

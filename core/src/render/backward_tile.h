@@ -9,6 +9,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
 #include "render/beam_bounds.h"
+#include "render/radiance_table.h"
 
 namespace plenoflame {
 
@@ -36,6 +37,7 @@ struct BackwardPlan {
   std::vector<KernelMicrolens<Real>> microlenses;
   Vec3 anchor;                        ///< [m] world
   std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
+  RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
@@ -68,6 +70,7 @@ struct TileCounters {
   double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0;
   double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
   MediumCounters medium;
+  RadianceTableCounters table;
 };
 
 /// Traces the pixels of a tile; one per worker thread.
@@ -92,6 +95,8 @@ class TileTracer {
   void add_pair(int type, int column, int row, std::uint64_t key, int level);
   void generate_queued();
   void flush();
+  void integrate(int padded);
+  bool integrate_by_table(int padded);
 
   const BackwardPlan<Real>& plan_;
   Film& film_;
@@ -107,6 +112,8 @@ class TileTracer {
   KernelBlock<Real> block_{};
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
+  Real* fair_factor_ = nullptr;
+  std::unique_ptr<RadianceTable::Worker> table_worker_;
   TileCounters counters_;
 };
 

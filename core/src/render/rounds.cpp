@@ -47,7 +47,8 @@ TileErrors measure_errors(const Film& film) {
 }
 
 void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
-                  const Execution& execution, Film& film, RenderStatistics& statistics) {
+                  const Execution& execution, Film& film, RenderStatistics& statistics,
+                  RadianceTable* table) {
   std::vector<int> tiles;
   for (int t = 0; t < film.tile_count(); ++t)
     if (film.tile_samples(t) == 0) tiles.push_back(t);
@@ -61,7 +62,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
     const std::vector<int> part(
         begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, tiles.size() - first)));
     statistics.complete =
-        render_backward(scene, settings, 0, points, part, execution, film, statistics);
+        render_backward(scene, settings, 0, points, part, execution, film, statistics, table);
     checkpoints.offer(film);
   }
 }
@@ -116,7 +117,8 @@ std::vector<int> choose_tiles(const Film& film, const RenderSettings& settings,
 }
 
 void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
-                        const Execution& execution, Film& film, RenderStatistics& statistics) {
+                        const Execution& execution, Film& film, RenderStatistics& statistics,
+                        RadianceTable* table) {
   const Deadline deadline(execution.stop, settings.time_limit);
   Execution inner = execution;
   inner.stop = deadline.token();
@@ -136,7 +138,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (const auto& [done, group] : by_samples) {
       const int points = std::min(std::max(done, kFirstPoints), limit - done);
       finished = finished && render_backward(scene, settings, static_cast<std::uint32_t>(done),
-                                             points, group, inner, film, statistics);
+                                             points, group, inner, film, statistics, table);
     }
     if (finished) checkpoints.offer(film);
   }
@@ -152,10 +154,11 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
                    const Execution& execution, Film& film, RenderStatistics& statistics) {
   // Every replicate gets the same number of points.
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+  const std::unique_ptr<RadianceTable> table = make_radiance_table(scene, settings);
   if (settings.target_error > 0 || settings.time_limit > 0)
-    render_progressive(scene, settings, points, execution, film, statistics);
+    render_progressive(scene, settings, points, execution, film, statistics, table.get());
   else
-    render_fixed(scene, settings, points, execution, film, statistics);
+    render_fixed(scene, settings, points, execution, film, statistics, table.get());
 }
 
 }  // namespace plenoflame

@@ -36,6 +36,9 @@ struct RenderSettings {
   double time_limit = 0;  ///< [s] after which no further round is begun; 0: none
   PixelWindow window;     ///< width 0: the whole sensor
   bool skip = true;       ///< false: nothing is left out (for comparison)
+  /// Radiance of costly media from a table, corrected by some of the rays so that the mean stays
+  /// unbiased; false: every ray is integrated.
+  bool control_variate = true;
   bool standard_error = true;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
@@ -59,6 +62,11 @@ struct RenderStatistics {
   double lenses_skipped = 0;  ///< of these, whose beams miss the flame
   double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
   MediumCounters medium;
+  /// Of the rays that reached the scene, where a table stands in for the medium: how many only
+  /// looked it up, corrected it, were integrated because it is not smooth there; rays that filled
+  /// it; and corrections cut off at a radiance of 0.
+  double table_looked_up = 0, table_corrected = 0, table_rough = 0, table_nodes = 0,
+         table_clamped = 0;
   double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
   double relative_error_bound = -1;  ///< below which it is at kErrorConfidence (film.h)
   double flux = 0;             ///< [W] sum over the image, first channel
