@@ -1,7 +1,10 @@
 """What a scene file with a mistake gets: one line that names file, line and column, status 1, nothing written."""
 
 import os
+import shutil
+import subprocess
 
+import command
 from command import CommandTest, main
 
 CAMERA = """[camera]
@@ -176,6 +179,43 @@ class BadScene(CommandTest):
             self.fails(1, "render", "a.toml", *WINDOW, "-o", name, mentions=["cannot write '%s': " % name, message])
         self.fails(1, "render", "a.toml", *WINDOW, "--stats", "/dev/full", mentions="not a regular file")
         self.assertEqual(self.files(), ["a.toml", "folder.exr"])
+
+    def test_folder_without_permission(self):
+        self.write("a.toml", SOUND)
+        os.mkdir(self.path("locked"))
+        os.chmod(self.path("locked"), 0o555)
+        # root may write everywhere unless it gives its capabilities up.
+        drop = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"] if os.geteuid() == 0 else []
+        if drop and (not shutil.which(drop[0]) or subprocess.run([*drop, "true"], check=False).returncode != 0):
+            self.skipTest("root cannot give up its capabilities here")
+        for arguments, message in (
+                (("render", "a.toml", *WINDOW, "-o", "locked/a.exr"), "no permission to write in folder 'locked'"),
+                (("rays", "a.toml", "--pixel", "9,9", "-o", "locked/a.csv"), "no permission to write in folder 'locked'"),
+                (("bench", "a.toml", "--window", "1480,1490,8,8", "-o", "locked/b"), "ermission")):
+            result = subprocess.run([*drop, command.COMMAND, *arguments], cwd=self.folder, capture_output=True, text=True,
+                                    check=False)
+            self.assertEqual((result.returncode, result.stdout), (1, ""), result.stderr)
+            self.assertRegex(result.stderr, r"\Aplenoflame: error: [^\n]+\n\Z")
+            self.assertIn(message, result.stderr)
+        self.assertEqual(os.listdir(self.path("locked")), [])
+
+    def test_full_disk(self):
+        self.write("a.toml", SOUND)
+        os.mkdir(self.path("disk"))
+        script = ("mount -t tmpfs -o size=64k none disk && cd disk && "
+                  "for c in 'render ../a.toml --window 1400,1400,200,200 --samples 1 --quiet -o a.exr' "
+                  "'rays ../a.toml --pixel 1500,1500 --rays 999 -o a.vtp' 'rays ../a.toml --pixel 1500,1500 --rays 999 -o a.csv'; "
+                  "do \"$0\" $c; echo status $?; done; ls -A")
+        isolated = ["unshare", "--mount"] + ([] if os.geteuid() == 0 else ["--user", "--map-root-user"])
+        if not shutil.which("unshare") or subprocess.run([*isolated, "mount", "-t", "tmpfs", "none", self.path("disk")],
+                                                         capture_output=True, check=False).returncode != 0:
+            self.skipTest("nothing can be mounted here")
+        result = subprocess.run([*isolated, "sh", "-c", script, command.COMMAND], cwd=self.folder, capture_output=True,
+                                text=True, check=False)
+        self.assertEqual(result.stdout, "status 1\n" * 3, result.stderr)  # and no file is left
+        self.assertEqual(result.stderr, "".join(
+            "plenoflame: error: cannot write '%s': the disk is full; nothing was changed\n" % name
+            for name in ("a.exr", "a.vtp", "a.csv")))
 
     def test_missing_scene(self):
         for command in ("render", "info", "design", "bench", "rays"):
