@@ -177,5 +177,20 @@ TEST(FirstOrder, ThinLensWithoutSurfaces) {
   EXPECT_EQ(f.exit_pupil_diameter, 0.02);
 }
 
+TEST(FirstOrder, ThinMicrolens) {
+  ArraySpec array;
+  array.model = LensModel::ideal;
+  array.thickness = 5e-5;  // which a thin lens does not have
+  MicrolensSpec type;
+  type.focal_length = -2e-4;
+  const FirstOrder f = first_order(array, type);
+  EXPECT_EQ(f.focal_length, -2e-4);
+  EXPECT_EQ(f.back_focal_distance, -2e-4);
+  EXPECT_EQ(f.front_focal_distance, 2e-4);
+  EXPECT_EQ(f.front_principal, 0);
+  EXPECT_EQ(f.rear_principal, 0);
+  EXPECT_EQ(f.length, 0);
+}
+
 }  // namespace
 }  // namespace plenoflame::test
