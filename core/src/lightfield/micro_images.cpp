@@ -111,7 +111,7 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
       if (pupil.dark()) return;
       node.dark = false;
       node.centre = pupil.centre;
-      node.radius = pupil.radius[0];
+      node.radius = pupil.image_radius;
       const double h = static_cast<double>(i) * table.field_step;
       fit_lines(at_distance(open, h), node);
       if (white && !node.dark) fill_white(at_distance(own, h), node, pupil.outer_radius);

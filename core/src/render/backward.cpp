@@ -13,88 +13,6 @@ namespace {
 constexpr int kLevels = 5;       ///< of fewer points, each half of the one before
 constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
 
-template <class Real>
-KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter, double before,
-                                   double behind) {
-  return {static_cast<Real>(gap), static_cast<Real>(curvature),
-          static_cast<Real>(0.25 * diameter * diameter), static_cast<Real>(before / behind),
-          static_cast<Real>((behind - before) * (behind + before) / (behind * behind))};
-}
-
-template <class Real>
-void set_main_lens(const Camera& camera, double reference, double anchor_z,
-                   KernelCamera<Real>& out) {
-  out.ideal_lens = camera.ideal_lens();
-  if (out.ideal_lens) {
-    const IdealLens& lens = camera.ideal();
-    out.ideal = {static_cast<Real>(lens.rear_principal - reference),
-                 static_cast<Real>(lens.front_principal - lens.rear_principal),
-                 static_cast<Real>(1.0 / lens.focal_length),
-                 static_cast<Real>(lens.stop_height),
-                 static_cast<Real>(lens.stop_slope),
-                 static_cast<Real>(lens.stop_radius * lens.stop_radius)};
-    out.exit_gap = static_cast<Real>(anchor_z - lens.rear_principal);
-    return;
-  }
-  const auto& surfaces = camera.lens().surfaces();
-  if (surfaces.size() > kMaxLensSurfaces)
-    throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
-                     std::to_string(kMaxLensSurfaces) + " are supported");
-  double z = reference;
-  out.surface_count = static_cast<int>(surfaces.size());
-  for (int k = 0; k < out.surface_count; ++k) {
-    const auto i = surfaces.size() - 1 - static_cast<std::size_t>(k);
-    const double vertex = camera.lens().vertices()[i];
-    const double before = surfaces[i].index, behind = i > 0 ? surfaces[i - 1].index : 1.0;
-    const double curvature = -1.0 / surfaces[i].radius;
-    out.surfaces[k] =
-        kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
-    out.refracts[k] = curvature != 0 || before != behind;
-    out.surface_number[k] = static_cast<int>(i);
-    z = vertex;
-  }
-  out.exit_gap = static_cast<Real>(anchor_z - z);
-}
-
-template <class Real>
-std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
-  std::vector<KernelMicrolens<Real>> lenses;
-  if (!camera.has_array()) {
-    KernelMicrolens<Real> none{};
-    none.distance = static_cast<Real>(camera.aim_plane(0) - camera.sensor());
-    lenses.push_back(none);
-    return lenses;
-  }
-  const ArraySpec& array = camera.spec().array;
-  const int main_surfaces = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
-  for (std::size_t type = 0; type < camera.microlenses().size(); ++type) {
-    const Microlens& lens = camera.microlenses()[type];
-    KernelMicrolens<Real> kernel{};
-    kernel.distance = static_cast<Real>(camera.aim_plane(static_cast<int>(type)) - camera.sensor());
-    if (camera.ideal_array()) {
-      kernel.kind = 2;
-      // Afterwards z counts from the array's front, as for real microlenses.
-      kernel.ideal = {0,
-                      static_cast<Real>(lens.front_principal - camera.array_front()),
-                      static_cast<Real>(1.0 / lens.first_order.focal_length),
-                      1,
-                      0,
-                      static_cast<Real>(0.25 * array.diameter * array.diameter)};
-      kernel.surface_number[0] = main_surfaces;
-    } else {
-      kernel.kind = 1;
-      kernel.surfaces[0] =
-          kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
-      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front,
-                                                array.diameter, lens.index, 1.0);
-      kernel.surface_number[0] = main_surfaces + 1;
-      kernel.surface_number[1] = main_surfaces;
-    }
-    lenses.push_back(kernel);
-  }
-  return lenses;
-}
-
 /// How far from its microlens' centre any micro-image reaches [m].
 double micro_image_reach(const PupilSampling& pupils) {
   double reach = 0;
@@ -112,22 +30,12 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   plan.medium = &medium;
   plan.settings = &settings;
   plan.kernels = backward_kernels<Real>(settings.isa);
+  plan.optics = camera_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
   const Box box = medium.bounds();
   plan.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
-  plan.camera = {};
-  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z,
-                plan.camera);
-  plan.camera.anchor_x = static_cast<Real>(anchor.x);
-  plan.camera.anchor_y = static_cast<Real>(anchor.y);
-  const auto& rows = camera.to_world().rotation.rows;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 row = rows[static_cast<std::size_t>(i)];
-    plan.camera.rotation[3 * i] = static_cast<Real>(row.x);
-    plan.camera.rotation[3 * i + 1] = static_cast<Real>(row.y);
-    plan.camera.rotation[3 * i + 2] = static_cast<Real>(row.z);
-  }
+  plan.camera = kernel_camera<Real>(camera, anchor, camera.to_world());
   plan.microlenses = kernel_microlenses<Real>(camera);
   if (settings.skip) plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), box);
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
@@ -160,11 +68,8 @@ void add(TileCounters& total, const TileCounters& part) {
 }
 
 template <class Real>
-bool run(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-         int points, const std::vector<int>& tiles, const Execution& execution, Film& film,
-         RenderStatistics& statistics, RadianceTable* table) {
-  BackwardPlan<Real> plan = make_plan<Real>(scene, *scene.medium, settings, first, points);
-  plan.table = table;
+bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>& tiles,
+              const Execution& execution, Film& film, RenderStatistics& statistics) {
   std::vector<TileTracer<Real>> tracers;
   const int workers = execution.thread_count();
   tracers.reserve(static_cast<std::size_t>(workers));
@@ -224,13 +129,12 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
-      return {avx512::generate, avx512::trace_lens, avx512::accumulate, avx512::count_alive};
+      return {avx512::generate, avx512::multiply};
     case Isa::avx2:
-      return {avx2::generate, avx2::trace_lens, avx2::accumulate, avx2::count_alive};
+      return {avx2::generate, avx2::multiply};
 #endif
     default:
-      return {baseline::generate, baseline::trace_lens, baseline::accumulate,
-              baseline::count_alive};
+      return {baseline::generate, baseline::multiply};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);
@@ -286,21 +190,33 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   return RadianceTable::make(scene.camera, *scene.medium, 0.5 * (box.lower + box.upper), options);
 }
 
-bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
-                     std::uint32_t first, int points, const std::vector<int>& tiles,
-                     const Execution& execution, Film& film, RenderStatistics& statistics,
-                     RadianceTable* table) {
+BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
+                           std::uint32_t first, int points, RadianceTable* table)
+    : points_(points) {
   const ArraySpec& array = scene.camera.spec().array;
   if (array.present && !array.opaque_between)
     throw InputError(
         "camera.array.opaque_between = false: the backward estimator does not follow light "
         "between the microlenses; use the forward one, or opaque_between = true");
   const bool single = in_single_precision(scene, settings);
-  statistics.precision = single ? "single" : "double";
-  return single
-             ? run<float>(scene, settings, first, points, tiles, execution, film, statistics, table)
-             : run<double>(scene, settings, first, points, tiles, execution, film, statistics,
-                           nullptr);
+  if (single) {
+    auto plan = std::make_unique<BackwardPlan<float>>(
+        make_plan<float>(scene, *scene.medium, settings, first, points));
+    plan->table = table;
+    single_ = std::move(plan);
+  } else {
+    double_ = std::make_unique<const BackwardPlan<double>>(
+        make_plan<double>(scene, *scene.medium, settings, first, points));
+  }
+}
+
+BackwardPass::~BackwardPass() = default;
+
+bool BackwardPass::run(const std::vector<int>& tiles, const Execution& execution, Film& film,
+                       RenderStatistics& statistics) const {
+  statistics.precision = single_ ? "single" : "double";
+  return single_ ? run_plan(*single_, points_, tiles, execution, film, statistics)
+                 : run_plan(*double_, points_, tiles, execution, film, statistics);
 }
 
 }  // namespace plenoflame

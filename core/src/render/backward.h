@@ -9,14 +9,33 @@
 
 namespace plenoflame {
 
-/// Adds points [first, first + points) of each replicate's sequence to `film`, for the pixels of
-/// the given tiles, which follow one another in work order. Statistics are added up.
-/// @param table stands in for the medium where it is smooth (single precision only); may be nullptr
-/// @return false when it was stopped; tiles that were not reached keep their number of samples.
-bool render_backward(const CompiledScene& scene, const RenderSettings& settings,
-                     std::uint32_t first, int points, const std::vector<int>& tiles,
-                     const Execution& execution, Film& film, RenderStatistics& statistics,
-                     RadianceTable* table = nullptr);
+template <class Real>
+struct BackwardPlan;
+
+/// Points [first, first + points) of each replicate's sequence: what is the same for all tiles is
+/// made once, in the constructor. Keeps references to scene and settings.
+class BackwardPass {
+ public:
+  /// @param table stands in for the medium where it is smooth (single precision only); may be
+  /// nullptr
+  /// @throws InputError when the backward estimator cannot follow the scene's light
+  BackwardPass(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
+               int points, RadianceTable* table = nullptr);
+  ~BackwardPass();
+  BackwardPass(const BackwardPass&) = delete;
+  BackwardPass& operator=(const BackwardPass&) = delete;
+
+  /// Adds the points to `film`, for the pixels of the given tiles, which follow one another in work
+  /// order. Statistics are added up.
+  /// @return false when it was stopped; tiles that were not reached keep their number of samples.
+  bool run(const std::vector<int>& tiles, const Execution& execution, Film& film,
+           RenderStatistics& statistics) const;
+
+ private:
+  std::unique_ptr<const BackwardPlan<float>> single_;  ///< one of the two
+  std::unique_ptr<const BackwardPlan<double>> double_;
+  int points_;
+};
 
 /// Counts the microlenses that may light the window, and those of them that are left out because
 /// their beams miss the flame, into the statistics.

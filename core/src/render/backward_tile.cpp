@@ -12,6 +12,14 @@ constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray 
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
+/// The cut that cuts nothing of a disc with radius `bound`.
+PixelCut whole_aperture(double bound) {
+  const auto b = static_cast<float>(bound);
+  PixelCut cut;
+  cut.value.fill({2 * b, 2 * b, 100 * b, 100 * b});
+  return cut;
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -23,12 +31,13 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     : plan_(plan), film_(film) {
   const auto channels = static_cast<std::size_t>(film.channels());
   constexpr std::size_t alignment = 64 / sizeof(Real);
-  storage_.resize((9 + channels) * kPadding + alignment);
+  storage_.resize((11 + channels) * kPadding + alignment);
+  products_.resize(kPadding);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
-  Real** arrays[] = {&block_.x,  &block_.y,  &block_.z,     &block_.dx,
-                     &block_.dy, &block_.dz, &block_.weight};
+  Real** arrays[] = {&block_.x,  &block_.y,      &block_.z,          &block_.dx,        &block_.dy,
+                     &block_.dz, &block_.weight, &block_.scratch[0], &block_.scratch[1]};
   for (Real** array : arrays) {
     *array = base;
     base += kPadding;
@@ -56,35 +65,18 @@ void TileTracer<Real>::render(PixelWindow tile) {
   flush();
 }
 
-/// @return the unit vector away from the optical axis
+/// Begins a patch: what is queued belongs to the one before.
 template <class Real>
-Vec2 TileTracer<Real>::set_discs(const PupilTable& table, const PupilNode& node, Vec2 place) {
-  generate_queued();  // what is queued belongs to the patch before
-  const double h = length(place);
-  const Vec2 field = h > 0 ? (1.0 / h) * place : Vec2{1, 0};
-  patch_.field_x = static_cast<Real>(field.x);
-  patch_.field_y = static_cast<Real>(field.y);
-  patch_.centre = static_cast<Real>(node.centre);
-  patch_.centre2 = static_cast<Real>(node.centre2);
-  patch_.coma = static_cast<Real>(node.coma);
-  for (std::size_t k = 0; k < 3; ++k) {
-    patch_.coupling[k] = static_cast<Real>(node.coupling[k]);
-    patch_.radius[k] = static_cast<Real>(node.radius[k]);
-  }
-  patch_.radius_odd = static_cast<Real>(node.radius_odd / node.aim_radius);
-  patch_.flattening[0] = static_cast<Real>(node.flattening[0]);
-  patch_.flattening[1] = static_cast<Real>(node.flattening[1]);
-  const double coupling = node.coupling[0] + node.coupling[1] + node.coupling[2];
-  patch_.coupling_sign = coupling < 0 ? Real(-1) : Real(1);
-  patch_.aim_radius = static_cast<Real>(node.aim_radius);
-  patch_.inverse_aim2 = static_cast<Real>(1.0 / (node.aim_radius * node.aim_radius));
-  patch_.aim_x = static_cast<Real>(node.aim_centre * field.x);
-  patch_.aim_y = static_cast<Real>(node.aim_centre * field.y);
-  patch_.aim_shift = static_cast<Real>(table.aperture_shift);
-  patch_.bound_radius = static_cast<Real>(plan_.scene->camera.has_array() ? table.bound_radius
-                                                                          : 1e6 * node.aim_radius);
-  patch_.cut_margin = static_cast<Real>(table.cut_margin);
-  return field;
+void TileTracer<Real>::begin_patch(Vec2 lens, Vec2 centre, double outer_radius) {
+  generate_queued();
+  patch_ = {};
+  patch_.outer_x = static_cast<Real>(centre.x);
+  patch_.outer_y = static_cast<Real>(centre.y);
+  patch_.outer_radius2 = static_cast<Real>(outer_radius * outer_radius);
+  patch_.lens_x = static_cast<Real>(lens.x);
+  patch_.lens_y = static_cast<Real>(lens.y);
+  patch_.centre_x = patch_.outer_x;
+  patch_.centre_y = patch_.outer_y;
 }
 
 /// @return false when the pixel lies outside of the outer disc
@@ -112,19 +104,20 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
   const Vec2 place = camera.lattice().centre(lens);
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
-  const PupilNode node = table.at(length(place));
-  if (node.dark()) return;
   if (plan_.beams && !plan_.beams->may_meet(type, place)) return;
-  const Vec2 centre = node.centre * set_discs(table, node, place);
+  const double h = length(place);
+  const PupilNode node = table.at(h);
+  if (node.dark()) return;
+  const Vec2 field = h > 0 ? (1.0 / h) * place : Vec2{1, 0};
+  const Vec2 centre = node.centre * field;
   const double outer = node.outer_radius;
-  patch_.outer_x = static_cast<Real>(centre.x);
-  patch_.outer_y = static_cast<Real>(centre.y);
-  patch_.outer_radius2 = static_cast<Real>(outer * outer);
-  patch_.lens_x = static_cast<Real>(place.x);
-  patch_.lens_y = static_cast<Real>(place.y);
+  begin_patch(place, centre, outer);
+  patch_.bound_radius = static_cast<Real>(table.discs.bound);
+  patch_.aim_radius = static_cast<Real>(table.discs.radius);
+  patch_.aim_shift = static_cast<Real>(table.discs.shift);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
-  const double half_diagonal = pitch * std::sqrt(0.5);
+  const double half_pitch = 0.5 * pitch;
   const Vec2 image = place + centre;
   const auto column_of = [&](double x) {
     return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
@@ -144,9 +137,12 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at, centre, outer)) continue;
-      pixel_.open = length(at - centre) + half_diagonal < node.open_radius;
-      const double distance =
-          length(at - centre) / outer * (static_cast<double>(node.open.size()) - 1);
+      const Vec2 v = at - centre;
+      const double away = std::sqrt(dot(v, v));
+      const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
+      if (cut.dark) continue;
+      set_cut(cut.open ? whole_aperture(table.discs.bound) : cut);
+      const double distance = away / outer * (static_cast<double>(node.open.size()) - 1);
       const double open =
           node.open[std::min(static_cast<std::size_t>(distance), node.open.size() - 1)];
       add_pair(type, column, row, key,
@@ -165,23 +161,42 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
     counters_.pixels_skipped += 1;
     return;
   }
-  set_discs(table, node, centre);
-  const double pitch = camera.spec().sensor.pixel_pitch;
-  place_pixel(centre, centre, 2 * pitch);  // nothing cuts the pixel
-  patch_.outer_x = static_cast<Real>(centre.x);
-  patch_.outer_y = static_cast<Real>(centre.y);
-  patch_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
-  patch_.lens_x = patch_.lens_y = 0;
-  pixel_.open = true;  // without array the aim disc is the pupil itself
+  const double h = length(centre), pitch = camera.spec().sensor.pixel_pitch;
+  begin_patch({}, centre, 2 * pitch);
+  const Vec2 field = h > 0 ? (1 / h) * centre : Vec2{1, 0};
+  const Vec2 aim = node.aim_centre * field;
+  // No micro-image: the line that aims go by shall hardly turn within the pixel.
+  const Vec2 far = centre - 1e3 * pitch * field;
+  patch_.centre_x = static_cast<Real>(far.x);
+  patch_.centre_y = static_cast<Real>(far.y);
+  patch_.origin_x = static_cast<Real>(aim.x);
+  patch_.origin_y = static_cast<Real>(aim.y);
+  patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
+  place_pixel(centre, centre, 2 * pitch);    // nothing cuts the pixel
+  set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
   add_pair(0, column, row, mix64(plan_.settings->seed), 0);
+}
+
+template <class Real>
+void TileTracer<Real>::set_cut(const PixelCut& cut) {
+  pixel_.cut_middle = static_cast<Real>(cut.middle);
+  for (std::size_t half = 0; half < 2; ++half)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float sign = k == 0 || k == 3 ? -1.0f : 1.0f;
+      pixel_.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
+      pixel_.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
+    }
 }
 
 template <class Real>
 int TileTracer<Real>::level_of(double worth) const {
   // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
-  // error falls with points^-a; a is about 3/4.
-  const int level = worth > 0 ? static_cast<int>(-0.8 * std::log2(worth)) : 99;
-  return std::clamp(level, 0, static_cast<int>(plan_.pools.size()) - 1);
+  // error falls with points^-a; a is about 3/4: level k for a worth below 2^(-k / 0.8).
+  constexpr double kWorth[] = {0.42044820762685725, 0.17677669529663687, 0.07432544468767006,
+                               0.03125};
+  int level = 0;
+  for (const double limit : kWorth) level += worth <= limit ? 1 : 0;
+  return std::min(level, static_cast<int>(plan_.pools.size()) - 1);
 }
 
 template <class Real>
@@ -220,16 +235,13 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
 template <class Real>
 void TileTracer<Real>::generate_queued() {
   if (queued_.empty()) return;
-  if (sink_) {
-    // Once without a microlens, for the rays as they are drawn: the same call makes them below.
-    KernelMicrolens<Real> none{};
-    none.distance = plan_.microlenses[static_cast<std::size_t>(type_)].distance;
-    plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()), none, block_);
-    const int first = queued_.front().first;
-    sink_->drawn(patch_, block_, first, queued_.back().first + queued_.back().count - first);
-  }
-  plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()),
-                         plan_.microlenses[static_cast<std::size_t>(type_)], block_);
+  const KernelMicrolens<Real>& lens = plan_.microlenses[static_cast<std::size_t>(type_)];
+  plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()), lens.distance,
+                         block_);
+  const int first = queued_.front().first;
+  const int count = queued_.back().first + queued_.back().count - first;
+  if (sink_) sink_->drawn(patch_, block_, first, count);
+  plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
   queued_.clear();
 }
 
@@ -299,34 +311,44 @@ void TileTracer<Real>::flush() {
     block_.code[i] = 1;
   }
   auto start = std::chrono::steady_clock::now();
-  plan_.kernels.trace_lens(plan_.camera, padded, block_);
+  plan_.optics.trace_lens(plan_.camera, padded, block_);
   counters_.rays += count_;
-  counters_.rays_reached += plan_.kernels.count_alive(block_.code, count_);
+  counters_.rays_reached += plan_.optics.count_alive(block_.code, block_.weight, count_);
   counters_.seconds_optics += seconds_since(start);
   start = std::chrono::steady_clock::now();
   if (!integrate_by_table(padded)) integrate(padded);
   counters_.seconds_medium += seconds_since(start);
-  const int all_points = plan_.pools.front().points();
-  for (const Pending& pending : pending_) {
-    const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
-    const double scale = static_cast<double>(all_points) / points;
-    if (sink_)
-      sink_->finished(pending.column, pending.row, pending.first, pending.count, scale, radiance_,
-                      kPadding, transmittance_);
-    for (int channel = 0; channel < film_.channels(); ++channel) {
-      const Real* radiance = radiance_ + channel * kPadding;
-      for (int done = 0; done < pending.count;) {
-        const int replicate = (pending.offset + done) / points;
-        const int end = std::min(pending.count, (replicate + 1) * points - pending.offset);
-        const int at = pending.first + done;
-        film_.sum(channel, replicate, pending.column, pending.row) +=
-            scale * plan_.kernels.accumulate(block_.weight + at, radiance + at, end - done);
-        done = end;
-      }
-    }
-  }
+  for (int channel = 0; channel < film_.channels(); ++channel) add_to_film(channel);
+  if (sink_)
+    for (const Pending& pending : pending_)
+      sink_->finished(pending.column, pending.row, pending.first, pending.count,
+                      scale_of(pending.level), radiance_, kPadding, transmittance_);
   pending_.clear();
   count_ = 0;
+}
+
+/// What a sum on this level counts, compared with one over all points.
+template <class Real>
+double TileTracer<Real>::scale_of(int level) const {
+  return static_cast<double>(plan_.pools.front().points()) /
+         plan_.pools[static_cast<std::size_t>(level)].points();
+}
+
+template <class Real>
+void TileTracer<Real>::add_to_film(int channel) {
+  plan_.kernels.multiply(block_.weight, radiance_ + channel * kPadding, count_, products_.data());
+  for (const Pending& pending : pending_) {
+    const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
+    const double scale = scale_of(pending.level);
+    int replicate = pending.offset / points;
+    int left = points - pending.offset % points;  // of the replicate
+    for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
+      const int end = std::min(pending.first + pending.count, i + left);
+      double sum = 0;
+      for (; i < end; ++i) sum += products_[static_cast<std::size_t>(i)];
+      film_.sum(channel, replicate, pending.column, pending.row) += scale * sum;
+    }
+  }
 }
 
 template class TileTracer<float>;

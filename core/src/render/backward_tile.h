@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "camera/kernel_camera.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
@@ -16,11 +17,9 @@ namespace plenoflame {
 /// Entry points of the kernels for one instruction set.
 template <class Real>
 struct BackwardKernels {
-  void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int,
-                   const KernelMicrolens<Real>&, const KernelBlock<Real>&);
-  void (*trace_lens)(const KernelCamera<Real>&, int, const KernelBlock<Real>&);
-  double (*accumulate)(const Real*, const Real*, int);
-  int (*count_alive)(const int*, int);
+  void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
+                   const KernelBlock<Real>&);
+  void (*multiply)(const Real*, const Real*, int, double*);
 };
 
 template <class Real>
@@ -33,6 +32,7 @@ struct BackwardPlan {
   const Medium* medium = nullptr;  ///< the scene's
   const RenderSettings* settings = nullptr;
   BackwardKernels<Real> kernels;
+  CameraKernels<Real> optics;
   KernelCamera<Real> camera;
   std::vector<KernelMicrolens<Real>> microlenses;
   Vec3 anchor;                        ///< [m] world
@@ -43,7 +43,7 @@ struct BackwardPlan {
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
-/// What render_backward() goes by in double precision. @param medium the scene's, or what stands in
+/// What a BackwardPass goes by in double precision. @param medium the scene's, or what stands in
 /// for it; plan and tracers keep pointers to all of them
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, std::uint32_t first,
@@ -89,7 +89,8 @@ class TileTracer {
   };
   void add_microlens(PixelWindow tile, LensIndex lens);
   void add_bare_pixel(int column, int row);
-  Vec2 set_discs(const PupilTable& table, const PupilNode& node, Vec2 place);
+  void begin_patch(Vec2 lens, Vec2 centre, double outer_radius);
+  void set_cut(const PixelCut& cut);
   bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
   int level_of(double worth) const;
   void add_pair(int type, int column, int row, std::uint64_t key, int level);
@@ -97,6 +98,8 @@ class TileTracer {
   void flush();
   void integrate(int padded);
   bool integrate_by_table(int padded);
+  double scale_of(int level) const;
+  void add_to_film(int channel);
 
   const BackwardPlan<Real>& plan_;
   Film& film_;
@@ -108,6 +111,7 @@ class TileTracer {
   std::vector<Pending> pending_;
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
+  std::vector<double> products_;  ///< weight * radiance
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
   Real* radiance_ = nullptr;

@@ -57,12 +57,12 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
       settings.checkpoint
           ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
           : std::max<std::size_t>(1, tiles.size());
+  const BackwardPass pass(scene, settings, 0, points, table);
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<int> part(
         begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, tiles.size() - first)));
-    statistics.complete =
-        render_backward(scene, settings, 0, points, part, execution, film, statistics, table);
+    statistics.complete = pass.run(part, execution, film, statistics);
     checkpoints.offer(film);
   }
 }
@@ -137,8 +137,9 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (const int t : tiles) by_samples[static_cast<int>(film.tile_samples(t))].push_back(t);
     for (const auto& [done, group] : by_samples) {
       const int points = std::min(std::max(done, kFirstPoints), limit - done);
-      finished = finished && render_backward(scene, settings, static_cast<std::uint32_t>(done),
-                                             points, group, inner, film, statistics, table);
+      finished =
+          finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points, table)
+                          .run(group, inner, film, statistics);
     }
     if (finished) checkpoints.offer(film);
   }

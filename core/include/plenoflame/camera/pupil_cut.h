@@ -1,0 +1,81 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// Bounds of that part of a microlens' aperture from which a sensor point sees the scene.
+///
+/// Along the line from the micro-image's centre through the sensor point, and through the centre of
+/// the microlens in the aim plane, let p count along and q across. All that is open lies within
+///     low <= p <= high,
+///     q^2 <= (p - low) (low_far - p),
+///     q^2 <= (high - p) (p - high_far):
+/// two circles, each through one end and centred on the line. Stored as (-low, high, low_far,
+/// -high_far) [m]: every larger number is a wider bound.
+using PupilCut = std::array<float, 4>;
+
+/// The cuts for the sensor points of one pixel: at distance d [m] from the micro-image's centre
+/// value[k] + slope[k] * (d - middle), k = 0 up to the middle, 1 beyond; at least as wide as every
+/// cut in the pixel.
+struct PixelCut {
+  bool dark = false;  ///< nothing gets from the pixel through the microlens
+  bool open = false;  ///< the stop cuts nothing: no cut is given
+  float middle = 0;   ///< [m]
+  std::array<PupilCut, 2> value{}, slope{};
+};
+
+/// Cuts over the distance from the micro-image's centre: linear between equal steps.
+struct PupilColumn {
+  static constexpr int kSteps = 16;
+  /// Up to `opens` the stop cuts nothing; beyond `closes` all is cut [m].
+  float opens = 0, closes = 0;
+  alignas(16) std::array<PupilCut, kSteps + 1> cuts{};
+
+  /// @return the step, with its part: clamped to [0, kSteps]
+  float step_at(float distance) const;
+  float distance_at(int step) const;
+  PupilCut at(float step) const;
+  static PupilColumn mix(const PupilColumn& a, const PupilColumn& b, float t);
+};
+
+/// The cuts of one place of a microlens over the azimuth of the sensor point about the
+/// micro-image's centre, measured from the direction away from the optical axis, a mirror plane.
+class PupilCuts {
+ public:
+  static constexpr int kAzimuths = 9;  ///< equally spaced from 0 to pi
+  static float azimuth_cosine(int azimuth);
+
+  std::array<PupilColumn, kAzimuths> columns;
+
+  /// A table between two.
+  static PupilCuts mix(const PupilCuts& a, const PupilCuts& b, float t);
+  /// Index of the azimuth before, and the way to the next in [0, 1].
+  struct Azimuth {
+    int index;
+    float part;
+  };
+  static Azimuth azimuth(float cosine);
+  PupilColumn at(const Azimuth& azimuth) const;
+};
+
+/// Cuts that hold for all of a pixel: columns that are at least as wide as all azimuths of a
+/// sector.
+class PixelCuts {
+ public:
+  PixelCuts() = default;
+  explicit PixelCuts(const PupilCuts& cuts);
+  static PixelCuts mix(const PixelCuts& a, const PixelCuts& b, float t);
+
+  /// @param centre of the pixel, from the micro-image's [m] @param half its side [m]
+  /// @param field unit vector away from the optical axis, in the axes of the pixel's sides
+  PixelCut of_square(Vec2 centre, double half, Vec2 field) const;
+
+ private:
+  /// One around each azimuth of the table, and one for all.
+  std::array<PupilColumn, PupilCuts::kAzimuths + 1> columns_;
+};
+
+}  // namespace plenoflame

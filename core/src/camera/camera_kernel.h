@@ -1,0 +1,72 @@
+// Data of the vector kernels that take rays through the camera, and their entry points for every
+// instruction set.
+#pragma once
+
+#include "optics/kernel_types.h"
+
+namespace plenoflame {
+
+inline constexpr int kMaxLensSurfaces = 64;
+inline constexpr int kBlockRays = 512;  ///< rays traced together: a block stays in the first cache
+inline constexpr int kBlockSlack = 16;  ///< generation may write this far beyond
+
+/// The optics between the aim plane and the scene.
+template <class Real>
+struct KernelCamera {
+  bool ideal_lens;
+  KernelIdealLens<Real> ideal;
+  int surface_count;  ///< main lens, in the order of rays from the sensor
+  KernelSurface<Real> surfaces[kMaxLensSurfaces];
+  bool refracts[kMaxLensSurfaces];       ///< false: a plane without index step
+  int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
+  Real exit_gap;                         ///< from the last reference plane to the anchor's plane
+  Real rotation[9];                      ///< camera to world, row major
+  Real anchor_x, anchor_y;               ///< of the anchor, camera frame
+};
+
+/// One microlens type, or none (kind 0: rays start freely at the aim plane).
+template <class Real>
+struct KernelMicrolens {
+  int kind;                         ///< 0 none, 1 real, 2 ideal
+  KernelSurface<Real> surfaces[2];  ///< back, front
+  KernelIdealLens<Real> ideal;
+  int surface_number[2];
+  Real distance;  ///< sensor to aim plane
+};
+
+/// A block of rays, structure of arrays; 64-byte aligned, kBlockRays + kBlockSlack long.
+template <class Real>
+struct KernelBlock {
+  Real *x, *y, *z, *dx, *dy, *dz, *weight;
+  Real* scratch[2];  ///< for the making of rays
+  int* code;
+};
+
+#define PLENOFLAME_CAMERA_KERNELS                                                                  \
+  /* Through the microlens centred at (lens_x, lens_y): rays [first, first + count) of the         \
+   * block,*/                                                                                      \
+  /* relative to that centre before and to the optical axis afterwards; up to 15 rays behind the   \
+   */                                                                                              \
+  /* last are overwritten. Kind 0: nothing happens. */                                                                                                \
+  void pass_microlens(const KernelMicrolens<float>&, float lens_x, float lens_y, int first,        \
+                      int count, const KernelBlock<float>&);                                       \
+  void pass_microlens(const KernelMicrolens<double>&, double lens_x, double lens_y, int first,     \
+                      int count, const KernelBlock<double>&);                                      \
+  /* Main lens, then to the plane of the anchor and into world axes; `count` multiple of 16.    */ \
+  void trace_lens(const KernelCamera<float>&, int count, const KernelBlock<float>&);               \
+  void trace_lens(const KernelCamera<double>&, int count, const KernelBlock<double>&);             \
+  /* Rays that have not ended, and have a weight. */                                               \
+  int count_alive(const int* code, const float* weight, int count);                                \
+  int count_alive(const int* code, const double* weight, int count);
+
+namespace baseline {
+PLENOFLAME_CAMERA_KERNELS
+}
+namespace avx2 {
+PLENOFLAME_CAMERA_KERNELS
+}
+namespace avx512 {
+PLENOFLAME_CAMERA_KERNELS
+}
+
+}  // namespace plenoflame

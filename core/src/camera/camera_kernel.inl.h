@@ -1,0 +1,180 @@
+// Vector kernels that take blocks of rays through the camera; compiled once per instruction set.
+#include "camera/camera_kernel.h"
+
+#include "optics/surface_kernel.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+template <class Real>
+PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y, int first,
+                            int count, const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  int* __restrict code = block.code + first;
+  const int padded = (count + 15) & ~15;
+  const KernelMicrolens<Real> c = lens;
+  if (c.kind == 1) {
+    const int back = 4 * c.surface_number[0], front = 4 * c.surface_number[1];
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      refract_at(c.surfaces[0], back, px, py, pz, vx, vy, vz, status);
+      refract_at(c.surfaces[1], front, px, py, pz, vx, vy, vz, status);
+      x[i] = px + lens_x;
+      y[i] = py + lens_y;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  } else if (c.kind == 2) {
+    const int number = 4 * c.surface_number[0];
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      pass_ideal(c.ideal, number, px, py, pz, vx, vy, vz, status);
+      x[i] = px + lens_x;
+      y[i] = py + lens_y;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  }
+}
+
+template <class Real, bool kRefracts>
+PLENOFLAME_INLINE void pass_surface(const KernelSurface<Real>& surface, int number, int count,
+                                    const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  int* __restrict code = block.code;
+  const KernelSurface<Real> c = surface;
+  const int base = 4 * number;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+    int status = code[i];
+    if constexpr (kRefracts) {
+      refract_at(c, base, px, py, pz, vx, vy, vz, status);
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+    } else {
+      pass_plane(c, base, px, py, pz, vx, vy, vz, status);
+    }
+    x[i] = px;
+    y[i] = py;
+    z[i] = pz;
+    code[i] = status;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
+                             const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  Real* __restrict weight = block.weight;
+  int* __restrict code = block.code;
+  if (camera.ideal_lens) {
+    const KernelIdealLens<Real> c = camera.ideal;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+      int status = code[i];
+      pass_ideal(c, 0, px, py, pz, vx, vy, vz, status);
+      x[i] = px;
+      y[i] = py;
+      z[i] = pz;
+      dx[i] = vx;
+      dy[i] = vy;
+      dz[i] = vz;
+      code[i] = status;
+    }
+  } else {
+    for (int s = 0; s < camera.surface_count; ++s) {
+      if (camera.refracts[s])
+        pass_surface<Real, true>(camera.surfaces[s], camera.surface_number[s], count, block);
+      else
+        pass_surface<Real, false>(camera.surfaces[s], camera.surface_number[s], count, block);
+    }
+  }
+  const Real gap = camera.exit_gap, ax = camera.anchor_x, ay = camera.anchor_y;
+  const Real r0 = camera.rotation[0], r1 = camera.rotation[1], r2 = camera.rotation[2],
+             r3 = camera.rotation[3], r4 = camera.rotation[4], r5 = camera.rotation[5],
+             r6 = camera.rotation[6], r7 = camera.rotation[7], r8 = camera.rotation[8];
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    // A ray that ended in the camera goes on along the axis, with no weight: always a valid ray.
+    const bool alive = code[i] == 0;
+    const Real vx = alive ? dx[i] : Real(0), vy = alive ? dy[i] : Real(0),
+               vz = alive ? dz[i] : Real(1);
+    const Real distance = (gap - (alive ? z[i] : Real(0))) / vz;
+    const Real px = (alive ? x[i] : Real(0)) + distance * vx - ax;
+    const Real py = (alive ? y[i] : Real(0)) + distance * vy - ay;
+    weight[i] = alive ? weight[i] : Real(0);
+    x[i] = r0 * px + r1 * py;
+    y[i] = r3 * px + r4 * py;
+    z[i] = r6 * px + r7 * py;
+    dx[i] = r0 * vx + r1 * vy + r2 * vz;
+    dy[i] = r3 * vx + r4 * vy + r5 * vz;
+    dz[i] = r6 * vx + r7 * vy + r8 * vz;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE int count_rays(const int* __restrict code, const Real* __restrict weight,
+                                 int count) {
+  int alive = 0;
+#pragma omp simd reduction(+ : alive)
+  for (int i = 0; i < count; ++i) alive += (code[i] == 0) & (weight[i] > Real(0)) ? 1 : 0;
+  return alive;
+}
+
+}  // namespace
+
+void pass_microlens(const KernelMicrolens<float>& lens, float lens_x, float lens_y, int first,
+                    int count, const KernelBlock<float>& block) {
+  pass(lens, lens_x, lens_y, first, count, block);
+}
+
+void pass_microlens(const KernelMicrolens<double>& lens, double lens_x, double lens_y, int first,
+                    int count, const KernelBlock<double>& block) {
+  pass(lens, lens_x, lens_y, first, count, block);
+}
+
+void trace_lens(const KernelCamera<float>& camera, int count, const KernelBlock<float>& block) {
+  trace(camera, count, block);
+}
+
+void trace_lens(const KernelCamera<double>& camera, int count, const KernelBlock<double>& block) {
+  trace(camera, count, block);
+}
+
+int count_alive(const int* code, const float* weight, int count) {
+  return count_rays(code, weight, count);
+}
+
+int count_alive(const int* code, const double* weight, int count) {
+  return count_rays(code, weight, count);
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA

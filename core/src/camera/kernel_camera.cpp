@@ -1,0 +1,132 @@
+#include "camera/kernel_camera.h"
+
+#include <string>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+template <class Real>
+KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter, double before,
+                                   double behind) {
+  return {static_cast<Real>(gap), static_cast<Real>(curvature),
+          static_cast<Real>(0.25 * diameter * diameter), static_cast<Real>(before / behind),
+          static_cast<Real>((behind - before) * (behind + before) / (behind * behind))};
+}
+
+template <class Real>
+void set_main_lens(const Camera& camera, double reference, double anchor_z,
+                   KernelCamera<Real>& out) {
+  out.ideal_lens = camera.ideal_lens();
+  if (out.ideal_lens) {
+    const IdealLens& lens = camera.ideal();
+    out.ideal = {static_cast<Real>(lens.rear_principal - reference),
+                 static_cast<Real>(lens.front_principal - lens.rear_principal),
+                 static_cast<Real>(1.0 / lens.focal_length),
+                 static_cast<Real>(lens.stop_height),
+                 static_cast<Real>(lens.stop_slope),
+                 static_cast<Real>(lens.stop_radius * lens.stop_radius)};
+    out.exit_gap = static_cast<Real>(anchor_z - lens.rear_principal);
+    return;
+  }
+  const auto& surfaces = camera.lens().surfaces();
+  if (surfaces.size() > kMaxLensSurfaces)
+    throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
+                     std::to_string(kMaxLensSurfaces) + " are supported");
+  double z = reference;
+  out.surface_count = static_cast<int>(surfaces.size());
+  for (int k = 0; k < out.surface_count; ++k) {
+    const auto i = surfaces.size() - 1 - static_cast<std::size_t>(k);
+    const double vertex = camera.lens().vertices()[i];
+    const double before = surfaces[i].index, behind = i > 0 ? surfaces[i - 1].index : 1.0;
+    const double curvature = -1.0 / surfaces[i].radius;
+    out.surfaces[k] =
+        kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
+    out.refracts[k] = curvature != 0 || before != behind;
+    out.surface_number[k] = static_cast<int>(i);
+    z = vertex;
+  }
+  out.exit_gap = static_cast<Real>(anchor_z - z);
+}
+
+}  // namespace
+
+template <class Real>
+KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidTransform& axes) {
+  KernelCamera<Real> kernel{};
+  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z,
+                kernel);
+  kernel.anchor_x = static_cast<Real>(anchor.x);
+  kernel.anchor_y = static_cast<Real>(anchor.y);
+  const auto& rows = axes.rotation.rows;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 row = rows[static_cast<std::size_t>(i)];
+    kernel.rotation[3 * i] = static_cast<Real>(row.x);
+    kernel.rotation[3 * i + 1] = static_cast<Real>(row.y);
+    kernel.rotation[3 * i + 2] = static_cast<Real>(row.z);
+  }
+  return kernel;
+}
+
+template <class Real>
+std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
+  std::vector<KernelMicrolens<Real>> lenses;
+  if (!camera.has_array()) {
+    KernelMicrolens<Real> none{};
+    none.distance = static_cast<Real>(camera.aim_plane(0) - camera.sensor());
+    lenses.push_back(none);
+    return lenses;
+  }
+  const ArraySpec& array = camera.spec().array;
+  const int main_surfaces = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
+  for (std::size_t type = 0; type < camera.microlenses().size(); ++type) {
+    const Microlens& lens = camera.microlenses()[type];
+    KernelMicrolens<Real> kernel{};
+    kernel.distance = static_cast<Real>(camera.aim_plane(static_cast<int>(type)) - camera.sensor());
+    if (camera.ideal_array()) {
+      kernel.kind = 2;
+      // Afterwards z counts from the array's front, as for real microlenses.
+      kernel.ideal = {0,
+                      static_cast<Real>(lens.front_principal - camera.array_front()),
+                      static_cast<Real>(1.0 / lens.first_order.focal_length),
+                      1,
+                      0,
+                      static_cast<Real>(0.25 * array.diameter * array.diameter)};
+      kernel.surface_number[0] = main_surfaces;
+    } else {
+      kernel.kind = 1;
+      kernel.surfaces[0] =
+          kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
+      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front,
+                                                array.diameter, lens.index, 1.0);
+      kernel.surface_number[0] = main_surfaces + 1;
+      kernel.surface_number[1] = main_surfaces;
+    }
+    lenses.push_back(kernel);
+  }
+  return lenses;
+}
+
+template <class Real>
+CameraKernels<Real> camera_kernels(Isa isa) {
+  switch (isa) {
+#if defined(__x86_64__)
+    case Isa::avx512:
+      return {avx512::pass_microlens, avx512::trace_lens, avx512::count_alive};
+    case Isa::avx2:
+      return {avx2::pass_microlens, avx2::trace_lens, avx2::count_alive};
+#endif
+    default:
+      return {baseline::pass_microlens, baseline::trace_lens, baseline::count_alive};
+  }
+}
+
+template CameraKernels<float> camera_kernels<float>(Isa isa);
+template CameraKernels<double> camera_kernels<double>(Isa isa);
+template KernelCamera<float> kernel_camera(const Camera&, Vec3, const RigidTransform&);
+template KernelCamera<double> kernel_camera(const Camera&, Vec3, const RigidTransform&);
+template std::vector<KernelMicrolens<float>> kernel_microlenses(const Camera&);
+template std::vector<KernelMicrolens<double>> kernel_microlenses(const Camera&);
+
+}  // namespace plenoflame

@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+#include "camera/camera_kernel.h"
+#include "plenoflame/base/isa.h"
+#include "plenoflame/camera/camera.h"
+
+namespace plenoflame {
+
+/// Entry points of the camera's kernels for one instruction set.
+template <class Real>
+struct CameraKernels {
+  void (*pass_microlens)(const KernelMicrolens<Real>&, Real lens_x, Real lens_y, int first,
+                         int count, const KernelBlock<Real>&);
+  void (*trace_lens)(const KernelCamera<Real>&, int count, const KernelBlock<Real>&);
+  int (*count_alive)(const int* code, const Real* weight, int count);
+};
+
+template <class Real>
+CameraKernels<Real> camera_kernels(Isa isa);
+
+/// The main lens as the kernels trace it. @param anchor [m] camera frame: rays end in its plane and
+/// are relative to it, along the axes that `axes` turns those of the camera into
+/// @throws InputError when the lens has more surfaces than the kernels hold
+template <class Real>
+KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidTransform& axes);
+
+/// One for each type of microlens, or one of kind 0 without array.
+template <class Real>
+std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera);
+
+}  // namespace plenoflame

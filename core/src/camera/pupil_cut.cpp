@@ -1,0 +1,188 @@
+#include "plenoflame/camera/pupil_cut.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "plenoflame/base/constants.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kLast = PupilCuts::kAzimuths - 1;
+// cos(pi k / 8)
+constexpr std::array<float, PupilCuts::kAzimuths> kCosines{1.0f,         0.92387953f,  0.70710678f,
+                                                           0.38268343f,  0.0f,         -0.38268343f,
+                                                           -0.70710678f, -0.92387953f, -1.0f};
+// cos(pi (k + 1/2) / 8): where the nearest azimuth changes
+constexpr std::array<float, kLast> kBorders{0.98078528f,  0.83146961f,  0.55557023f,  0.19509032f,
+                                            -0.19509032f, -0.55557023f, -0.83146961f, -0.98078528f};
+// Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps: half a step to the
+// border, and a pixel that looks from the centre like a disc of one step's radius.
+constexpr double kSector = 1.5;
+constexpr float kSine = 0.38268343f;  ///< of one step
+constexpr float kNone = -1e30f;
+
+/// Four numbers that are computed with at once (an extension of GCC and Clang).
+typedef float Four __attribute__((vector_size(16)));
+
+Four load(const PupilCut& cut) {
+  Four four;
+  std::memcpy(&four, cut.data(), sizeof four);
+  return four;
+}
+PupilCut stored(Four four) {
+  PupilCut cut;
+  std::memcpy(cut.data(), &four, sizeof four);
+  return cut;
+}
+Four widest(Four a, Four b) {
+  return a > b ? a : b;
+}
+
+Four value_at(const PupilColumn& column, float step) {
+  const int k = std::min(static_cast<int>(step), PupilColumn::kSteps - 1);
+  const Four a = load(column.cuts[static_cast<std::size_t>(k)]),
+             b = load(column.cuts[static_cast<std::size_t>(k + 1)]);
+  return a + (step - static_cast<float>(k)) * (b - a);
+}
+
+/// A column at least as wide as all of them.
+PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
+  PupilColumn wide = columns.front();
+  for (const PupilColumn& column : columns) {
+    wide.opens = std::min(wide.opens, column.opens);
+    wide.closes = std::max(wide.closes, column.closes);
+  }
+  for (int step = 0; step <= PupilColumn::kSteps; ++step) {
+    Four cut = {kNone, kNone, kNone, kNone};
+    for (const PupilColumn& column : columns)
+      cut = widest(cut, value_at(column, column.step_at(wide.distance_at(step))));
+    wide.cuts[static_cast<std::size_t>(step)] = stored(cut);
+  }
+  // Between its steps the others may bend: it is lifted over what sticks out.
+  for (const PupilColumn& column : columns)
+    for (int k = 0; k <= PupilColumn::kSteps; ++k) {
+      const float step = wide.step_at(column.distance_at(k));
+      const Four lacking = load(column.cuts[static_cast<std::size_t>(k)]) - value_at(wide, step);
+      const Four lift = lacking > 0 ? lacking : 0 * lacking;
+      const auto i =
+          static_cast<std::size_t>(std::min(static_cast<int>(step), PupilColumn::kSteps - 1));
+      wide.cuts[i] = stored(load(wide.cuts[i]) + lift);
+      wide.cuts[i + 1] = stored(load(wide.cuts[i + 1]) + lift);
+    }
+  return wide;
+}
+
+}  // namespace
+
+float PupilColumn::step_at(float distance) const {
+  const float length = closes - opens;
+  const float step = length > 0 ? (distance - opens) * (kSteps / length) : 0.0f;
+  return std::clamp(step, 0.0f, static_cast<float>(kSteps));
+}
+
+float PupilColumn::distance_at(int step) const {
+  return opens + static_cast<float>(step) * ((closes - opens) / kSteps);
+}
+
+PupilCut PupilColumn::at(float step) const {
+  return stored(value_at(*this, step));
+}
+
+PupilColumn PupilColumn::mix(const PupilColumn& a, const PupilColumn& b, float t) {
+  PupilColumn column;
+  column.opens = a.opens + t * (b.opens - a.opens);
+  column.closes = a.closes + t * (b.closes - a.closes);
+  for (std::size_t k = 0; k <= kSteps; ++k) {
+    const Four from = load(a.cuts[k]), to = load(b.cuts[k]);
+    column.cuts[k] = stored(from + t * (to - from));
+  }
+  return column;
+}
+
+float PupilCuts::azimuth_cosine(int azimuth) {
+  return kCosines[static_cast<std::size_t>(azimuth)];
+}
+
+PupilCuts PupilCuts::mix(const PupilCuts& a, const PupilCuts& b, float t) {
+  PupilCuts c;
+  for (std::size_t j = 0; j < kAzimuths; ++j)
+    c.columns[j] = PupilColumn::mix(a.columns[j], b.columns[j], t);
+  return c;
+}
+
+PupilCuts::Azimuth PupilCuts::azimuth(float cosine) {
+  int i = 0;
+  while (i < kLast - 1 && cosine < kCosines[static_cast<std::size_t>(i + 1)]) ++i;
+  const float a = kCosines[static_cast<std::size_t>(i)],
+              b = kCosines[static_cast<std::size_t>(i + 1)];
+  return {i, std::clamp((a - cosine) / (a - b), 0.0f, 1.0f)};
+}
+
+PupilColumn PupilCuts::at(const Azimuth& azimuth) const {
+  const auto j = static_cast<std::size_t>(azimuth.index);
+  return PupilColumn::mix(columns[j], columns[j + 1], azimuth.part);
+}
+
+PixelCuts::PixelCuts(const PupilCuts& cuts) {
+  const auto column_at = [&](double place) {  // in azimuth steps, mirrored at the ends
+    const double angle = constants::pi * place / kLast;
+    return cuts.at(PupilCuts::azimuth(static_cast<float>(std::cos(angle))));
+  };
+  for (int j = 0; j <= kLast; ++j) {
+    std::vector<PupilColumn> sector{column_at(j - kSector), column_at(j + kSector)};
+    for (int k = std::max(0, j - 1); k <= std::min(kLast, j + 1); ++k)
+      sector.push_back(cuts.columns[static_cast<std::size_t>(k)]);
+    columns_[static_cast<std::size_t>(j)] = widest_of(sector);
+  }
+  columns_.back() = widest_of({cuts.columns.begin(), cuts.columns.end()});
+}
+
+PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
+  PixelCuts c;
+  for (std::size_t j = 0; j < c.columns_.size(); ++j)
+    c.columns_[j] = PupilColumn::mix(a.columns_[j], b.columns_[j], t);
+  return c;
+}
+
+PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
+  const double x = std::fabs(centre.x), y = std::fabs(centre.y);
+  const double near_x = std::max(x - half, 0.0), near_y = std::max(y - half, 0.0);
+  const auto near = static_cast<float>(std::sqrt(near_x * near_x + near_y * near_y));
+  float far = static_cast<float>(std::sqrt((x + half) * (x + half) + (y + half) * (y + half)));
+  const auto distance = static_cast<float>(std::sqrt(x * x + y * y));
+  std::size_t sector = columns_.size() - 1;
+  if (0.5f * (far - near) < kSine * distance) {
+    const auto along = static_cast<float>(dot(centre, field));
+    sector = 0;
+    for (const float border : kBorders) sector += along < border * distance ? 1 : 0;
+  }
+  const PupilColumn& column = columns_[sector];
+  PixelCut pixel;
+  pixel.dark = near >= column.closes;
+  pixel.open = far <= column.opens;
+  if (pixel.dark || pixel.open) return pixel;
+  far = std::min(far, column.closes);
+  pixel.middle = 0.5f * (near + far);
+  const float ends[3] = {near, pixel.middle, far};
+  const float steps[3] = {column.step_at(near), column.step_at(pixel.middle), column.step_at(far)};
+  const Four values[3] = {value_at(column, steps[0]), value_at(column, steps[1]),
+                          value_at(column, steps[2])};
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Four slope = (values[side + 1] - values[side]) / (ends[side + 1] - ends[side]);
+    // Between the ends the column bends: the straight line is lifted over its steps.
+    Four lift = {0, 0, 0, 0};
+    for (int k = static_cast<int>(std::ceil(steps[side])); k <= static_cast<int>(steps[side + 1]);
+         ++k) {
+      const float way = std::max(ends[side], column.distance_at(k)) - pixel.middle;
+      lift =
+          widest(lift, load(column.cuts[static_cast<std::size_t>(k)]) - (values[1] + slope * way));
+    }
+    pixel.value[side] = stored(values[1] + lift);
+    pixel.slope[side] = stored(slope);
+  }
+  return pixel;
+}
+
+}  // namespace plenoflame

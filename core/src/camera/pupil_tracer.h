@@ -1,0 +1,37 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "camera/kernel_camera.h"
+#include "plenoflame/camera/camera.h"
+
+namespace plenoflame {
+
+/// Traces many rays from the sensor through one kind of microlens, wherever it may stand on the
+/// x axis, in double precision: what pupil tables are made from.
+class PupilTracer {
+ public:
+  /// @param open the microlens' own apertures stop nothing: only the main lens decides
+  PupilTracer(const Camera& camera, int type, bool open);
+
+  /// A ray from the sensor point s to the point u of the aim plane, both relative to the centre of
+  /// the microlens [m].
+  struct Request {
+    Vec2 s, u;
+  };
+  /// Receives the number of a request, whether its ray reaches the scene, and its place and
+  /// direction in the plane z = 0 of the camera frame if so.
+  using Answer = std::function<void(std::size_t index, bool passes, const Ray& ray)>;
+  /// @param h distance of the microlens' centre from the optical axis [m]
+  void trace(double h, const std::vector<Request>& requests, const Answer& answer);
+
+ private:
+  KernelCamera<double> camera_;
+  KernelMicrolens<double> lens_;
+  CameraKernels<double> kernels_;
+  std::vector<double> storage_;
+  std::vector<int> codes_;
+  KernelBlock<double> block_{};
+};
+
+}  // namespace plenoflame

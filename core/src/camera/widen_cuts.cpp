@@ -1,0 +1,174 @@
+#include "camera/widen_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kEdgeBlocks = 4;     ///< of rays between two nodes, near the micro-image's edge
+constexpr int kBlocks = 40;        ///< of rays between two nodes, all over the micro-image
+constexpr double kBeside = 0.02;   ///< of the bound: rays are aimed so far outside of a cut
+constexpr double kRoom = 1.2;      ///< what lacks is added with this factor
+constexpr double kMargin = 0.002;  ///< of the bound: for the rays that were not traced
+
+/// Evenly spread points of the unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
+class Spread {
+ public:
+  void step() {
+    constexpr double kStep[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
+                                 0.5385972572236101};
+    for (std::size_t d = 0; d < 4; ++d) {
+      point_[d] += kStep[d];
+      point_[d] -= point_[d] >= 1 ? 1.0 : 0.0;
+    }
+  }
+  double operator[](std::size_t d) const { return point_[d]; }
+
+ private:
+  double point_[4] = {0.5, 0.5, 0.5, 0.5};
+};
+
+/// Directions all around.
+class Circle {
+ public:
+  Circle() {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const double angle = 2 * constants::pi * (static_cast<double>(i) + 0.5) / kCount;
+      directions_[i] = {std::cos(angle), std::sin(angle)};
+    }
+  }
+  /// @param turn in [0, 1)
+  Vec2 at(double turn) const { return directions_[static_cast<std::size_t>(turn * kCount)]; }
+
+ private:
+  static constexpr std::size_t kCount = 1024;
+  std::array<Vec2, kCount> directions_;
+};
+
+/// The cuts of two neighbouring nodes, and those between them at some place.
+class Between {
+ public:
+  Between(PupilCuts& a, PupilCuts& b, double t)
+      : a_(a), b_(b), cuts_(PupilCuts::mix(a, b, static_cast<float>(t))) {}
+  const PupilCuts& cuts() const { return cuts_; }
+
+  void widen_closes(const PupilCuts::Azimuth& azimuth, float by) {
+    for (PupilCuts* table : {&a_, &b_, &cuts_})
+      for (const int j : {azimuth.index, azimuth.index + 1})
+        table->columns[static_cast<std::size_t>(j)].closes += by;
+  }
+  void widen(const PupilCuts::Azimuth& azimuth, float step, std::size_t side, float by) {
+    const int k = std::min(static_cast<int>(step), PupilColumn::kSteps - 1);
+    for (PupilCuts* table : {&a_, &b_, &cuts_})
+      for (const int j : {azimuth.index, azimuth.index + 1}) {
+        auto& cuts = table->columns[static_cast<std::size_t>(j)].cuts;
+        cuts[static_cast<std::size_t>(k)][side] += by;
+        cuts[static_cast<std::size_t>(k + 1)][side] += by;
+      }
+  }
+
+ private:
+  PupilCuts &a_, &b_;
+  PupilCuts cuts_;
+};
+
+/// An aim point just outside of the cut, beside one that is inside: p along, q across the line.
+double beside(const PupilCut& cut, double p, double q, double depth) {
+  // A circle between two ends on the line: how far it lies behind them at q.
+  const auto behind = [q](double diameter) {
+    const double root = diameter * diameter - 4 * q * q;
+    return root > 0 ? 2 * q * q / (diameter + std::sqrt(root)) : 0.5 * diameter;
+  };
+  const double cut_low = -static_cast<double>(cut[0]), cut_high = static_cast<double>(cut[1]);
+  const double low = cut_low + behind(static_cast<double>(cut[2]) - cut_low);
+  const double high = cut_high - behind(cut_high + static_cast<double>(cut[3]));
+  if (p < low || p > high) return p;
+  return p - low < high - p ? low - depth : high + depth;
+}
+
+/// A ray that passes: at p, counted from the end that is looked at towards the other, and q.
+void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::size_t end,
+          double p, double q, double bound) {
+  const PupilCut cut = between.cuts().at(azimuth).at(step);
+  double from_end = p + static_cast<double>(cut[end]);
+  double to_far = static_cast<double>(cut[end + 2]) - p;
+  if (to_far < 1e-3 * bound) {
+    const double by = kRoom * (1e-3 * bound - to_far);
+    between.widen(azimuth, step, end + 2, static_cast<float>(by));
+    to_far += by;
+  }
+  if (from_end >= 0 && from_end * to_far >= q * q) return;
+  // Move the end when that is a small step, otherwise the far end of its circle.
+  const double lacking = q * q / to_far - from_end;
+  if (lacking < kBeside * bound || from_end < 1e-3 * bound) {
+    const double by = kRoom * std::min(lacking, std::max(kBeside * bound, -from_end));
+    between.widen(azimuth, step, end, static_cast<float>(by));
+    from_end += by;
+  }
+  if (from_end * to_far < q * q)
+    between.widen(azimuth, step, end + 2, static_cast<float>(kRoom * (q * q / from_end - to_far)));
+}
+
+}  // namespace
+
+void widen_to_hold(PupilTracer& own, const PupilTable& table, std::vector<PupilCuts>& cuts) {
+  Spread spread;
+  const Circle circle;
+  std::vector<PupilTracer::Request> requests(kBlockRays);
+  for (std::size_t i = 0; i + 1 < table.nodes.size(); ++i) {
+    const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
+    if (a.dark() || b.dark()) continue;
+    for (int block = 0; block < kEdgeBlocks + kBlocks; ++block) {
+      const bool edge = block < kEdgeBlocks;
+      const double t = edge ? (block + 0.5) / kEdgeBlocks : (block - kEdgeBlocks + 0.5) / kBlocks;
+      Between between(cuts[i], cuts[i + 1], t);
+      const double centre = a.centre + t * (b.centre - a.centre);
+      const double reach = std::max(a.outer_radius, b.outer_radius);
+      for (PupilTracer::Request& request : requests) {
+        spread.step();
+        const double inner = edge ? 0.7 : 0.0, outer = edge ? 1.15 : 1.0;
+        const double distance =
+            reach * std::sqrt(inner * inner + spread[0] * (outer * outer - inner * inner));
+        const double r = table.discs.bound * std::sqrt(spread[2]);
+        const Vec2 e = circle.at(spread[1]), turn = circle.at(spread[3]);
+        double p = r * turn.x;
+        const double q = r * turn.y;
+        if (!edge) {  // where the table holds everything already, nothing can be learnt
+          const PupilColumn column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
+          const double depth = kBeside * table.discs.bound * spread[3] * spread[3];
+          p = beside(column.at(column.step_at(static_cast<float>(distance))), p, q, depth);
+        }
+        request = {Vec2{centre, 0} + distance * e, {p * e.x - q * e.y, p * e.y + q * e.x}};
+      }
+      const double h = (static_cast<double>(i) + t) * table.field_step;
+      own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
+        if (!passes) return;
+        const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
+        const double distance = length(w);
+        if (!(distance > 0)) return;
+        const Vec2 e = (1 / distance) * w;
+        const auto cosine = static_cast<float>(e.x), d = static_cast<float>(distance);
+        const PupilCuts::Azimuth azimuth = PupilCuts::azimuth(cosine);
+        const PupilColumn column = between.cuts().at(azimuth);
+        const double beyond = distance - static_cast<double>(column.closes);
+        if (beyond > 0) between.widen_closes(azimuth, static_cast<float>(kRoom * beyond));
+        if (edge) return;
+        const double p = dot(u, e), q = u.y * e.x - u.x * e.y;
+        const float step = column.step_at(d);
+        hold(between, azimuth, step, 0, p, q, table.discs.bound);
+        hold(between, azimuth, step, 1, -p, q, table.discs.bound);
+      });
+    }
+  }
+  const auto margin = static_cast<float>(kMargin * table.discs.bound);
+  for (PupilCuts& node : cuts)
+    for (PupilColumn& column : node.columns)
+      for (PupilCut& cut : column.cuts)
+        for (float& side : cut) side += margin;
+}
+
+}  // namespace plenoflame
