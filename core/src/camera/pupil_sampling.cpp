@@ -18,7 +18,7 @@ constexpr int kNodes = 25;            ///< of a table over the field
 constexpr int kDirections = 32;       ///< in which an edge is searched
 constexpr int kBisections = 24;       ///< halvings of the first bracket: edges to 6e-8 of it
 constexpr double kSafety = 0.001;     ///< of a radius, over the measured margin
-constexpr double kBareSafety = 1e-5;  ///< the same without array, where the edge is seen directly
+constexpr double kBareSafety = 1e-7;  ///< the same without array, where the edge is seen directly
 
 using Passes = std::function<bool(Vec2)>;
 

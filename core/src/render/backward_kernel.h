@@ -14,9 +14,10 @@ struct KernelPatch {
   Real outer_x, outer_y, outer_radius2;  ///< disc that holds the micro-image
   Real lens_x, lens_y;                   ///< centre of the microlens
   Real centre_x, centre_y;               ///< the cuts' axes run through this sensor point
-  Real origin_x, origin_y;               ///< aim points count from here
-  Real bound_radius;                     ///< nothing passes beyond it around the origin
-  Real aim_radius;                       ///< the aperture disc, around aim_shift * s
+  Real origin_x, origin_y,
+      origin_shift;   ///< aim points count from (origin_x, origin_y) + origin_shift * s
+  Real bound_radius;  ///< nothing passes beyond it around the origin
+  Real aim_radius;    ///< the aperture disc, around aim_shift * s
   Real aim_shift;
 };
 

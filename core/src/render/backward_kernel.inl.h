@@ -109,7 +109,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
   const Real* __restrict high_far = block.scratch[1] + first;
   int* __restrict code = block.code + first;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
-  const Real origin_x = c.origin_x, origin_y = c.origin_y;
+  const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
   const Real bound = c.bound_radius, bound2 = bound * bound;
   const Real aim_radius = c.aim_radius, aim_shift = c.aim_shift;
   const Real g2 = distance * distance;
@@ -142,8 +142,8 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
                               least(above * (low_far[i] - p), below * (p - high_far[i])));
     const Real stretch = square_root(greatest(chord2, Real(0)) / unit_chord2);
     const Real q = across * stretch;
-    const Real ux = origin_x + ex * p - ey * q;
-    const Real uy = origin_y + ey * p + ex * q;
+    const Real ux = origin_x + origin_shift * sx + ex * p - ey * q;
+    const Real uy = origin_y + origin_shift * sy + ey * p + ex * q;
 
     const Real vx = ux - sx, vy = uy - sy;
     const Real inverse = Real(1) / square_root(vx * vx + vy * vy + g2);

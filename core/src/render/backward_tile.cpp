@@ -169,8 +169,12 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
   const Vec2 far = centre - 1e3 * pitch * field;
   patch_.centre_x = static_cast<Real>(far.x);
   patch_.centre_y = static_cast<Real>(far.y);
-  patch_.origin_x = static_cast<Real>(aim.x);
-  patch_.origin_y = static_cast<Real>(aim.y);
+  // The pupil's disc moves with the sensor point, also within the pixel.
+  const double shift =
+      h > pitch ? node.aim_centre / h : table.nodes[1].aim_centre / table.field_step;
+  patch_.origin_x = static_cast<Real>(aim.x - shift * centre.x);
+  patch_.origin_y = static_cast<Real>(aim.y - shift * centre.y);
+  patch_.origin_shift = static_cast<Real>(shift);
   patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
   place_pixel(centre, centre, 2 * pitch);    // nothing cuts the pixel
   set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
