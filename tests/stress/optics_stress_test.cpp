@@ -130,10 +130,16 @@ void kernel_radii(const std::string& precision, double point_bound, double direc
       for (std::size_t i = 0; i < rays.size(); ++i)
         exact.push_back({QuadVec(columns[0][i], columns[1][i], columns[2][i]),
                          QuadVec(columns[3][i], columns[4][i], columns[5][i])});
-      backward_kernels<Real>(isa).trace_lens(
-          camera, 32,
-          {columns[0].data(), columns[1].data(), columns[2].data(), columns[3].data(),
-           columns[4].data(), columns[5].data(), columns[6].data(), code.data()});
+      camera_kernels<Real>(isa).trace_lens(camera, 32,
+                                           {columns[0].data(),
+                                            columns[1].data(),
+                                            columns[2].data(),
+                                            columns[3].data(),
+                                            columns[4].data(),
+                                            columns[5].data(),
+                                            columns[6].data(),
+                                            {},
+                                            code.data()});
       for (std::size_t i = 0; i < rays.size(); ++i) {
         QuadRay& ray = exact[i];
         const QuadVec start = ray.origin;
@@ -237,10 +243,17 @@ TEST(OpticsStress, TotalInternalReflectionAtItsLimit) {
           columns[3][i] = direction.x;
           columns[5][i] = -direction.z;
         }
-        backward_kernels<double>(best_isa())
+        camera_kernels<double>(best_isa())
             .trace_lens(camera, 16,
-                        {columns[0].data(), columns[1].data(), columns[2].data(), columns[3].data(),
-                         columns[4].data(), columns[5].data(), columns[6].data(), code.data()});
+                        {columns[0].data(),
+                         columns[1].data(),
+                         columns[2].data(),
+                         columns[3].data(),
+                         columns[4].data(),
+                         columns[5].data(),
+                         columns[6].data(),
+                         {},
+                         code.data()});
         QuadRay exact{QuadVec{0, 0, 0}, QuadVec{direction.x, 0, -direction.z}};
         exact.direction = unit(exact.direction);
         const QuadRefraction r = quad_refract(exact, 0, kInfinity, index, 1);

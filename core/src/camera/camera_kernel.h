@@ -47,7 +47,7 @@ struct KernelBlock {
    * block,*/                                                                                      \
   /* relative to that centre before and to the optical axis afterwards; up to 15 rays behind the   \
    */                                                                                              \
-  /* last are overwritten. Kind 0: nothing happens. */                                                                                                \
+  /* last are overwritten. Kind 0: nothing happens. */                                             \
   void pass_microlens(const KernelMicrolens<float>&, float lens_x, float lens_y, int first,        \
                       int count, const KernelBlock<float>&);                                       \
   void pass_microlens(const KernelMicrolens<double>&, double lens_x, double lens_y, int first,     \

@@ -2,7 +2,7 @@
 #include <functional>
 #include <vector>
 
-#include "camera/kernel_camera.h"
+#include "camera/block_tracing.h"
 #include "plenoflame/camera/camera.h"
 
 namespace plenoflame {

@@ -129,12 +129,12 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
-      return {avx512::generate, avx512::multiply};
+      return {avx512::generate, avx512::accumulate};
     case Isa::avx2:
-      return {avx2::generate, avx2::multiply};
+      return {avx2::generate, avx2::accumulate};
 #endif
     default:
-      return {baseline::generate, baseline::multiply};
+      return {baseline::generate, baseline::accumulate};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);

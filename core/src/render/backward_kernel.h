@@ -43,9 +43,9 @@ struct KernelPixel {
                 const KernelBlock<float>&);                                                        \
   void generate(const KernelPatch<double>&, const KernelPixel<double>*, int pixels,                \
                 double distance, const KernelBlock<double>&);                                      \
-  /* flux[i] = weight[i] * radiance[i], in double.                                              */ \
-  void multiply(const float* weight, const float* radiance, int count, double* flux);              \
-  void multiply(const double* weight, const double* radiance, int count, double* flux);
+  /* Sum of weight * radiance, in double. */                                                       \
+  double accumulate(const float* weight, const float* radiance, int count);                        \
+  double accumulate(const double* weight, const double* radiance, int count);
 
 namespace baseline {
 PLENOFLAME_BACKWARD_KERNELS

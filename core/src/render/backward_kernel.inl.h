@@ -170,11 +170,13 @@ PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const Kernel
 }
 
 template <class Real>
-PLENOFLAME_INLINE void products(const Real* __restrict weight, const Real* __restrict radiance,
-                                int count, double* __restrict flux) {
-#pragma omp simd
+PLENOFLAME_INLINE double sum_products(const Real* __restrict weight,
+                                      const Real* __restrict radiance, int count) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
   for (int i = 0; i < count; ++i)
-    flux[i] = static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
+    sum += static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
+  return sum;
 }
 
 }  // namespace
@@ -189,12 +191,12 @@ void generate(const KernelPatch<double>& patch, const KernelPixel<double>* pixel
   generate_all(patch, pixels, count, distance, block);
 }
 
-void multiply(const float* weight, const float* radiance, int count, double* flux) {
-  products(weight, radiance, count, flux);
+double accumulate(const float* weight, const float* radiance, int count) {
+  return sum_products(weight, radiance, count);
 }
 
-void multiply(const double* weight, const double* radiance, int count, double* flux) {
-  products(weight, radiance, count, flux);
+double accumulate(const double* weight, const double* radiance, int count) {
+  return sum_products(weight, radiance, count);
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

@@ -10,6 +10,7 @@ namespace {
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
+constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
 /// The cut that cuts nothing of a disc with radius `bound`.
@@ -32,7 +33,6 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   const auto channels = static_cast<std::size_t>(film.channels());
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((11 + channels) * kPadding + alignment);
-  products_.resize(kPadding);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -340,7 +340,7 @@ double TileTracer<Real>::scale_of(int level) const {
 
 template <class Real>
 void TileTracer<Real>::add_to_film(int channel) {
-  plan_.kernels.multiply(block_.weight, radiance_ + channel * kPadding, count_, products_.data());
+  const Real* radiance = radiance_ + channel * kPadding;
   for (const Pending& pending : pending_) {
     const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
     const double scale = scale_of(pending.level);
@@ -349,7 +349,13 @@ void TileTracer<Real>::add_to_film(int channel) {
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
       double sum = 0;
-      for (; i < end; ++i) sum += products_[static_cast<std::size_t>(i)];
+      if (end - i < kVectorSum) {
+        for (int k = i; k < end; ++k)
+          sum += static_cast<double>(block_.weight[k]) * static_cast<double>(radiance[k]);
+      } else {
+        sum = plan_.kernels.accumulate(block_.weight + i, radiance + i, end - i);
+      }
+      i = end;
       film_.sum(channel, replicate, pending.column, pending.row) += scale * sum;
     }
   }

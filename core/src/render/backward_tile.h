@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "camera/kernel_camera.h"
+#include "camera/block_tracing.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
@@ -19,7 +19,7 @@ template <class Real>
 struct BackwardKernels {
   void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
                    const KernelBlock<Real>&);
-  void (*multiply)(const Real*, const Real*, int, double*);
+  double (*accumulate)(const Real*, const Real*, int);
 };
 
 template <class Real>
@@ -111,7 +111,6 @@ class TileTracer {
   std::vector<Pending> pending_;
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
-  std::vector<double> products_;  ///< weight * radiance
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
   Real* radiance_ = nullptr;

@@ -33,8 +33,8 @@ struct KernelTablePlaces {
   void locate(const KernelRadianceTable&, int count, const float* x, const float* y,               \
               const float* z, const float* dx, const float* dy, const float* dz, const int* code,  \
               const KernelTablePlaces&);                                                           \
-  /* Radiance of channel c at radiance + c * stride, 0 outside; quality, of the worst channel: */                                                                                                \
-  /* 2 smooth, 1 fair, 0 neither or outside. */                                                                                                \
+  /* Radiance of channel c at radiance + c * stride, 0 outside; quality, of the worst channel: */  \
+  /* 2 smooth, 1 fair, 0 neither or outside. */                                                    \
   void look_up(const KernelRadianceTable&, const float* nodes, int count,                          \
                const KernelTablePlaces&, float* radiance, int stride, int* quality);
 

@@ -1,4 +1,4 @@
-#include "camera/kernel_camera.h"
+#include "camera/block_tracing.h"
 
 #include <string>
 
