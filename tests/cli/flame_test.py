@@ -104,10 +104,23 @@ class Flame(CommandTest):
         self.fails(2, "flame", "turbulent", *out, "--soot-function", "0.3", mentions="--soot-function")
         self.fails(2, "flame", "layered", *out, "--wavelength", "650 nm", mentions="--wavelength")
         self.fails(2, "flame", "candle", *out, "--compression", "rar", mentions="rar")
-        self.fails(1, "flame", "layered", *out, "--layers", "none.toml", mentions="none.toml: cannot be opened")
+        self.fails(2, "flame", "candle", "-o", "a.exr", mentions="must end in .vdb")
+        self.fails(1, "flame", "layered", *out, "--layers", "none.toml", mentions=["none.toml", "No such file"])
         self.fails(1, "flame", "candle", *out, "--voxel-size", "1 nm", mentions="choose a larger one")
         self.fails(1, "flame", "candle", "--voxel-size", "2 mm", "-o", "no/a.vdb", mentions="no folder no")
         self.assertEqual(self.files(), [])
+
+    def test_wrong_layers(self):
+        for mistake, where, message in (
+                ('temprature = "1 K"\n', "9:1", 'unknown key "temprature" in layers[1]; did you mean "temperature"?'),
+                ('temperature = "1500"\n', "9:15", "its unit is missing (one of K, degC)"),
+                ('temperature = nan\n', "9:15", "nan is not a number"),
+                ('absorption = "-20 1/m"\n', "9:14", "-20 1/m is not possible here; at least 0 1/m"),
+                ('semi_axes = ["1 mm", "0 mm", "1 mm"]\n', "9:13", "above 0 m"),
+                ('name = "b"\n', "8:1", "layers[1].semi_axes is missing")):
+            self.write("l.toml", LAYERS.lstrip("\n") + "\n[[layers]]\n" + mistake)
+            self.fails(1, "flame", "layered", "--layers", "l.toml", "-o", "a.vdb", mentions=["l.toml:" + where, message])
+        self.assertEqual(self.files(), ["l.toml"])
 
     def test_full_disk(self):
         self.fails(1, "flame", "candle", "--voxel-size", "1 mm", "-o", "a.vdb", largest_file=5000,

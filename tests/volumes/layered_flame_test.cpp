@@ -313,21 +313,21 @@ TEST(LayerFile, ReadsLayersWithUnits) {
     EXPECT_EQ(message.rfind(path, 0), 0u) << message;
     return message;
   };
-  EXPECT_TRUE(contains(refused(start + rest), ":1:1: centre is missing"));
-  EXPECT_TRUE(contains(refused(start + "center = 3\n" + rest),
-                       ":3:10: unknown key \"center\"; a layer has: name, centre"));
+  EXPECT_TRUE(contains(refused(start + centre), ":1:1: layers[0].semi_axes is missing"));
+  EXPECT_TRUE(contains(refused(start + "centr = 3\n" + rest),
+                       ":3:1: unknown key \"centr\" in layers[0]; did you mean \"centre\"?"));
   EXPECT_TRUE(contains(refused(start + "centre = [1, 2, 3]\n" + rest),
-                       ":3:11: centre must be a quantity with a unit"));
+                       ":3:11: layers[0].centre: a unit is missing"));
   EXPECT_TRUE(contains(refused(start + "centre = [\"1 m\"]\n" + rest),
-                       ":3:10: centre must be three lengths"));
-  EXPECT_TRUE(
-      contains(refused(start + "centre = [\"1\", \"1 m\", \"1 m\"]\n" + rest), ":3:11: centre: "));
-  EXPECT_TRUE(contains(refused("layer = 3\n"), ":1:9: unknown key \"layer\""));
-  EXPECT_TRUE(contains(refused(""), "has no [[layers]] tables"));
-  EXPECT_TRUE(contains(refused("layers = [3]\n"), "layers must be tables"));
+                       ":3:10: layers[0].centre: this has 1 components, but 3 are expected"));
+  EXPECT_TRUE(contains(refused(start + rest + "[[layers]]\nabsorption = \"-1 1/m\"\n"),
+                       ":7:14: layers[1].absorption: -1 1/m is not possible here; at least 0 1/m"));
+  EXPECT_TRUE(contains(refused("layer = 3\n"), ":1:1: unknown key \"layer\""));
+  EXPECT_TRUE(contains(refused(""), "there are no [[layers]] tables"));
+  EXPECT_TRUE(contains(refused("layers = [3]\n"), ":1:11: layers[0] is a whole number"));
   EXPECT_TRUE(contains(refused("[[layers\n"), path + ":1:"));
   EXPECT_TRUE(contains(message_of<FileError>([&] { read_layers(folder.file("none.toml")); }),
-                       "cannot be opened"));
+                       "No such file"));
 }
 
 }  // namespace

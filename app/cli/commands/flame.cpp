@@ -64,6 +64,9 @@ void check_use(const Settings& s) {
   if (!sooty) refuse(s.wavelength.has_value(), "--wavelength");
   if (!sooty) refuse(s.soot_function.has_value(), "--soot-function");
   if (s.name != "turbulent") refuse(s.seed.has_value(), "--seed");
+  if (!s.output.ends_with(".vdb"))
+    throw UsageError("--output: '" + s.output + "' must end in .vdb");
+  if (s.layers) check_not_overwritten("--output", s.output, *s.layers);
 }
 
 FlameFields generate(const Settings& s, const Execution& execution) {

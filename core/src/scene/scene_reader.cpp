@@ -1,6 +1,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <locale>
 #include <sstream>
@@ -309,15 +310,10 @@ class Reader {
   int depth_;
 };
 
-}  // namespace
-
-SceneDocument parse_scene(std::string_view text, const std::string& name) {
-  SceneDocument document;
-  document.scene.file = name;
+toml::table parse_toml(std::string_view text, const std::string& name) {
   check_key_depth(text, name);
-  toml::table parsed;
   try {
-    parsed = toml::parse(text, name);
+    return toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     const auto& source = error.source();
     std::string message(error.description());
@@ -326,12 +322,47 @@ SceneDocument parse_scene(std::string_view text, const std::string& name) {
         {name, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)},
         "this is not TOML: " + message);
   }
+}
+
+}  // namespace
+
+SceneDocument parse_scene(std::string_view text, const std::string& name) {
+  SceneDocument document;
+  document.scene.file = name;
+  const toml::table parsed = parse_toml(text, name);
   Reader(document.scene, document.positions, name, 0).read_table(parsed, "", "", {});
   // Without an array the sensor is what the object is conjugate to.
   CameraSpec& camera = document.scene.camera;
   if (!camera.array.present && !parsed["camera"]["focus"]["conjugate"])
     camera.focus.conjugate = "sensor";
   return document;
+}
+
+std::vector<EllipsoidSpec> parse_layers(std::string_view text, const std::string& name) {
+  const toml::table parsed = parse_toml(text, name);
+  Scene scene;
+  scene.flames.resize(1);
+  PositionMap positions;
+  Reader reader(scene, positions, name, 0);
+  for (const auto& [key, node] : parsed)
+    if (key.str() != "layers")
+      throw InputError(reader.position(key.source()),
+                       "unknown key " + quote_for_message(key.str()) +
+                           "; a file of layers holds [[layers]] tables only");
+  reader.read_table(parsed, "flames[]", "", {0});
+  const std::vector<EllipsoidSpec>& layers = scene.flames[0].layers;
+  if (layers.empty()) throw InputError(SourcePosition{name}, "there are no [[layers]] tables");
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    for (const SchemaKey& key : schema_keys()) {
+      if (!key.path.starts_with("flames[].layers[].") ||
+          in_range(key, key.get(scene, std::array{std::size_t{0}, i})))
+        continue;
+      const std::string path = "layers[" + std::to_string(i) + "]";
+      throw InputError(positions.find(path), path +
+                                                 std::string(key.path.substr(key.path.rfind('.'))) +
+                                                 " is missing; " + range_text(key) + " is allowed");
+    }
+  return layers;
 }
 
 SceneDocument read_scene_file(const std::string& path) {

@@ -2,6 +2,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene.h"
@@ -35,7 +36,12 @@ struct SceneDocument {
 /// @throws InputError "file:line:column: ..." that says what to do
 SceneDocument parse_scene(std::string_view text, const std::string& name);
 
-/// The same from a file. @throws FileError when it cannot be read, InputError as parse_scene
+/// The layers of a flame alone: TOML that holds nothing but [[layers]] tables, with the keys of
+/// [[flames.layers]]. All values are there and within their ranges.
+/// @throws InputError "file:line:column: ..."
+std::vector<EllipsoidSpec> parse_layers(std::string_view text, const std::string& name);
+
+/// A scene from a file. @throws FileError when it cannot be read, InputError as parse_scene
 SceneDocument read_scene_file(const std::string& path);
 
 /// The whole scene as TOML, every key that has a value; parse_scene gives back an equal scene, bit
