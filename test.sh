@@ -1,9 +1,9 @@
 #!/bin/bash
 # Installs what is missing, builds, and runs all tests.
 #
-#   ./test.sh            release build with warnings as errors, core alone, and the tests again under
-#                        AddressSanitizer + UndefinedBehaviorSanitizer and under ThreadSanitizer
-#   ./test.sh --quick    the release build and its tests only
+#   ./test.sh            format check, release build with warnings as errors, core alone, and the tests
+#                        again under AddressSanitizer + UndefinedBehaviorSanitizer and under ThreadSanitizer
+#   ./test.sh --quick    format check, the release build and its tests only
 # Tests labelled long (minutes each) run on request only: ctest --preset release -L long
 #
 #   ./test.sh --no-setup installs nothing (for machines without apt-get)
@@ -93,6 +93,7 @@ if [ "$setup" = yes ]; then
   tools/setup.sh core volumes cli tests || exit 1
 fi
 
+stage "format" tools/format.sh --check || true
 if stage "build: release" build release; then
   run_tests release -LE long
 fi

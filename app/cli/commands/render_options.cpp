@@ -92,9 +92,10 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("FILE");
   command.add_flag("--no-skip{false}", options.skip,
                    "Do all work, also what the scene does not need (for comparison)");
-  command.add_flag("--no-control-variate{false}", options.control_variate,
-                   "Integrate every ray through a grid, instead of correcting a table of radiance by "
-                   "some of them (for comparison)");
+  command.add_flag(
+      "--no-control-variate{false}", options.control_variate,
+      "Integrate every ray through a grid, instead of correcting a table of radiance by "
+      "some of them (for comparison)");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");
 }

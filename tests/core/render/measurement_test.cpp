@@ -74,8 +74,8 @@ TEST(Measurement, ThinLensAndUniformSource) {
       const double expected = kPi * 1e-6 * pixel_view_factor(centre, 1e-3, d, 0.5 * diameter) *
                               UniformMedium::kRadiance;
       // Within the scatter of the replicates, which is small: a smooth integrand but for the rim of
-      // the pupil. The disc that is sampled exceeds it by 1e-5, and its area by twice that: so few of
-      // 1024 rays fall there that their scatter does not show it.
+      // the pupil. The disc that is sampled exceeds it by 1e-5, and its area by twice that: so few
+      // of 1024 rays fall there that their scatter does not show it.
       const double error = image.standard_error.at(column, row);
       EXPECT_LT(error, 3e-3 * expected);
       EXPECT_TRUE(within_standard_errors(image.flux.at(column, row), expected,

@@ -48,8 +48,8 @@ class Medium {
   virtual int channel_count() const = 0;
   /// World box outside of which absorption is zero.
   virtual Box bounds() const = 0;
-  /// Whether integrating a ray takes so much longer than tracing it through a camera that a table of
-  /// radiance may pay.
+  /// Whether integrating a ray takes so much longer than tracing it through a camera that a table
+  /// of radiance may pay.
   virtual bool is_costly() const { return false; }
   /// Smallest length over which the medium varies (a voxel, a semi-axis) [m].
   virtual double feature_size() const = 0;

@@ -67,11 +67,11 @@ struct RenderStatistics {
   /// it; and corrections cut off at a radiance of 0.
   double table_looked_up = 0, table_corrected = 0, table_rough = 0, table_nodes = 0,
          table_clamped = 0;
-  double relative_error = -1;  ///< estimated relative RMSE over lit pixels; -1: not estimated
+  double relative_error = -1;        ///< estimated relative RMSE over lit pixels; -1: not estimated
   double relative_error_bound = -1;  ///< below which it is at kErrorConfidence (film.h)
-  double flux = 0;             ///< [W] sum over the image, first channel
-  bool complete = true;        ///< false: stopped from outside
-  bool target_reached = true;  ///< false: the target error needs more samples or time
+  double flux = 0;                   ///< [W] sum over the image, first channel
+  bool complete = true;              ///< false: stopped from outside
+  bool target_reached = true;        ///< false: the target error needs more samples or time
   int threads = 0;
   std::string isa, precision, medium_description;
   /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over
