@@ -138,6 +138,17 @@ TEST(ForwardAgreement, Crosstalk) {
   expect_agreement(small_scene(singlet(), array));
 }
 
+// Clear between lenses that leave much of the array to straight rays.
+TEST(ForwardAgreement, ClearBetweenTheLenses) {
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    ArraySpec array = large_array(Lattice::square, model);
+    array.diameter = 0.7 * array.pitch;
+    expect_agreement(small_scene(singlet(), array));
+    array.opaque_between = false;
+    expect_agreement(small_scene(singlet(), array));
+  }
+}
+
 // A flame nearer than the focus, off the axis, and a camera that stands and looks elsewhere.
 TEST(ForwardAgreement, NearFlameAndTurnedCamera) {
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));

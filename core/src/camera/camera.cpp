@@ -167,6 +167,10 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
       path.points[i].y += centre.y;
     }
   }
+  if (!lens && has_array() && !passes_between(ray)) {
+    path.status = {RayStatus::vignetted, lens_surfaces};
+    if (points) points->push_back(ray.at((array_front_ - ray.origin.z) / ray.direction.z));
+  }
   if (path.status.status == RayStatus::reached)
     path.status = ideal_lens() ? trace_ideal(ray, points) : lens_.trace_to_scene(ray, points);
   path.exit = ray;

@@ -349,6 +349,15 @@ PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {
     parallel_for(quiet, tables_.size(), [&](std::size_t type, int) {
       tables_[type] = microlens_table(camera, static_cast<int>(type));
     });
+    if (!camera.spec().array.opaque_between) {
+      CameraSpec spec = camera.spec();
+      spec.array.present = false;
+      spec.focus.mode = FocusMode::distance;
+      spec.focus.lens_distance = camera.rear_vertex() - camera.sensor();
+      Camera bare(spec);
+      PupilTable table = bare_table(bare);
+      between_ = Between{std::move(bare), std::move(table)};
+    }
   }
   for (const PupilTable& table : tables_)
     for (const PupilNode& node : table.nodes)

@@ -75,17 +75,10 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
   return status;
 }
 
-TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>& arrivals) const {
-  Ray ray = from_scene;
-  Arrival arrival;
-  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio);
-  if (main_lens.status != RayStatus::reached) return main_lens;
-  if (!has_array()) {
-    arrival.sensor_point = at_plane(ray, sensor_);
-    arrivals.push_back(arrival);
-    return {};
-  }
-  const int lens_surfaces = surface_count() - (ideal_array() ? 1 : 2);
+/// Takes a ray from the main lens through every microlens that it may meet. @return whether it met
+/// one, even if it ended there; `status` is that of the last one tried
+bool Camera::meet_microlenses(const Ray& ray, const Arrival& arrival,
+                              std::vector<Arrival>& arrivals, TraceStatus& status) const {
   // The layer of space in which the front faces (or principal planes) lie.
   const double radius = 0.5 * spec_.array.diameter;
   double high = -kInfinity, low = kInfinity;
@@ -96,8 +89,6 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
     low = std::min({low, vertex, rim});
   }
   const Vec2 a = at_plane(ray, high), b = at_plane(ray, low);
-  const std::size_t before = arrivals.size();
-  TraceStatus status{RayStatus::vignetted, 0};
   bool on_a_lens = false;
   const auto attempt = [&](LensIndex lens) {
     status = pass_microlens(lens, ray, arrival, arrivals);
@@ -115,6 +106,32 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
                          {std::max(a.x, b.x) + reach, std::max(a.y, b.y) + reach}))
       attempt(lens);
   }
+  return on_a_lens;
+}
+
+bool Camera::passes_between(const Ray& ray) const {
+  const Vec3 away = ray.direction.z > 0 ? ray.direction : -ray.direction;
+  // Back from well in front of the array.
+  const double ahead = (array_front_ + spec_.array.pitch - ray.origin.z) / away.z;
+  std::vector<Arrival> arrivals;
+  TraceStatus status;
+  return !meet_microlenses({ray.origin + ahead * away, -away}, {}, arrivals, status);
+}
+
+TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>& arrivals) const {
+  Ray ray = from_scene;
+  Arrival arrival;
+  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio);
+  if (main_lens.status != RayStatus::reached) return main_lens;
+  if (!has_array()) {
+    arrival.sensor_point = at_plane(ray, sensor_);
+    arrivals.push_back(arrival);
+    return {};
+  }
+  const int lens_surfaces = surface_count() - (ideal_array() ? 1 : 2);
+  const std::size_t before = arrivals.size();
+  TraceStatus status{RayStatus::vignetted, 0};
+  const bool on_a_lens = meet_microlenses(ray, arrival, arrivals, status);
   if (!on_a_lens && !spec_.array.opaque_between) {
     arrival.sensor_point = at_plane(ray, sensor_);
     arrivals.push_back(arrival);

@@ -37,6 +37,14 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
   plan.camera = kernel_camera<Real>(camera, anchor, camera.to_world());
   plan.microlenses = kernel_microlenses<Real>(camera);
+  if (const auto& between = scene.pupils.between()) {
+    plan.between_type = static_cast<int>(plan.microlenses.size());
+    plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
+    plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
+    if (settings.skip)
+      plan.between_beams =
+          std::make_unique<BeamBounds>(between->camera, std::vector{between->table}, box);
+  }
   if (settings.skip) plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), box);
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
@@ -193,11 +201,6 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
                            std::uint32_t first, int points, RadianceTable* table)
     : points_(points) {
-  const ArraySpec& array = scene.camera.spec().array;
-  if (array.present && !array.opaque_between)
-    throw InputError(
-        "camera.array.opaque_between = false: the backward estimator does not follow light "
-        "between the microlenses; use the forward one, or opaque_between = true");
   const bool single = in_single_precision(scene, settings);
   if (single) {
     auto plan = std::make_unique<BackwardPlan<float>>(

@@ -18,7 +18,6 @@ class BackwardPass {
  public:
   /// @param table stands in for the medium where it is smooth (single precision only); may be
   /// nullptr
-  /// @throws InputError when the backward estimator cannot follow the scene's light
   BackwardPass(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
                int points, RadianceTable* table = nullptr);
   ~BackwardPass();

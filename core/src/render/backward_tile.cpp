@@ -53,7 +53,8 @@ void TileTracer<Real>::render(PixelWindow tile) {
   const Camera& camera = plan_.scene->camera;
   if (!camera.has_array()) {
     for (int row = tile.y; row < tile.y + tile.height; ++row)
-      for (int column = tile.x; column < tile.x + tile.width; ++column) add_bare_pixel(column, row);
+      for (int column = tile.x; column < tile.x + tile.width; ++column)
+        add_bare_pixel(column, row, plan_.scene->pupils.tables().front(), plan_.beams.get(), 0);
   } else {
     // Upright images run against camera x, y.
     const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
@@ -61,6 +62,11 @@ void TileTracer<Real>::render(PixelWindow tile) {
     const Vec2 reach{plan_.reach, plan_.reach};
     for (const LensIndex lens : camera.lattice().within(a - reach, b + reach))
       add_microlens(tile, lens);
+    if (plan_.between_type >= 0)
+      for (int row = tile.y; row < tile.y + tile.height; ++row)
+        for (int column = tile.x; column < tile.x + tile.width; ++column)
+          add_bare_pixel(column, row, plan_.scene->pupils.between()->table,
+                         plan_.between_beams.get(), plan_.between_type);
   }
   flush();
 }
@@ -151,13 +157,13 @@ void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
 }
 
 template <class Real>
-void TileTracer<Real>::add_bare_pixel(int column, int row) {
+void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& table,
+                                      const BeamBounds* beams, int type) {
   const Camera& camera = plan_.scene->camera;
-  const PupilTable& table = plan_.scene->pupils.tables().front();
   const Vec2 centre = camera.sensor_point(column + 0.5, row + 0.5);
   const PupilNode node = table.at(length(centre));
   if (node.dark()) return;
-  if (plan_.beams && !plan_.beams->may_meet(0, centre)) {
+  if (beams && !beams->may_meet(0, centre)) {
     counters_.pixels_skipped += 1;
     return;
   }
@@ -178,7 +184,7 @@ void TileTracer<Real>::add_bare_pixel(int column, int row) {
   patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
   place_pixel(centre, centre, 2 * pitch);    // nothing cuts the pixel
   set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
-  add_pair(0, column, row, mix64(plan_.settings->seed), 0);
+  add_pair(type, column, row, mix64(plan_.settings->seed), 0);
 }
 
 template <class Real>
@@ -244,9 +250,28 @@ void TileTracer<Real>::generate_queued() {
                          block_);
   const int first = queued_.front().first;
   const int count = queued_.back().first + queued_.back().count - first;
-  if (sink_) sink_->drawn(patch_, block_, first, count);
-  plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
+  const bool between = type_ == plan_.between_type;
+  if (sink_) sink_->drawn(patch_, between ? -1 : type_, block_, first, count);
+  if (between)
+    end_at_microlenses(first, count);
+  else
+    plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
   queued_.clear();
+}
+
+/// Rays that were drawn as if there were no array: those that meet one of its lenses have ended.
+template <class Real>
+void TileTracer<Real>::end_at_microlenses(int first, int count) {
+  const Camera& camera = plan_.scene->camera;
+  const int front = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
+  const double z = camera.array_front() + static_cast<double>(plan_.between_z);
+  for (int i = first; i < first + count; ++i) {
+    const Ray ray{{static_cast<double>(block_.x[i]), static_cast<double>(block_.y[i]), z},
+                  {static_cast<double>(block_.dx[i]), static_cast<double>(block_.dy[i]),
+                   static_cast<double>(block_.dz[i])}};
+    block_.z[i] = plan_.between_z;
+    if (!camera.passes_between(ray)) block_.code[i] = 4 * front + kCauseVignetted;
+  }
 }
 
 template <class Real>

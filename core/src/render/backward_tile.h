@@ -35,9 +35,14 @@ struct BackwardPlan {
   CameraKernels<Real> optics;
   KernelCamera<Real> camera;
   std::vector<KernelMicrolens<Real>> microlenses;
+  /// Of `microlenses`, for rays that pass between them (clear arrays; -1: opaque); their aim plane
+  /// in front of the array [m].
+  int between_type = -1;
+  Real between_z = 0;
   Vec3 anchor;                        ///< [m] world
   std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
-  RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
+  std::unique_ptr<BeamBounds> between_beams;
+  RadianceTable* table = nullptr;  ///< may stand in for the medium; single precision only
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
@@ -56,8 +61,9 @@ class RaySink {
   virtual ~RaySink() = default;
   /// Entries [first, first + count) of the block are rays of the patch at the aim plane, relative
   /// to the centre of its microlens, with the weights they were drawn with, before any optics.
-  virtual void drawn(const KernelPatch<Real>& patch, const KernelBlock<Real>& block, int first,
-                     int count) = 0;
+  /// @param type of the microlens; -1: between the lenses
+  virtual void drawn(const KernelPatch<Real>& patch, int type, const KernelBlock<Real>& block,
+                     int first, int count) = 0;
   /// The same entries, behind optics and medium: all are rays of one pixel. Each adds scale *
   /// weight
   /// * radiance to it. Channel c of entry i is radiance[c * stride + i].
@@ -88,7 +94,9 @@ class TileTracer {
     int column, row, first, count, offset, level;  ///< offset: first number of the replicates
   };
   void add_microlens(PixelWindow tile, LensIndex lens);
-  void add_bare_pixel(int column, int row);
+  void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
+                      int type);
+  void end_at_microlenses(int first, int count);
   void begin_patch(Vec2 lens, Vec2 centre, double outer_radius);
   void set_cut(const PixelCut& cut);
   bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);

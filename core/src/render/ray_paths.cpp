@@ -118,8 +118,13 @@ class PathTracer {
         distance += length(world - paths.vertices.back().position);
       paths.vertices.push_back({world, surface, index_behind(surface, ray.type), distance});
     };
+    // What goes between the microlenses skips their faces, but for the one where it may end.
+    std::size_t skipped = 0;
+    if (!lens && camera_.has_array())
+      skipped = (camera_.ideal_array() ? 1u : 2u) -
+                (ray.status.status != RayStatus::reached && ray.status.surface >= lens_surfaces_);
     for (std::size_t i = 0; i < points; ++i)
-      push(camera_.to_world().point(path.points[i]), steps_[i]);
+      push(camera_.to_world().point(path.points[i]), steps_[i > 0 ? i + skipped : 0]);
     if (path.status.status == RayStatus::reached) {
       const Ray exit{camera_.to_world().point(path.exit.origin),
                      camera_.to_world().direction(path.exit.direction)};
@@ -159,18 +164,24 @@ class PathSink : public RaySink<double> {
   PathSink(const CompiledScene& scene, const PathTracer& tracer, double samples, RayPaths& paths)
       : scene_(scene), tracer_(tracer), samples_(samples), paths_(paths), drawn_(kBlockRays) {}
 
-  void drawn(const KernelPatch<double>& patch, const KernelBlock<double>& block, int first,
-             int count) override {
+  void drawn(const KernelPatch<double>& patch, int type, const KernelBlock<double>& block,
+             int first, int count) override {
     const Camera& camera = scene_.camera;
+    const bool through_lens = camera.has_array() && type >= 0;
     const Vec2 place{patch.lens_x, patch.lens_y};
-    const LensIndex lens = camera.has_array() ? camera.lattice().nearest(place) : LensIndex{};
-    const int type = camera.has_array() ? camera.lattice().type(lens) : 0;
-    const double gap = camera.aim_plane(type) - camera.sensor();
+    const LensIndex lens = through_lens ? camera.lattice().nearest(place) : LensIndex{};
+    const auto& between = scene_.pupils.between();
+    // Rays between the lenses are aimed at the main lens; traced ones at the plane of the array.
+    const double drawn_gap = camera.has_array() && type < 0
+                                 ? between->camera.aim_plane(0) - camera.sensor()
+                                 : camera.aim_plane(std::max(type, 0)) - camera.sensor();
+    const double gap = camera.aim_plane(std::max(type, 0)) - camera.sensor();
     for (int i = first; i < first + count; ++i) {
       const Vec2 aim = place + Vec2{block.x[i], block.y[i]};
-      const double t = gap / block.dz[i];
-      drawn_[static_cast<std::size_t>(i)] = {aim - Vec2{t * block.dx[i], t * block.dy[i]}, aim,
-                                             lens, camera.has_array() ? type : -1, block.weight[i]};
+      const Vec2 slope{block.dx[i] / block.dz[i], block.dy[i] / block.dz[i]};
+      const Vec2 start = aim - drawn_gap * slope;
+      drawn_[static_cast<std::size_t>(i)] = {start, drawn_gap == gap ? aim : start + gap * slope,
+                                             lens, through_lens ? type : -1, block.weight[i]};
     }
   }
 

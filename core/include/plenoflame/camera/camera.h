@@ -82,7 +82,8 @@ class Camera {
                                ///< lens with separated principal planes)
   };
   /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
-  /// `lens` (given exactly when there is an array). Exact, in double precision.
+  /// `lens`; none: there is no array, or the ray passes between its lenses. Exact, in double
+  /// precision.
   Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
              bool with_points = false) const;
 
@@ -102,6 +103,9 @@ class Camera {
   /// @return why it went no further when it does not arrive; surface numbered from the scene
   TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals) const;
 
+  /// Whether a straight line through the array's plane meets no microlens. @param ray camera frame
+  bool passes_between(const Ray& ray) const;
+
   /// Sensor point of continuous upright image coordinates (pixel (0,0) has its centre at 0.5, 0.5).
   Vec2 sensor_point(double column, double row) const {
     const double p = spec_.sensor.pixel_pitch;
@@ -116,6 +120,8 @@ class Camera {
   TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio) const;
   TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
                              std::vector<Arrival>& arrivals) const;
+  bool meet_microlenses(const Ray& ray, const Arrival& arrival, std::vector<Arrival>& arrivals,
+                        TraceStatus& status) const;
 
   CameraSpec spec_;
   RigidTransform to_world_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/base/execution.h"
@@ -59,9 +60,17 @@ class PupilSampling {
  public:
   explicit PupilSampling(const Camera& camera, const Execution& execution = {});
   const std::vector<PupilTable>& tables() const { return tables_; }
+  /// The light that passes between clear microlenses, as of the same camera without them.
+  struct Between {
+    Camera camera;
+    PupilTable table;
+  };
+  /// Only where the array is not opaque between its lenses.
+  const std::optional<Between>& between() const { return between_; }
 
  private:
   std::vector<PupilTable> tables_;
+  std::optional<Between> between_;
 };
 
 }  // namespace plenoflame
