@@ -76,16 +76,6 @@ PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
 
 }  // namespace
 
-float PupilColumn::step_at(float distance) const {
-  const float length = closes - opens;
-  const float step = length > 0 ? (distance - opens) * (kSteps / length) : 0.0f;
-  return std::clamp(step, 0.0f, static_cast<float>(kSteps));
-}
-
-float PupilColumn::distance_at(int step) const {
-  return opens + static_cast<float>(step) * ((closes - opens) / kSteps);
-}
-
 PupilCut PupilColumn::at(float step) const {
   return stored(value_at(*this, step));
 }

@@ -216,7 +216,9 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
       (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
       static_cast<std::uint32_t>(row);
   const std::uint64_t h0 = mix64(pixel ^ key), h1 = mix64(h0), h2 = mix64(h1);
-  const int entry = static_cast<int>(h2 % static_cast<std::uint64_t>(pool.entries()));
+  // The upper half of the product: evenly spread over the entries, without a division.
+  const int entry =
+      static_cast<int>(((h2 >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
   pixel_.shift[0] = static_cast<std::uint32_t>(h0);
   pixel_.shift[1] = static_cast<std::uint32_t>(h0 >> 32);
   pixel_.shift[2] = static_cast<std::uint32_t>(h1);

@@ -35,8 +35,14 @@ struct PupilColumn {
   alignas(16) std::array<PupilCut, kSteps + 1> cuts{};
 
   /// @return the step, with its part: clamped to [0, kSteps]
-  float step_at(float distance) const;
-  float distance_at(int step) const;
+  float step_at(float distance) const {
+    const float length = closes - opens;
+    const float step = length > 0 ? (distance - opens) * (kSteps / length) : 0.0f;
+    return step > 0 ? (step < kSteps ? step : static_cast<float>(kSteps)) : 0.0f;
+  }
+  float distance_at(int step) const {
+    return opens + static_cast<float>(step) * ((closes - opens) / kSteps);
+  }
   PupilCut at(float step) const;
   static PupilColumn mix(const PupilColumn& a, const PupilColumn& b, float t);
 };
