@@ -54,7 +54,7 @@ if wanted whole; then
   whole "closed form, 64 samples, no skipping, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2 --no-skip
   whole "grid, 16 samples, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1
   whole "grid, 16 samples, every ray integrated, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1 --no-control-variate
-whole "grid, to 1 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 1% --threads 2
+  whole "grid, to 1 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 1% --threads 2
 fi
 # Largest resident memory of a process of its own: NAME SCENE SAMPLES
 memory() {
