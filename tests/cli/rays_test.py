@@ -48,7 +48,7 @@ class Rays(CommandTest):
 
     def test_formats_hold_the_same(self):
         for ending in ("vtp", "csv", "json"):
-            self.succeeds("rays", "a.toml", *PIXELS, "--rays", "8", "-o", "r." + ending)
+            self.succeeds("rays", "a.toml", *PIXELS, "--rays", "8", "--flame-samples", "3", "-o", "r." + ending)
         self.assertEqual(self.files(), ["a.toml", "r.csv", "r.json", "r.vtp"])
         rays = json.loads(self.read("r.json"))["rays"]
         counts, vtp = read_vtp(self.read("r.vtp"))
@@ -64,7 +64,7 @@ class Rays(CommandTest):
         self.assertEqual([names[s] for s in cells["status"][1]], status)
         vertices = [vertex for ray in rays for vertex in ray["vertices"]]
         self.assertEqual(list(vtp["Points"]["Points"][1]), [x for v in vertices for x in v["position"]])
-        for name in ("surface", "refractive_index", "distance"):
+        for name in ("surface", "refractive_index", "distance", "temperature", "absorption"):
             self.assertEqual(list(vtp["PointData"][name][1]), [v[name] for v in vertices], name)
         self.assertEqual(vtp["Lines"]["connectivity"][1], tuple(range(len(vertices))))
         lengths = [len(ray["vertices"]) for ray in rays]
@@ -96,6 +96,36 @@ class Rays(CommandTest):
         self.assertEqual(figures["reached"], figures["rays"])
         self.assertEqual(self.json_of("info", "c.vtp")["lines"], figures["rays"])
 
+    def rays_of(self, *arguments):
+        self.succeeds("rays", "a.toml", *arguments, "-o", "r.json")
+        return json.loads(self.read("r.json"))["rays"]
+
+    def test_microlens(self):
+        rays = self.rays_of("--microlens", "2,-1", "--rays", "4")
+        self.assertEqual({tuple(ray["microlens"]) for ray in rays}, {(2, -1)})
+        self.assertEqual({ray["type"] for ray in rays}, {0})  # (q - r) mod 3
+        self.assertGreater(len({tuple(ray["pixel"]) for ray in rays}), 20)
+
+    def test_point(self):
+        rays = self.rays_of("--point", "1 m, 0 m, 4 mm", "--rays", "50")
+        self.assertEqual(len(rays), 50)
+        for ray in rays:
+            self.assertEqual(ray["vertices"][0]["position"], [1, 0, 0.004])
+            self.assertEqual(ray["weight"], 0)
+        # The lens inverts and the readout turns back: a point above the axis lies in the picture's upper half.
+        rows = [ray["pixel"][1] for ray in rays if ray["status"] == "reached" and ray["pixel"][1] >= 0]
+        self.assertGreater(len(rows), 5)
+        self.assertLess(sorted(rows)[len(rows) // 2], 1450)
+
+    def test_selection(self):
+        everything = self.rays_of(*PIXELS, "--rays", "32")
+        kept = self.rays_of(*PIXELS, "--rays", "32", "--status", "vignetted")
+        self.assertEqual(kept, [ray for ray in everything if ray["status"] == "vignetted"])
+        self.assertGreater(len(kept), 0)
+        kept = self.rays_of(*PIXELS, "--rays", "32", "--type", "1", "--type", "2", "--status", "reached")
+        self.assertEqual(kept, [ray for ray in everything if ray["type"] in (1, 2) and ray["status"] == "reached"])
+        self.assertEqual(len(self.rays_of(*PIXELS, "--rays", "32", "--most", "9")), 9)
+
     def test_messages(self):
         def refused(status, *arguments, mentions):
             self.fails(status, "rays", "a.toml", *arguments, mentions=mentions)
@@ -107,6 +137,11 @@ class Rays(CommandTest):
         refused(2, "--chief", "-o", "r.txt", mentions=".vtp")
         refused(2, "--chief", "-o", "a.toml", mentions=".vtp")
         refused(2, "--pixel", "1,2", "--rays", "1", "-o", "r.vtp", mentions="--rays")
+        refused(2, "--microlens", "1", "-o", "r.vtp", mentions="Q,R")
+        refused(1, "--point", "-1 m,0 m,0 m", "-o", "r.vtp", mentions="in front of")
+        refused(2, "--point", "1,0,0", "-o", "r.vtp", mentions="unit")
+        refused(2, "--chief", "--status", "lost", "-o", "r.vtp", mentions="--status")
+        refused(2, "--chief", "--most", "0", "-o", "r.vtp", mentions="--most")
         refused(1, "--chief", "-o", "none/r.vtp", mentions="none")
         self.assertEqual(self.files(), ["a.toml"])
 

@@ -1,8 +1,10 @@
 #include "plenoflame/render/ray_paths.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "commands/commands.h"
@@ -20,8 +22,10 @@ namespace {
 
 struct Settings {
   std::string scene, output;
-  std::vector<std::string> pixels;
-  std::string rays, random, seed;
+  std::vector<std::string> pixels, microlenses, points, statuses;
+  std::vector<int> types;
+  std::string rays, random, seed, flame_samples, most;
+  int threads = 0;
   bool chief = false;
   bool json = false;
 };
@@ -44,6 +48,48 @@ Pixel pixel_option(const std::string& text) {
     throw UsageError("--pixel: '" + text + "' is not of the form X,Y: two whole numbers");
   return {number_option("--pixel", text.substr(0, comma), 0),
           number_option("--pixel", text.substr(comma + 1), 0)};
+}
+
+/// A whole number that may be negative. @throws UsageError
+int signed_number(const std::string& text, const std::string& whole) {
+  int value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end)
+    throw UsageError("--microlens: '" + whole + "' is not of the form Q,R: two whole numbers");
+  return value;
+}
+
+LensIndex microlens_option(const std::string& text) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const std::string rest = comma < text.size() ? text.substr(comma + 1) : "";
+  return {signed_number(text.substr(0, comma), text), signed_number(rest, text)};
+}
+
+/// "1 m, 0 m, -29 mm". @throws UsageError
+Vec3 point_option(const std::string& text) {
+  const std::size_t first = text.find(','),
+                    second = first == std::string::npos ? first : text.find(',', first + 1);
+  if (second == std::string::npos)
+    throw UsageError("--point: '" + text + "' is not of the form X,Y,Z: three lengths");
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    return quantity_option("--point", text.substr(begin, end - begin), Dimension::length);
+  };
+  return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
+}
+
+RaySelection selection_of(const Settings& settings, std::uint64_t seed) {
+  const std::map<std::string, RayStatus> known{{"reached", RayStatus::reached},
+                                               {"vignetted", RayStatus::vignetted},
+                                               {"reflected", RayStatus::total_internal_reflection},
+                                               {"missed", RayStatus::missed}};
+  RaySelection selection;
+  for (const std::string& name : settings.statuses) selection.statuses.push_back(known.at(name));
+  selection.types = settings.types;
+  if (!settings.most.empty())
+    selection.most = number_option<std::size_t>("--most", settings.most, 1);
+  selection.seed = seed;
+  return selection;
 }
 
 void describe(const RayPaths& paths, Report& report) {
@@ -79,8 +125,14 @@ int run_rays(const Settings& settings) {
   for (const std::string& text : settings.pixels) pixels.push_back(pixel_option(text));
   if (!settings.rays.empty()) render.samples = number_option("--rays", settings.rays, 2);
   const int random = settings.random.empty() ? 0 : number_option("--random", settings.random, 1);
-  if (pixels.empty() && random == 0 && !settings.chief)
-    throw UsageError("say which rays: --pixel X,Y (may be repeated), --random N or --chief");
+  std::vector<LensIndex> lenses;
+  for (const std::string& text : settings.microlenses) lenses.push_back(microlens_option(text));
+  std::vector<Vec3> points;
+  for (const std::string& text : settings.points) points.push_back(point_option(text));
+  if (pixels.empty() && lenses.empty() && points.empty() && random == 0 && !settings.chief)
+    throw UsageError(
+        "say which rays: --pixel X,Y, --microlens Q,R, --point X,Y,Z (may be repeated), --random N "
+        "or --chief");
   if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
       !settings.output.ends_with(".json"))
     throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv or .json");
@@ -100,12 +152,18 @@ int run_rays(const Settings& settings) {
   pixels.insert(pixels.end(), drawn.begin(), drawn.end());
 
   RayPaths paths = empty_ray_paths(scene);
+  if (!settings.flame_samples.empty())
+    paths.flame_samples = number_option("--flame-samples", settings.flame_samples, 1);
+  execution.threads = settings.threads;
   {
     const InterruptHandler interrupt;
     execution.stop = interrupt.token();
     add_pixel_rays(scene, render, pixels, execution, paths);
+    for (const LensIndex lens : lenses) add_microlens_rays(scene, render, lens, execution, paths);
   }
+  for (const Vec3 point : points) add_object_rays(scene, point, render.samples, paths);
   if (settings.chief) add_chief_rays(scene, paths);
+  select_rays(selection_of(settings, render.seed), paths);
   write_ray_paths(settings.output, paths);
   Report report;
   describe(paths, report);
@@ -131,13 +189,51 @@ void register_rays(const Registry& registry) {
                   "All rays of this pixel: column and row, from the top left; may be repeated")
       ->option_text("X,Y")
       ->allow_extra_args(false);
+  command
+      .add_option(
+          "--microlens", settings->microlenses,
+          "All rays through this microlens, from every pixel that it lights; may be repeated")
+      ->option_text("Q,R")
+      ->allow_extra_args(false);
+  command
+      .add_option(
+          "--point", settings->points,
+          "Rays from this point of the world towards the camera, e.g. \"1 m, 0 m, 5 mm\"; may "
+          "be repeated")
+      ->option_text("X,Y,Z")
+      ->allow_extra_args(false);
   command.add_option("--random", settings->random, "All rays of N pixels drawn at random")
       ->option_text("N");
   command.add_flag("--chief", settings->chief, "The chief ray of every microlens");
   command
       .add_option("--rays", settings->rays,
                   "Rays per pixel and microlens that covers it, as --samples of render; fewer at "
-                  "the rim of a micro-image (default: 64)")
+                  "the rim of a micro-image; also rays per point (default: 64)")
+      ->option_text("N");
+  command
+      .add_option(
+          "--flame-samples", settings->flame_samples,
+          "Vertices on each ray within the flames, with temperature and absorption (default: "
+          "none)")
+      ->option_text("N");
+  command
+      .add_option(
+          "--status", settings->statuses,
+          "Keep only rays that ended so: reached, vignetted, reflected, missed; may be repeated")
+      ->check(CLI::IsMember({"reached", "vignetted", "reflected", "missed"}))
+      ->option_text("STATUS")
+      ->allow_extra_args(false);
+  command
+      .add_option("--type", settings->types,
+                  "Keep only rays through microlenses of this type, from 0; may be repeated")
+      ->option_text("T")
+      ->allow_extra_args(false);
+  command
+      .add_option("--most", settings->most,
+                  "Keep at most N rays, drawn evenly from all; sums over them are no fluxes then")
+      ->option_text("N");
+  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
       ->option_text("N");
   command.add_option("--seed", settings->seed, "Seed (default: the scene's)")->option_text("N");
   command.add_flag("--json", settings->json, "Print the figures as JSON");

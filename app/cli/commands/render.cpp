@@ -18,6 +18,7 @@
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/render/describe.h"
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
 #include "report.h"
@@ -25,11 +26,6 @@
 
 namespace plenoflame::cli {
 namespace {
-
-/// Bundles are independent one by one: more replicates cost memory only.
-constexpr int kForwardReplicates = 4;
-constexpr int kMostSamples = 1 << 16;  ///< at which a target error is given up
-constexpr int kMostBundles = 1 << 30;
 
 RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   RenderSettings settings;
@@ -120,30 +116,6 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   return report;
 }
 
-/// What later steps need beside the images.
-void describe(const Scene& scene, const CompiledScene& compiled, LightField& field) {
-  field.scene_text = write_scene(scene);
-  field.version = version();
-  const Camera& camera = compiled.camera;
-  field.numbers["lens.focal_length"] = camera.lens_first_order().focal_length;
-  field.numbers["lens.f_number"] =
-      camera.lens_first_order().focal_length / camera.lens_first_order().entrance_pupil_diameter;
-  field.numbers["lens.distance"] = camera.lens_distance();
-  field.numbers["lens.exit_pupil"] = camera.exit_pupil();
-  const FocusSpec& focus = scene.camera.focus;
-  if (focus.mode != FocusMode::distance && std::isfinite(focus.object_distance))
-    field.numbers["focus.object_distance"] = focus.object_distance;
-  field.numbers["sensor.position"] = camera.sensor();
-  field.numbers["sensor.pixel_pitch"] = scene.camera.sensor.pixel_pitch;
-  if (!camera.has_array()) return;
-  field.numbers["array.pitch"] = scene.camera.array.pitch;
-  field.numbers["array.position"] = camera.array_front();
-  for (const Microlens& lens : camera.microlenses()) {
-    field.numbers["array." + lens.name + ".focal_length"] = lens.first_order.focal_length;
-    field.numbers["array." + lens.name + ".sensor_distance"] = lens.sensor_distance;
-  }
-}
-
 /// What a kept state belongs to: anything that changes the image's bits.
 std::string state_key(const Scene& scene, const RenderSettings& s) {
   nlohmann::ordered_json key;
@@ -193,7 +165,7 @@ int run_render(const RenderArguments& arguments) {
     interrupted = interrupt.interrupted();
   }
   bar.finish();
-  describe(document.scene, compiled, result.light_field);
+  describe(compiled, result.light_field);
   write_light_field(options.output, result.light_field);
   // Runs to a target go on from their last whole round, whose state is there already: what the part
   // of a round would decide is not what the whole one would have decided.

@@ -38,20 +38,27 @@ double rim_depth(double radius, double height) {
 
 }  // namespace
 
-TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio) const {
-  if (!ideal_lens()) return lens_.trace_to_sensor(ray);
+TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
+                                            std::vector<Vec3>* points) const {
+  if (!ideal_lens()) return lens_.trace_to_sensor(ray, points);
   const Vec2 height = at_plane(ray, ideal_.front_principal);
   const Vec2 outer = slope(ray);
   const Vec2 inner = outer + (1.0 / ideal_.focal_length) * height;
   const Vec2 at_stop = ideal_.stop_height * height + ideal_.stop_slope * inner;
   ray = inwards(height, ideal_.rear_principal, inner);
   etendue_ratio *= cos4(inner) / cos4(outer);
+  if (points) {
+    if (ideal_.front_principal != ideal_.rear_principal)
+      points->push_back({height.x, height.y, ideal_.front_principal});
+    points->push_back(ray.origin);
+  }
   if (length(at_stop) > ideal_.stop_radius) return {RayStatus::vignetted, 0};
   return {};
 }
 
 TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
-                                   std::vector<Arrival>& arrivals) const {
+                                   std::vector<Arrival>& arrivals,
+                                   std::vector<Vec3>* points) const {
   const auto type = static_cast<std::size_t>(lattice_.type(lens));
   const Vec2 centre = lattice_.centre(lens);
   ray.origin.x -= centre.x;
@@ -64,13 +71,17 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
     const Vec2 inner = outer + (1.0 / microlens.first_order.focal_length) * height;
     ray = inwards(height, microlens.rear_principal, inner);
     arrival.etendue_ratio *= cos4(inner) / cos4(outer);
+    if (points) points->push_back(ray.origin);
     if (length(height) > 0.5 * spec_.array.diameter) status = {RayStatus::vignetted, 0};
   } else {
-    status = microlens_systems_[type].trace_to_sensor(ray);
+    status = microlens_systems_[type].trace_to_sensor(ray, points);
   }
+  if (points)
+    for (Vec3& point : *points) point = point + Vec3{centre.x, centre.y, 0};
   if (status.status != RayStatus::reached) return status;
   arrival.lens = lens;
   arrival.sensor_point = at_plane(ray, sensor_) + centre;
+  if (points) points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
   arrivals.push_back(arrival);
   return status;
 }
@@ -78,7 +89,8 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
 /// Takes a ray from the main lens through every microlens that it may meet. @return whether it met
 /// one, even if it ended there; `status` is that of the last one tried
 bool Camera::meet_microlenses(const Ray& ray, const Arrival& arrival,
-                              std::vector<Arrival>& arrivals, TraceStatus& status) const {
+                              std::vector<Arrival>& arrivals, TraceStatus& status,
+                              std::vector<Vec3>* points) const {
   // The layer of space in which the front faces (or principal planes) lie.
   const double radius = 0.5 * spec_.array.diameter;
   double high = -kInfinity, low = kInfinity;
@@ -90,11 +102,19 @@ bool Camera::meet_microlenses(const Ray& ray, const Arrival& arrival,
   }
   const Vec2 a = at_plane(ray, high), b = at_plane(ray, low);
   bool on_a_lens = false;
+  std::vector<Vec3> behind, attempted;  // points from the array on
   const auto attempt = [&](LensIndex lens) {
-    status = pass_microlens(lens, ray, arrival, arrivals);
+    attempted.clear();
+    const TraceStatus tried =
+        pass_microlens(lens, ray, arrival, arrivals, points ? &attempted : nullptr);
     // Whatever gets beyond the front aperture belongs to this lens, even when it ends there.
-    on_a_lens = on_a_lens || status.status == RayStatus::reached ||
-                status.status == RayStatus::total_internal_reflection || status.surface > 0;
+    const bool entered = tried.status == RayStatus::reached ||
+                         tried.status == RayStatus::total_internal_reflection || tried.surface > 0;
+    if (entered || !on_a_lens) {  // the status and the points of one and the same lens
+      status = tried;
+      if (!on_a_lens) behind = attempted;
+    }
+    on_a_lens = on_a_lens || entered;
   };
   const LensIndex nearest = lattice_.nearest(a);
   if (nearest == lattice_.nearest(b)) {
@@ -106,6 +126,7 @@ bool Camera::meet_microlenses(const Ray& ray, const Arrival& arrival,
                          {std::max(a.x, b.x) + reach, std::max(a.y, b.y) + reach}))
       attempt(lens);
   }
+  if (points) points->insert(points->end(), behind.begin(), behind.end());
   return on_a_lens;
 }
 
@@ -115,26 +136,33 @@ bool Camera::passes_between(const Ray& ray) const {
   const double ahead = (array_front_ + spec_.array.pitch - ray.origin.z) / away.z;
   std::vector<Arrival> arrivals;
   TraceStatus status;
-  return !meet_microlenses({ray.origin + ahead * away, -away}, {}, arrivals, status);
+  return !meet_microlenses({ray.origin + ahead * away, -away}, {}, arrivals, status, nullptr);
 }
 
-TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>& arrivals) const {
+TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>& arrivals,
+                                     std::vector<Vec3>* points) const {
   Ray ray = from_scene;
   Arrival arrival;
-  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio);
+  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio, points);
   if (main_lens.status != RayStatus::reached) return main_lens;
   if (!has_array()) {
     arrival.sensor_point = at_plane(ray, sensor_);
     arrivals.push_back(arrival);
+    if (points) points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
     return {};
   }
   const int lens_surfaces = surface_count() - (ideal_array() ? 1 : 2);
   const std::size_t before = arrivals.size();
   TraceStatus status{RayStatus::vignetted, 0};
-  const bool on_a_lens = meet_microlenses(ray, arrival, arrivals, status);
+  const std::size_t in_front = points ? points->size() : 0;
+  const bool on_a_lens = meet_microlenses(ray, arrival, arrivals, status, points);
   if (!on_a_lens && !spec_.array.opaque_between) {
     arrival.sensor_point = at_plane(ray, sensor_);
     arrivals.push_back(arrival);
+    if (points) {  // of the attempts nothing counts
+      points->resize(in_front);
+      points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
+    }
   }
   if (arrivals.size() > before) return {};
   return {status.status, status.surface + lens_surfaces};

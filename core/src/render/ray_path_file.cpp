@@ -149,7 +149,11 @@ std::vector<DataArray> vertex_arrays(const RayPaths& paths) {
           data_array<double>("refractive_index", v.size(), 1,
                              [&](std::size_t i, std::size_t) { return v[i].index; }),
           data_array<double>("distance", v.size(), 1,
-                             [&](std::size_t i, std::size_t) { return v[i].distance; })};
+                             [&](std::size_t i, std::size_t) { return v[i].distance; }),
+          data_array<double>("temperature", v.size(), 1,
+                             [&](std::size_t i, std::size_t) { return v[i].temperature; }),
+          data_array<double>("absorption", v.size(), 1,
+                             [&](std::size_t i, std::size_t) { return v[i].absorption; })};
 }
 
 void write_vtp(Output& out, const RayPaths& paths) {
@@ -219,7 +223,7 @@ void write_csv(Output& out, const RayPaths& paths) {
   out.text("ray,column,row,q,r,type,status,ended_at,weight,optical_thickness");
   for (const std::string& name : paths.channels) out.text(",").text(csv_name("wavelength." + name));
   for (const std::string& name : paths.channels) out.text(",").text(csv_name("radiance." + name));
-  out.text(",surface,refractive_index,distance,x,y,z\n");
+  out.text(",surface,refractive_index,distance,temperature,absorption,x,y,z\n");
   for (std::size_t i = 0; i < paths.rays.size(); ++i) {
     const RayPath& ray = paths.rays[i];
     for (std::size_t k = ray.first; k < ray.first + ray.count; ++k) {
@@ -234,7 +238,8 @@ void write_csv(Output& out, const RayPaths& paths) {
         out.text(",").number(paths.radiance_of(i, c));
       out.text(",").number(vertex.surface);
       for (const double value :
-           {vertex.index, vertex.distance, vertex.position.x, vertex.position.y, vertex.position.z})
+           {vertex.index, vertex.distance, vertex.temperature, vertex.absorption, vertex.position.x,
+            vertex.position.y, vertex.position.z})
         out.text(",").number(value);
       out.text("\n");
     }
@@ -287,6 +292,10 @@ void write_json(Output& out, const RayPaths& paths) {
           .number(vertex.index)
           .text(", \"distance\": ")
           .number(vertex.distance);
+      out.text(", \"temperature\": ")
+          .number(vertex.temperature)
+          .text(", \"absorption\": ")
+          .number(vertex.absorption);
       out.text(", \"position\": [")
           .number(vertex.position.x)
           .text(", ")

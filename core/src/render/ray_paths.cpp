@@ -1,162 +1,19 @@
 #include "plenoflame/render/ray_paths.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_tile.h"
+#include "render/ray_path_tracer.h"
 
 namespace plenoflame {
 namespace {
-
-/// What a scene without flames is filled with.
-class EmptyMedium : public Medium {
- public:
-  EmptyMedium(int channels, const Box& box) : channels_(channels), box_(box) {}
-  int channel_count() const override { return channels_; }
-  Box bounds() const override { return box_; }
-  double feature_size() const override { return 1; }
-  void integrate(const RayBatch<float>& rays, const MediumOptions&, RadianceBatch<float> out,
-                 MediumCounters&) const override {
-    fill(rays.size, out);
-  }
-  void integrate(const RayBatch<double>& rays, const MediumOptions&, RadianceBatch<double> out,
-                 MediumCounters&) const override {
-    fill(rays.size, out);
-  }
-  MediumSample sample(Vec3) const override { return {}; }
-  double source(int, double) const override { return 0; }
-  void append_breakpoints(const Ray&, std::vector<double>&) const override {}
-  std::string description() const override { return "none"; }
-
- private:
-  template <class Real>
-  void fill(int count, RadianceBatch<Real> out) const {
-    for (int c = 0; c < channels_; ++c) std::fill_n(out.radiance + c * out.stride, count, Real(0));
-    std::fill_n(out.transmittance, count, Real(1));
-  }
-  int channels_;
-  Box box_;
-};
-
-/// The scene's medium, or an empty one around the point that the camera is focused on.
-class MediumOf {
- public:
-  explicit MediumOf(const CompiledScene& scene)
-      : empty_(static_cast<int>(scene.scene.channels.size()), box_ahead(scene.camera)),
-        medium_(scene.medium ? *scene.medium : empty_) {}
-  MediumOf(const MediumOf&) = delete;
-  MediumOf& operator=(const MediumOf&) = delete;
-  const Medium& get() const { return medium_; }
-
- private:
-  static Box box_ahead(const Camera& camera) {
-    const double distance = camera.spec().focus.object_distance;
-    const double ahead = distance > 0 && std::isfinite(distance) ? distance : 1.0;
-    const Vec3 middle = camera.to_world().point({0, 0, ahead});
-    const double half = 0.05 * ahead;
-    return {middle - Vec3{half, half, half}, middle + Vec3{half, half, half}};
-  }
-  EmptyMedium empty_;
-  const Medium& medium_;
-};
-
-/// Where a line is inside a box: [near, far], empty when near > far.
-struct Stretch {
-  double near = -std::numeric_limits<double>::infinity();
-  double far = std::numeric_limits<double>::infinity();
-};
-
-Stretch inside(const Box& box, const Ray& ray) {
-  Stretch stretch;
-  const auto slab = [&](double lower, double upper, double origin, double direction) {
-    if (direction == 0) {
-      if (origin < lower || origin > upper) stretch = {1, -1};
-      return;
-    }
-    const double a = (lower - origin) / direction, b = (upper - origin) / direction;
-    stretch.near = std::max(stretch.near, std::min(a, b));
-    stretch.far = std::min(stretch.far, std::max(a, b));
-  };
-  slab(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
-  slab(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
-  slab(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
-  return stretch;
-}
-
-/// Turns a start on the sensor and an aim into vertices.
-class PathTracer {
- public:
-  PathTracer(const Camera& camera, const Box& box) : camera_(camera), box_(box) {
-    // Paths list these from the sensor on, each at most as often as stated here.
-    steps_.push_back(kSensorVertex);
-    const int lens =
-        camera.surface_count() - (camera.has_array() ? (camera.ideal_array() ? 1 : 2) : 0);
-    for (int s = camera.surface_count() - 1; s >= 0; --s) {
-      steps_.push_back(s);
-      const IdealLens& ideal = camera.ideal();
-      if (s < lens && camera.ideal_lens() && ideal.front_principal != ideal.rear_principal)
-        steps_.push_back(s);
-    }
-    lens_surfaces_ = lens;
-  }
-
-  void add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPath& ray,
-           RayPaths& paths) const {
-    const Camera::Path path = camera_.trace(start, lens, aim, true);
-    ray.status = path.status;
-    ray.first = paths.vertices.size();
-    // Where a ray was that missed a surface is nowhere.
-    const std::size_t points =
-        path.points.size() - (path.status.status == RayStatus::missed ? 1 : 0);
-    double distance = 0;
-    const auto push = [&](Vec3 world, int surface) {
-      if (paths.vertices.size() > ray.first)
-        distance += length(world - paths.vertices.back().position);
-      paths.vertices.push_back({world, surface, index_behind(surface, ray.type), distance});
-    };
-    // What goes between the microlenses skips their faces, but for the one where it may end.
-    std::size_t skipped = 0;
-    if (!lens && camera_.has_array())
-      skipped = (camera_.ideal_array() ? 1u : 2u) -
-                (ray.status.status != RayStatus::reached && ray.status.surface >= lens_surfaces_);
-    for (std::size_t i = 0; i < points; ++i)
-      push(camera_.to_world().point(path.points[i]), steps_[i > 0 ? i + skipped : 0]);
-    if (path.status.status == RayStatus::reached) {
-      const Ray exit{camera_.to_world().point(path.exit.origin),
-                     camera_.to_world().direction(path.exit.direction)};
-      const Stretch stretch = inside(box_, exit);
-      const bool meets = stretch.near <= stretch.far && stretch.far > 0;
-      if (meets && stretch.near > 0) push(exit.at(stretch.near), kSceneVertex);
-      const double beside = dot(0.5 * (box_.lower + box_.upper) - exit.origin, exit.direction);
-      if (meets)
-        push(exit.at(stretch.far), kSceneVertex);
-      else if (beside > 0)
-        push(exit.at(beside), kSceneVertex);
-    }
-    ray.count = paths.vertices.size() - ray.first;
-    paths.rays.push_back(ray);
-  }
-
- private:
-  double index_behind(int surface, int type) const {
-    if (surface < 0) return 1;
-    if (surface >= lens_surfaces_)
-      return surface == lens_surfaces_ + 1
-                 ? camera_.microlenses()[static_cast<std::size_t>(type)].index
-                 : 1;
-    if (surface == 0 || camera_.ideal_lens()) return 1;
-    return camera_.lens().surfaces()[static_cast<std::size_t>(surface) - 1].index;
-  }
-
-  const Camera& camera_;
-  Box box_;
-  std::vector<int> steps_;
-  int lens_surfaces_ = 0;
-};
 
 /// Keeps what the tracer draws and computes.
 class PathSink : public RaySink<double> {
@@ -220,39 +77,76 @@ class PathSink : public RaySink<double> {
   std::vector<Drawn> drawn_;
 };
 
-/// Radiance per channel of one line through the medium, then its optical thickness.
-std::vector<double> carried_by(const Medium& medium, const Ray& ray) {
-  const Box box = medium.bounds();
-  RayBatch<double> batch;
-  batch.size = kRayPadding;
-  batch.anchor = 0.5 * (box.lower + box.upper);
-  const Vec3 at = ray.origin - batch.anchor;
-  // A batch is 16 rays at least: this one, repeated.
-  alignas(64) std::array<std::array<double, kRayPadding>, 6> lines{};
-  const std::array<double, 6> values{at.x,           at.y, at.z, ray.direction.x, ray.direction.y,
-                                     ray.direction.z};
-  for (std::size_t k = 0; k < values.size(); ++k) lines[k].fill(values[k]);
-  batch.x = lines[0].data();
-  batch.y = lines[1].data();
-  batch.z = lines[2].data();
-  batch.dx = lines[3].data();
-  batch.dy = lines[4].data();
-  batch.dz = lines[5].data();
-  struct alignas(64) Lane {
-    std::array<double, kRayPadding> values;
+/// Leaves out what does not go through this microlens.
+void keep_lens(LensIndex lens, RayPaths& paths) {
+  RayPaths kept;
+  for (std::size_t i = 0; i < paths.rays.size(); ++i) {
+    RayPath ray = paths.rays[i];
+    if (!(ray.lens == lens)) continue;
+    const auto first = paths.vertices.begin() + static_cast<std::ptrdiff_t>(ray.first);
+    ray.first = kept.vertices.size();
+    kept.vertices.insert(kept.vertices.end(), first,
+                         first + static_cast<std::ptrdiff_t>(ray.count));
+    kept.rays.push_back(ray);
+    for (std::size_t c = 0; c < paths.channels.size(); ++c)
+      kept.radiance.push_back(paths.radiance_of(i, c));
+  }
+  paths.rays = std::move(kept.rays);
+  paths.vertices = std::move(kept.vertices);
+  paths.radiance = std::move(kept.radiance);
+}
+
+/// Moves the rays of `part` behind those of `all`.
+void join(RayPaths& part, RayPaths& all) {
+  for (RayPath ray : part.rays) {
+    ray.first += all.vertices.size();
+    all.rays.push_back(ray);
+  }
+  all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
+  all.radiance.insert(all.radiance.end(), part.radiance.begin(), part.radiance.end());
+  part = {};
+}
+
+/// @param only the microlens whose rays are wanted; none: all
+void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
+                  const std::vector<Pixel>& pixels, std::optional<LensIndex> only,
+                  const Execution& execution, RayPaths& paths) {
+  const SensorSpec& sensor = scene.camera.spec().sensor;
+  for (const Pixel pixel : pixels)
+    if (pixel.column < 0 || pixel.row < 0 || pixel.column >= sensor.columns ||
+        pixel.row >= sensor.rows)
+      throw UsageError("pixel " + std::to_string(pixel.column) + "," + std::to_string(pixel.row) +
+                       " is outside of the sensor of " + std::to_string(sensor.columns) + " x " +
+                       std::to_string(sensor.rows) + " pixels");
+  if (settings.replicates < 1 || settings.samples < settings.replicates)
+    throw UsageError("at least " + std::to_string(std::max(1, settings.replicates)) +
+                     " rays per pixel and microlens are needed");
+  const MediumOf medium(scene);
+  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+  BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
+  plan.beams.reset();  // rays that pass beside the flames are wanted, too
+  const PathTracer tracer(scene.camera, medium.get());
+  const double samples = static_cast<double>(points) * settings.replicates;
+  const int channels = static_cast<int>(paths.channels.size());
+  // A few pixels at a time, each with paths of its own; joined in the order of the pixels.
+  constexpr std::size_t kPixels = 16;
+  std::vector<RayPaths> parts((pixels.size() + kPixels - 1) / kPixels);
+  const auto trace = [&](std::size_t part, int) {
+    RayPaths& own = parts[part];
+    own.channels = paths.channels;
+    own.flame_samples = paths.flame_samples;
+    PathSink sink(scene, tracer, samples, own);
+    for (std::size_t i = part * kPixels; i < std::min(pixels.size(), (part + 1) * kPixels); ++i) {
+      const PixelWindow window{pixels[i].column, pixels[i].row, 1, 1};
+      Film film(window, channels, settings.replicates);
+      TileTracer<double> tile(plan, film);
+      tile.show_rays_to(&sink);
+      tile.render(window);
+    }
+    if (only) keep_lens(*only, own);
   };
-  const auto channels = static_cast<std::size_t>(medium.channel_count());
-  std::vector<Lane> lanes(channels + 1);
-  RadianceBatch<double> out;
-  out.radiance = lanes[0].values.data();
-  out.stride = kRayPadding;
-  out.transmittance = lanes[channels].values.data();
-  MediumCounters counters;
-  medium.integrate(batch, {}, out, counters);
-  std::vector<double> carried;
-  for (std::size_t c = 0; c < channels; ++c) carried.push_back(lanes[c].values[0]);
-  carried.push_back(std::fabs(std::log(lanes[channels].values[0])));
-  return carried;
+  if (!parallel_for(execution, parts.size(), trace)) throw Cancelled();
+  for (RayPaths& part : parts) join(part, paths);
 }
 
 }  // namespace
@@ -270,30 +164,78 @@ RayPaths empty_ray_paths(const CompiledScene& scene) {
 
 void add_pixel_rays(const CompiledScene& scene, const RenderSettings& settings,
                     const std::vector<Pixel>& pixels, const Execution& execution, RayPaths& paths) {
-  const SensorSpec& sensor = scene.camera.spec().sensor;
-  for (const Pixel pixel : pixels)
-    if (pixel.column < 0 || pixel.row < 0 || pixel.column >= sensor.columns ||
-        pixel.row >= sensor.rows)
-      throw UsageError("pixel " + std::to_string(pixel.column) + "," + std::to_string(pixel.row) +
-                       " is outside of the sensor of " + std::to_string(sensor.columns) + " x " +
-                       std::to_string(sensor.rows) + " pixels");
-  if (settings.replicates < 1 || settings.samples < settings.replicates)
-    throw UsageError("at least " + std::to_string(std::max(1, settings.replicates)) +
-                     " rays per pixel and microlens are needed");
+  trace_pixels(scene, settings, pixels, std::nullopt, execution, paths);
+}
+
+void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settings, LensIndex lens,
+                        const Execution& execution, RayPaths& paths) {
+  const Camera& camera = scene.camera;
+  if (!camera.has_array())
+    throw InputError("the camera has no microlens array, and so no rays of a microlens");
+  const Vec2 place = camera.lattice().centre(lens);
+  const PupilNode node =
+      scene.pupils.tables()[static_cast<std::size_t>(camera.lattice().type(lens))].at(
+          length(place));
+  const SensorSpec& sensor = camera.spec().sensor;
+  std::vector<Pixel> pixels;
+  if (!node.dark()) {
+    // As far as light of this microlens can be, in whole pixels.
+    const double reach = std::fabs(node.centre) + node.outer_radius;
+    const double pitch = sensor.pixel_pitch;
+    const auto range = [&](double at, int count) {
+      const double middle = 0.5 * count - at / pitch;
+      return std::pair{
+          std::max(0, static_cast<int>(std::floor(middle - reach / pitch)) - 1),
+          std::min(count - 1, static_cast<int>(std::floor(middle + reach / pitch)) + 1)};
+    };
+    const auto [left, right] = range(place.x, sensor.columns);
+    const auto [top, bottom] = range(place.y, sensor.rows);
+    for (int row = top; row <= bottom; ++row)
+      for (int column = left; column <= right; ++column) pixels.push_back({column, row});
+  }
+  const std::size_t before = paths.rays.size();
+  trace_pixels(scene, settings, pixels, lens, execution, paths);
+  if (paths.rays.size() == before)
+    throw UsageError("the microlens " + std::to_string(lens.q) + "," + std::to_string(lens.r) +
+                     " lights no pixel of the sensor");
+}
+
+void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths& paths) {
+  if (count < 1) throw UsageError("at least 1 ray from an object point is needed");
+  const Camera& camera = scene.camera;
+  const Vec3 at = camera.to_world().inverse().point(point);
+  // The entrance pupil as the first-order design has it; without one the front of the lens.
+  const FirstOrder& lens = camera.lens_first_order();
+  const auto& surfaces = camera.spec().lens.surfaces;
+  double pupil = -lens.entrance_pupil, diameter = lens.entrance_pupil_diameter;
+  if (!(diameter > 0) || !std::isfinite(pupil) || pupil >= at.z) {
+    pupil = 0;
+    diameter = surfaces.empty() ? camera.spec().lens.diameter : surfaces.front().diameter;
+  }
+  if (!(at.z > 0))
+    throw InputError("the object point is " + std::to_string(at.z) +
+                     " m in front of the camera's first vertex; it must lie in front of it");
   const MediumOf medium(scene);
-  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
-  plan.beams.reset();  // rays that pass beside the flames are wanted, too
-  const PathTracer tracer(scene.camera, medium.get().bounds());
-  PathSink sink(scene, tracer, static_cast<double>(points) * settings.replicates, paths);
-  const int channels = static_cast<int>(paths.channels.size());
-  for (const Pixel pixel : pixels) {
-    if (execution.stop.stop_requested()) throw Cancelled();
-    const PixelWindow window{pixel.column, pixel.row, 1, 1};
-    Film film(window, channels, settings.replicates);
-    TileTracer<double> tile(plan, film);
-    tile.show_rays_to(&sink);
-    tile.render(window);
+  const PathTracer tracer(camera, medium.get());
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    // Vogel's spiral: equal areas, no direction preferred.
+    const double r = 0.5 * diameter * std::sqrt((i + 0.5) / count), phi = golden * i;
+    const Vec3 aim = camera.to_world().point({r * std::cos(phi), r * std::sin(phi), pupil});
+    const Ray ray{point, normalize(aim - point)};
+    RayPath path;
+    tracer.add_from_scene(ray, path, paths);
+    const RayPath& added = paths.rays.back();
+    std::vector<double> carried(paths.channels.size() + 1, 0.0);
+    if (added.status.status == RayStatus::reached) {
+      // Seen from the camera's first surface.
+      std::size_t k = added.first;
+      while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
+      const Vec3 front = paths.vertices[k].position;
+      carried = carried_by(medium.get(), {front, -ray.direction}, 0, length(point - front));
+    }
+    paths.rays.back().optical_thickness = carried.back();
+    paths.radiance.insert(paths.radiance.end(), carried.begin(), carried.end() - 1);
   }
 }
 
@@ -302,7 +244,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   if (!camera.has_array())
     throw InputError("the camera has no microlens array, and so no chief rays of microlenses");
   const MediumOf medium(scene);
-  const PathTracer tracer(camera, medium.get().bounds());
+  const PathTracer tracer(camera, medium.get());
   const SensorSpec& sensor = camera.spec().sensor;
   const double half_x = 0.5 * sensor.columns * sensor.pixel_pitch;
   const double half_y = 0.5 * sensor.rows * sensor.pixel_pitch;
@@ -329,8 +271,9 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     if (added.status.status != RayStatus::reached || added.count < 2) continue;
     const RayVertex& last = paths.vertices[added.first + added.count - 1];
     const RayVertex& before = paths.vertices[added.first + added.count - 2];
-    const std::vector<double> carried =
-        carried_by(medium.get(), {last.position, normalize(last.position - before.position)});
+    const std::vector<double> carried = carried_by(
+        medium.get(), {last.position, normalize(last.position - before.position)},
+        -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,
               paths.radiance.end() - static_cast<std::ptrdiff_t>(paths.channels.size()));

@@ -100,8 +100,11 @@ class Camera {
   /// the sensor, in double precision: the way of trace(), backwards. Appends where it arrives:
   /// through every microlens that lets it pass (one, but for ideal ones whose principal planes
   /// differ), or between them where the array is clear there.
+  /// @param points gets where it met each surface, and the sensor point of its first arrival; the
+  ///        last one is no place at all when the status is missed
   /// @return why it went no further when it does not arrive; surface numbered from the scene
-  TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals) const;
+  TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals,
+                               std::vector<Vec3>* points = nullptr) const;
 
   /// Whether a straight line through the array's plane meets no microlens. @param ray camera frame
   bool passes_between(const Ray& ray) const;
@@ -117,11 +120,12 @@ class Camera {
   void place_array();
   void solve_focus(std::vector<std::string>* warnings);
   TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
-  TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio) const;
+  TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
+                                      std::vector<Vec3>* points) const;
   TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
-                             std::vector<Arrival>& arrivals) const;
+                             std::vector<Arrival>& arrivals, std::vector<Vec3>* points) const;
   bool meet_microlenses(const Ray& ray, const Arrival& arrival, std::vector<Arrival>& arrivals,
-                        TraceStatus& status) const;
+                        TraceStatus& status, std::vector<Vec3>* points) const;
 
   CameraSpec spec_;
   RigidTransform to_world_;

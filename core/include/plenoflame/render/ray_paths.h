@@ -12,24 +12,29 @@ namespace plenoflame {
 
 /// A vertex of a ray path.
 struct RayVertex {
-  Vec3 position;        ///< [m] world
-  int surface = 0;      ///< as Camera numbers them, from the scene; or kSensorVertex, kSceneVertex
-  double index = 1;     ///< refractive index from here towards the scene
-  double distance = 0;  ///< [m] geometric length from the sensor
+  Vec3 position;           ///< [m] world
+  int surface = 0;         ///< as Camera numbers them, from the scene; or one of those below
+  double index = 1;        ///< refractive index from here to the next vertex
+  double distance = 0;     ///< [m] geometric length from the first vertex
+  double temperature = 0;  ///< [K] of the flames here; 0 outside of their bounds
+  double absorption = 0;   ///< [1/m] of the flames here
 };
 
 inline constexpr int kSensorVertex = -1;  ///< where the ray starts
 /// Where the ray enters and leaves the bounds of the flames; a ray that misses them ends beside
 /// their middle.
 inline constexpr int kSceneVertex = -2;
+inline constexpr int kFlameVertex = -3;   ///< a sample between those two
+inline constexpr int kObjectVertex = -4;  ///< the object point that a ray starts from
 
-/// A ray from the sensor to the scene, or to where it ended.
+/// A ray from the sensor to the scene, or to where it ended; one from an object point runs the
+/// other way.
 struct RayPath {
-  int column = 0, row = 0;  ///< pixel
-  LensIndex lens;           ///< microlens; (0, 0) without array
-  int type = -1;            ///< of the microlens; -1: no array
+  int column = 0, row = 0;  ///< pixel; -1, -1: it does not arrive on the sensor
+  LensIndex lens;           ///< microlens; (0, 0) without array, or when it reaches none
+  int type = -1;            ///< of the microlens; -1: none
   TraceStatus status;
-  double weight = 0;                 ///< [m^2 sr] share of the pixel's etendue; 0 for a chief ray
+  double weight = 0;  ///< [m^2 sr] share of the pixel's etendue; 0: not drawn for an image
   double optical_thickness = 0;      ///< of the flames along the ray
   std::size_t first = 0, count = 0;  ///< of RayPaths::vertices
 };
@@ -42,6 +47,9 @@ struct RayPaths {
   std::vector<RayPath> rays;
   std::vector<double> radiance;  ///< [W/(m^2 sr)] ray by ray, all channels of each
   std::vector<RayVertex> vertices;
+  /// Vertices that rays added from now on get between entering and leaving the flames' bounds, at
+  /// equal distances, with temperature and absorption.
+  int flame_samples = 0;
 
   double radiance_of(std::size_t ray, std::size_t channel) const {
     return radiance[ray * channels.size() + channel];
@@ -60,6 +68,20 @@ struct Pixel {
 void add_pixel_rays(const CompiledScene& scene, const RenderSettings& settings,
                     const std::vector<Pixel>& pixels, const Execution& execution, RayPaths& paths);
 
+/// Adds the rays of all pixels that one microlens lights, as far as they go through it: those of
+/// add_pixel_rays(). Summed over them, weight * radiance is the flux through that microlens [W].
+/// @throws as add_pixel_rays(); InputError without array; UsageError for a microlens that lights
+///         no pixel
+void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settings, LensIndex lens,
+                        const Execution& execution, RayPaths& paths);
+
+/// Adds `count` rays from a point of the scene towards the camera, spread evenly over the entrance
+/// pupil: the way of light. They arrive at the pixel (column, row), or end inside of the camera.
+/// Weight 0; radiance and optical thickness are those of the flames between point and camera.
+/// @param point [m] world, in front of the camera
+/// @throws InputError for a point that is not in front of the camera; UsageError for count < 1
+void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths& paths);
+
 /// Adds one ray for each microlens whose micro-image has its centre on the sensor: through the
 /// middle of the lens' rear aperture and of the stop's image. Weight 0.
 /// @throws InputError without array
@@ -67,6 +89,19 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths);
 
 /// Pixels drawn at random from the whole sensor, each alike, with repetitions.
 std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint64_t seed);
+
+/// Which rays to keep.
+struct RaySelection {
+  std::vector<RayStatus> statuses;  ///< empty: any
+  std::vector<int> types;           ///< of the microlens, -1: none; empty: any
+  /// Of those: at most so many, drawn evenly from all of them; 0: all. Their weights stay as they
+  /// are, so that their sum is no flux any more.
+  std::size_t most = 0;
+  std::uint64_t seed = 1;
+};
+
+/// Leaves out all other rays, with their vertices; the order stays.
+void select_rays(const RaySelection& selection, RayPaths& paths);
 
 /// Paths without rays, for the scene's channels and surfaces.
 RayPaths empty_ray_paths(const CompiledScene& scene);

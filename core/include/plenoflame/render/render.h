@@ -20,6 +20,10 @@ enum class Precision {
 };
 
 inline constexpr int kForwardSamples = 1000000;  ///< bundles, where nobody says otherwise
+/// Bundles are independent one by one: more replicates cost memory only.
+inline constexpr int kForwardReplicates = 4;
+inline constexpr int kMostSamples = 1 << 16;  ///< at which a target error is given up
+inline constexpr int kMostBundles = 1 << 30;  ///< the same, of bundles
 
 /// How to render. Figures that are 0 take their default.
 struct RenderSettings {

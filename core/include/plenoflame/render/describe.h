@@ -1,0 +1,12 @@
+#pragma once
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame {
+
+/// Fills in what later steps need beside the images: the scene's text, the version, and the derived
+/// figures of the camera ("lens.focal_length", "array.pitch", ...; SI units).
+/// @throws InputError as write_scene
+void describe(const CompiledScene& scene, LightField& field);
+
+}  // namespace plenoflame

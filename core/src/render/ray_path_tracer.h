@@ -1,0 +1,73 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "plenoflame/media/medium.h"
+#include "plenoflame/render/ray_paths.h"
+
+namespace plenoflame {
+
+/// What a scene without flames is filled with.
+class EmptyMedium : public Medium {
+ public:
+  EmptyMedium(int channels, const Box& box) : channels_(channels), box_(box) {}
+  int channel_count() const override { return channels_; }
+  Box bounds() const override { return box_; }
+  double feature_size() const override { return 1; }
+  void integrate(const RayBatch<float>& rays, const MediumOptions&, RadianceBatch<float> out,
+                 MediumCounters&) const override;
+  void integrate(const RayBatch<double>& rays, const MediumOptions&, RadianceBatch<double> out,
+                 MediumCounters&) const override;
+  MediumSample sample(Vec3) const override { return {}; }
+  double source(int, double) const override { return 0; }
+  void append_breakpoints(const Ray&, std::vector<double>&) const override {}
+  std::string description() const override { return "none"; }
+
+ private:
+  int channels_;
+  Box box_;
+};
+
+/// The scene's medium, or an empty one around the point that the camera is focused on.
+class MediumOf {
+ public:
+  explicit MediumOf(const CompiledScene& scene);
+  MediumOf(const MediumOf&) = delete;
+  MediumOf& operator=(const MediumOf&) = delete;
+  const Medium& get() const { return medium_; }
+
+ private:
+  EmptyMedium empty_;
+  const Medium& medium_;
+};
+
+/// Turns rays into vertices.
+class PathTracer {
+ public:
+  PathTracer(const Camera& camera, const Medium& medium);
+
+  /// Adds the ray from a start on the sensor through its microlens towards an aim.
+  void add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPath& ray,
+           RayPaths& paths) const;
+  /// Adds the ray from a point in the world, along a unit vector towards the camera; fills in where
+  /// it arrives.
+  void add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) const;
+
+ private:
+  class Vertices;
+  double index_behind(int surface, int type, bool to_scene) const;
+  void add_flames(const Ray& ray, double from, double to, bool beside, Vertices& vertices,
+                  int samples) const;
+
+  const Camera& camera_;
+  const Medium& medium_;
+  Box box_;
+  std::vector<int> steps_;  ///< what paths list from the sensor on, each at most as often as here
+  int lens_surfaces_ = 0;
+};
+
+/// Radiance per channel of a stretch of a line through the medium, seen from `from`; then its
+/// optical thickness. `to` may be infinite.
+std::vector<double> carried_by(const Medium& medium, const Ray& ray, double from, double to);
+
+}  // namespace plenoflame
