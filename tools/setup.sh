@@ -30,6 +30,16 @@ cli           libcli11-dev             command line
 cli           libcairo2-dev            plots (bench)
 cli           pkg-config               finds Cairo
 cli           fonts-dejavu-core        text in plots
+vtk           libvtk9-dev              3-D pictures, ray paths, flames from simulations
+vtk           python3-vtk9             Python package
+vtk           python3-dev              wraps the VTK module for Python
+vtk           python3-numpy            images as arrays
+vtk           libgl-dev                OpenGL headers that VTK asks for
+vtk           libx11-dev               tells whether there is a display
+vtk           xvfb                     pictures without a display
+vtk           xauth                    xvfb-run
+vtk           libgl1-mesa-dri          software rendering
+vtk           python3-matplotlib       examples in Python
 tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
 tests         binutils                 nm: tests for symbols that must not exist

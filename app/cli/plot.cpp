@@ -298,13 +298,6 @@ void paint(cairo_t* context, const std::vector<Plot>& plots, int columns) {
 
 }  // namespace
 
-std::array<double, 3> plot_colour(std::size_t k) {
-  constexpr std::array<double, 3> colours[] = {{0.75, 0.1, 0.1}, {0.1, 0.35, 0.75},
-                                               {0.1, 0.55, 0.2}, {0.55, 0.25, 0.6},
-                                               {0.8, 0.5, 0.05}, {0.1, 0.1, 0.1}};
-  return colours[k % std::size(colours)];
-}
-
 void write_plot_svg(const std::string& path, const std::vector<Plot>& plots, int columns) {
   std::string bytes;
   const Surface surface(cairo_svg_surface_create_for_stream(append, &bytes, columns * kWidth,

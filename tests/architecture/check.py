@@ -84,7 +84,8 @@ def check_headers(root):
     """Headers have #pragma once and leave their users' namespaces alone."""
     for path in files(root, {".h"}):
         text = lines(root, path)
-        if not path.name.endswith(".inl.h") and "#pragma once" not in text:
+        guarded = "#pragma once" in text or f"#ifndef {path.stem}_h" in text  # VTK's own way
+        if not path.name.endswith(".inl.h") and not guarded:
             yield f"{path}:1: no #pragma once"
         for number, line in enumerate(text, 1):
             if re.match(r"\s*using\s+namespace\b", line):

@@ -13,6 +13,9 @@ void register_commands(const Registry& registry) {
 #if defined(PLENOFLAME_HAS_VOLUMES)
   register_flame(registry);
 #endif
+#if defined(PLENOFLAME_HAS_VTK)
+  register_picture(registry);
+#endif
   register_compare(registry);
   register_info(registry);
 }

@@ -9,7 +9,8 @@ void register_rays(const Registry& registry);
 void register_bench(const Registry& registry);
 void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
-void register_flame(const Registry& registry);  ///< only with PLENOFLAME_HAS_VOLUMES
+void register_flame(const Registry& registry);    ///< only with PLENOFLAME_HAS_VOLUMES
+void register_picture(const Registry& registry);  ///< only with PLENOFLAME_HAS_VTK
 void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
 void register_compare(const Registry& registry);

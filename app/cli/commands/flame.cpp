@@ -12,6 +12,7 @@
 
 #include "commands/command.h"
 #include "commands/commands.h"
+#include "commands/flame_import.h"
 #include "interrupt.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -134,6 +135,8 @@ void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& g
 }
 
 int run(const Settings& s) {
+  if (s.name.empty()) throw UsageError("NAME is required (see plenoflame flame --help)");
+  if (s.output.empty()) throw UsageError("--output is required (see plenoflame flame --help)");
   check_use(s);
   const InterruptHandler interrupt;
   Execution execution;
@@ -167,9 +170,8 @@ void register_flame(const Registry& registry) {
                   "plenoflame flame candle -o candle.vdb\n"
                   "plenoflame flame layered --voxel-size \"0.5 mm\" --half -o layered.vdb");
   command.add_option("NAME", s->name, std::string("Which flame:\n") + kNames)
-      ->required()
       ->check(CLI::IsMember({"layered", "candle", "diffusion", "cylinder", "turbulent"}));
-  command.add_option("-o,--output", s->output, "The .vdb file to write")->required();
+  command.add_option("-o,--output", s->output, "The .vdb file to write");
   command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"");
   command.add_flag("--half", s->half,
                    "Store values with 16 bits: half the size, relative error 2^-11");
@@ -185,7 +187,15 @@ void register_flame(const Registry& registry) {
   command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
       ->check(CLI::NonNegativeNumber);
   command.add_flag("--json", s->json, "Print what was written as JSON");
+#ifdef PLENOFLAME_HAS_VTK
+  const Action import_action = add_flame_import(command);
+  const CLI::App* const import_command = command.get_subcommand("import");
+  on_chosen(command, registry, [s, import_action, import_command] {
+    return import_command->parsed() ? import_action() : run(*s);
+  });
+#else
   on_chosen(command, registry, [s] { return run(*s); });
+#endif
 }
 
 }  // namespace plenoflame::cli

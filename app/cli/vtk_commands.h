@@ -1,0 +1,54 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+/// Commands that need VTK. They live in a library of their own that is loaded when one of them is
+/// called: linked to the command, VTK's hundred libraries would slow down the start of all others.
+namespace plenoflame::cli {
+
+/// plenoflame picture
+struct PictureRequest {
+  std::string scene, output;
+  std::string image;                       ///< light field for the sensor; empty: none
+  std::string rays_file;                   ///< .vtp; empty: none
+  std::vector<std::array<int, 2>> pixels;  ///< whose rays are drawn
+  std::vector<std::array<int, 2>> microlenses;
+  std::vector<std::array<double, 3>> points;  ///< [m] world
+  bool chief = false;
+  int random = 0;
+  int rays = 32;    ///< per pixel and microlens, and per point
+  int most = 2000;  ///< rays drawn
+  int view = 0;     ///< vtkPlenoflameScenePicture::ViewType
+  bool by_status = false;
+  std::array<int, 2> size{1200, 800};
+  bool flame = true, insets = true, axes = true;
+};
+
+/// plenoflame flame import
+struct FlameImportRequest {
+  std::vector<std::string> files;
+  std::string output, solution;
+  std::string temperature = "T", temperature_unit = "K";
+  double temperature_scale = 1;
+  std::string absorption, absorption_unit = "1/m", soot;
+  double constant = 0;  ///< [1/m]
+  double soot_function = 0.26, wavelength = 650e-9;
+  double voxel_size = 0;  ///< [m]; 0: automatic
+  double length_scale = 1;
+  std::array<double, 6> bounds{};  ///< [m]
+  int step = -1;                   ///< -1: all of them
+  bool half = false;
+};
+
+/// A file that was written, and the time that it belongs to.
+struct ImportedFlame {
+  std::string file;
+  double time = 0;
+};
+
+/// Warnings go to standard error. @throws Error; FileError when the library is missing
+void make_picture(const PictureRequest& request);
+std::vector<ImportedFlame> import_flames(const FlameImportRequest& request);
+
+}  // namespace plenoflame::cli

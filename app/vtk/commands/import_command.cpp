@@ -1,0 +1,74 @@
+#include <vtkExecutive.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "error_log.h"
+#include "plenoflame/image/atomic_file.h"
+#include "vtkPlenoflameFlameImport.h"
+#include "vtkPlenoflameFlameWriter.h"
+#include "vtk_commands.h"
+
+namespace plenoflame::cli {
+namespace {
+
+/// "flame.vdb" -> "flame_0003.vdb".
+std::string numbered(const std::string& path, int number) {
+  const std::filesystem::path p(path);
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "_%04d", number);
+  return (p.parent_path() / (p.stem().string() + digits + p.extension().string())).string();
+}
+
+}  // namespace
+}  // namespace plenoflame::cli
+
+extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
+    const plenoflame::cli::FlameImportRequest& request,
+    std::vector<plenoflame::cli::ImportedFlame>& written) {
+  using namespace plenoflame;
+  using namespace plenoflame::cli;
+  int number = 0;
+  for (const std::string& file : request.files) {
+    ErrorLog log;
+    vtkNew<vtkPlenoflameFlameImport> source;
+    log.watch(source);
+    log.watch(source->GetExecutive());
+    source->SetFileName(file.c_str());
+    if (!request.solution.empty()) source->SetSolutionFileName(request.solution.c_str());
+    source->SetTemperatureArray(request.temperature.c_str());
+    source->SetTemperatureUnit(request.temperature_unit.c_str());
+    source->SetTemperatureScale(request.temperature_scale);
+    source->SetAbsorptionArray(request.absorption.c_str());
+    source->SetAbsorptionUnit(request.absorption_unit.c_str());
+    source->SetSootArray(request.soot.c_str());
+    source->SetConstantAbsorption(request.constant);
+    source->SetSootFunction(request.soot_function);
+    source->SetWavelength(request.wavelength);
+    source->SetVoxelSize(request.voxel_size);
+    source->SetLengthScale(request.length_scale);
+    auto bounds = request.bounds;
+    source->SetBounds(bounds.data());
+    const int steps = source->GetNumberOfTimeSteps();
+    log.check();
+    if (request.step >= steps)
+      throw UsageError("--step: '" + file + "' has " + std::to_string(steps) +
+                       " time steps, counted from 0");
+    const bool series = request.files.size() > 1 || (steps > 1 && request.step < 0);
+    const int first = request.step < 0 ? 0 : request.step;
+    const int last = request.step < 0 ? steps - 1 : request.step;
+    for (int step = first; step <= last; ++step) {
+      const std::string output = series ? numbered(request.output, number++) : request.output;
+      check_writable(output);
+      source->SetTimeStep(step);
+      vtkNew<vtkPlenoflameFlameWriter> writer;
+      log.watch(writer);
+      writer->SetInputConnection(source->GetOutputPort());
+      writer->SetFileName(output.c_str());
+      writer->SetHalf(request.half);
+      writer->Write();
+      log.check();
+      written.push_back({output, source->GetTime(step)});
+    }
+  }
+}

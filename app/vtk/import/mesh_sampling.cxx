@@ -1,0 +1,190 @@
+#include "mesh_sampling.h"
+
+#include <vtkBoundingBox.h>
+#include <vtkCell.h>
+#include <vtkCellData.h>
+#include <vtkCellDataToPointData.h>
+#include <vtkCellType.h>
+#include <vtkDataArray.h>
+#include <vtkDataSet.h>
+#include <vtkGenericCell.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkProbeFilter.h>
+#include <vtkUniformGrid.h>
+#include <vtkUnstructuredGrid.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame::simulation {
+namespace {
+
+Vec3 point_of(vtkPoints& points, vtkIdType i) {
+  double p[3];
+  points.GetPoint(i, p);
+  return {p[0], p[1], p[2]};
+}
+
+/// Six times the volume that the first corners span, positive when VTK's order is kept; 0 for kinds
+/// of cells without such an order.
+double orientation(int type, vtkPoints& p) {
+  const auto triple = [&](vtkIdType a, vtkIdType b, vtkIdType c, vtkIdType d) {
+    const Vec3 o = point_of(p, a);
+    return dot(cross(point_of(p, b) - o, point_of(p, c) - o), point_of(p, d) - o);
+  };
+  switch (type) {
+    case VTK_TETRA:
+    case VTK_QUADRATIC_TETRA:
+      return triple(0, 1, 2, 3);
+    case VTK_HEXAHEDRON:
+    case VTK_QUADRATIC_HEXAHEDRON:
+      return triple(0, 1, 3, 4);
+    case VTK_PYRAMID:
+      return triple(0, 1, 3, 4);
+    case VTK_WEDGE:
+      return -triple(0, 1, 2, 3);  // VTK's wedges have their first triangle's normal outwards
+    default:
+      return 0;
+  }
+}
+
+std::string arrays_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts) {
+  std::set<std::string> names;
+  for (const auto& part : parts)
+    for (vtkDataSetAttributes* data : {static_cast<vtkDataSetAttributes*>(part->GetPointData()),
+                                       static_cast<vtkDataSetAttributes*>(part->GetCellData())})
+      for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+        if (data->GetArrayName(i) && data->GetArray(i)) names.insert(data->GetArrayName(i));
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+/// The part alone with that one array, on its points. Null: it has none.
+vtkSmartPointer<vtkDataSet> with_point_array(vtkDataSet& part, const std::string& name,
+                                             const std::string& path) {
+  vtkDataArray* array = part.GetPointData()->GetArray(name.c_str());
+  const bool cells = !array;
+  if (cells) array = part.GetCellData()->GetArray(name.c_str());
+  if (!array) return nullptr;
+  if (array->GetNumberOfComponents() != 1)
+    throw InputError("'" + path + "': the array '" + name + "' has " +
+                     std::to_string(array->GetNumberOfComponents()) +
+                     " components; a flame's values are single numbers");
+  for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+    if (!std::isfinite(array->GetTuple1(i))) {
+      double p[3]{};
+      if (cells)
+        part.GetCell(i)->GetPoints()->GetPoint(0, p);
+      else
+        part.GetPoint(i, p);
+      throw InputError("'" + path + "': the array '" + name + "' is " +
+                       std::to_string(array->GetTuple1(i)) + " at " + (cells ? "cell " : "point ") +
+                       std::to_string(i) + " near (" + std::to_string(p[0]) + ", " +
+                       std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")");
+    }
+  const auto alone = vtkSmartPointer<vtkDataSet>::Take(part.NewInstance());
+  alone->CopyStructure(&part);
+  if (!cells) {
+    alone->GetPointData()->AddArray(array);
+    return alone;
+  }
+  alone->GetCellData()->AddArray(array);
+  vtkNew<vtkCellDataToPointData> average;
+  average->SetInputData(alone);
+  average->Update();
+  return vtkDataSet::SafeDownCast(average->GetOutputDataObject(0));
+}
+
+}  // namespace
+
+void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std::string& path) {
+  vtkIdType solid = 0, regular = 0, inverted = 0, first = -1;
+  for (const auto& part : parts) {
+    double b[6];
+    part->GetBounds(b);
+    for (const double value : b)
+      if (part->GetNumberOfPoints() > 0 && !std::isfinite(value))
+        throw InputError("'" + path + "': the mesh has coordinates that are not finite");
+    if (auto* const image = vtkImageData::SafeDownCast(part)) {
+      solid += image->GetDataDimension() == 3 ? image->GetNumberOfCells() : 0;
+      continue;
+    }
+    auto* const loose = vtkUnstructuredGrid::SafeDownCast(part);
+    vtkNew<vtkGenericCell> cell;
+    for (vtkIdType i = 0; i < part->GetNumberOfCells(); ++i) {
+      part->GetCell(i, cell);
+      if (cell->GetCellDimension() != 3) continue;
+      ++solid;
+      if (!loose) break;  // a grid: one cell tells the dimension of all
+      const double volume = orientation(cell->GetCellType(), *cell->GetPoints());
+      if (std::isnan(volume))
+        throw InputError("'" + path + "': cell " + std::to_string(i) +
+                         " has coordinates that are not finite");
+      regular += volume != 0;
+      if (volume < 0) {
+        if (first < 0) first = i;
+        ++inverted;
+      }
+    }
+  }
+  if (solid == 0)
+    throw InputError(
+        "'" + path +
+        "' has no cells with a volume; surfaces, lines and points cannot become a flame");
+  // All of them the other way round is another convention, some of them is a broken mesh.
+  if (inverted > 0 && inverted < regular)
+    throw InputError("'" + path + "': " + std::to_string(inverted) + " of " +
+                     std::to_string(regular) + " cells are inside out, the first is cell " +
+                     std::to_string(first));
+}
+
+std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts) {
+  vtkBoundingBox box;
+  for (const auto& part : parts)
+    if (part->GetNumberOfPoints() > 0) box.AddBounds(part->GetBounds());
+  std::array<double, 6> bounds{};
+  box.GetBounds(bounds.data());
+  return bounds;
+}
+
+std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
+                          const std::string& name, vtkImageData& lattice, const std::string& path,
+                          const std::function<void(double)>& progress) {
+  std::vector<float> values(static_cast<std::size_t>(lattice.GetNumberOfPoints()),
+                            std::numeric_limits<float>::quiet_NaN());
+  bool found = false;
+  double done = 0;
+  for (const auto& part : parts) {
+    progress(done++ / static_cast<double>(parts.size()));
+    const auto source = with_point_array(*part, name, path);
+    if (!source) continue;
+    found = true;
+    vtkNew<vtkImageData> points;
+    points->CopyStructure(&lattice);
+    vtkNew<vtkProbeFilter> probe;
+    probe->SetInputData(points);
+    probe->SetSourceData(source);
+    probe->Update();
+    vtkDataArray* const sampled = probe->GetOutput()->GetPointData()->GetArray(name.c_str());
+    vtkDataArray* const valid =
+        probe->GetOutput()->GetPointData()->GetArray(probe->GetValidPointMaskArrayName());
+    if (!sampled || !valid) continue;
+    for (vtkIdType i = 0; i < sampled->GetNumberOfTuples(); ++i) {
+      float& value = values[static_cast<std::size_t>(i)];
+      if (std::isnan(value) && valid->GetTuple1(i) != 0)
+        value = static_cast<float>(sampled->GetTuple1(i));
+    }
+  }
+  if (!found)
+    throw InputError("'" + path + "' has no array '" + name + "'; it has " + arrays_of(parts));
+  return values;
+}
+
+}  // namespace plenoflame::simulation

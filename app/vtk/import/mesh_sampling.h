@@ -1,0 +1,32 @@
+#pragma once
+#include <vtkSmartPointer.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+class vtkDataSet;
+class vtkImageData;
+
+namespace plenoflame::simulation {
+
+/// Makes sure that parts of a mesh can be sampled.
+/// @param length_scale metre per unit of the mesh
+/// @throws InputError: no cells with a volume, coordinates that are not finite, some of the
+///         tetrahedra, hexahedra, wedges or pyramids inside out
+void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std::string& path);
+
+/// Bounds of all parts, in their units: x low, high, y low, ...
+std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts);
+
+/// Values of one array at the points of `lattice` (in the mesh's units), NaN outside of the mesh;
+/// within a cell as VTK interpolates its points. Arrays of cells are first averaged to the points.
+/// Where parts overlap the first one in the list wins.
+/// @throws InputError: no part has such an array (lists those present), more than one component, a
+///         value that is not finite (names its place)
+std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
+                          const std::string& array, vtkImageData& lattice, const std::string& path,
+                          const std::function<void(double)>& progress);
+
+}  // namespace plenoflame::simulation

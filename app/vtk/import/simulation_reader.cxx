@@ -1,0 +1,241 @@
+#include "simulation_reader.h"
+
+#include <vtkAMReXGridReader.h>
+#include <vtkAlgorithm.h>
+#include <vtkCGNSReader.h>
+#include <vtkCONVERGECFDReader.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
+#include <vtkCompositeDataIterator.h>
+#include <vtkCompositeDataSet.h>
+#include <vtkDataSet.h>
+#include <vtkExecutive.h>
+#include <vtkExodusIIReader.h>
+#include <vtkFLUENTReader.h>
+#include <vtkGenericDataObjectReader.h>
+#include <vtkGenericEnSightReader.h>
+#include <vtkHDFReader.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkMFIXReader.h>
+#include <vtkMultiBlockPLOT3DReader.h>
+#include <vtkNetCDFCFReader.h>
+#include <vtkNew.h>
+#include <vtkOpenFOAMReader.h>
+#include <vtkPlot3DMetaReader.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkTecplotReader.h>
+#include <vtkXMLGenericDataObjectReader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "plenoflame/base/error.h"
+#include "raw_bricks.h"
+
+namespace plenoflame::simulation {
+namespace {
+
+/// Wants every array that the reader knows, whatever its functions for that are called.
+template <class Reader>
+void want_all_arrays(Reader& reader) {
+  if constexpr (requires { reader.EnableAllCellArrays(); }) reader.EnableAllCellArrays();
+  if constexpr (requires { reader.EnableAllPointArrays(); }) reader.EnableAllPointArrays();
+  if constexpr (requires {
+                  reader.GetNumberOfCellArrays();
+                  reader.SetCellArrayStatus("", 1);
+                })
+    for (int i = 0; i < reader.GetNumberOfCellArrays(); ++i)
+      reader.SetCellArrayStatus(reader.GetCellArrayName(i), 1);
+  if constexpr (requires {
+                  reader.GetNumberOfPointArrays();
+                  reader.SetPointArrayStatus("", 1);
+                })
+    for (int i = 0; i < reader.GetNumberOfPointArrays(); ++i)
+      reader.SetPointArrayStatus(reader.GetPointArrayName(i), 1);
+}
+
+using Maker = std::function<vtkSmartPointer<vtkAlgorithm>(const std::string& path,
+                                                          const std::string& second)>;
+
+template <class Reader>
+Maker maker(void (*prepare)(Reader&) = nullptr) {
+  return [prepare](const std::string& path, const std::string&) {
+    const auto reader = vtkSmartPointer<Reader>::New();
+    if constexpr (requires { reader->SetCaseFileName(""); })
+      reader->SetCaseFileName(path.c_str());
+    else
+      reader->SetFileName(path.c_str());
+    if (prepare) prepare(*reader);
+    reader->UpdateInformation();
+    want_all_arrays(*reader);
+    return vtkSmartPointer<vtkAlgorithm>(reader);
+  };
+}
+
+vtkSmartPointer<vtkAlgorithm> plot3d(const std::string& path, const std::string& second) {
+  if (second.empty())
+    throw UsageError("'" + path +
+                     "' is a grid of PLOT3D; name its solution, too (--solution FILE.q)");
+  const auto reader = vtkSmartPointer<vtkMultiBlockPLOT3DReader>::New();
+  reader->SetXYZFileName(path.c_str());
+  reader->SetQFileName(second.c_str());
+  reader->AutoDetectFormatOn();
+  reader->RemoveAllFunctions();
+  for (const int function : {100, 110, 120}) reader->AddFunction(function);  // density, pressure, T
+  return reader;
+}
+
+struct Format {
+  const char* name;
+  std::vector<const char*> endings;
+  Maker make;
+};
+
+std::vector<Format> formats() {
+  return {
+      {"VTK XML",
+       {".vti", ".vtr", ".vts", ".vtu", ".vtm", ".pvti", ".pvtr", ".pvts", ".pvtu", ".vth"},
+       maker<vtkXMLGenericDataObjectReader>()},
+      {"VTK legacy", {".vtk"}, maker<vtkGenericDataObjectReader>()},
+      {"OpenFOAM",
+       {".foam", ".openfoam", "controlDict"},
+       maker<vtkOpenFOAMReader>([](vtkOpenFOAMReader& r) { r.CreateCellToPointOn(); })},
+      {"EnSight", {".case", ".encas"}, maker<vtkGenericEnSightReader>()},
+      {"PLOT3D", {".xyz", ".x", ".grd"}, plot3d},
+      {"PLOT3D with metadata", {".p3d"}, maker<vtkPlot3DMetaReader>()},
+      {"CGNS", {".cgns"}, maker<vtkCGNSReader>([](vtkCGNSReader& r) {
+         r.UpdateInformation();
+         r.EnableAllBases();
+       })},
+      {"Fluent", {".cas"}, maker<vtkFLUENTReader>()},
+      {"Exodus",
+       {".e", ".exo", ".ex2", ".exii"},
+       maker<vtkExodusIIReader>([](vtkExodusIIReader& r) {
+         r.UpdateInformation();
+         r.SetAllArrayStatus(vtkExodusIIReader::NODAL, 1);
+         r.SetAllArrayStatus(vtkExodusIIReader::ELEM_BLOCK, 1);
+       })},
+      {"CONVERGE", {".h5"}, maker<vtkCONVERGECFDReader>()},
+      {"VTK HDF", {".hdf", ".vtkhdf"}, maker<vtkHDFReader>()},
+      {"Tecplot", {".tec", ".dat", ".tp"}, maker<vtkTecplotReader>()},
+      {"NetCDF", {".nc", ".ncdf"}, maker<vtkNetCDFCFReader>()},
+      {"MFIX", {".RES"}, maker<vtkMFIXReader>()},
+  };
+}
+
+double cell_size(vtkDataSet& data) {
+  return data.GetNumberOfCells() > 0
+             ? data.GetLength() / std::cbrt(static_cast<double>(data.GetNumberOfCells()))
+             : 0;
+}
+
+}  // namespace
+
+/// Keeps VTK's error messages from the terminal, for one of our own.
+class SimulationReader::ErrorLog {
+ public:
+  ErrorLog() {
+    callback_->SetClientData(this);
+    callback_->SetCallback([](vtkObject*, unsigned long, void* self, void* text) {
+      auto& log = *static_cast<ErrorLog*>(self);
+      if (log.first_.empty()) log.first_ = static_cast<const char*>(text);
+    });
+  }
+  void watch(vtkAlgorithm& reader) {
+    reader.AddObserver(vtkCommand::ErrorEvent, callback_);
+    reader.GetExecutive()->AddObserver(vtkCommand::ErrorEvent, callback_);
+  }
+  /// @throws InputError when there was an error
+  void check(const std::string& path, const std::string& format) const {
+    if (first_.empty()) return;
+    std::string text = first_;
+    if (const auto at = text.find("): "); at != std::string::npos) text = text.substr(at + 3);
+    text = text.substr(0, text.find('\n'));
+    throw InputError("'" + path + "' cannot be read as " + format + ": " + text);
+  }
+
+ private:
+  vtkNew<vtkCallbackCommand> callback_;
+  std::string first_;
+};
+
+SimulationReader::SimulationReader(const std::string& path, const std::string& second)
+    : path_(path), errors_(std::make_unique<ErrorLog>()) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw FileError("cannot read '" + path + "': No such file or folder");
+  times_ = {0};
+  if (path.ends_with(".json")) {
+    format_ = "raw bricks";
+    raw_ = read_raw_bricks(path);
+    return;
+  }
+  if (fs::is_directory(path, error)) {
+    if (!fs::exists(fs::path(path) / "Header", error))
+      throw InputError("'" + path +
+                       "' is a folder without a file Header, and so no AMReX plotfile");
+    format_ = "AMReX";
+    const auto reader = vtkSmartPointer<vtkAMReXGridReader>::New();
+    errors_->watch(*reader);
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    reader->SetMaxLevel(1 << 20);
+    want_all_arrays(*reader);
+    reader_ = reader;
+  } else {
+    std::string known;
+    for (const Format& format : formats())
+      for (const char* ending : format.endings) {
+        if (!known.empty()) known += ' ';
+        known += ending;
+        if (reader_ || !path.ends_with(ending)) continue;
+        format_ = format.name;
+        reader_ = format.make(path, second);
+      }
+    if (!reader_)
+      throw InputError("'" + path + "': there is no reader for this ending; known are " + known +
+                       ", .json (raw bricks) and the folder of an AMReX plotfile");
+    errors_->watch(*reader_);
+  }
+  reader_->UpdateInformation();
+  errors_->check(path_, format_);
+  vtkInformation* const information = reader_->GetOutputInformation(0);
+  if (information->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
+    times_.assign(information->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS()),
+                  information->Get(vtkStreamingDemandDrivenPipeline::TIME_STEPS()) +
+                      information->Length(vtkStreamingDemandDrivenPipeline::TIME_STEPS()));
+}
+
+SimulationReader::~SimulationReader() = default;
+
+std::vector<vtkSmartPointer<vtkDataSet>> SimulationReader::read(std::size_t step) {
+  if (step >= times_.size())
+    throw InputError("'" + path_ + "' has " + std::to_string(times_.size()) +
+                     " time steps; there is no step " + std::to_string(step) + " (counted from 0)");
+  std::vector<vtkSmartPointer<vtkDataSet>> parts;
+  if (raw_) return {raw_};
+  if (times_.size() > 1)
+    reader_->UpdateTimeStep(times_[step]);
+  else
+    reader_->Update();
+  errors_->check(path_, format_);
+  vtkDataObject* const output = reader_->GetOutputDataObject(0);
+  if (auto* const single = vtkDataSet::SafeDownCast(output)) {
+    parts.emplace_back(single);
+  } else if (auto* const many = vtkCompositeDataSet::SafeDownCast(output)) {
+    const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(many->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+      if (auto* const leaf = vtkDataSet::SafeDownCast(iterator->GetCurrentDataObject()))
+        parts.emplace_back(leaf);
+  }
+  if (parts.empty()) throw InputError("'" + path_ + "' holds no mesh");
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const auto& a, const auto& b) { return cell_size(*a) < cell_size(*b); });
+  return parts;
+}
+
+}  // namespace plenoflame::simulation

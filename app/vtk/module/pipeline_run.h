@@ -1,0 +1,29 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "plenoflame/base/execution.h"
+
+class vtkAlgorithm;
+class vtkObject;
+
+/// What all algorithms of the module share: running core's functions under VTK's rules.
+namespace plenoflame::pipeline {
+
+/// Calls `task` on a thread of its own. Meanwhile the calling thread passes progress on to
+/// `algorithm`'s progress events, so that observers (of Python, too) run where Update() was called,
+/// and turns AbortExecute into a stop request. Warnings become warning events; an exception becomes
+/// an error event with the message that the command line would print.
+/// @param threads workers of the task; 0: one per processor
+/// @return whether the task ended without exception; false when it was aborted before there was a
+/// result
+bool run(vtkAlgorithm& algorithm, int threads, const std::function<void(const Execution&)>& task);
+
+/// The same on the calling thread, for what takes no time.
+bool run_here(vtkObject& object, const std::function<void()>& task);
+
+/// Invokes an error event; without observer VTK prints it.
+void report_error(vtkObject& object, const std::string& message);
+void report_warning(vtkObject& object, const std::string& message);
+
+}  // namespace plenoflame::pipeline

@@ -1,0 +1,95 @@
+#include "vtkPlenoflameFlameReader.h"
+
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkMatrix4x4.h>
+#include <vtkObjectFactory.h>
+#include <vtkPointData.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+
+#include <array>
+#include <vector>
+
+#include "pipeline_run.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/volumes/flame_file.h"
+#include "plenoflame/volumes/grid_file.h"
+#include "voxel_image.h"
+
+vtkStandardNewMacro(vtkPlenoflameFlameReader);
+
+vtkPlenoflameFlameReader::vtkPlenoflameFlameReader() {
+  this->SetNumberOfInputPorts(0);
+}
+
+vtkPlenoflameFlameReader::~vtkPlenoflameFlameReader() {
+  this->SetFileName(nullptr);
+}
+
+void vtkPlenoflameFlameReader::PrintSelf(ostream& os, vtkIndent indent) {
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << (this->FileName ? this->FileName : "(none)") << "\n"
+     << indent << "GridName: " << this->GridName << "\n"
+     << indent << "LocalFrame: " << this->LocalFrame << "\n"
+     << indent << "LocalToWorld:\n";
+  this->LocalToWorld->PrintSelf(os, indent.GetNextIndent());
+}
+
+vtkMatrix4x4* vtkPlenoflameFlameReader::GetLocalToWorld() {
+  return this->LocalToWorld;
+}
+
+int vtkPlenoflameFlameReader::RequestInformation(vtkInformation*, vtkInformationVector**,
+                                                 vtkInformationVector* outputs) {
+  // The voxels that differ from the background are known when they have been read.
+  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
+  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
+                                        extent.data(), 6);
+  return 1;
+}
+
+int vtkPlenoflameFlameReader::RequestData(vtkInformation*, vtkInformationVector**,
+                                          vtkInformationVector* outputs) {
+  using namespace plenoflame;
+  vtkImageData* const image = vtkImageData::GetData(outputs);
+  return plenoflame::pipeline::run(*this, 0, [&](const Execution& execution) {
+    const std::string path = this->FileName ? this->FileName : "";
+    std::vector<VoxelField> fields;
+    if (this->GridName.empty()) {
+      FlameSpec spec;
+      spec.kind = FlameKind::vdb;
+      spec.file = path;
+      FlameFields flame = read_flame(spec, "", execution);
+      flame.temperature.name = "temperature";
+      flame.absorption.name = "absorption";
+      fields.push_back(std::move(flame.temperature));
+      fields.push_back(std::move(flame.absorption));
+    } else {
+      fields.push_back(read_voxel_field(path, this->GridName));
+    }
+    const AffineTransform& transform = fields.front().index_to_world;
+    const auto same = [&](const VoxelField& field) {
+      return field.index_to_world.linear == transform.linear &&
+             field.index_to_world.translation == transform.translation;
+    };
+    pipeline::IndexBox box;
+    for (const VoxelField& field : fields)
+      if (same(field)) box.add(pipeline::stored_box(field));
+    if (box.empty()) throw InputError("'" + path + "': every voxel has the background's value");
+    image->Initialize();
+    pipeline::place_image(transform, box, this->LocalFrame, *image);
+    pipeline::local_to_world(transform, box, *this->LocalToWorld);
+    for (const VoxelField& field : fields) {
+      if (same(field)) {
+        pipeline::add_values(field, box, field.name.c_str(), *image);
+      } else {
+        execution.warn("'" + path + "': " + field.name +
+                       " has a lattice of its own and was "
+                       "interpolated; read it alone with SetGridName() to keep it");
+        pipeline::add_interpolated(field, transform, box, field.name.c_str(), *image);
+      }
+    }
+    image->GetPointData()->SetActiveScalars(fields.front().name.c_str());
+  });
+}

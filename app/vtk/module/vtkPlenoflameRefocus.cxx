@@ -1,0 +1,75 @@
+#include "vtkPlenoflameRefocus.h"
+
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkObjectFactory.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+
+#include <array>
+
+#include "light_field_image.h"
+#include "micro_image_cache.h"
+#include "pipeline_run.h"
+#include "plenoflame/lightfield/refocus.h"
+
+struct vtkPlenoflameRefocus::Internals {
+  plenoflame::pipeline::MicroImageCache MicroImages;
+};
+
+vtkStandardNewMacro(vtkPlenoflameRefocus);
+
+vtkPlenoflameRefocus::vtkPlenoflameRefocus() : Internal(std::make_unique<Internals>()) {}
+vtkPlenoflameRefocus::~vtkPlenoflameRefocus() = default;
+
+void vtkPlenoflameRefocus::PrintSelf(ostream& os, vtkIndent indent) {
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Depth: " << this->Depth << "\n"
+     << indent << "Width: " << this->Width << "\n"
+     << indent << "Aperture: " << this->Aperture << "\n"
+     << indent << "Channel: " << this->Channel << "\n"
+     << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
+     << indent << "PixelSize: " << this->PixelSize << "\n";
+}
+
+int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVector**,
+                                             vtkInformationVector* outputs) {
+  // How large the picture becomes is known when it is made.
+  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
+  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
+                                        extent.data(), 6);
+  return 1;
+}
+
+int vtkPlenoflameRefocus::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
+                                              vtkInformationVector*) {
+  // All of the light field, whatever part of the picture is wanted.
+  vtkInformation* const in = inputs[0]->GetInformationObject(0);
+  std::array<int, 6> extent{};
+  in->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());
+  in->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent.data(), 6);
+  return 1;
+}
+
+int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** inputs,
+                                      vtkInformationVector* outputs) {
+  vtkImageData* const in = vtkImageData::GetData(inputs[0]);
+  vtkImageData* const out = vtkImageData::GetData(outputs);
+  return plenoflame::pipeline::run(
+      *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
+        const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
+        const plenoflame::CameraSpec camera = plenoflame::pipeline::camera_of(field);
+        plenoflame::check_refocus_depth(plenoflame::Camera(camera), this->Depth);
+        plenoflame::RefocusSettings settings;
+        settings.depth = this->Depth;
+        settings.width = this->Width;
+        settings.aperture = this->Aperture;
+        settings.channel = this->Channel;
+        const plenoflame::MicroImages& micro =
+            this->Internal->MicroImages.get(camera, true, execution);
+        const plenoflame::RefocusedImage picture =
+            plenoflame::refocus(field, micro, settings, execution);
+        this->PixelSize = picture.pixel;
+        plenoflame::pipeline::image_to_vtk(picture.image, "radiance", *out);
+      });
+}

@@ -1,0 +1,138 @@
+/**
+ * @class   vtkPlenoflameScene
+ * @brief   a camera, its flames and how to render them
+ *
+ * The scene of a TOML file as a data object: it comes from a vtkPlenoflameSceneReader, or stands
+ * alone and is given to other algorithms with SetInputDataObject(). Values are read and set as text
+ * with units, by the paths of docs/reference/scene.md: SetValue("camera.lens.surfaces[0].radius",
+ * "30 mm"). Change a scene that stands alone: what a reader gave is replaced when it reads again.
+ */
+#ifndef vtkPlenoflameScene_h
+#define vtkPlenoflameScene_h
+
+#include "vtkDataObject.h"
+#include "vtkPlenoflameModule.h"  // for export macro
+
+#ifndef __VTK_WRAP__
+#include <memory>
+
+namespace plenoflame {
+struct CompiledScene;
+struct Execution;
+struct Scene;
+struct SceneDocument;
+}  // namespace plenoflame
+#endif
+
+class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
+ public:
+  static vtkPlenoflameScene* New();
+  vtkTypeMacro(vtkPlenoflameScene, vtkDataObject);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /**
+   * Take the scene of a TOML file, or of text in the same form; `name` stands for the file in
+   * messages and as the start of relative paths. The scene is checked as a whole. False after an
+   * error event "file:line:column: ..."; the scene is then unchanged.
+   */
+  bool ReadFile(const std::string& path);
+  bool ReadText(const std::string& text, const std::string& name);
+  ///@}
+
+  ///@{
+  /**
+   * The whole scene as TOML, presets resolved.
+   */
+  std::string GetText();
+  bool WriteFile(const std::string& path);
+  ///@}
+
+  ///@{
+  /**
+   * A value by its path, as text with a unit ("100 um", "true", "1 m, 0 m, -29 mm"). SetValue gives
+   * false after an error event (unknown path, missing unit, out of range); nothing is changed then.
+   */
+  std::string GetValue(const std::string& path);
+  bool SetValue(const std::string& path, const std::string& text);
+  ///@}
+
+  ///@{
+  /**
+   * All paths that the scene has values for.
+   */
+  int GetNumberOfPaths();
+  std::string GetPath(int i);
+  ///@}
+
+  ///@{
+  /**
+   * Lists of tables, such as "flames" or "camera.lens.surfaces". Size is -1 after an error event.
+   */
+  int GetListSize(const std::string& path);
+  bool InsertListItem(const std::string& path, int position);
+  bool RemoveListItem(const std::string& path, int position);
+  ///@}
+
+  /**
+   * Check the scene as a whole: an error event for the first thing that is impossible, warning
+   * events for what is probably not meant.
+   */
+  bool Validate();
+
+  /**
+   * What `plenoflame design --json` prints; empty after an error event.
+   */
+  std::string GetDesignAsJson();
+
+  ///@{
+  /**
+   * Sensor: columns, rows, and the distance between pixels [m].
+   */
+  int GetNumberOfColumns();
+  int GetNumberOfRows();
+  double GetPixelPitch();
+  ///@}
+
+  ///@{
+  /**
+   * Channels of its images.
+   */
+  int GetNumberOfChannels();
+  std::string GetChannelName(int i);
+  ///@}
+
+  ///@{
+  /**
+   * VTK's rules of data objects: both copies are deep, a scene is small.
+   */
+  void Initialize() override;
+  void ShallowCopy(vtkDataObject* source) override;
+  void DeepCopy(vtkDataObject* source) override;
+  unsigned long GetActualMemorySize() override;
+  ///@}
+
+#ifndef __VTK_WRAP__
+  /// For C++: the plain values.
+  const plenoflame::Scene& GetScene() const;
+  void SetScene(const plenoflame::Scene& scene);
+  /// The same with the places of its keys in a file, for messages.
+  void SetDocument(const plenoflame::SceneDocument& document);
+  /// Camera solved, pupils traced, flames loaded; kept until the scene is modified.
+  /// @throws plenoflame::Error
+  std::shared_ptr<const plenoflame::CompiledScene> Compile(const plenoflame::Execution& execution);
+#endif
+
+ protected:
+  vtkPlenoflameScene();
+  ~vtkPlenoflameScene() override;
+
+ private:
+  vtkPlenoflameScene(const vtkPlenoflameScene&) = delete;
+  void operator=(const vtkPlenoflameScene&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+};
+
+#endif

@@ -1,0 +1,99 @@
+#include "vtkPlenoflameViews.h"
+
+#include <vtkCompositeDataSet.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkMultiBlockDataSet.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+
+#include <array>
+#include <cstdio>
+
+#include "light_field_image.h"
+#include "micro_image_cache.h"
+#include "pipeline_run.h"
+#include "plenoflame/lightfield/views.h"
+
+struct vtkPlenoflameViews::Internals {
+  plenoflame::pipeline::MicroImageCache MicroImages;
+};
+
+vtkStandardNewMacro(vtkPlenoflameViews);
+
+vtkPlenoflameViews::vtkPlenoflameViews() : Internal(std::make_unique<Internals>()) {
+  this->SetNumberOfOutputPorts(2);
+}
+
+vtkPlenoflameViews::~vtkPlenoflameViews() = default;
+
+void vtkPlenoflameViews::PrintSelf(ostream& os, vtkIndent indent) {
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Grid: " << this->Grid << "\n"
+     << indent << "Spread: " << this->Spread << "\n"
+     << indent << "Resampling: " << this->Resampling << "\n"
+     << indent << "WhiteCorrection: " << this->WhiteCorrection << "\n"
+     << indent << "Channel: " << this->Channel << "\n"
+     << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+}
+
+int vtkPlenoflameViews::FillInputPortInformation(int, vtkInformation* information) {
+  information->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  return 1;
+}
+
+int vtkPlenoflameViews::FillOutputPortInformation(int port, vtkInformation* information) {
+  information->Set(vtkDataObject::DATA_TYPE_NAME(),
+                   port == 0 ? "vtkMultiBlockDataSet" : "vtkImageData");
+  return 1;
+}
+
+int vtkPlenoflameViews::RequestInformation(vtkInformation*, vtkInformationVector**,
+                                           vtkInformationVector* outputs) {
+  // How large the views become is known when they are made; a first guess keeps VTK content.
+  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
+  outputs->GetInformationObject(1)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
+                                        extent.data(), 6);
+  return 1;
+}
+
+vtkImageData* vtkPlenoflameViews::GetContactSheet() {
+  return vtkImageData::SafeDownCast(this->GetOutputDataObject(1));
+}
+
+int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector** inputs,
+                                    vtkInformationVector* outputs) {
+  using plenoflame::ViewResampling;
+  vtkImageData* const in = vtkImageData::GetData(inputs[0]);
+  auto* const out = vtkMultiBlockDataSet::GetData(outputs, 0);
+  vtkImageData* const sheet = vtkImageData::GetData(outputs, 1);
+  return plenoflame::pipeline::run(
+      *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
+        const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
+        plenoflame::ViewSettings settings;
+        settings.grid = this->Grid;
+        settings.spread = this->Spread;
+        constexpr std::array resamplings{ViewResampling::nearest, ViewResampling::barycentric,
+                                         ViewResampling::paper9, ViewResampling::paper10};
+        settings.resampling = resamplings[static_cast<std::size_t>(this->Resampling)];
+        settings.white_correction = this->WhiteCorrection;
+        settings.channel = this->Channel;
+        const plenoflame::MicroImages& micro = this->Internal->MicroImages.get(
+            plenoflame::pipeline::camera_of(field), this->WhiteCorrection, execution);
+        const plenoflame::Views views =
+            plenoflame::extract_views(field, micro, settings, execution);
+        const char* const name = this->WhiteCorrection ? "radiance" : "flux";
+        unsigned block = 0;
+        for (const plenoflame::View& view : views.views) {
+          vtkNew<vtkImageData> image;
+          plenoflame::pipeline::image_to_vtk(view.image, name, *image);
+          std::array<char, 40> label{};
+          std::snprintf(label.data(), label.size(), "view_%02d_%02d", view.row, view.column);
+          out->SetBlock(block, image);
+          out->GetMetaData(block++)->Set(vtkCompositeDataSet::NAME(), label.data());
+        }
+        plenoflame::pipeline::image_to_vtk(plenoflame::contact_sheet(views), name, *sheet);
+      });
+}

@@ -1,0 +1,50 @@
+"""Pictures of scenes without a window."""
+
+import os
+
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from ._run import Error, errors_of
+
+_VIEWS = ("scene", "camera", "array", "flame")
+
+
+def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colour_by="type", pixel=None,
+            size=(1200, 800), flame=True, insets=True, axes=True):
+    """Draws a scene: the flame by temperature, the camera, rays.
+
+    scene: Scene; path: .png to write, or None: the picture is returned instead
+    view: "scene" (with insets of the others), "camera", "array" (a few microlenses) or "flame"
+    rays: Rays; light_field: LightField, for the sensor; colour_by: "type" of the microlens or "status" of the rays
+    pixel: (column, row) in the middle of "array"; size: of the picture in pixels
+
+    Returns a numpy array (rows, columns, 3) of uint8 when path is None. Raises Error, among others when there is no
+    display: run under xvfb-run then.
+    """
+    from . import vtkPlenoflameViews as views
+    if view not in _VIEWS:
+        raise Error(f"there is no view {view!r}; there are {', '.join(_VIEWS)}")
+    drawing = views.vtkPlenoflameScenePicture()
+    if not drawing.CanRender():
+        raise Error(drawing.GetWhyNot())
+    drawing.SetScene(scene.scene)
+    drawing.SetView(_VIEWS.index(view))
+    if rays is not None:
+        drawing.SetRays(rays.polydata)
+    if light_field is not None:
+        drawing.SetSensorImage(light_field.image)
+    drawing.SetRayColoring(("type", "status").index(colour_by))
+    if pixel is not None:
+        drawing.SetPixel(*pixel)
+    drawing.SetSize(*size)
+    drawing.SetShowFlame(flame)
+    drawing.SetShowInsets(insets)
+    drawing.SetShowAxes(axes)
+    with errors_of(drawing):
+        if path is not None:
+            drawing.WritePNG(os.fspath(path))
+        image = drawing.RenderToImage() if path is None else None
+    if image is None:
+        return None
+    columns, rows, _ = image.GetDimensions()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns, -1)[::-1].copy()

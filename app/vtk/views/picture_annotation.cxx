@@ -1,0 +1,135 @@
+#include "picture_annotation.h"
+
+#include <vtkActor.h>
+#include <vtkBillboardTextActor3D.h>
+#include <vtkCellArray.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkNew.h>
+#include <vtkOpenGLPolyDataMapper.h>
+#include <vtkOpenGLVertexBufferObject.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextActor.h>
+#include <vtkTextProperty.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace plenoflame::views {
+namespace {
+
+constexpr double kInk = 0.1;  ///< grey of texts
+
+void set_text_style(vtkTextProperty& style, int font_size) {
+  style.SetFontFamilyToArial();
+  style.SetFontSize(font_size);
+  style.SetColor(kInk, kInk, kInk);
+}
+
+void add_text(const std::string& text, double x, double y, bool from_top, int font_size,
+              const double (&rgb)[3], vtkRenderer& renderer) {
+  vtkNew<vtkTextActor> actor;
+  actor->SetInput(text.c_str());
+  set_text_style(*actor->GetTextProperty(), font_size);
+  actor->GetTextProperty()->SetColor(rgb[0], rgb[1], rgb[2]);
+  if (from_top) {  // may stand before anything
+    actor->GetTextProperty()->SetVerticalJustificationToTop();
+    actor->GetTextProperty()->SetBackgroundColor(0.97, 0.97, 0.98);
+    actor->GetTextProperty()->SetBackgroundOpacity(0.8);
+  }
+  actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  actor->SetPosition(x, y);
+  renderer.AddActor2D(actor);
+}
+
+}  // namespace
+
+std::string length_label(double metres) {
+  struct Unit {
+    double size;
+    const char* name;
+  };
+  for (const Unit unit : std::array<Unit, 4>{{{1, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-9, "nm"}}})
+    if (metres >= unit.size * (1 - 1e-9)) {
+      std::array<char, 40> text{};
+      std::snprintf(text.data(), text.size(), "%.3g %s", metres / unit.size, unit.name);
+      return text.data();
+    }
+  return "0 m";
+}
+
+void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) {
+  const std::array<Vec3, 3> directions{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  const std::array<std::array<double, 3>, 3> colours{
+      {{0.8, 0.1, 0.1}, {0.1, 0.55, 0.1}, {0.1, 0.2, 0.8}}};
+  const std::array<const char*, 3> names{"x", "y", "z"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 end = origin + length * directions[k];
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    points->InsertNextPoint(origin.x, origin.y, origin.z);
+    points->InsertNextPoint(end.x, end.y, end.z);
+    vtkNew<vtkCellArray> lines;
+    const std::array<vtkIdType, 2> ids{0, 1};
+    lines->InsertNextCell(2, ids.data());
+    vtkNew<vtkPolyData> data;
+    data->SetPoints(points);
+    data->SetLines(lines);
+    vtkNew<vtkOpenGLPolyDataMapper> mapper;
+    mapper->SetInputData(data);
+    mapper->SetVBOShiftScaleMethod(vtkOpenGLVertexBufferObject::ALWAYS_AUTO_SHIFT_SCALE);
+    vtkNew<vtkActor> actor;
+    actor->SetMapper(mapper);
+    actor->GetProperty()->SetColor(colours[k][0], colours[k][1], colours[k][2]);
+    actor->GetProperty()->LightingOff();
+    actor->GetProperty()->SetLineWidth(2);
+    renderer.AddActor(actor);
+    vtkNew<vtkBillboardTextActor3D> label;
+    label->SetInput((std::string(names[k]) + "  " + length_label(length)).c_str());
+    label->SetPosition(end.x, end.y, end.z);
+    set_text_style(*label->GetTextProperty(), font_size);
+    label->GetTextProperty()->SetColor(colours[k][0], colours[k][1], colours[k][2]);
+    renderer.AddActor(label);
+  }
+}
+
+void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& renderer) {
+  vtkNew<vtkScalarBarActor> bar;
+  bar->SetLookupTable(colours);
+  bar->SetTitle("Temperature (K)");
+  bar->SetNumberOfLabels(5);
+  bar->SetLabelFormat("%.0f");
+  bar->SetOrientationToHorizontal();
+  bar->SetTextPositionToPrecedeScalarBar();
+  bar->UnconstrainedFontSizeOn();
+  for (vtkTextProperty* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    set_text_style(*style, 15);
+    style->BoldOff();
+    style->ItalicOff();
+    style->ShadowOff();
+  }
+  bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  bar->SetPosition(0.66, 0.03);
+  bar->SetWidth(0.3);
+  bar->SetHeight(0.11);
+  renderer.AddActor2D(bar);
+}
+
+void add_legend(const std::vector<LegendEntry>& entries, int font_size, vtkRenderer& renderer) {
+  const double line = 1.5 * font_size / std::max(1, renderer.GetSize()[1]);
+  double y = 0.02 + line * static_cast<double>(entries.size() - 1);
+  for (const LegendEntry& entry : entries) {
+    add_text(entry.text, 0.015, y, false, font_size, entry.rgb, renderer);
+    y -= line;
+  }
+}
+
+void add_title(const std::string& text, int font_size, vtkRenderer& renderer) {
+  add_text(text, 0.015, 0.985, true, font_size, {kInk, kInk, kInk}, renderer);
+}
+
+}  // namespace plenoflame::views

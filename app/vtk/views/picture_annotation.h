@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+
+class vtkColorTransferFunction;
+class vtkRenderer;
+
+namespace plenoflame::views {
+
+/// "100 mm".
+std::string length_label(double metres);
+
+/// Axes of the world as three lines from `origin`, each `length` [m] long and labelled with it.
+void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer);
+
+/// The scale of temperatures, in kelvin, at the right edge.
+void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& renderer);
+
+struct LegendEntry {
+  std::string text;
+  double rgb[3];
+};
+
+/// Coloured lines of text, one below the other, from the lower left corner upwards.
+void add_legend(const std::vector<LegendEntry>& entries, int font_size, vtkRenderer& renderer);
+
+/// A line of text in the upper left corner.
+void add_title(const std::string& text, int font_size, vtkRenderer& renderer);
+
+}  // namespace plenoflame::views

@@ -1,0 +1,56 @@
+"""Every example in examples/python runs, and makes the file that it names."""
+
+import struct
+import subprocess
+import sys
+
+from package import ROOT, PackageTest, main
+from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader
+
+import plenoflame
+
+
+class Examples(PackageTest):
+    def run_example(self, name, *arguments):
+        result = subprocess.run([sys.executable, "-B", ROOT / "examples" / "python" / name, *arguments, self.folder],
+                                capture_output=True, text=True, cwd=self.folder, timeout=250)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        return self.folder / result.stdout.strip()
+
+    def small_scene(self):
+        self.scene(60).save(self.folder / "small.toml")
+        return self.folder / "small.toml"
+
+    def size_of(self, path):
+        data = path.read_bytes()
+        self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
+        return struct.unpack(">II", data[16:24])
+
+    def test_render_and_plot(self):
+        self.assertGreater(min(self.size_of(self.run_example("render_and_plot.py", self.small_scene()))), 300)
+
+    def test_aperture_sweep(self):
+        self.assertGreater(min(self.size_of(self.run_example("aperture_sweep.py", self.small_scene()))), 300)
+
+    def test_rays_over_lens(self):
+        self.assertGreater(min(self.size_of(self.run_example("rays_over_lens.py", self.small_scene()))), 300)
+
+    def test_scene_picture(self):
+        self.assertEqual(self.size_of(self.run_example("scene_picture.py", self.small_scene())), (1200, 800))
+
+    def test_for_paraview(self):
+        reader = vtkXMLMultiBlockDataReader()
+        reader.SetFileName(str(self.run_example("for_paraview.py", self.small_scene())))
+        reader.Update()
+        blocks = reader.GetOutput()
+        names = [blocks.GetMetaData(i).Get(blocks.NAME()) for i in range(blocks.GetNumberOfBlocks())]
+        self.assertEqual(names, ["camera", "flame", "rays", "light field"])
+        self.assertGreater(blocks.GetBlock(2).GetNumberOfLines(), 10)
+        # The light field in the file is still one: its views can be made.
+        field = plenoflame.LightField(blocks.GetBlock(3))
+        self.assertEqual(len(field.views(2)), 4)
+
+
+if __name__ == "__main__":
+    main()

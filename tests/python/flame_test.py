@@ -1,0 +1,52 @@
+"""Flames from Python."""
+
+import numpy
+from package import PackageTest, main
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+
+import plenoflame
+
+
+def image(temperature, absorption, spacing):
+    """vtkImageData of two arrays (z, y, x)."""
+    out = vtkImageData()
+    out.SetDimensions(temperature.shape[::-1])
+    out.SetSpacing(spacing, spacing, spacing)
+    for name, values in (("temperature", temperature), ("absorption", absorption)):
+        array = numpy_to_vtk(numpy.ascontiguousarray(values, numpy.float32).ravel(), deep=True)
+        array.SetName(name)
+        out.GetPointData().AddArray(array)
+    return out
+
+
+class Flames(PackageTest):
+    def test_numpy_flame_is_rendered(self):
+        """A homogeneous block: the command line finds what was written."""
+        hot = numpy.full((20, 12, 12), 1700.0)
+        block = image(hot, numpy.full_like(hot, 25.0), 2e-3)
+        block.SetOrigin(-0.011, -0.011, 0)
+        plenoflame.write_flame(self.folder / "block.vdb", block)
+        grids = {grid["name"]: grid for grid in self.figures("info", "block.vdb")["grids"]}
+        self.assertEqual(grids["temperature"]["maximum"], 1700)
+        self.assertEqual(grids["absorption"]["maximum"], 25)
+        read = plenoflame.read_flame(self.folder / "block.vdb")
+        numpy.testing.assert_array_equal(vtk_to_numpy(read.GetPointData().GetArray("absorption")), 25)
+        numpy.testing.assert_allclose(read.GetOrigin(), (-0.011, -0.011, 0), atol=1e-17)
+
+    def test_scene_is_sampled(self):
+        flame = self.scene().flame(50)
+        temperature = vtk_to_numpy(flame.GetPointData().GetArray("temperature"))
+        self.assertEqual(temperature.max(), 1900)
+        self.assertEqual(max(flame.GetDimensions()), 50)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(plenoflame.Error, "missing.vdb"):
+            plenoflame.read_flame(self.folder / "missing.vdb")
+        block = image(numpy.ones((2, 2, 2)), numpy.ones((2, 2, 2)), 1e-3)
+        with self.assertRaisesRegex(plenoflame.Error, "the data has temperature, absorption"):
+            plenoflame.write_flame(self.folder / "x.vdb", block, absorption="kappa")
+
+
+if __name__ == "__main__":
+    main()
