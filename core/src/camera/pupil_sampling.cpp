@@ -18,6 +18,7 @@ constexpr int kNodes = 25;            ///< of a table over the field
 constexpr int kDirections = 32;       ///< in which an edge is searched
 constexpr int kBisections = 24;       ///< halvings of the first bracket: edges to 6e-8 of it
 constexpr double kSafety = 0.001;     ///< of a radius, over the measured margin
+constexpr double kDiscSafety = 8e-4;  ///< the same for the microlens' own apertures
 constexpr double kBareSafety = 1e-7;  ///< the same without array, where the edge is seen directly
 
 using Passes = std::function<bool(Vec2)>;
@@ -109,6 +110,7 @@ class MicrolensTracer {
 };
 
 /// The micro-image as the middle of the microlens sees it, by the main lens alone.
+constexpr double kRangeRoom = 1.3;  ///< the search begins so much farther out than the paraxial image
 struct ChiefImage {
   double centre = 0, radius = 0;  ///< [m] along the axis away from the optical one; radius 0: dark
   double range = 0;  ///< guess of how far from `centre` the whole micro-image reaches [m]
@@ -139,7 +141,7 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
     ChiefImage image{middle(edge).x + coupling * u.x, 0, 0};
     for (const Vec2 s : edge)
       image.radius = std::max(image.radius, length(s - Vec2{middle(edge).x, 0}));
-    image.range = 1.3 * (image.radius + std::fabs(coupling) * a);
+    image.range = kRangeRoom * (image.radius + std::fabs(coupling) * a);
     return image;
   }
   return {};
@@ -174,14 +176,22 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     ss += s * s;
     us += s * (turned_away - on_axis);
   }
-  discs.shift = ss > 0 ? us / ss : 0;
+  const double guess = ss > 0 ? us / ss : 0;
+  // Of the shifts near this one, that with the smallest disc.
+  discs.radius = kInfinity;
+  for (int step = -20; step <= 20; ++step) {
+    const double shift = guess * (1 + 0.005 * step);
+    double radius = 0;
+    for (const auto& [s, edge] : edges)
+      for (const Vec2 u : edge) radius = std::max(radius, length(u - Vec2{shift * s, 0}));
+    if (radius >= discs.radius) continue;
+    discs.radius = radius;
+    discs.shift = shift;
+  }
   for (const auto& [s, edge] : edges)
-    for (const Vec2 u : edge) {
-      discs.radius = std::max(discs.radius, length(u - Vec2{discs.shift * s, 0}));
-      discs.bound = std::max(discs.bound, length(u));
-    }
-  discs.radius *= 1 + kSafety;
-  discs.bound *= 1 + 4 * kSafety;
+    for (const Vec2 u : edge) discs.bound = std::max(discs.bound, length(u));
+  discs.radius *= 1 + kDiscSafety;
+  discs.bound *= 1 + 2 * kDiscSafety;
   return discs;
 }
 
@@ -222,7 +232,7 @@ PupilTable microlens_table(const Camera& camera, int type) {
   for (int i = 0; i < kNodes; ++i) {
     images.push_back(find_chief_image(tracer, i * table.field_step));
     if (images.back().radius > 0)
-      s_max = std::max(s_max, std::fabs(images.back().centre) + images.back().range);
+      s_max = std::max(s_max, std::fabs(images.back().centre) + images.back().range / kRangeRoom);
   }
   table.discs = fit_aperture(tracer.own_at(0), s_max);
   table.nodes.resize(kNodes);
