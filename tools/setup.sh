@@ -22,6 +22,9 @@ core          libfmt-dev               formatted messages
 core          libtomlplusplus-dev      scene files with positions in messages
 core          nlohmann-json3-dev       statistics and figures as JSON
 core          libeigen3-dev            small dense linear algebra
+core          libembree-dev            surfaces: ray tracing
+core          libtbb-dev               threads of Embree
+core          libassimp-dev            surfaces: meshes from OBJ, PLY and STL files
 volumes       libopenvdb-dev           flames as OpenVDB grids
 volumes       libtbb-dev               threads of OpenVDB
 volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find module asks for it)

@@ -6,9 +6,10 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?P<quote>[<"])(?P<name>[^>"]+)[>"]')
 
 # An area of core may include areas with a lower number, and itself.
 LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "film": 2, "media": 3,
-          "optics": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6}
+          "optics": 3, "surfaces": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6}
 # Plain values, visible below their level: (from area, header).
-EXCEPTIONS = {("optics", "scene/scene.h"), ("camera", "scene/scene.h"), ("lightfield", "scene/scene.h")}
+EXCEPTIONS = {("optics", "scene/scene.h"), ("camera", "scene/scene.h"), ("surfaces", "scene/scene.h"),
+              ("lightfield", "scene/scene.h")}
 
 POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|sys/\w+)\.h$")
 LIBRARIES = {
@@ -19,6 +20,8 @@ LIBRARIES = {
     "nlohmann-json": re.compile(r"nlohmann/"),
     "fmt": re.compile(r"fmt/"),
     "Eigen": re.compile(r"Eigen/"),
+    "Embree": re.compile(r"embree3/"),
+    "Assimp": re.compile(r"assimp/"),
     "OpenVDB": re.compile(r"openvdb/|nanovdb/"),
     "TBB": re.compile(r"tbb/|oneapi/"),
     "CLI11": re.compile(r"CLI/"),
@@ -32,7 +35,7 @@ LIBRARIES = {
 }
 STANDARD = re.compile(r"[a-z_0-9]+$")
 
-CORE_SRC = {"OpenEXR", "libpng", "zlib", "toml++", "nlohmann-json", "fmt", "Eigen", "POSIX"}
+CORE_SRC = {"OpenEXR", "libpng", "zlib", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
 CLI = {"CLI11", "Cairo", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}

@@ -162,8 +162,9 @@ int run_bench(const Arguments& arguments) {
   plan.reference.seed = document.scene.render.seed;
   const CompiledScene compiled =
       compile(document.scene, medium_loader(), execution, document.positions);
-  if (!compiled.medium)
-    throw InputError(arguments.scene + " has no flame: there is no error to measure");
+  if (!compiled.medium && !compiled.surfaces)
+    throw InputError(arguments.scene +
+                     " has no flame and no surface: there is no error to measure");
 
   BenchResult result;
   {

@@ -82,12 +82,15 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add_json("seconds_compile", compile_seconds);
   report.add_json("thread_seconds", {{"generate", s.seconds_generate},
                                      {"optics", s.seconds_optics},
-                                     {"medium", s.seconds_medium}});
+                                     {"medium", s.seconds_medium},
+                                     {"surfaces", s.seconds_surfaces}});
   report.add("memory", number(1e-6 * peak_memory()) + " MB at most", "peak_memory", peak_memory());
   report.add("threads", std::to_string(s.threads), "threads", s.threads);
   report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
   report.add_json("precision", s.precision);
   report.add("flame", s.medium_description, "medium", s.medium_description);
+  if (!s.surfaces_description.empty())
+    report.add("surfaces", s.surfaces_description, "surfaces", s.surfaces_description);
   report.add("skipped",
              number(s.lenses_skipped) + " of " + number(s.lenses) +
                  " microlenses whose beams miss the flame",

@@ -46,6 +46,8 @@ constexpr Unit kRadiance[] = {
     {"W/(m^2 sr)", 0}, {"mW/(m^2 sr)", -3}, {"kW/(m^2 sr)", 3}, {"W/(cm^2 sr)", 4, 1, 1, 0, false}};
 constexpr Unit kSpectralRadiance[] = {
     {"W/(m^3 sr)", 0, 1, 1, 0, false}, {"W/(m^2 sr nm)", 9}, {"W/(m^2 sr um)", 6}};
+constexpr Unit kIrradiance[] = {
+    {"W/m^2", 0}, {"mW/m^2", -3}, {"kW/m^2", 3}, {"W/cm^2", 4, 1, 1, 0, false}};
 
 std::span<const Unit> units(Dimension dimension) {
   switch (dimension) {
@@ -67,6 +69,8 @@ std::span<const Unit> units(Dimension dimension) {
       return kRadiance;
     case Dimension::spectral_radiance:
       return kSpectralRadiance;
+    case Dimension::irradiance:
+      return kIrradiance;
   }
   return kNone;
 }
@@ -91,6 +95,8 @@ std::string_view dimension_name(Dimension dimension) {
       return "radiance";
     case Dimension::spectral_radiance:
       return "spectral radiance";
+    case Dimension::irradiance:
+      return "irradiance";
   }
   return "number";
 }

@@ -6,6 +6,7 @@
 
 #include "plenoflame/base/error.h"
 #include "render/backward_tile.h"
+#include "render/scene_medium.h"
 
 namespace plenoflame {
 namespace {
@@ -24,7 +25,8 @@ double micro_image_reach(const PupilSampling& pupils) {
 
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
-                             const RenderSettings& settings, std::uint32_t first, int points) {
+                             const RenderSettings& settings, std::uint32_t first, int points,
+                             const Execution& execution) {
   BackwardPlan<Real> plan;
   plan.scene = &scene;
   plan.medium = &medium;
@@ -33,6 +35,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   plan.optics = camera_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
   const Box box = medium.bounds();
+  const std::optional<Box> lit = lit_box(scene);
   plan.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
   plan.camera = kernel_camera<Real>(camera, anchor, camera.to_world());
@@ -41,17 +44,21 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     plan.between_type = static_cast<int>(plan.microlenses.size());
     plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
     plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
-    if (settings.skip)
+    if (settings.skip && lit)
       plan.between_beams =
-          std::make_unique<BeamBounds>(between->camera, std::vector{between->table}, box);
+          std::make_unique<BeamBounds>(between->camera, std::vector{between->table}, *lit);
   }
-  if (settings.skip) plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), box);
+  if (settings.skip && lit)
+    plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), *lit);
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)));
   if (plan.pools.empty())
     plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
+  if (scene.surfaces || !scene.lights.environment.empty())
+    plan.surfaces = std::make_unique<BackwardSurfacePlan>(scene, settings, first, plan.pools,
+                                                          plan.anchor, execution);
   return plan;
 }
 
@@ -68,6 +75,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.seconds_generate += part.seconds_generate;
   total.seconds_optics += part.seconds_optics;
   total.seconds_medium += part.seconds_medium;
+  total.seconds_surfaces += part.seconds_surfaces;
   total.medium.rays += part.medium.rays;
   total.medium.cells += part.medium.cells;
   total.medium.skipped_empty += part.medium.skipped_empty;
@@ -119,9 +127,11 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
   statistics.table_clamped += total.table.clamped;
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
+  statistics.seconds_surfaces += total.seconds_surfaces;
   const double busy =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
-  statistics.seconds_generate += std::max(0.0, busy - total.seconds_optics - total.seconds_medium);
+  statistics.seconds_generate +=
+      std::max(0.0, busy - total.seconds_optics - total.seconds_medium - total.seconds_surfaces);
   statistics.medium.rays += total.medium.rays;
   statistics.medium.cells += total.medium.cells;
   statistics.medium.skipped_empty += total.medium.skipped_empty;
@@ -151,14 +161,15 @@ template BackwardKernels<double> backward_kernels<double>(Isa);
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, std::uint32_t first,
                                       int points) {
-  return make_plan<double>(scene, medium, settings, first, points);
+  return make_plan<double>(scene, medium, settings, first, points, {});
 }
 
 void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
                   const PixelWindow& window, RenderStatistics& statistics) {
   const Camera& camera = scene.camera;
-  if (!camera.has_array() || !scene.medium) return;
-  const BeamBounds beams(camera, scene.pupils.tables(), scene.medium->bounds());
+  const std::optional<Box> lit = lit_box(scene);
+  if (!camera.has_array() || !has_content(scene) || !lit) return;
+  const BeamBounds beams(camera, scene.pupils.tables(), *lit);
   const double reach = micro_image_reach(scene.pupils);
   const Vec2 margin{reach, reach};
   const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
@@ -172,11 +183,14 @@ void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
 }
 
 bool single_precision_suffices(const CompiledScene& scene) {
-  if (!scene.medium) return true;
-  const Box box = scene.medium->bounds();
-  const double distance = length(0.5 * (box.lower + box.upper) - scene.camera.spec().position);
-  // Directions carry a few units of 6e-8: a ray wanders by 3e-7 of the distance.
-  return 3e-7 * distance < 0.02 * scene.medium->feature_size();
+  const auto fine = [&](const Box& box, double feature_size) {
+    if (box.empty()) return true;
+    const double distance = length(0.5 * (box.lower + box.upper) - scene.camera.spec().position);
+    // Directions carry a few units of 6e-8: a ray wanders by 3e-7 of the distance.
+    return 3e-7 * distance < 0.02 * feature_size;
+  };
+  return (!scene.medium || fine(scene.medium->bounds(), scene.medium->feature_size())) &&
+         (!scene.surfaces || fine(scene.surfaces->bounds(), scene.surfaces->feature_size()));
 }
 
 namespace {
@@ -191,6 +205,8 @@ bool in_single_precision(const CompiledScene& scene, const RenderSettings& setti
 std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
                                                    const RenderSettings& settings) {
   if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
+  // The table knows whole lines, which surfaces cut.
+  if (!scene.medium || scene.surfaces || !scene.lights.environment.empty()) return nullptr;
   const Box box = scene.medium->bounds();
   MediumOptions options;
   options.isa = settings.isa;
@@ -199,17 +215,18 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
 }
 
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           std::uint32_t first, int points, RadianceTable* table)
-    : points_(points) {
+                           std::uint32_t first, int points, RadianceTable* table,
+                           const Execution& execution)
+    : medium_(std::make_unique<SceneMedium>(scene)), points_(points) {
   const bool single = in_single_precision(scene, settings);
   if (single) {
     auto plan = std::make_unique<BackwardPlan<float>>(
-        make_plan<float>(scene, *scene.medium, settings, first, points));
+        make_plan<float>(scene, medium_->get(), settings, first, points, execution));
     plan->table = table;
     single_ = std::move(plan);
   } else {
     double_ = std::make_unique<const BackwardPlan<double>>(
-        make_plan<double>(scene, *scene.medium, settings, first, points));
+        make_plan<double>(scene, medium_->get(), settings, first, points, execution));
   }
 }
 

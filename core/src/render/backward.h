@@ -6,6 +6,7 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/radiance_table.h"
+#include "render/scene_medium.h"
 
 namespace plenoflame {
 
@@ -19,7 +20,7 @@ class BackwardPass {
   /// @param table stands in for the medium where it is smooth (single precision only); may be
   /// nullptr
   BackwardPass(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-               int points, RadianceTable* table = nullptr);
+               int points, RadianceTable* table = nullptr, const Execution& execution = {});
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;
@@ -31,6 +32,7 @@ class BackwardPass {
            RenderStatistics& statistics) const;
 
  private:
+  std::unique_ptr<const SceneMedium> medium_;
   std::unique_ptr<const BackwardPlan<float>> single_;  ///< one of the two
   std::unique_ptr<const BackwardPlan<double>> double_;
   int points_;

@@ -46,6 +46,8 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   fair_factor_ = base + kPadding;
   radiance_ = base + 2 * kPadding;
   block_.code = codes_.data();
+  if (plan.surfaces)
+    surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, film.channels());
 }
 
 template <class Real>
@@ -240,6 +242,7 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
     pixel_.count = count;
     queued_.push_back(pixel_);
     pending_.push_back({column, row, count_, count, offset, level});
+    if (surfaces_) groups_.push_back({count_, count, offset, level, entry, h0});
     count_ += count;
   }
 }
@@ -294,7 +297,9 @@ void TileTracer<Real>::integrate(int padded) {
   out.radiance = radiance_;
   out.stride = kPadding;
   out.transmittance = transmittance_;
+  if (surfaces_) batch.t_far = surfaces_->t_far();
   plan_.medium->integrate(batch, options, out, counters_.medium);
+  if (surfaces_) surfaces_->add(transmittance_, radiance_, kPadding);
 }
 
 /// Of each replicate's points in a pixel the first few, well spread by themselves, correct the
@@ -347,6 +352,12 @@ void TileTracer<Real>::flush() {
   counters_.rays_reached += plan_.optics.count_alive(block_.code, block_.weight, count_);
   counters_.seconds_optics += seconds_since(start);
   start = std::chrono::steady_clock::now();
+  if (surfaces_) {
+    surfaces_->trace(block_, groups_, padded, counters_.medium);
+    groups_.clear();
+    counters_.seconds_surfaces += seconds_since(start);
+    start = std::chrono::steady_clock::now();
+  }
   if (!integrate_by_table(padded)) integrate(padded);
   counters_.seconds_medium += seconds_since(start);
   for (int channel = 0; channel < film_.channels(); ++channel) add_to_film(channel);

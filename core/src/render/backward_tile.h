@@ -9,6 +9,7 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
+#include "render/backward_surfaces.h"
 #include "render/beam_bounds.h"
 #include "render/radiance_table.h"
 
@@ -45,6 +46,7 @@ struct BackwardPlan {
   RadianceTable* table = nullptr;  ///< may stand in for the medium; single precision only
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
+  std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
@@ -74,7 +76,7 @@ class RaySink {
 /// Numbers counted by one worker.
 struct TileCounters {
   double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0;
-  double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
+  double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
   MediumCounters medium;
   RadianceTableCounters table;
 };
@@ -121,6 +123,8 @@ class TileTracer {
   std::vector<Real> storage_;
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
+  std::unique_ptr<SurfaceBlock<Real>> surfaces_;  ///< nullptr as in the plan
+  std::vector<RayGroup> groups_;                  ///< for the surfaces: what is pending
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
   Real* fair_factor_ = nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "plenoflame/base/error.h"
@@ -142,6 +143,55 @@ EmissionProposal::Point EmissionProposal::draw(double choice, double u, double v
                             (static_cast<double>(j) + v) / ny_, (static_cast<double>(k) + w) / nz_);
   point.density = share / cell_volume_;
   return point;
+}
+
+double EmissionProposal::direction_density(const Ray& ray) const {
+  const double o[3] = {ray.origin.x - bounds_.lower.x, ray.origin.y - bounds_.lower.y,
+                       ray.origin.z - bounds_.lower.z};
+  const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  const double cell[3] = {(bounds_.upper.x - bounds_.lower.x) / nx_,
+                          (bounds_.upper.y - bounds_.lower.y) / ny_,
+                          (bounds_.upper.z - bounds_.lower.z) / nz_};
+  const int cells[3] = {nx_, ny_, nz_};
+  double near = 0, far = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    if (d[k] == 0) {
+      if (o[k] < 0 || o[k] > cells[k] * cell[k]) return 0;
+      continue;
+    }
+    const double a = -o[k] / d[k], b = (cells[k] * cell[k] - o[k]) / d[k];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  if (!(near < far)) return 0;
+  // From cell to cell: Amanatides and Woo, Eurographics (1987) 3.
+  std::size_t index = 0, stride = 1;
+  double next[3], step[3];
+  int at[3];
+  std::ptrdiff_t move[3];
+  for (int k = 0; k < 3; ++k) {
+    at[k] =
+        std::clamp(static_cast<int>(std::floor((o[k] + near * d[k]) / cell[k])), 0, cells[k] - 1);
+    index += static_cast<std::size_t>(at[k]) * stride;
+    move[k] = (d[k] < 0 ? -1 : 1) * static_cast<std::ptrdiff_t>(stride);
+    stride *= static_cast<std::size_t>(cells[k]);
+    step[k] = d[k] == 0 ? std::numeric_limits<double>::infinity() : cell[k] / std::fabs(d[k]);
+    next[k] = d[k] == 0 ? std::numeric_limits<double>::infinity()
+                        : ((at[k] + (d[k] > 0 ? 1 : 0)) * cell[k] - o[k]) / d[k];
+  }
+  double sum = 0, t = near;
+  for (;;) {
+    const int k = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+    const double end = std::clamp(next[k], t, far);
+    const double share = cumulative_[index] - (index > 0 ? cumulative_[index - 1] : 0);
+    sum += share * (end - t) * (end * end + end * t + t * t);
+    t = end;
+    at[k] += d[k] < 0 ? -1 : 1;
+    if (t >= far || at[k] < 0 || at[k] >= cells[k]) break;
+    index = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(index) + move[k]);
+    next[k] += step[k];
+  }
+  return sum / (3 * cell_volume_);
 }
 
 }  // namespace plenoflame

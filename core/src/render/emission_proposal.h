@@ -28,6 +28,10 @@ class EmissionProposal {
   /// @param choice, u, v, w uniform in (0, 1): for the cell, and the place in it
   Point draw(double choice, double u, double v, double w) const;
 
+  /// [1/sr] with which draw() gives a point in this direction from the ray's origin: the integral
+  /// of the density of points times distance^2 along the ray.
+  double direction_density(const Ray& ray) const;
+
  private:
   std::size_t cell_count() const;
   std::vector<double> cell_emission(const Medium& medium, std::uint64_t seed,

@@ -8,20 +8,6 @@
 namespace plenoflame {
 namespace {
 
-template <class Real>
-void fill_empty(int channels, int count, RadianceBatch<Real> out) {
-  for (int c = 0; c < channels; ++c) std::fill_n(out.radiance + c * out.stride, count, Real(0));
-  std::fill_n(out.transmittance, count, Real(1));
-}
-
-Box box_ahead(const Camera& camera) {
-  const double distance = camera.spec().focus.object_distance;
-  const double ahead = distance > 0 && std::isfinite(distance) ? distance : 1.0;
-  const Vec3 middle = camera.to_world().point({0, 0, ahead});
-  const double half = 0.05 * ahead;
-  return {middle - Vec3{half, half, half}, middle + Vec3{half, half, half}};
-}
-
 /// Where a line is inside a box: [near, far], empty when near > far.
 struct Stretch {
   double near = -std::numeric_limits<double>::infinity();
@@ -46,20 +32,6 @@ Stretch inside(const Box& box, const Ray& ray) {
 }
 
 }  // namespace
-
-void EmptyMedium::integrate(const RayBatch<float>& rays, const MediumOptions&,
-                            RadianceBatch<float> out, MediumCounters&) const {
-  fill_empty(channels_, rays.size, out);
-}
-
-void EmptyMedium::integrate(const RayBatch<double>& rays, const MediumOptions&,
-                            RadianceBatch<double> out, MediumCounters&) const {
-  fill_empty(channels_, rays.size, out);
-}
-
-MediumOf::MediumOf(const CompiledScene& scene)
-    : empty_(static_cast<int>(scene.scene.channels.size()), box_ahead(scene.camera)),
-      medium_(scene.medium ? *scene.medium : empty_) {}
 
 /// Appends the vertices of one ray.
 class PathTracer::Vertices {

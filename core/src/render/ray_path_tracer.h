@@ -5,20 +5,7 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/render/ray_paths.h"
 
-namespace plenoflame {
-
-/// What a scene without flames is filled with.
-class EmptyMedium : public Medium {
- public:
-  EmptyMedium(int channels, const Box& box) : channels_(channels), box_(box) {}
-  int channel_count() const override { return channels_; }
-  Box bounds() const override { return box_; }
-  double feature_size() const override { return 1; }
-  void integrate(const RayBatch<float>& rays, const MediumOptions&, RadianceBatch<float> out,
-                 MediumCounters&) const override;
-  void integrate(const RayBatch<double>& rays, const MediumOptions&, RadianceBatch<double> out,
-                 MediumCounters&) const override;
-  MediumSample sample(Vec3) const override { return {}; }
+namespace plenoflame { }
   double source(int, double) const override { return 0; }
   void append_breakpoints(const Ray&, std::vector<double>&) const override {}
   std::string description() const override { return "none"; }
@@ -26,19 +13,6 @@ class EmptyMedium : public Medium {
  private:
   int channels_;
   Box box_;
-};
-
-/// The scene's medium, or an empty one around the point that the camera is focused on.
-class MediumOf {
- public:
-  explicit MediumOf(const CompiledScene& scene);
-  MediumOf(const MediumOf&) = delete;
-  MediumOf& operator=(const MediumOf&) = delete;
-  const Medium& get() const { return medium_; }
-
- private:
-  EmptyMedium empty_;
-  const Medium& medium_;
 };
 
 /// Turns rays into vertices.

@@ -11,6 +11,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_tile.h"
 #include "render/ray_path_tracer.h"
+#include "render/scene_medium.h"
 
 namespace plenoflame {
 namespace {
@@ -121,7 +122,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   if (settings.replicates < 1 || settings.samples < settings.replicates)
     throw UsageError("at least " + std::to_string(std::max(1, settings.replicates)) +
                      " rays per pixel and microlens are needed");
-  const MediumOf medium(scene);
+  const SceneMedium medium(scene);
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
   plan.beams.reset();  // rays that pass beside the flames are wanted, too
@@ -215,7 +216,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
   if (!(at.z > 0))
     throw InputError("the object point is " + std::to_string(at.z) +
                      " m in front of the camera's first vertex; it must lie in front of it");
-  const MediumOf medium(scene);
+  const SceneMedium medium(scene);
   const PathTracer tracer(camera, medium.get());
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
@@ -243,7 +244,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   const Camera& camera = scene.camera;
   if (!camera.has_array())
     throw InputError("the camera has no microlens array, and so no chief rays of microlenses");
-  const MediumOf medium(scene);
+  const SceneMedium medium(scene);
   const PathTracer tracer(camera, medium.get());
   const SensorSpec& sensor = camera.spec().sensor;
   const double half_x = 0.5 * sensor.columns * sensor.pixel_pitch;

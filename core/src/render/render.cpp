@@ -9,6 +9,7 @@
 #include "render/backward.h"
 #include "render/forward.h"
 #include "render/rounds.h"
+#include "render/scene_medium.h"
 
 namespace plenoflame {
 namespace {
@@ -60,8 +61,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
       throw UsageError("the film to go on from has another window, channels or replicates");
     film = *settings.resume;
   }
-  if (scene.medium) {
-    statistics.medium_description = scene.medium->description();
+  if (has_content(scene)) {
+    statistics.medium_description = scene.medium ? scene.medium->description() : "none";
+    if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
     if (forward) {
       render_forward(scene, settings, execution, film, statistics);
     } else {

@@ -57,7 +57,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
       settings.checkpoint
           ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
           : std::max<std::size_t>(1, tiles.size());
-  const BackwardPass pass(scene, settings, 0, points, table);
+  const BackwardPass pass(scene, settings, 0, points, table, execution);
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<int> part(
@@ -138,7 +138,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (const auto& [done, group] : by_samples) {
       const int points = std::min(std::max(done, kFirstPoints), limit - done);
       finished =
-          finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points, table)
+          finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points, table, inner)
                           .run(group, inner, film, statistics);
     }
     if (finished) checkpoints.offer(film);

@@ -5,4 +5,6 @@ list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp sr
   src/render/emission_proposal.cpp src/render/forward.cpp src/render/ray_paths.cpp
   src/render/ray_path_file.cpp src/render/describe.cpp src/render/ray_path_tracer.cpp
   src/render/ray_selection.cpp
-  src/render/benchmark.cpp src/render/benchmark_reference.cpp)
+  src/render/benchmark.cpp src/render/benchmark_reference.cpp
+  src/render/scene_medium.cpp src/render/medium_segments.cpp src/render/surface_light.cpp
+  src/render/backward_surfaces.cpp)

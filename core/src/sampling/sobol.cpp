@@ -80,7 +80,8 @@ std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
   return fraction ^ flips;
 }
 
-SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed)
+SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
+                     int first_dimension)
     : entries_(std::clamp(kPoolWords / (kDimensions * replicates * points), 16, 4096)),
       replicates_(replicates),
       points_(points),
@@ -94,7 +95,8 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
         const std::uint64_t key = mix64(
             seed + mix64(static_cast<std::uint64_t>((entry * replicates + r) * kDimensions + d)));
         for (int i = 0; i < points; ++i)
-          *out++ = owen_scramble(sobol(first + static_cast<std::uint32_t>(i), d), key);
+          *out++ =
+              owen_scramble(sobol(first + static_cast<std::uint32_t>(i), first_dimension + d), key);
       }
     }
 }

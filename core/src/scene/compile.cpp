@@ -5,6 +5,26 @@
 #include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
+namespace {
+
+void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
+                            const Execution& execution) {
+  const auto check = [&](Vec3 place, const std::string& what) {
+    const int around = surfaces.inside_of(place);
+    if (around >= 0)
+      execution.warn(what + " is inside of " + surface_name(scene.surfaces, around) +
+                     ", which hides everything else; move one of them");
+  };
+  check(scene.camera.position, "the camera");
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const LightSpec& light = scene.lights[i];
+    if (light.kind == LightKind::point)
+      check(light.position,
+            light.name.empty() ? "light " + std::to_string(i) : "light \"" + light.name + "\"");
+  }
+}
+
+}  // namespace
 
 SourceFunction source_function(const ChannelSpec& channel) {
   return channel.kind == ChannelKind::total
@@ -79,7 +99,21 @@ CompiledScene compile(const Scene& scene, const MediumLoader& loader, const Exec
   std::unique_ptr<Medium> medium;
   if (media.size() == 1) medium = std::move(media.front());
   if (media.size() > 1) medium = make_composite_medium(std::move(media));
-  return {scene, std::move(camera), std::move(pupils), std::move(medium)};
+  std::unique_ptr<SurfaceScene> surfaces;
+  if (!scene.surfaces.empty()) {
+    const auto slash = scene.file.find_last_of('/');
+    const std::string folder = slash == std::string::npos ? "" : scene.file.substr(0, slash);
+    surfaces = make_surface_scene(scene.surfaces, folder, channels, execution, [&](int surface) {
+      return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
+    });
+    warn_of_what_is_inside(scene, *surfaces, execution);
+  }
+  return {scene,
+          std::move(camera),
+          std::move(pupils),
+          std::move(medium),
+          std::move(surfaces),
+          compile_lights(scene.lights, channels)};
 }
 
 }  // namespace plenoflame

@@ -45,6 +45,8 @@ class Issues {
 void check_camera(const CameraSpec& camera, Issues& issues);
 /// Flames; where they lie relative to the camera only when `camera_is_sound`.
 void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues);
+/// Surfaces and lights.
+void check_surfaces(const Scene& scene, Issues& issues);
 void check_channels(const Scene& scene, Issues& issues);
 
 /// Distance along the axis from a surface's vertex to its point at height h, positive towards the

@@ -32,6 +32,8 @@ std::string type_text(const SchemaKey& key) {
         return "radiance";
       case Dimension::spectral_radiance:
         return "spectral radiance";
+      case Dimension::irradiance:
+        return "irradiance";
     }
     return "";
   };
@@ -88,7 +90,9 @@ std::string units_text() {
               {"temperature", Dimension::temperature},
               {"absorption", Dimension::absorption},
               {"angle", Dimension::angle},
-              {"flux", Dimension::flux}};
+              {"flux", Dimension::flux},
+              {"radiance", Dimension::radiance},
+              {"irradiance", Dimension::irradiance}};
   for (const auto& row : rows) {
     std::string units;
     for (const std::string& unit : accepted_units(row.dimension))

@@ -1,147 +1,13 @@
 #include <limits>
-#include <numbers>
-#include <type_traits>
 
 #include "plenoflame/scene/scene_schema.h"
+#include "scene/schema_fields.h"
 
 namespace plenoflame {
 namespace {
 
-// ---- words of the choices, in the order of the enumerators -------------------------------------
-
-template <class Enum>
-struct Words;
-template <>
-struct Words<LensModel> {
-  static constexpr std::string_view list[] = {"real", "ideal"};
-};
-template <>
-struct Words<Lattice> {
-  static constexpr std::string_view list[] = {"square", "hexagonal"};
-};
-template <>
-struct Words<ArrayReference> {
-  static constexpr std::string_view list[] = {"principal_plane", "vertex"};
-};
-template <>
-struct Words<FocusMode> {
-  static constexpr std::string_view list[] = {"distance", "paraxial", "best"};
-};
-template <>
-struct Words<FlameKind> {
-  static constexpr std::string_view list[] = {"layered", "vdb"};
-};
-template <>
-struct Words<Interpolation> {
-  static constexpr std::string_view list[] = {"trilinear", "constant"};
-};
-template <>
-struct Words<ChannelKind> {
-  static constexpr std::string_view list[] = {"total", "band"};
-};
-template <>
-struct Words<Estimator> {
-  static constexpr std::string_view list[] = {"backward", "forward"};
-};
-template <>
-struct Words<ToneCurve> {
-  static constexpr std::string_view list[] = {"linear", "display"};
-};
-
-// ---- from a chain of members to a field of a scene ----------------------------------------------
-
-template <class T>
-inline constexpr bool is_list = false;
-template <class T>
-inline constexpr bool is_list<std::vector<T>> = true;
-
-/// The field that a chain of members leads to; every list on the way takes the next index.
-template <auto First, auto... Rest>
-auto& locate(auto& object, SchemaIndices indices) {
-  auto& member = object.*First;
-  if constexpr (sizeof...(Rest) == 0) {
-    return member;
-  } else if constexpr (is_list<std::remove_cvref_t<decltype(member)>>) {
-    return locate<Rest...>(member.at(indices.front()), indices.subspan(1));
-  } else {
-    return locate<Rest...>(member, indices);
-  }
-}
-
-template <class Field>
-constexpr ValueType value_type() {
-  if constexpr (std::is_enum_v<Field>) return ValueType::choice;
-  if constexpr (std::is_same_v<Field, bool>) return ValueType::boolean;
-  if constexpr (std::is_same_v<Field, int>) return ValueType::integer;
-  if constexpr (std::is_same_v<Field, std::uint64_t>) return ValueType::natural;
-  if constexpr (std::is_same_v<Field, double>) return ValueType::number;
-  if constexpr (std::is_same_v<Field, Vec2>) return ValueType::vector2;
-  if constexpr (std::is_same_v<Field, Vec3>) return ValueType::vector3;
-  return ValueType::text;
-}
-
-template <auto... Members>
-SchemaValue get_field(const Scene& scene, SchemaIndices indices) {
-  const auto& field = locate<Members...>(scene, indices);
-  using Field = std::remove_cvref_t<decltype(field)>;
-  if constexpr (std::is_enum_v<Field>) {
-    const auto i = static_cast<std::size_t>(field);
-    return std::string(i < std::size(Words<Field>::list) ? Words<Field>::list[i] : "?");
-  } else if constexpr (std::is_same_v<Field, int>) {
-    return std::int64_t{field};
-  } else {
-    return field;
-  }
-}
-
-template <auto... Members>
-void set_field(Scene& scene, SchemaIndices indices, const SchemaValue& value) {
-  auto& field = locate<Members...>(scene, indices);
-  using Field = std::remove_cvref_t<decltype(field)>;
-  if constexpr (std::is_enum_v<Field>) {
-    for (std::size_t i = 0; i < std::size(Words<Field>::list); ++i)
-      if (Words<Field>::list[i] == std::get<std::string>(value)) field = static_cast<Field>(i);
-  } else if constexpr (std::is_same_v<Field, int>) {
-    field = static_cast<int>(std::get<std::int64_t>(value));
-  } else {
-    field = std::get<Field>(value);
-  }
-}
-
-template <auto... Members>
-constexpr SchemaKey key(std::string_view path, std::string_view description,
-                        Dimension dimension = Dimension::none, ValueRange range = {}) {
-  using Field = std::remove_cvref_t<decltype(locate<Members...>(std::declval<Scene&>(), {}))>;
-  std::span<const std::string_view> choices;
-  if constexpr (std::is_enum_v<Field>) choices = Words<Field>::list;
-  return {path,
-          value_type<Field>(),
-          dimension,
-          range,
-          choices,
-          description,
-          &get_field<Members...>,
-          &set_field<Members...>};
-}
-
-template <auto... Members>
-constexpr SchemaList list(std::string_view path, std::size_t fewest, std::size_t most) {
-  return {path,
-          fewest,
-          most,
-          [](const Scene& scene, SchemaIndices i) { return locate<Members...>(scene, i).size(); },
-          [](Scene& scene, SchemaIndices i, std::size_t size) {
-            locate<Members...>(scene, i).resize(size);
-          },
-          [](Scene& scene, SchemaIndices i, std::size_t position) {
-            auto& items = locate<Members...>(scene, i);
-            items.emplace(items.begin() + static_cast<std::ptrdiff_t>(position));
-          },
-          [](Scene& scene, SchemaIndices i, std::size_t position) {
-            auto& items = locate<Members...>(scene, i);
-            items.erase(items.begin() + static_cast<std::ptrdiff_t>(position));
-          }};
-}
+using schema::key;
+using schema::list;
 
 // ---- ranges -------------------------------------------------------------------------------------
 
@@ -176,6 +42,10 @@ constexpr Dimension kPure = Dimension::none;
 #define LAYER FLAME, &FlameSpec::layers
 #define TEMPERATURE FLAME, &FlameSpec::temperature
 #define ABSORPTION FLAME, &FlameSpec::absorption
+#define SOLID &Scene::surfaces
+#define MATERIAL SOLID, &SolidSurfaceSpec::material
+#define TEXTURE MATERIAL, &MaterialSpec::texture
+#define LIGHT &Scene::lights
 #define CHANNEL &Scene::channels
 #define RENDER &Scene::render
 #define DEVELOP &Scene::develop
@@ -357,6 +227,111 @@ constexpr SchemaKey kKeys[] = {
     key<ABSORPTION, &GridSpec::offset>("flames[].absorption.offset", "Added after the factor.",
                                        kPure, within(1e12)),
 
+    key<SOLID, &SolidSurfaceSpec::shape>(
+        "surfaces[].shape",
+        "What it is; a body stands on z = 0 of its own frame, a sphere is centred."),
+    key<SOLID, &SolidSurfaceSpec::name>("surfaces[].name", "Name for messages."),
+    key<SOLID, &SolidSurfaceSpec::position>("surfaces[].position",
+                                            "World place of the origin of its own frame.", kLength,
+                                            within(kFar)),
+    key<SOLID, &SolidSurfaceSpec::rotation>("surfaces[].rotation",
+                                            "Rotation about the world's x, then y, then z.", kAngle,
+                                            within(1000)),
+    key<SOLID, &SolidSurfaceSpec::radius>("surfaces[].radius",
+                                          "Radius of a sphere, cylinder, cone's base or disc.",
+                                          kLength, from_zero(kFar)),
+    key<SOLID, &SolidSurfaceSpec::height>("surfaces[].height",
+                                          "Height of a cylinder or cone, along its z.", kLength,
+                                          from_zero(kFar)),
+    key<SOLID, &SolidSurfaceSpec::caps>(
+        "surfaces[].caps", "Whether a cylinder or cone is closed; a cylinder without is a tube."),
+    key<SOLID, &SolidSurfaceSpec::extent>(
+        "surfaces[].extent",
+        "Sides of a plane along its x and y; its front looks along its z. `inf`: without end.",
+        kLength, above_zero(kInf)),
+    key<SOLID, &SolidSurfaceSpec::size>("surfaces[].size",
+                                        "Sides of a box, which is centred in x and y.", kLength,
+                                        from_zero(kFar)),
+    key<SOLID, &SolidSurfaceSpec::file>(
+        "surfaces[].file", "Mesh: an OBJ, PLY or STL file, relative to the scene file."),
+    key<SOLID, &SolidSurfaceSpec::file_unit>("surfaces[].file_unit",
+                                             "Mesh: what a length of 1 in the file is.", kLength,
+                                             above_zero(kFar)),
+
+    key<MATERIAL, &MaterialSpec::kind>(
+        "surfaces[].material.kind",
+        "`lambertian` reflects diffusely; the others absorb: `black` is dark, `blackbody` emits at "
+        "`temperature`, `emitter` emits `radiance` in all directions."),
+    key<MATERIAL, &MaterialSpec::reflectivity>(
+        "surfaces[].material.reflectivity",
+        "Kind `lambertian`: share of the incident light that is reflected, the same in every "
+        "channel.",
+        kPure, from_zero(1)),
+    key<MATERIAL, &MaterialSpec::temperature>("surfaces[].material.temperature",
+                                              "Kind `blackbody`: its temperature.",
+                                              Dimension::temperature, from_zero(1e5)),
+    key<MATERIAL, &MaterialSpec::radiance>("surfaces[].material.radiance",
+                                           "Kind `emitter`: its radiance, the same in every "
+                                           "channel.",
+                                           Dimension::radiance, from_zero(1e30)),
+    key<MATERIAL, &MaterialSpec::sides>(
+        "surfaces[].material.sides",
+        "`both` sides are of this material, or the `front` only, and the back is black."),
+
+    key<TEXTURE, &TextureSpec::kind>(
+        "surfaces[].material.texture.kind",
+        "Pattern of the reflectivity: generated, or an `image` (PNG, its transfer curve undone)."),
+    key<TEXTURE, &TextureSpec::dark>("surfaces[].material.texture.dark",
+                                     "Reflectivity where the pattern is dark; where it is light "
+                                     "the material's holds.",
+                                     kPure, from_zero(1)),
+    key<TEXTURE, &TextureSpec::cell>("surfaces[].material.texture.cell",
+                                     "Side of a square, spacing of dots, period of the coarsest "
+                                     "bars.",
+                                     kLength, from_zero(kFar)),
+    key<TEXTURE, &TextureSpec::columns>(
+        "surfaces[].material.texture.columns",
+        "Squares or dots across, dark sectors of the star, or groups of bars.", kPure,
+        {1, 10000, false, false}),
+    key<TEXTURE, &TextureSpec::rows>("surfaces[].material.texture.rows",
+                                     "Squares or dots down the pattern.", kPure,
+                                     {1, 10000, false, false}),
+    key<TEXTURE, &TextureSpec::fill>("surfaces[].material.texture.fill",
+                                     "Diameter of a dot over the spacing.", kPure, above_zero(1)),
+    key<TEXTURE, &TextureSpec::size>(
+        "surfaces[].material.texture.size",
+        "Sides of an image on the surface, centred; a star's diameter is the smaller one.", kLength,
+        above_zero(kFar)),
+    key<TEXTURE, &TextureSpec::file>("surfaces[].material.texture.file",
+                                     "Kind `image`: the file, relative to the scene file."),
+
+    key<LIGHT, &LightSpec::kind>(
+        "lights[].kind",
+        "`point`: evenly into a cone; `parallel`: from infinitely far, like the sun; "
+        "`environment`: the same radiance from everywhere."),
+    key<LIGHT, &LightSpec::name>("lights[].name", "Name for messages."),
+    key<LIGHT, &LightSpec::position>("lights[].position", "World place of a point source.", kLength,
+                                     within(kFar)),
+    key<LIGHT, &LightSpec::direction>(
+        "lights[].direction",
+        "World direction in which the light goes (the axis of a cone); its length does not matter.",
+        kPure, within(kFar)),
+    key<LIGHT, &LightSpec::cone>("lights[].cone",
+                                 "Full angle of a point source's cone; 0 rad: all directions.",
+                                 kAngle, from_zero(6.2831853071795864)),
+    key<LIGHT, &LightSpec::power>("lights[].power", "Kind `point`: radiant flux into the cone.",
+                                  Dimension::flux, from_zero(1e30)),
+    key<LIGHT, &LightSpec::irradiance>("lights[].irradiance",
+                                       "Kind `parallel`: on a plane across the direction.",
+                                       Dimension::irradiance, from_zero(1e30)),
+    key<LIGHT, &LightSpec::radiance>("lights[].radiance", "Kind `environment`: its radiance.",
+                                     Dimension::radiance, from_zero(1e30)),
+    key<LIGHT, &LightSpec::temperature>(
+        "lights[].temperature",
+        "0 K: the figure above holds in every channel; otherwise it is for all wavelengths, and a "
+        "channel has the share that a blackbody of this temperature has in it.",
+        Dimension::temperature, from_zero(1e5)),
+
     key<CHANNEL, &ChannelSpec::name>("channels[].name",
                                      "Name of the image channel: letters, digits, _ and -."),
     key<CHANNEL, &ChannelSpec::kind>(
@@ -377,6 +352,12 @@ constexpr SchemaKey kKeys[] = {
         kPure, {1, 1 << 30, false, false}),
     key<RENDER, &RenderSpec::seed>("render.seed",
                                    "The same seed gives the same image, bit for bit."),
+    key<RENDER, &RenderSpec::reflections>(
+        "render.reflections",
+        "How often light may be reflected by surfaces on its way; 1: direct light only.", kPure,
+        {0, 64, false, false}),
+    key<RENDER, &RenderSpec::flame_light>("render.flame_light",
+                                          "Whether flames light the surfaces."),
 
     key<DEVELOP, &DevelopSpec::saturation>(
         "develop.saturation", "Radiant flux per pixel that is white; 0 W: automatic exposure.",
@@ -393,6 +374,8 @@ constexpr SchemaList kLists[] = {
     list<TYPE>("camera.array.types", 0, 3),
     list<FLAME>("flames", 0, 1000),
     list<LAYER>("flames[].layers", 0, 100000),
+    list<SOLID>("surfaces", 0, 10000),
+    list<LIGHT>("lights", 0, 1000),
     list<CHANNEL>("channels", 1, 64),
 };
 
@@ -420,6 +403,13 @@ constexpr SchemaTable kTables[] = {
      "Kind `vdb`: how a grid becomes the absorption coefficient.",
      false,
      {}},
+    {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
+    {"surfaces[].material", "What the surface is made of.", false, {}},
+    {"surfaces[].material.texture",
+     "A pattern of the reflectivity, centred on the surface.",
+     false,
+     {}},
+    {"lights[]", "Light sources; flames and hot surfaces are sources of their own.", false, {}},
     {"channels[]", "What is measured; without any, one channel `total`.", false, {}},
     {"render", "Defaults of a run; the command line overrides them.", false, {}},
     {"develop", "How the command `develop` turns flux into digital numbers.", false, {}},

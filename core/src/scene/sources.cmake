@@ -11,7 +11,8 @@ list(APPEND core_sources
   src/scene/toml_guard.cpp
   src/scene/validate.cpp
   src/scene/validate_camera.cpp
-  src/scene/validate_flames.cpp)
+  src/scene/validate_flames.cpp
+  src/scene/validate_surfaces.cpp)
 
 # The presets stay readable as scene files and are compiled in as text.
 set(preset_rows)

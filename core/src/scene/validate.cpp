@@ -53,6 +53,7 @@ std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& posit
   if (issues.errors() == 0) {
     check_camera(scene.camera, issues);
     check_flames(scene, issues.errors() == 0, issues);
+    check_surfaces(scene, issues);
     check_channels(scene, issues);
   }
   return issues.take();

@@ -108,7 +108,10 @@ bool is_channel_name(const std::string& name) {
 }  // namespace
 
 void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues) {
-  if (scene.flames.empty())
+  bool background = false;
+  for (const LightSpec& light : scene.lights)
+    background = background || light.kind == LightKind::environment;
+  if (scene.flames.empty() && scene.surfaces.empty() && !background)
     issues.warning("flames", "the scene has no flame, so its picture is black");
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
     const FlameSpec& flame = scene.flames[i];

@@ -67,7 +67,24 @@ inline Scene full_scene() {
   scene.flames = {layered, grid};
   scene.channels = {{"red", ChannelKind::band, 650e-9, 10e-9},
                     {"total", ChannelKind::total, 1e-9, 2e-9}};
-  scene.render = {Estimator::forward, 17, 0xFFFFFFFFFFFFFFFEu};
+  SolidSurfaceSpec tube;
+  tube.shape = SurfaceShape::cylinder;
+  tube.name = "tube";
+  tube.position = {0.1, -0.25, 3};
+  tube.rotation = {-0.1, 0.2, 0.7};
+  tube.radius = 0.012;
+  tube.height = 0.3;
+  tube.caps = false;
+  tube.extent = {2, kInfinity};
+  tube.size = {0.1, 0.2, 1.0 / 7};
+  tube.file = "unused.obj";
+  tube.file_unit = 1e-3;
+  tube.material = {MaterialKind::blackbody, 0.9, 1234.5, 1e4, MaterialSides::front, {}};
+  tube.material.texture = {TextureKind::dots, 0.05, 0.01, 9, 7, 0.4, {0.2, 0.3}, "chart.png"};
+  scene.surfaces = {tube, SolidSurfaceSpec{}};
+  scene.lights = {{LightKind::parallel, "sun", {1, 2, 3}, {0, 0.6, -0.8}, 0.39, 2.5, 1000, 7, 5800},
+                  LightSpec{}};
+  scene.render = {Estimator::forward, 17, 0xFFFFFFFFFFFFFFFEu, 5, false};
   scene.develop = {5e-6, 12, ToneCurve::linear};
   return scene;
 }

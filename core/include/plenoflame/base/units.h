@@ -16,6 +16,7 @@ enum class Dimension {
   time,               ///< s
   radiance,           ///< W/(m^2 sr)
   spectral_radiance,  ///< W/(m^3 sr)
+  irradiance,         ///< W/m^2
 };
 
 /// SI unit in which values of this dimension are kept, as text, e.g. "1/m"; empty for none.

@@ -78,9 +78,11 @@ struct RenderStatistics {
   bool target_reached = true;        ///< false: the target error needs more samples or time
   int threads = 0;
   std::string isa, precision, medium_description;
+  std::string surfaces_description;  ///< empty: none
   /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over
   /// threads.
-  double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0;
+  double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0,
+         seconds_surfaces = 0;
 };
 
 struct RenderResult {

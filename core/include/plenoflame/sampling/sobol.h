@@ -22,16 +22,19 @@ constexpr std::uint64_t mix64(std::uint64_t key) {
   return key ^ (key >> 31);
 }
 
-/// A pool of independently Owen-scrambled stretches of the Sobol sequence in four dimensions. A
-/// pixel takes one entry at random and shifts it digitally (XOR) by random bits of its own: an
-/// Owen-scrambled net stays one under the shift, so that each pixel's points are exactly
-/// Owen-scrambled, at the cost of one load and one XOR a number.
+/// A pool of independently Owen-scrambled stretches of the Sobol sequence in four dimensions (its
+/// first, or later ones that go with them). A pixel takes one entry at random and shifts it
+/// digitally (XOR) by random bits of its own: an Owen-scrambled net stays one under the shift, so
+/// that each pixel's points are exactly Owen-scrambled, at the cost of one load and one XOR a
+/// number.
 class SobolPool {
  public:
   static constexpr int kDimensions = 4;
   /// @param replicates independent randomisations per entry   @param points of each
   /// @param first index of the first point in the sequence (to continue an earlier run)
-  SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed);
+  /// @param first_dimension of the sequence, at most kSobolDimensions - kDimensions
+  SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
+            int first_dimension = 0);
 
   int entries() const { return entries_; }
   int replicates() const { return replicates_; }

@@ -11,6 +11,8 @@
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
 #include "plenoflame/scene/scene_file.h"
+#include "plenoflame/surfaces/lights.h"
+#include "plenoflame/surfaces/surface_scene.h"
 
 namespace plenoflame {
 
@@ -25,7 +27,9 @@ struct CompiledScene {
   Scene scene;
   Camera camera;
   PupilSampling pupils;
-  std::unique_ptr<Medium> medium;  ///< all flames; nullptr when there is none
+  std::unique_ptr<Medium> medium;               ///< all flames; nullptr when there is none
+  std::unique_ptr<SurfaceScene> surfaces = {};  ///< nullptr when there are none
+  Lights lights = {};
 };
 
 /// The source function of a channel.

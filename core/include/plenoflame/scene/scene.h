@@ -146,6 +146,92 @@ struct FlameSpec {
   friend bool operator==(const FlameSpec&, const FlameSpec&) = default;
 };
 
+/// What a solid surface is, in its own frame: bodies stand on the plane z = 0, a sphere is centred.
+enum class SurfaceShape {
+  sphere,    ///< around the origin
+  cylinder,  ///< around z, from z = 0 to the height
+  cone,      ///< base in z = 0, tip at the height
+  disc,      ///< in z = 0, its front towards +z
+  plane,     ///< the same, a rectangle or without end
+  box,       ///< from z = 0 upwards, centred in x and y
+  mesh,      ///< triangles of a file
+};
+
+enum class MaterialKind {
+  lambertian,  ///< reflects diffusely
+  black,       ///< absorbs everything, emits nothing
+  blackbody,   ///< absorbs everything, emits at a temperature
+  emitter,     ///< absorbs everything, emits a given radiance in all directions
+};
+
+/// Which side of a surface has its material; the other one is black and dark.
+enum class MaterialSides { both, front };
+
+enum class TextureKind { none, checkerboard, dots, siemens_star, bars, image };
+
+/// How the reflectivity varies over a surface (docs/surfaces.md has pictures). Coordinates u, v of
+/// the shapes are lengths on the surface [m]; those of a mesh are its texture coordinates times
+/// `size`.
+struct TextureSpec {
+  TextureKind kind = TextureKind::none;
+  double dark = 0;    ///< reflectivity of what is dark; what is light has the material's
+  double cell = 0;    ///< [m] square, spacing of dots, period of the coarsest bars
+  int columns = 8;    ///< squares or dots across; pairs of sectors of the star; groups of bars
+  int rows = 6;       ///< squares or dots down
+  double fill = 0.5;  ///< diameter of a dot over the spacing
+  Vec2 size{1, 1};    ///< [m] of the image, or of the square of a star
+  std::string file;   ///< image: PNG, relative to the scene file
+  friend bool operator==(const TextureSpec&, const TextureSpec&) = default;
+};
+
+struct MaterialSpec {
+  MaterialKind kind = MaterialKind::lambertian;
+  double reflectivity = 0.5;  ///< lambertian
+  double temperature = 0;     ///< [K] blackbody
+  double radiance = 0;        ///< [W/(m^2 sr)] emitter, in every channel
+  MaterialSides sides = MaterialSides::both;
+  TextureSpec texture;
+  friend bool operator==(const MaterialSpec&, const MaterialSpec&) = default;
+};
+
+/// A solid surface of the scene (those of the main lens are SurfaceSpec).
+struct SolidSurfaceSpec {
+  SurfaceShape shape = SurfaceShape::sphere;
+  std::string name;
+  Vec3 position;                      ///< [m] world place of the origin of its own frame
+  Vec3 rotation;                      ///< [rad] about x, then y, then z of the world
+  double radius = 0;                  ///< [m] sphere, cylinder, cone, disc
+  double height = 0;                  ///< [m] cylinder, cone
+  bool caps = true;                   ///< whether cylinder and cone are closed
+  Vec2 extent{kInfinity, kInfinity};  ///< [m] plane: full sides along its x and y
+  Vec3 size;                          ///< [m] box: full sides
+  std::string file;                   ///< mesh: OBJ, PLY or STL, relative to the scene file
+  double file_unit = 1;               ///< [m] mesh: what a length of 1 in the file is
+  MaterialSpec material;
+  friend bool operator==(const SolidSurfaceSpec&, const SolidSurfaceSpec&) = default;
+};
+
+enum class LightKind {
+  point,        ///< evenly into a cone
+  parallel,     ///< from infinitely far in one direction
+  environment,  ///< the same radiance from everywhere
+};
+
+/// A light source. Its figure holds in every channel, or, with a temperature, for all wavelengths:
+/// a channel then has the share that a blackbody of that temperature has in it.
+struct LightSpec {
+  LightKind kind = LightKind::point;
+  std::string name;
+  Vec3 position;             ///< [m] world; point
+  Vec3 direction{0, 0, -1};  ///< world, in which the light goes; point, parallel
+  double cone = 0;           ///< [rad] point: full angle of the cone; 0: all directions
+  double power = 0;          ///< [W] point: into the cone
+  double irradiance = 0;     ///< [W/m^2] parallel: on a plane across the direction
+  double radiance = 0;       ///< [W/(m^2 sr)] environment
+  double temperature = 0;    ///< [K] 0: the same in every channel
+  friend bool operator==(const LightSpec&, const LightSpec&) = default;
+};
+
 enum class ChannelKind {
   total,  ///< all wavelengths: source function sigma T^4 / pi
   band,   ///< `width` around `wavelength`: the Planck function integrated over the band
@@ -166,6 +252,8 @@ struct RenderSpec {
   Estimator estimator = Estimator::backward;
   int samples = 64;  ///< rays per pixel and microlens that covers it (forward: bundles)
   std::uint64_t seed = 1;
+  int reflections = 1;  ///< that light may undergo on surfaces on its way to the camera, at most
+  bool flame_light = true;  ///< whether flames light the surfaces
   friend bool operator==(const RenderSpec&, const RenderSpec&) = default;
 };
 
@@ -183,6 +271,8 @@ struct Scene {
   std::string file;  ///< where it was read from; relative paths start there; empty: none
   CameraSpec camera;
   std::vector<FlameSpec> flames;
+  std::vector<SolidSurfaceSpec> surfaces;
+  std::vector<LightSpec> lights;
   std::vector<ChannelSpec> channels{ChannelSpec{}};
   RenderSpec render;
   DevelopSpec develop;

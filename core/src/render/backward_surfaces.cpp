@@ -1,0 +1,126 @@
+#include "render/backward_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plenoflame {
+namespace {
+
+constexpr std::uint64_t kLightSeed = 0x6c69676874u;  ///< apart from what the camera's rays use
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
+double camera_front(const Camera& camera) {
+  if (camera.spec().lens.surfaces.empty()) return 0;
+  const SurfaceSpec& first = camera.spec().lens.surfaces.front();
+  if (!(first.radius < 0) || !std::isfinite(first.radius)) return 0;
+  const double r = -first.radius, h = 0.5 * first.diameter;
+  return h * h / (r + std::sqrt(std::max(0.0, (r - h) * (r + h))));
+}
+
+}  // namespace
+
+BackwardSurfacePlan::BackwardSurfacePlan(const CompiledScene& scene, const RenderSettings& settings,
+                                         std::uint32_t first_point,
+                                         const std::vector<SobolPool>& camera_pools,
+                                         Vec3 anchor_point, const Execution& execution)
+    : light(scene, settings, execution),
+      first(first_point),
+      anchor(anchor_point),
+      front(camera_front(scene.camera)) {
+  if (!light.random()) return;
+  for (std::size_t level = 0; level < camera_pools.size(); ++level)
+    pools.emplace_back(settings.replicates, camera_pools[level].points(), first >> level,
+                       mix64(settings.seed + kLightSeed + level), SobolPool::kDimensions);
+}
+
+template <class Real>
+SurfaceBlock<Real>::SurfaceBlock(const BackwardSurfacePlan& plan, int channels)
+    : plan_(plan), surfaces_(plan.light.scene->surfaces.get()), light_(plan.light) {
+  const RigidTransform& camera = plan.light.scene->camera.to_world();
+  axis_ = camera.direction({0, 0, 1});
+  front_vertex_ = camera.translation;
+  constexpr std::size_t kAlignment = 64 / sizeof(Real);
+  storage_.resize(kBlockRays + kBlockSlack + kAlignment);
+  t_far_ = storage_.data();
+  while (reinterpret_cast<std::uintptr_t>(t_far_) % 64 != 0) ++t_far_;
+  radiance_.resize(static_cast<std::size_t>(channels), std::vector<double>(kBlockRays));
+}
+
+template <class Real>
+SurfaceLight::First SurfaceBlock<Real>::random_of(const RayGroup& group, int point) const {
+  SurfaceLight::First random{};
+  const SobolPool& pool = plan_.pools[static_cast<std::size_t>(group.level)];
+  const std::uint64_t h0 = mix64(group.key + 1), h1 = mix64(h0);
+  const std::uint32_t shift[4] = {
+      static_cast<std::uint32_t>(h0), static_cast<std::uint32_t>(h0 >> 32),
+      static_cast<std::uint32_t>(h1), static_cast<std::uint32_t>(h1 >> 32)};
+  const int entry = group.entry % pool.entries();
+  for (int d = 0; d < 4; ++d)
+    random.u[d] = ((pool.fractions(entry, d)[point] ^ shift[d]) + 0.5) * 0x1p-32;
+  return random;
+}
+
+template <class Real>
+void SurfaceBlock<Real>::trace_ray(const KernelBlock<Real>& block, const RayGroup& group, int i) {
+  t_far_[i] = std::numeric_limits<Real>::infinity();
+  if (!(block.weight[i] > 0)) return;
+  const Vec3 along{static_cast<double>(block.dx[i]), static_cast<double>(block.dy[i]),
+                   static_cast<double>(block.dz[i])};
+  const double norm = length(along);
+  const Ray ray{
+      plan_.anchor + Vec3{static_cast<double>(block.x[i]), static_cast<double>(block.y[i]),
+                          static_cast<double>(block.z[i])},
+      (1 / norm) * along};
+  const double t_near =
+      (plan_.front - dot(axis_, ray.origin - front_vertex_)) / dot(axis_, ray.direction);
+  SurfacePath path;
+  if (surfaces_ && surfaces_->intersect(ray, t_near, kInf, {}, path.hit)) {
+    t_far_[i] = static_cast<Real>(path.hit.t / norm);
+    path.ray = i;
+    const int points =
+        plan_.pools.empty() ? 0 : plan_.pools[static_cast<std::size_t>(group.level)].points();
+    if (points > 0) {
+      const int number = group.offset + i - group.first;
+      random_.push_back(random_of(group, number));
+      const auto replicate = static_cast<std::uint64_t>(number / points);
+      const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
+      path.key = mix64(mix64(group.key + kLightSeed) ^ (replicate << 32 | point));
+    }
+    paths_.push_back(path);
+    return;
+  }
+  const std::vector<double>& environment = plan_.light.scene->lights.environment;
+  for (std::size_t c = 0; c < environment.size(); ++c)
+    radiance_[c][static_cast<std::size_t>(i)] = environment[c];
+}
+
+template <class Real>
+void SurfaceBlock<Real>::trace(const KernelBlock<Real>& block, const std::vector<RayGroup>& groups,
+                               int padded, MediumCounters& counters) {
+  for (std::vector<double>& channel : radiance_) std::fill(channel.begin(), channel.end(), 0.0);
+  paths_.clear();
+  random_.clear();
+  count_ = 0;
+  for (const RayGroup& group : groups) {
+    for (int i = group.first; i < group.first + group.count; ++i) trace_ray(block, group, i);
+    count_ = group.first + group.count;
+  }
+  for (int i = count_; i < padded; ++i) t_far_[i] = t_far_[0];
+  light_.add(paths_, random_, radiance_, counters);
+}
+
+template <class Real>
+void SurfaceBlock<Real>::add(const Real* transmittance, Real* radiance, int stride) const {
+  for (std::size_t c = 0; c < radiance_.size(); ++c) {
+    Real* out = radiance + static_cast<std::ptrdiff_t>(c) * stride;
+    for (int i = 0; i < count_; ++i)
+      out[i] += transmittance[i] * static_cast<Real>(radiance_[c][static_cast<std::size_t>(i)]);
+  }
+}
+
+template class SurfaceBlock<float>;
+template class SurfaceBlock<double>;
+
+}  // namespace plenoflame

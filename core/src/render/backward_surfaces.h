@@ -1,0 +1,65 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "plenoflame/sampling/sobol.h"
+#include "render/backward_kernel.h"
+#include "render/surface_light.h"
+
+namespace plenoflame {
+
+/// Rays of a block that belong to one pixel and microlens.
+struct RayGroup {
+  int first = 0, count = 0;  ///< in the block
+  int offset = 0;            ///< of the first ray among all replicates' points
+  int level = 0, entry = 0;  ///< pool and its entry
+  std::uint64_t key = 0;     ///< of pixel, microlens and seed
+};
+
+/// What surfaces add to the backward estimator; the same for all tiles.
+struct BackwardSurfacePlan {
+  /// @param anchor world point that the rays' positions are relative to
+  BackwardSurfacePlan(const CompiledScene& scene, const RenderSettings& settings,
+                      std::uint32_t first, const std::vector<SobolPool>& pools, Vec3 anchor,
+                      const Execution& execution);
+  SurfaceLightPlan light;
+  std::uint32_t first = 0;
+  Vec3 anchor;
+  double front = 0;  ///< [m] where the camera ends: distance along its axis from the front vertex
+  /// Further dimensions of the points of the same pools; empty when no random numbers are needed.
+  std::vector<SobolPool> pools;
+};
+
+/// Meets the rays of a block with the surfaces; one per worker.
+template <class Real>
+class SurfaceBlock {
+ public:
+  SurfaceBlock(const BackwardSurfacePlan& plan, int channels);
+
+  /// Finds where the rays end, and the radiance that comes from there.
+  /// @param padded number of rays with their padding, whose t_far is set
+  void trace(const KernelBlock<Real>& block, const std::vector<RayGroup>& groups, int padded,
+             MediumCounters& counters);
+  /// Where each ray ends, in the block's own measure [m]; aligned to 64 bytes.
+  const Real* t_far() const { return t_far_; }
+  /// Adds transmittance * radiance of the surfaces to `radiance`, channel c at c * stride.
+  void add(const Real* transmittance, Real* radiance, int stride) const;
+  double rays() const { return light_.rays(); }
+
+ private:
+  void trace_ray(const KernelBlock<Real>& block, const RayGroup& group, int i);
+  SurfaceLight::First random_of(const RayGroup& group, int point) const;
+
+  const BackwardSurfacePlan& plan_;
+  const SurfaceScene* surfaces_;
+  SurfaceLight light_;
+  Vec3 axis_, front_vertex_;
+  int count_ = 0;
+  std::vector<Real> storage_;
+  Real* t_far_ = nullptr;
+  std::vector<std::vector<double>> radiance_;  ///< per channel and ray
+  std::vector<SurfacePath> paths_;
+  std::vector<SurfaceLight::First> random_;
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,90 @@
+#include "render/medium_segments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace plenoflame {
+
+MediumSegments::MediumSegments(const Medium* medium, const MediumOptions& options)
+    : medium_(medium), options_(options) {
+  if (!medium) return;
+  bounds_ = medium->bounds();
+  channels_ = static_cast<std::size_t>(medium->channel_count());
+}
+
+/// Whether a stretch touches the medium's bounds.
+bool MediumSegments::meets(const Ray& ray, double t_far) const {
+  double near = 0, far = t_far;
+  const auto slab = [&](double lower, double upper, double origin, double direction) {
+    if (direction == 0) {
+      if (origin < lower || origin > upper) far = -1;
+      return;
+    }
+    double a = (lower - origin) / direction, b = (upper - origin) / direction;
+    if (a > b) std::swap(a, b);
+    near = std::max(near, a);
+    far = std::min(far, b);
+  };
+  slab(bounds_.lower.x, bounds_.upper.x, ray.origin.x, ray.direction.x);
+  slab(bounds_.lower.y, bounds_.upper.y, ray.origin.y, ray.direction.y);
+  slab(bounds_.lower.z, bounds_.upper.z, ray.origin.z, ray.direction.z);
+  return near < far;
+}
+
+void MediumSegments::integrate(bool with_radiance, MediumCounters& counters) {
+  transmittance_.assign(rays_.size(), 1.0);
+  if (with_radiance) radiance_.assign(rays_.size() * channels_, 0.0);
+  if (!medium_ || bounds_.empty()) return;
+  inside_.clear();
+  for (std::size_t i = 0; i < rays_.size(); ++i)
+    if (meets(rays_[i], far_[i])) inside_.push_back(i);
+  for (std::size_t i = 0; i < inside_.size(); i += kMaxBatch)
+    integrate_batch(i, std::min<std::size_t>(kMaxBatch, inside_.size() - i), with_radiance,
+                    counters);
+}
+
+void MediumSegments::integrate_batch(std::size_t first, std::size_t count, bool with_radiance,
+                                     MediumCounters& counters) {
+  constexpr std::size_t kArrays = 9, kAlignment = 64 / sizeof(double);
+  storage_.resize((kArrays + channels_) * kMaxBatch + kAlignment);
+  double* base = storage_.data();
+  while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
+  double* array[kArrays];
+  for (double*& a : array) {
+    a = base;
+    base += kMaxBatch;
+  }
+  const std::size_t padded = (count + kRayPadding - 1) / kRayPadding * kRayPadding;
+  RayBatch<double> batch;
+  batch.size = static_cast<int>(padded);
+  batch.anchor = 0.5 * (bounds_.lower + bounds_.upper);
+  for (std::size_t i = 0; i < padded; ++i) {
+    const std::size_t segment = inside_[first + std::min(i, count - 1)];
+    const Vec3 d = rays_[segment].direction;
+    // The point of the line nearest to the anchor: kernels count from there.
+    const Vec3 o = rays_[segment].origin - batch.anchor;
+    const double shift = -dot(o, d);
+    const Vec3 p = o + shift * d;
+    const double values[8] = {p.x, p.y, p.z, d.x, d.y, d.z, -shift, far_[segment] - shift};
+    for (std::size_t k = 0; k < 8; ++k) array[k][i] = values[k];
+  }
+  batch.x = array[0], batch.y = array[1], batch.z = array[2];
+  batch.dx = array[3], batch.dy = array[4], batch.dz = array[5];
+  batch.t_near = array[6], batch.t_far = array[7];
+  RadianceBatch<double> out;
+  out.radiance = base;
+  out.stride = kMaxBatch;
+  out.transmittance = array[8];
+  medium_->integrate(batch, options_, out, counters);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t segment = inside_[first + i];
+    transmittance_[segment] = array[8][i];
+    if (!with_radiance) continue;
+    for (std::size_t c = 0; c < channels_; ++c)
+      radiance_[segment * channels_ + c] = base[c * kMaxBatch + i];
+  }
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,76 @@
+#include "render/scene_medium.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plenoflame {
+namespace {
+
+/// What a scene without flames is filled with.
+class EmptyMedium : public Medium {
+ public:
+  EmptyMedium(int channels, const Box& box) : channels_(channels), box_(box) {}
+  int channel_count() const override { return channels_; }
+  Box bounds() const override { return box_; }
+  double feature_size() const override { return 1; }
+  void integrate(const RayBatch<float>& rays, const MediumOptions&, RadianceBatch<float> out,
+                 MediumCounters&) const override {
+    fill(rays.size, out);
+  }
+  void integrate(const RayBatch<double>& rays, const MediumOptions&, RadianceBatch<double> out,
+                 MediumCounters&) const override {
+    fill(rays.size, out);
+  }
+  MediumSample sample(Vec3) const override { return {}; }
+  double source(int, double) const override { return 0; }
+  void append_breakpoints(const Ray&, std::vector<double>&) const override {}
+  std::string description() const override { return "none"; }
+
+ private:
+  template <class Real>
+  void fill(int count, RadianceBatch<Real> out) const {
+    for (int c = 0; c < channels_; ++c) std::fill_n(out.radiance + c * out.stride, count, Real(0));
+    std::fill_n(out.transmittance, count, Real(1));
+  }
+  int channels_;
+  Box box_;
+};
+
+Box box_ahead(const Camera& camera) {
+  const double distance = camera.spec().focus.object_distance;
+  const double ahead = distance > 0 && std::isfinite(distance) ? distance : 1.0;
+  const Vec3 middle = camera.to_world().point({0, 0, ahead});
+  const double half = 0.05 * ahead;
+  return {middle - Vec3{half, half, half}, middle + Vec3{half, half, half}};
+}
+
+std::unique_ptr<Medium> empty_medium(const CompiledScene& scene) {
+  if (scene.medium) return nullptr;
+  const bool ends = scene.surfaces && !scene.surfaces->bounds().empty();
+  return std::make_unique<EmptyMedium>(static_cast<int>(scene.scene.channels.size()),
+                                       ends ? scene.surfaces->bounds() : box_ahead(scene.camera));
+}
+
+}  // namespace
+
+SceneMedium::SceneMedium(const CompiledScene& scene)
+    : empty_(empty_medium(scene)), medium_(scene.medium ? *scene.medium : *empty_) {}
+
+bool has_content(const CompiledScene& scene) {
+  return scene.medium || scene.surfaces || !scene.lights.environment.empty();
+}
+
+std::optional<Box> lit_box(const CompiledScene& scene) {
+  if (!scene.lights.environment.empty()) return std::nullopt;
+  if (scene.surfaces && scene.surfaces->has_endless_plane()) return std::nullopt;
+  const Box flames = scene.medium ? scene.medium->bounds() : Box{};
+  const Box solids = scene.surfaces ? scene.surfaces->bounds() : Box{};
+  if (solids.empty()) return flames;
+  if (flames.empty()) return solids;
+  return Box{{std::min(flames.lower.x, solids.lower.x), std::min(flames.lower.y, solids.lower.y),
+              std::min(flames.lower.z, solids.lower.z)},
+             {std::max(flames.upper.x, solids.upper.x), std::max(flames.upper.y, solids.upper.y),
+              std::max(flames.upper.z, solids.upper.z)}};
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,194 @@
+#include "render/surface_light.h"
+
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/sampling/philox.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+/// The lookups of the emission must not be numbers that paths use.
+constexpr std::uint64_t kFlameSeed = 0x666c616d65u;
+
+}  // namespace
+
+Vec3 cosine_direction(Vec3 normal, double u, double v) {
+  // Orthonormal basis without a branch on the axis' size: Duff et al., JCGT 6 (2017) 1.
+  const double sign = std::copysign(1.0, normal.z);
+  const double a = -1 / (sign + normal.z), b = normal.x * normal.y * a;
+  const Vec3 e1{1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
+  const Vec3 e2{b, sign + normal.y * normal.y * a, -normal.y};
+  const double sine = std::sqrt(u), azimuth = 2 * constants::pi * v;
+  return normalize(std::sqrt(1 - u) * normal + sine * std::cos(azimuth) * e1 +
+                   sine * std::sin(azimuth) * e2);
+}
+
+SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSettings& settings,
+                                   const Execution& execution)
+    : scene(&compiled),
+      channels(static_cast<int>(compiled.scene.channels.size())),
+      reflections(compiled.scene.render.reflections) {
+  options.isa = settings.isa;
+  options.skip = settings.skip;
+  if (!compiled.surfaces) return;
+  for (int i = 0; i < compiled.surfaces->surface_count(); ++i)
+    emitters = emitters || compiled.surfaces->emission(i, true) != nullptr;
+  follow_last = reflections > 0 && (emitters || !compiled.lights.environment.empty());
+  if (reflections > 0 && compiled.medium && compiled.scene.render.flame_light) {
+    flame =
+        std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed, execution);
+    if (flame->dark()) flame.reset();
+  }
+}
+
+SurfaceLight::SurfaceLight(const SurfaceLightPlan& plan)
+    : plan_(plan), segments_(plan.scene->medium.get(), plan.options) {}
+
+void SurfaceLight::add(std::vector<SurfacePath>& paths, const std::vector<First>& first,
+                       std::vector<std::vector<double>>& radiance, MediumCounters& counters) {
+  const std::vector<First>* random = &first;
+  for (int depth = 0; !paths.empty(); ++depth) {
+    add_emission(paths, radiance);
+    if (depth == plan_.reflections) return;
+    add_delta_lights(paths, radiance, counters);
+    if (depth > 0 && plan_.random()) {
+      random_.resize(paths.size());
+      for (std::size_t i = 0; i < paths.size(); ++i) {
+        const auto word = philox(paths[i].key, static_cast<std::uint64_t>(depth), 0);
+        for (std::size_t k = 0; k < 4; ++k) random_[i].u[k] = unit_uniform(word[k]);
+      }
+      random = &random_;
+    }
+    if (plan_.flame) add_flame(paths, *random, depth, radiance, counters);
+    if (depth + 1 == plan_.reflections && !plan_.follow_last) return;
+    go_on(paths, *random, radiance, counters);
+  }
+}
+
+void SurfaceLight::add_emission(const std::vector<SurfacePath>& paths,
+                                std::vector<std::vector<double>>& radiance) const {
+  if (!plan_.emitters) return;
+  for (const SurfacePath& path : paths) {
+    const double* emission =
+        plan_.scene->surfaces->emission(path.hit.where.surface, path.hit.front);
+    if (!emission) continue;
+    for (std::size_t c = 0; c < radiance.size(); ++c)
+      radiance[c][static_cast<std::size_t>(path.ray)] += path.throughput * emission[c];
+  }
+}
+
+void SurfaceLight::add_delta_lights(const std::vector<SurfacePath>& paths,
+                                    std::vector<std::vector<double>>& radiance,
+                                    MediumCounters& counters) {
+  const std::vector<DeltaLight>& lights = plan_.scene->lights.delta;
+  if (lights.empty()) return;
+  segments_.clear();
+  samples_.clear();
+  for (const SurfacePath& path : paths) {
+    if (!(path.hit.reflectivity > 0)) continue;
+    for (std::size_t l = 0; l < lights.size(); ++l) {
+      const DeltaLight& light = lights[l];
+      Vec3 way = -light.direction;  // towards the light
+      double distance = kInf, fall = 1;
+      if (!light.parallel) {
+        const Vec3 to_light = light.position - path.hit.point;
+        const double square = dot(to_light, to_light);
+        if (!(square > 0)) continue;
+        distance = std::sqrt(square);
+        way = (1 / distance) * to_light;
+        if (!light.inside_cone(-way)) continue;
+        fall = 1 / square;
+      }
+      const double cosine = dot(path.hit.normal, way);
+      if (!(cosine > 0)) continue;
+      const Ray ray{path.hit.point, way};
+      rays_ += 1;
+      if (plan_.scene->surfaces->occluded(ray, 0, distance, path.hit.where)) continue;
+      segments_.add(ray, distance);
+      samples_.push_back(
+          {path.ray, path.throughput * path.hit.reflectivity / constants::pi * cosine * fall, l});
+    }
+  }
+  segments_.integrate(false, counters);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    const double weight = sample.weight * segments_.transmittance(i);
+    for (std::size_t c = 0; c < radiance.size(); ++c)
+      radiance[c][static_cast<std::size_t>(sample.ray)] +=
+          weight * lights[sample.light].strength[c];
+  }
+}
+
+/// A point of the flame is drawn by its emission; what counts is the radiance of the whole line
+/// through it, over the density with which any point of that line would have been drawn. Unlike the
+/// light of single points it stays bounded where a surface touches the flame.
+void SurfaceLight::add_flame(const std::vector<SurfacePath>& paths,
+                             const std::vector<First>& random, int depth,
+                             std::vector<std::vector<double>>& radiance, MediumCounters& counters) {
+  segments_.clear();
+  samples_.clear();
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const SurfacePath& path = paths[i];
+    if (!(path.hit.reflectivity > 0)) continue;
+    const auto word = philox(path.key, static_cast<std::uint64_t>(depth), 1);
+    const EmissionProposal::Point point = plan_.flame->draw(
+        random[i].u[2], random[i].u[3], unit_uniform(word[0]), unit_uniform(word[1]));
+    const Vec3 to_point = point.position - path.hit.point;
+    const double distance = length(to_point);
+    if (!(distance > 0)) continue;
+    const Ray ray{path.hit.point, (1 / distance) * to_point};
+    const double cosine = dot(path.hit.normal, ray.direction);
+    if (!(cosine > 0)) continue;
+    const double density = plan_.flame->direction_density(ray);
+    if (!(density > 0)) continue;
+    SurfaceHit behind;
+    rays_ += 1;
+    const bool ends = plan_.scene->surfaces->intersect(ray, 0, kInf, path.hit.where, behind);
+    segments_.add(ray, ends ? behind.t : kInf);
+    samples_.push_back(
+        {path.ray, path.throughput * path.hit.reflectivity / constants::pi * cosine / density, 0});
+  }
+  segments_.integrate(true, counters);
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    for (std::size_t c = 0; c < radiance.size(); ++c)
+      radiance[c][static_cast<std::size_t>(samples_[i].ray)] +=
+          samples_[i].weight * segments_.radiance(i, static_cast<int>(c));
+}
+
+void SurfaceLight::go_on(std::vector<SurfacePath>& paths, const std::vector<First>& random,
+                         std::vector<std::vector<double>>& radiance, MediumCounters& counters) {
+  const std::vector<double>& environment = plan_.scene->lights.environment;
+  segments_.clear();
+  next_.clear();
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    SurfacePath path = paths[i];
+    if (!(path.hit.reflectivity > 0)) continue;
+    const Ray ray{path.hit.point,
+                  cosine_direction(path.hit.normal, random[i].u[0], random[i].u[1])};
+    path.throughput *= path.hit.reflectivity;
+    rays_ += 1;
+    const SurfacePart from = path.hit.where;
+    const bool ends = plan_.scene->surfaces->intersect(ray, 0, kInf, from, path.hit);
+    if (!ends) path.hit.where = {};
+    if (!ends && environment.empty()) continue;
+    segments_.add(ray, ends ? path.hit.t : kInf);
+    next_.push_back(path);
+  }
+  segments_.integrate(false, counters);
+  paths.clear();
+  for (std::size_t i = 0; i < next_.size(); ++i) {
+    SurfacePath& path = next_[i];
+    path.throughput *= segments_.transmittance(i);
+    if (path.hit.where.surface >= 0) {
+      paths.push_back(path);
+      continue;
+    }
+    for (std::size_t c = 0; c < radiance.size(); ++c)
+      radiance[c][static_cast<std::size_t>(path.ray)] += path.throughput * environment[c];
+  }
+}
+
+}  // namespace plenoflame

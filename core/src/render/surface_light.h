@@ -1,0 +1,84 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "plenoflame/render/render.h"
+#include "render/emission_proposal.h"
+#include "render/medium_segments.h"
+
+namespace plenoflame {
+
+/// Where a ray from the camera ends, and with what share its light counts.
+struct SurfacePath {
+  int ray = 0;  ///< number of the camera's ray
+  SurfaceHit hit;
+  double throughput = 1;  ///< of reflections and media on the way
+  std::uint64_t key = 0;  ///< of its random numbers
+};
+
+/// Everything about the light on surfaces that is the same for all rays; immutable.
+struct SurfaceLightPlan {
+  SurfaceLightPlan(const CompiledScene& compiled, const RenderSettings& settings,
+                   const Execution& execution);
+
+  const CompiledScene* scene;
+  int channels = 1;
+  int reflections = 1;
+  MediumOptions options;
+  bool emitters = false;  ///< some surface emits
+  /// Draws the flames' light; nullptr: they do not light surfaces.
+  std::unique_ptr<EmissionProposal> flame;
+  /// What leaves a surface is followed on even after the last reflection: it may come from an
+  /// emitter or from the surroundings.
+  bool follow_last = false;
+  /// Whether the light of a path needs random numbers.
+  bool random() const { return flame || follow_last || reflections > 1; }
+};
+
+/// Radiance that surfaces send towards the camera, by path tracing: point, parallel and flame light
+/// is sampled directly at each reflection; emitters and surroundings are found by the rays that go
+/// on, drawn in proportion to the cosine. One per worker.
+class SurfaceLight {
+ public:
+  explicit SurfaceLight(const SurfaceLightPlan& plan);
+
+  /// Uniform numbers in (0, 1) for the first reflection of a path: [0, 1] for the direction it goes
+  /// on in, [2, 3] for the flame.
+  struct First {
+    double u[4];
+  };
+  /// Adds the radiance of every path, at its hit, to radiance[c][path.ray] (before the medium
+  /// between camera and hit). @param first one per path, used when plan.random()
+  void add(std::vector<SurfacePath>& paths, const std::vector<First>& first,
+           std::vector<std::vector<double>>& radiance, MediumCounters& counters);
+
+  double rays() const { return rays_; }  ///< traced so far, those to lights included
+
+ private:
+  void add_emission(const std::vector<SurfacePath>& paths,
+                    std::vector<std::vector<double>>& radiance) const;
+  void add_delta_lights(const std::vector<SurfacePath>& paths,
+                        std::vector<std::vector<double>>& radiance, MediumCounters& counters);
+  void add_flame(const std::vector<SurfacePath>& paths, const std::vector<First>& random, int depth,
+                 std::vector<std::vector<double>>& radiance, MediumCounters& counters);
+  void go_on(std::vector<SurfacePath>& paths, const std::vector<First>& random,
+             std::vector<std::vector<double>>& radiance, MediumCounters& counters);
+
+  struct Sample {
+    int ray;
+    double weight;
+    std::size_t light;  ///< of the delta lights
+  };
+  const SurfaceLightPlan& plan_;
+  MediumSegments segments_;
+  std::vector<Sample> samples_;
+  std::vector<SurfacePath> next_;
+  std::vector<First> random_;
+  double rays_ = 0;
+};
+
+/// A direction around `normal` (unit) in proportion to the cosine with it.
+Vec3 cosine_direction(Vec3 normal, double u, double v);
+
+}  // namespace plenoflame

@@ -1,0 +1,14 @@
+#include "plenoflame/base/error.h"
+#include "plenoflame/surfaces/surface_scene.h"
+
+namespace plenoflame {
+
+std::unique_ptr<SurfaceScene> make_surface_scene(const std::vector<SolidSurfaceSpec>&,
+                                                 const std::string&,
+                                                 const std::vector<SourceFunction>&,
+                                                 const Execution&) {
+  throw InputError(
+      "the scene has surfaces; this program was built without Embree, which traces them");
+}
+
+}  // namespace plenoflame
