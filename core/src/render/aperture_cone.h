@@ -13,6 +13,11 @@ class ApertureCone {
   /// Whether a point lies on the scene's side of the camera.
   bool in_front(Vec3 point) const { return point.z > front_; }
 
+  /// [m] along a direction with z < 0, from a point in front, to the plane where the camera begins.
+  double distance_to_front(Vec3 point, Vec3 direction) const {
+    return (point.z - front_) / -direction.z;
+  }
+
   struct Direction {
     Vec3 direction;  ///< towards -z
     double solid_angle =

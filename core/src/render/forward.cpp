@@ -11,6 +11,8 @@
 #include "plenoflame/sampling/philox.h"
 #include "render/aperture_cone.h"
 #include "render/emission_proposal.h"
+#include "render/forward_chunk.h"
+#include "render/forward_surfaces.h"
 #include "render/run_control.h"
 
 namespace plenoflame {
@@ -30,19 +32,7 @@ struct Hit {
   double weight;           ///< [m^3 sr] per unit of emission
 };
 
-/// What one chunk adds to the film.
-struct Deposit {
-  int column, row, replicate;
-};
-struct Chunk {
-  std::vector<Deposit> deposits;
-  std::vector<double> flux;  ///< channels values per deposit
-  double bundles = 0, arrived = 0, seconds_optics = 0, seconds_medium = 0;
-  MediumCounters medium;
-  bool done = false;
-};
-
-class BundleTracer {
+class BundleTracer : public BundleSource {
  public:
   BundleTracer(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
                const EmissionProposal& proposal)
@@ -53,12 +43,12 @@ class BundleTracer {
         cone_(scene.camera),
         to_camera_(scene.camera.to_world().inverse()) {}
 
-  void trace(std::int64_t first, std::int64_t end, Chunk& chunk) const;
+  void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override;
 
  private:
   void trace_bundle(std::int64_t index, std::vector<Camera::Arrival>& arrivals,
-                    std::vector<Hit>& hits, Chunk& chunk) const;
-  void attenuate(const Hit* hits, int count, Chunk& chunk) const;
+                    std::vector<Hit>& hits, ForwardChunk& chunk) const;
+  void attenuate(const Hit* hits, int count, ForwardChunk& chunk) const;
 
   const CompiledScene& scene_;
   const RenderSettings& settings_;
@@ -69,7 +59,7 @@ class BundleTracer {
 };
 
 void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>& arrivals,
-                                std::vector<Hit>& hits, Chunk& chunk) const {
+                                std::vector<Hit>& hits, ForwardChunk& chunk) const {
   const auto a = philox(settings_.seed, static_cast<std::uint64_t>(index), 0);
   const auto b = philox(settings_.seed, static_cast<std::uint64_t>(index), 1);
   const EmissionProposal::Point point = proposal_.draw(unit_uniform(a[0], a[1]), unit_uniform(b[0]),
@@ -96,7 +86,7 @@ void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>
   }
 }
 
-void BundleTracer::attenuate(const Hit* hits, int count, Chunk& chunk) const {
+void BundleTracer::attenuate(const Hit* hits, int count, ForwardChunk& chunk) const {
   const Medium& medium = *scene_.medium;
   const Box box = medium.bounds();
   const int padded = (count + kRayPadding - 1) / kRayPadding * kRayPadding;
@@ -147,7 +137,7 @@ void BundleTracer::attenuate(const Hit* hits, int count, Chunk& chunk) const {
   }
 }
 
-void BundleTracer::trace(std::int64_t first, std::int64_t end, Chunk& chunk) const {
+void BundleTracer::trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const {
   auto start = Clock::now();
   std::vector<Hit> hits;
   std::vector<Camera::Arrival> arrivals;
@@ -163,10 +153,10 @@ void BundleTracer::trace(std::int64_t first, std::int64_t end, Chunk& chunk) con
 }
 
 /// Adds a chunk to film and statistics.
-void merge(const Chunk& chunk, Film& film, RenderStatistics& statistics) {
+void merge(const ForwardChunk& chunk, Film& film, RenderStatistics& statistics) {
   const auto channels = static_cast<std::size_t>(film.channels());
   for (std::size_t i = 0; i < chunk.deposits.size(); ++i) {
-    const Deposit& d = chunk.deposits[i];
+    const ForwardDeposit& d = chunk.deposits[i];
     for (std::size_t c = 0; c < channels; ++c)
       film.sum(static_cast<int>(c), d.replicate, d.column, d.row) += chunk.flux[i * channels + c];
   }
@@ -174,6 +164,7 @@ void merge(const Chunk& chunk, Film& film, RenderStatistics& statistics) {
   statistics.rays_reached += chunk.arrived;
   statistics.seconds_optics += chunk.seconds_optics;
   statistics.seconds_medium += chunk.seconds_medium;
+  statistics.seconds_surfaces += chunk.seconds_surfaces;
   statistics.medium.rays += chunk.medium.rays;
   statistics.medium.cells += chunk.medium.cells;
   statistics.medium.skipped_empty += chunk.medium.skipped_empty;
@@ -186,7 +177,7 @@ void merge(const Chunk& chunk, Film& film, RenderStatistics& statistics) {
 /// depend on who traced what.
 class Run {
  public:
-  Run(const BundleTracer& tracer, const RenderSettings& settings, const Execution& execution,
+  Run(const BundleSource& tracer, const RenderSettings& settings, const Execution& execution,
       Film& film, RenderStatistics& statistics)
       : tracer_(tracer),
         settings_(settings),
@@ -211,7 +202,7 @@ class Run {
  private:
   void report(std::int64_t points) const;
 
-  const BundleTracer& tracer_;
+  const BundleSource& tracer_;
   const RenderSettings& settings_;
   const Execution& execution_;
   Film& film_;
@@ -237,7 +228,7 @@ bool Run::trace_until(std::int64_t points, bool keep_parts) {
   const std::int64_t last = (points + per_chunk() - 1) / per_chunk();
   const std::int64_t round =
       static_cast<std::int64_t>(kChunksPerThread) * execution_.thread_count();
-  std::vector<Chunk> pending;
+  std::vector<ForwardChunk> pending;
   for (bool complete = true; done_ < points;) {
     if (!complete) return false;
     const std::int64_t first = done_ / per_chunk();
@@ -283,6 +274,16 @@ void Run::trace_to_target(std::int64_t points) {
   }
 }
 
+/// Nothing when everything is dark.
+std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
+                                           const RenderSettings& settings, const Film& film,
+                                           const EmissionProposal* proposal) {
+  if (!scene.surfaces && scene.lights.environment.empty())
+    return proposal ? std::make_unique<BundleTracer>(scene, settings, film, *proposal) : nullptr;
+  auto bundles = std::make_unique<SurfaceBundles>(scene, settings, film, proposal);
+  return bundles->dark() ? nullptr : std::move(bundles);
+}
+
 }  // namespace
 
 void render_forward(const CompiledScene& scene, const RenderSettings& settings,
@@ -291,19 +292,23 @@ void render_forward(const CompiledScene& scene, const RenderSettings& settings,
   const auto start = Clock::now();
   const std::int64_t points =
       (static_cast<std::int64_t>(settings.samples) + settings.replicates - 1) / settings.replicates;
-  const EmissionProposal proposal(*scene.medium, settings.seed ^ kProposalSeed, execution);
+  std::unique_ptr<EmissionProposal> proposal;
+  if (scene.medium)
+    proposal =
+        std::make_unique<EmissionProposal>(*scene.medium, settings.seed ^ kProposalSeed, execution);
+  if (proposal && proposal->dark()) proposal.reset();
   statistics.seconds_generate += seconds_since(start) * execution.thread_count();
-  if (proposal.dark()) {
+  const std::unique_ptr<BundleSource> tracer = make_bundles(scene, settings, film, proposal.get());
+  if (!tracer) {
     for (int t = 0; t < film.tile_count(); ++t)
       film.add_samples(t, static_cast<double>(points) - film.tile_samples(t));
     return;
   }
-  const BundleTracer tracer(scene, settings, film, proposal);
   const bool open_ended = settings.target_error > 0 || settings.time_limit > 0;
   const Deadline deadline(execution.stop, settings.time_limit);
   Execution inner = execution;
   inner.stop = deadline.token();
-  Run run(tracer, settings, inner, film, statistics);
+  Run run(*tracer, settings, inner, film, statistics);
   if (open_ended)
     run.trace_to_target(points);
   else

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -28,6 +30,95 @@ std::string lower_extension(const std::string& path) {
   std::string extension = dot == std::string::npos || path[dot] == '/' ? "" : path.substr(dot + 1);
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
+}
+
+/// Reads the words of a text, one after the other.
+class Words {
+ public:
+  explicit Words(std::string_view text) : rest_(text) {}
+  std::string_view next() {
+    const auto begin = rest_.find_first_not_of(kBlank);
+    if (begin == std::string_view::npos) return rest_ = {};
+    rest_.remove_prefix(begin);
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlank));
+    rest_.remove_prefix(word.size());
+    return word;
+  }
+  void skip_line() { rest_.remove_prefix(std::min(rest_.size(), rest_.find('\n'))); }
+
+ private:
+  static constexpr std::string_view kBlank = " \t\r\n\v\f";
+  std::string_view rest_;
+};
+
+/// The importer does not come to an end with a text STL file that breaks off or holds words of its
+/// own: here is what makes one complete. @return number of its first facet that is not; 0: all are
+std::size_t first_broken_facet(std::string_view text) {
+  Words words(text);
+  std::size_t facet = 0;
+  for (;;) {
+    words.skip_line();  // "solid" or "endsolid" and a name
+    std::string_view word = words.next();
+    if (word.empty()) return 0;
+    if (word == "solid") continue;  // another one
+    for (; word == "facet"; word = words.next()) {
+      ++facet;
+      if (words.next() != "normal") return facet;
+      for (int i = 0; i < 3; ++i) words.next();
+      if (words.next() != "outer" || words.next() != "loop") return facet;
+      for (int corner = 0; corner < 3; ++corner) {
+        if (words.next() != "vertex") return facet;
+        for (int i = 0; i < 3; ++i) words.next();
+      }
+      if (words.next() != "endloop" || words.next() != "endfacet") return facet;
+    }
+    if (word != "endsolid") return facet + 1;
+  }
+}
+
+/// As the importer tells them apart: by the size that a binary file's header gives.
+bool is_text_stl(std::string_view bytes) {
+  constexpr std::size_t kHeader = 80, kFacet = 50;
+  if (bytes.size() >= kHeader + 4) {
+    std::uint32_t facets = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      facets |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[kHeader + i]))
+                << (8 * i);
+    if (bytes.size() == kHeader + 4 + kFacet * facets) return false;
+  }
+  return Words(bytes).next().starts_with("solid");
+}
+
+/// The importer does not come to an end with a PLY file without end of header, and makes up what is
+/// missing at the end of one in text. @return what is wrong; empty: nothing
+std::string ply_fault(std::string_view text) {
+  bool in_text = false;
+  double rows = 0;
+  for (bool header = true; header;) {
+    if (text.empty()) return "its header does not end";
+    const auto end = std::min(text.find('\n'), text.size());
+    Words words(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view first = words.next();
+    if (first == "format") in_text = words.next() == "ascii";
+    if (first == "element") {
+      words.next();
+      const std::string_view count = words.next();
+      double number = 0;
+      const auto [stop, error] = std::from_chars(count.data(), count.data() + count.size(), number);
+      if (error != std::errc() || !(number >= 0)) return "its header gives no number of elements";
+      rows += number;
+    }
+    header = first != "end_header";
+  }
+  if (!in_text) return "";
+  double lines = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines += Words(text.substr(at, end - at)).next().empty() ? 0 : 1;
+    at = end + 1;
+  }
+  return lines < rows ? fmt::format("it has {} of {} lines of data", lines, rows) : "";
 }
 
 /// Adds what is a triangle of positive area. @return false when it has none
@@ -55,11 +146,19 @@ MeshData read_mesh(const std::string& path, const std::string& what, const Execu
   if (extension != "obj" && extension != "ply" && extension != "stl")
     throw InputError(what + ": \"" + path + "\" is not an OBJ, PLY or STL file by its name");
   const std::string bytes = read_file(path);
+  const std::string where = what + ": the mesh file \"" + path + "\"";
+  if (extension == "stl") {
+    const std::size_t broken = is_text_stl(bytes) ? first_broken_facet(bytes) : 0;
+    if (broken > 0)
+      throw InputError(where + fmt::format(" is damaged or breaks off: see its facet {}", broken));
+  }
+  const std::string fault = extension == "ply" ? ply_fault(bytes) : "";
+  if (!fault.empty()) throw InputError(where + " is damaged or breaks off: " + fault);
+  if (bytes.empty()) throw InputError(where + " is empty");
   Assimp::Importer importer;
   // From memory, so that a file cannot make the importer open others.
   const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(),
                                                      aiProcess_Triangulate, extension.c_str());
-  const std::string where = what + ": the mesh file \"" + path + "\"";
   if (!scene) {
     std::string reason = importer.GetErrorString();
     std::replace(reason.begin(), reason.end(), '\n', ' ');

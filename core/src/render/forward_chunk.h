@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "plenoflame/media/medium.h"
+
+namespace plenoflame {
+
+/// What one chunk of bundles adds to the film.
+struct ForwardDeposit {
+  int column, row, replicate;
+};
+struct ForwardChunk {
+  std::vector<ForwardDeposit> deposits;
+  std::vector<double> flux;  ///< one value per channel for every deposit
+  double bundles = 0, arrived = 0;
+  double seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
+  MediumCounters medium;
+  bool done = false;
+};
+
+/// Traces numbered energy bundles; immutable.
+class BundleSource {
+ public:
+  virtual ~BundleSource() = default;
+  /// Bundles first to end - 1; bundle i belongs to replicate i modulo their number.
+  virtual void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const = 0;
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,335 @@
+#include "render/forward_surfaces.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/sampling/philox.h"
+#include "render/scene_medium.h"
+#include "render/surface_light.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kPi = constants::pi;
+/// Surroundings, for the camera, are a sphere of so many times the size of what it looks at.
+constexpr double kFarAway = 1e4;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The direction at an angle with versine 1 - cos from `axis` (unit), at azimuth 2 pi v.
+Vec3 around(Vec3 axis, double versine, double v) {
+  const Vec3 other = std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 e1 = normalize(cross(axis, other)), e2 = cross(axis, e1);
+  const double sine = std::sqrt(std::max(0.0, versine * (2 - versine)));
+  return normalize((1 - versine) * axis +
+                   sine * (std::cos(2 * kPi * v) * e1 + std::sin(2 * kPi * v) * e2));
+}
+
+/// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between
+/// the traced ones.
+double field_versine(const PupilSampling& pupils) {
+  double tangent = 0;
+  for (const PupilTable& table : pupils.tables())
+    for (const std::vector<Ray>& rays : table.edges)
+      for (const Ray& ray : rays)
+        tangent = std::max(tangent, std::hypot(ray.direction.x, ray.direction.y) / ray.direction.z);
+  tangent *= 1.1;
+  const double secant = std::hypot(1.0, tangent);
+  return tangent * tangent / (secant * (1 + secant));
+}
+
+}  // namespace
+
+struct SurfaceBundles::Work {
+  Work(const Medium* medium, const MediumOptions& options, std::size_t channel_count)
+      : channels(channel_count), segments(medium, options), emission(channel_count) {}
+  std::size_t channels;
+  MediumSegments segments;
+  std::vector<double> emission;
+  std::vector<double> spectra;  ///< channels values for each bundle
+  std::vector<Camera::Arrival> arrivals;
+  std::vector<Arrived> arrived;
+  std::vector<Ray> ways;     ///< of what arrived, from where it last left
+  std::vector<double> ends;  ///< [m] of these ways
+};
+
+SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings,
+                               const Film& film, const EmissionProposal* proposal)
+    : scene_(scene),
+      settings_(settings),
+      proposal_(proposal),
+      window_(film.window()),
+      cone_(scene.camera),
+      to_camera_(scene.camera.to_world().inverse()),
+      field_versine_(field_versine(scene.pupils)) {
+  options_.isa = settings.isa;
+  options_.skip = settings.skip;
+  add_jobs(proposal);
+  const std::optional<Box> lit = [&] {
+    Box box = scene.surfaces ? scene.surfaces->bounds() : Box{};
+    if (!scene.medium) return box;
+    const Box flames = scene.medium->bounds();
+    if (box.empty()) return flames;
+    return Box{{std::min(flames.lower.x, box.lower.x), std::min(flames.lower.y, box.lower.y),
+                std::min(flames.lower.z, box.lower.z)},
+               {std::max(flames.upper.x, box.upper.x), std::max(flames.upper.y, box.upper.y),
+                std::max(flames.upper.z, box.upper.z)}};
+  }();
+  if (!lit->empty()) {
+    centre_ = 0.5 * (lit->lower + lit->upper);
+    radius_ = 0.5 * length(lit->upper - lit->lower) * (1 + 1e-9);
+  }
+}
+
+void SurfaceBundles::add_jobs(const EmissionProposal* proposal) {
+  const bool reflects = scene_.surfaces && scene_.scene.render.reflections > 0;
+  if (proposal) {
+    jobs_.push_back({Origin::flame, 0, true});
+    if (reflects && scene_.scene.render.flame_light) jobs_.push_back({Origin::flame, 0, false});
+  }
+  const auto endless = [&] {
+    if (scene_.surfaces->has_endless_plane())
+      throw InputError(
+          "the forward estimator cannot light a plane without end from surroundings or a parallel "
+          "light; give the plane an extent, or use the backward estimator");
+  };
+  if (reflects)
+    for (std::size_t i = 0; i < scene_.lights.delta.size(); ++i) {
+      if (scene_.lights.delta[i].parallel) endless();
+      jobs_.push_back({Origin::delta_light, static_cast<int>(i), false});
+    }
+  if (!scene_.lights.environment.empty()) {
+    jobs_.push_back({Origin::environment, 0, true});
+    if (reflects) {
+      endless();
+      jobs_.push_back({Origin::environment, 0, false});
+    }
+  }
+  if (!scene_.surfaces) return;
+  for (int i = 0; i < scene_.surfaces->surface_count(); ++i) {
+    if (!scene_.surfaces->emission(i, true)) continue;
+    if (!std::isfinite(scene_.surfaces->area(i)))
+      throw InputError("the forward estimator cannot follow the light of a plane without end (" +
+                       surface_name(scene_.scene.surfaces, i) +
+                       "); give it an extent, or use the backward estimator");
+    jobs_.push_back({Origin::surface, i, true});
+    if (reflects) jobs_.push_back({Origin::surface, i, false});
+  }
+}
+
+double SurfaceBundles::number(std::int64_t bundle, std::uint64_t block, std::size_t word) const {
+  return unit_uniform(philox(settings_.seed, static_cast<std::uint64_t>(bundle), block)[word]);
+}
+
+bool SurfaceBundles::start_at_flame(const Job& job, Bundle& bundle, Work& work) const {
+  const auto a = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 1);
+  const auto b = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 2);
+  const EmissionProposal::Point point = proposal_->draw(
+      unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]), unit_uniform(b[2]));
+  scene_.medium->coefficients(point.position, work.emission.data());
+  bundle.ray.origin = point.position;
+  bundle.weight /= point.density;
+  if (job.to_camera) return true;
+  bundle.ray.direction = around({0, 0, 1}, 2 * unit_uniform(a[2]), unit_uniform(a[3]));
+  bundle.weight *= 4 * kPi;
+  return true;
+}
+
+bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) const {
+  const DeltaLight& light = scene_.lights.delta[static_cast<std::size_t>(job.index)];
+  work.emission = light.strength;
+  const double u = number(bundle.index, 1, 0), v = number(bundle.index, 1, 1);
+  if (!light.parallel) {
+    bundle.ray = {light.position, around(light.direction, u * light.versine, v)};
+    bundle.weight *= light.solid_angle();
+    return true;
+  }
+  // A disc across the light, as wide as all surfaces, before the first of them.
+  const Vec3 place = around(light.direction, 1, v);
+  bundle.ray = {centre_ - radius_ * light.direction + radius_ * std::sqrt(u) * place,
+                light.direction};
+  bundle.weight *= kPi * radius_ * radius_;
+  return true;
+}
+
+bool SurfaceBundles::start_in_surroundings(const Job& job, Bundle& bundle, Work& work) const {
+  work.emission = scene_.lights.environment;
+  const double u = number(bundle.index, 1, 0), v = number(bundle.index, 1, 1);
+  if (!job.to_camera) {
+    // Any sphere around the surfaces whose inside has the radiance of the surroundings.
+    const Vec3 outwards = around({0, 0, 1}, 2 * u, v);
+    bundle.ray = {
+        centre_ + radius_ * outwards,
+        cosine_direction(-outwards, number(bundle.index, 1, 2), number(bundle.index, 1, 3))};
+    bundle.weight *= 4 * kPi * radius_ * radius_ * kPi;
+    return true;
+  }
+  const Vec3 camera = scene_.camera.to_world().translation;
+  const Vec3 axis = scene_.camera.to_world().direction({0, 0, 1});
+  const double size = length(centre_ - camera) + radius_ + scene_.camera.lens_distance();
+  const double far = kFarAway * size;
+  const Vec3 outwards = around(axis, u * field_versine_, v);
+  bundle.ray.origin = camera + far * outwards;
+  bundle.normal = -outwards;
+  bundle.weight *= 2 * kPi * field_versine_ * far * far;
+  return true;
+}
+
+bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work) const {
+  const SurfaceScene& surfaces = *scene_.surfaces;
+  const auto a = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 1);
+  const auto b = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 2);
+  const SurfacePoint point = surfaces.point_on(job.index, unit_uniform(a[0], a[1]),
+                                               unit_uniform(b[0]), unit_uniform(b[1]));
+  double sides = 1;
+  bundle.normal = point.normal;
+  if (surfaces.emission(job.index, false)) {
+    sides = 2;
+    if (b[2] & 1u) bundle.normal = -point.normal;
+  }
+  const double* emission = surfaces.emission(job.index, true);
+  work.emission.assign(emission, emission + work.channels);
+  bundle.ray.origin = point.point;
+  bundle.from = point.where;
+  bundle.weight *= sides * surfaces.area(job.index);
+  if (job.to_camera) return true;
+  bundle.ray.direction = cosine_direction(bundle.normal, unit_uniform(a[2]), unit_uniform(a[3]));
+  bundle.weight *= kPi;
+  return true;
+}
+
+bool SurfaceBundles::start(std::int64_t index, const Job& job, Bundle& bundle, Work& work) const {
+  bundle = {};
+  bundle.index = index;
+  bundle.weight = static_cast<double>(jobs_.size());
+  bool good = false;
+  switch (job.origin) {
+    case Origin::flame:
+      good = start_at_flame(job, bundle, work);
+      break;
+    case Origin::delta_light:
+      good = start_at_light(job, bundle, work);
+      break;
+    case Origin::environment:
+      good = start_in_surroundings(job, bundle, work);
+      break;
+    case Origin::surface:
+      good = start_at_surface(job, bundle, work);
+      break;
+  }
+  if (!good) return false;
+  bundle.spectrum = work.spectra.size();
+  work.spectra.insert(work.spectra.end(), work.emission.begin(), work.emission.end());
+  return std::any_of(work.emission.begin(), work.emission.end(), [](double e) { return e > 0; });
+}
+
+void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, double factor,
+                                    std::uint64_t block, Work& work, ForwardChunk& chunk) const {
+  const Vec3 origin = to_camera_.point(bundle.ray.origin);
+  if (!cone_.in_front(origin)) return;
+  const ApertureCone::Direction way =
+      cone_.draw(origin, number(bundle.index, block, 0), number(bundle.index, block, 1));
+  if (!(way.solid_angle > 0)) return;
+  const Vec3 direction = scene_.camera.to_world().direction(way.direction);
+  const double cosine = has_normal ? dot(bundle.normal, direction) : 1;
+  if (!(cosine > 0)) return;
+  work.arrivals.clear();
+  scene_.camera.trace_from_scene({origin, way.direction}, work.arrivals);
+  if (work.arrivals.empty()) return;
+  const double end = cone_.distance_to_front(origin, way.direction);
+  const Ray ray{bundle.ray.origin, direction};
+  if (scene_.surfaces && scene_.surfaces->occluded(ray, 0, end, bundle.from)) return;
+  const SensorSpec& sensor = scene_.camera.spec().sensor;
+  for (const Camera::Arrival& arrival : work.arrivals) {
+    const double x = 0.5 * sensor.columns - arrival.sensor_point.x / sensor.pixel_pitch;
+    const double y = 0.5 * sensor.rows - arrival.sensor_point.y / sensor.pixel_pitch;
+    if (!(x >= 0 && x < sensor.columns && y >= 0 && y < sensor.rows)) continue;
+    chunk.arrived += 1;
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    if (column < window_.x || column >= window_.x + window_.width || row < window_.y ||
+        row >= window_.y + window_.height)
+      continue;
+    work.arrived.push_back(
+        {column, row, static_cast<int>(bundle.index % settings_.replicates),
+         bundle.weight * factor * cosine * way.solid_angle * arrival.etendue_ratio,
+         bundle.spectrum});
+    work.ways.push_back(ray);
+    work.ends.push_back(end);
+  }
+}
+
+/// All bundles to the surface that they meet next; those that meet none, or a black one, are gone.
+void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
+                                   ForwardChunk& chunk) const {
+  work.segments.clear();
+  std::size_t kept = 0;
+  for (Bundle bundle : bundles) {
+    SurfaceHit hit;
+    if (!scene_.surfaces->intersect(bundle.ray, 0, kInf, bundle.from, hit)) continue;
+    if (!(hit.reflectivity > 0)) continue;
+    work.segments.add(bundle.ray, hit.t);
+    bundle.ray.origin = hit.point;
+    bundle.normal = hit.normal;
+    bundle.from = hit.where;
+    bundle.reflectivity = hit.reflectivity;
+    bundles[kept++] = bundle;
+  }
+  bundles.resize(kept);
+  work.segments.integrate(false, chunk.medium);
+  for (std::size_t i = 0; i < kept; ++i) bundles[i].weight *= work.segments.transmittance(i);
+}
+
+void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
+  work.segments.clear();
+  for (std::size_t i = 0; i < work.arrived.size(); ++i)
+    work.segments.add(work.ways[i], work.ends[i]);
+  work.segments.integrate(false, chunk.medium);
+  for (std::size_t i = 0; i < work.arrived.size(); ++i) {
+    const Arrived& a = work.arrived[i];
+    const double factor = a.weight * work.segments.transmittance(i);
+    if (!(factor > 0)) continue;
+    chunk.deposits.push_back({a.column, a.row, a.replicate});
+    for (std::size_t c = 0; c < work.channels; ++c)
+      chunk.flux.push_back(factor * work.spectra[a.spectrum + c]);
+  }
+}
+
+void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const {
+  const auto begin = std::chrono::steady_clock::now();
+  Work work(scene_.medium.get(), options_, scene_.scene.channels.size());
+  std::vector<Bundle> on_their_way;
+  Bundle bundle;
+  for (std::int64_t i = first; i < end; ++i) {
+    const auto choice =
+        static_cast<std::size_t>(number(i, 0, 0) * static_cast<double>(jobs_.size()));
+    const Job& job = jobs_[std::min(choice, jobs_.size() - 1)];
+    if (!start(i, job, bundle, work)) continue;
+    if (job.to_camera)
+      send_to_camera(bundle, job.origin != Origin::flame, 1, 3, work, chunk);
+    else
+      on_their_way.push_back(bundle);
+  }
+  for (int depth = 0; depth < scene_.scene.render.reflections && !on_their_way.empty(); ++depth) {
+    meet_surfaces(on_their_way, work, chunk);
+    const std::uint64_t block = 4 + 2 * static_cast<std::uint64_t>(depth);
+    for (Bundle& b : on_their_way) {
+      b.weight *= b.reflectivity;
+      send_to_camera(b, true, 1 / kPi, block, work, chunk);
+      b.ray.direction =
+          cosine_direction(b.normal, number(b.index, block + 1, 0), number(b.index, block + 1, 1));
+    }
+  }
+  deposit(work, chunk);
+  chunk.bundles = static_cast<double>(end - first);
+  chunk.seconds_surfaces = seconds_since(begin);
+  chunk.done = true;
+}
+
+}  // namespace plenoflame

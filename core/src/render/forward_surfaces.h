@@ -1,0 +1,80 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "plenoflame/film/film.h"
+#include "plenoflame/render/render.h"
+#include "render/aperture_cone.h"
+#include "render/emission_proposal.h"
+#include "render/forward_chunk.h"
+#include "render/medium_segments.h"
+
+namespace plenoflame {
+
+/// Bundles of a scene with surfaces or lights. A bundle leaves a flame, a light or a hot surface
+/// either towards the camera or to light the scene; in the latter case it is reflected from surface
+/// to surface, and at each of them the part that goes towards the camera's aperture is traced
+/// there.
+class SurfaceBundles : public BundleSource {
+ public:
+  /// @param proposal where the flames emit; nullptr: there are none, or they are dark
+  /// @throws InputError when surroundings or a parallel light meet a plane without end: bundles of
+  ///         theirs would have to start everywhere
+  SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
+                 const EmissionProposal* proposal);
+
+  bool dark() const { return jobs_.empty(); }
+  void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override;
+
+ private:
+  enum class Origin { flame, delta_light, environment, surface };
+  /// What a bundle may do; each is as likely.
+  struct Job {
+    Origin origin;
+    int index;       ///< of the light or surface
+    bool to_camera;  ///< straight to the camera, or to light the scene
+  };
+  struct Bundle {
+    std::int64_t index = 0;
+    Ray ray;  ///< on its way
+    SurfacePart from;
+    Vec3 normal;  ///< where it leaves a surface
+    double reflectivity = 0;
+    double weight = 0;  ///< times spectrum: flux [W], per steradian where it leaves for the camera
+    std::size_t spectrum = 0;  ///< its place in Work::spectra
+  };
+  /// A bundle that arrived on a pixel.
+  struct Arrived {
+    int column, row, replicate;
+    double weight;
+    std::size_t spectrum;
+  };
+  struct Work;
+
+  void add_jobs(const EmissionProposal* proposal);
+  bool start(std::int64_t index, const Job& job, Bundle& bundle, Work& work) const;
+  bool start_at_flame(const Job& job, Bundle& bundle, Work& work) const;
+  bool start_at_light(const Job& job, Bundle& bundle, Work& work) const;
+  bool start_in_surroundings(const Job& job, Bundle& bundle, Work& work) const;
+  bool start_at_surface(const Job& job, Bundle& bundle, Work& work) const;
+  void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  /// @param factor [1/sr] share of the weight that leaves per solid angle and cosine
+  void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
+                      Work& work, ForwardChunk& chunk) const;
+  void deposit(Work& work, ForwardChunk& chunk) const;
+  double number(std::int64_t bundle, std::uint64_t block, std::size_t word) const;
+
+  const CompiledScene& scene_;
+  const RenderSettings& settings_;
+  const EmissionProposal* proposal_;
+  PixelWindow window_;
+  ApertureCone cone_;
+  RigidTransform to_camera_;
+  MediumOptions options_;
+  std::vector<Job> jobs_;
+  Vec3 centre_;               ///< of a sphere around everything that surroundings may light
+  double radius_ = 0;         ///< [m]
+  double field_versine_ = 0;  ///< 1 - cos of the widest angle at which the camera looks
+};
+
+}  // namespace plenoflame

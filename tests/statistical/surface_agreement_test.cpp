@@ -1,0 +1,106 @@
+// Both estimators on surfaces and lights: one follows rays from the camera, the other bundles from
+// the lights. They share the surfaces (which have tests of their own) and no sampling.
+#include "core/surfaces/surface_samples.h"
+#include "plenoflame/scene/scene_file.h"
+#include "statistical/agreement.h"
+#include "support/small_scene.h"
+
+namespace plenoflame::test {
+namespace {
+
+SolidSurfaceSpec placed(SurfaceShape shape, double size, Vec3 position, double reflectivity) {
+  SolidSurfaceSpec spec = shaped(shape, size);
+  spec.position = position;
+  spec.material.reflectivity = reflectivity;
+  return spec;
+}
+
+LightSpec lamp() {
+  LightSpec light;
+  light.position = {0.7, 0.2, 0.25};
+  light.direction = {0.3, -0.2, -0.25};
+  light.cone = 0.08;  // wider than what the camera sees
+  light.power = 0.01;
+  return light;
+}
+
+Scene camera_of(const ArraySpec& array) {
+  Scene scene = small_scene(singlet(), array);
+  scene.flames.clear();
+  return scene;
+}
+
+// Direct light with shadows on all analytic shapes.
+TEST(SurfaceAgreement, PointLightOnBodies) {
+  Scene scene = camera_of(large_array(Lattice::hexagonal, LensModel::real));
+  scene.surfaces = {placed(SurfaceShape::sphere, 4e-3, {0.99, 6e-3, 0}, 0.8),
+                    placed(SurfaceShape::cone, 4e-3, {1, -5e-3, -6e-3}, 0.9),
+                    placed(SurfaceShape::cylinder, 2e-3, {1, 1e-3, -6e-3}, 0.7),
+                    placed(SurfaceShape::box, 4e-3, {1.02, -4e-3, 2e-3}, 0.6),
+                    placed(SurfaceShape::plane, 1, {1, 0, -6e-3}, 0.5)};
+  scene.surfaces.back().extent = {0.1, 0.1};
+  scene.lights = {lamp()};
+  expect_agreement(scene);
+}
+
+// Sun, surroundings (which the camera sees, too), a lamp-like emitter, three reflections.
+TEST(SurfaceAgreement, ManyLightsAndReflections) {
+  Scene scene = camera_of(large_array(Lattice::square, LensModel::real));
+  scene.surfaces = {placed(SurfaceShape::sphere, 4e-3, {0.99, 4e-3, 0}, 0.9),
+                    placed(SurfaceShape::disc, 8e-3, {1, -2e-3, 1e-2}, 0),
+                    placed(SurfaceShape::plane, 1, {1, 0, -5e-3}, 0.8)};
+  scene.surfaces[1].rotation = {3.0, 0, 0};  // looks down
+  scene.surfaces[1].material.kind = MaterialKind::emitter;
+  scene.surfaces[1].material.radiance = 200;
+  scene.surfaces[2].extent = {0.04, 0.03};
+  LightSpec sun;
+  sun.kind = LightKind::parallel;
+  sun.direction = {0.3, -0.5, -0.8};
+  sun.irradiance = 300;
+  LightSpec sky;
+  sky.kind = LightKind::environment;
+  sky.radiance = 30;
+  scene.lights = {sun, sky};
+  scene.render.reflections = 3;
+  expect_agreement(scene, load_core_medium, 5 * kBundles);
+}
+
+// A flame that lights what stands around it, hides and is hidden: in front of it, in it, behind it.
+TEST(SurfaceAgreement, FlameAndObjects) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  scene.surfaces = {placed(SurfaceShape::cylinder, 1.5e-3, {1, 1e-3, -14e-3}, 0.9),
+                    placed(SurfaceShape::sphere, 2e-3, {0.985, 4e-3, 2e-3}, 0.7),
+                    placed(SurfaceShape::plane, 1, {1.02, 0, 0}, 0.6)};
+  scene.surfaces[0].height = 8e-3;  // into the flame
+  scene.surfaces[0].caps = false;
+  scene.surfaces[2].extent = {0.06, 0.06};
+  scene.surfaces[2].rotation = {0, -1.5707963267948966, 0};
+  scene.lights = {lamp()};
+  scene.lights[0].power = 20;
+  scene.render.reflections = 2;
+  expect_agreement(scene, load_core_medium, 3 * kBundles);
+}
+
+// Through a closed object nothing is seen of the flame inside of it, from either side.
+TEST(SurfaceAgreement, FlameBehindAWallIsHidden) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  scene.surfaces = {placed(SurfaceShape::box, 0.04, {1, 0, -0.014}, 0.5)};
+  const CompiledScene compiled = compile(scene);
+  RenderSettings settings;
+  settings.samples = 8;
+  EXPECT_EQ(render(compiled, settings).statistics.flux, 0);
+  settings.estimator = Estimator::forward;
+  settings.samples = 20000;
+  EXPECT_EQ(render(compiled, settings).statistics.flux, 0);
+}
+
+// The paper's objects through its camera, on a sensor of coarse pixels.
+TEST(SurfaceAgreement, PaperObjects) {
+  Scene scene = read_scene_file(PLENOFLAME_SOURCE_DIR "/examples/paper-objects-5m.toml").scene;
+  scene.camera.sensor = {60, 60, 0.5e-3};
+  scene.lights[0].cone = 0.08;  // hardly wider than what the camera sees: fewer bundles are lost
+  expect_agreement(scene, load_core_medium, 2 * kBundles);
+}
+
+}  // namespace
+}  // namespace plenoflame::test
