@@ -90,3 +90,17 @@ for example in render_and_plot rays_over_lens; do
 done
 cp out/render.png docs/images/scripting-render.png
 cp out/rays.png docs/images/scripting-rays.png
+
+# The paper's objects through three cameras, side by side.
+if chosen paper-objects-5m; then
+  for scene in paper-objects-5m-no-array paper-objects-5m-60x60 paper-objects-5m; do
+    render "$scene"
+    convert "out/$scene.png" -resize "x$size" "out/panel-$scene.png"
+  done
+  join paper-objects-5m out/panel-paper-objects-5m-no-array.png out/panel-paper-objects-5m-60x60.png \
+    out/panel-paper-objects-5m.png
+fi
+picture paper-objects-r29 0.5,0.5
+if chosen burner; then "$plenoflame" flame candle -o examples/candle.vdb; fi
+picture burner 0.5,0.45
+picture calibration-plate 0.3,0.3

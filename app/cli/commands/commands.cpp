@@ -5,6 +5,7 @@ namespace plenoflame::cli {
 void register_commands(const Registry& registry) {
   register_render(registry);
   register_rays(registry);
+  register_corners(registry);
   register_bench(registry);
   register_design(registry);
   register_develop(registry);

@@ -4,6 +4,7 @@
 #include "commands/scene_input.h"
 #include "options.h"
 #include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/scene_schema.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -31,13 +32,15 @@ std::string focus_text(const FocusSpec& focus) {
          readable(focus.object_distance, Dimension::length) + " sharp on " + focus.conjugate;
 }
 
+std::string place(Vec3 p) {
+  return readable(p.x, Dimension::length) + ", " + readable(p.y, Dimension::length) + ", " +
+         readable(p.z, Dimension::length);
+}
+
 std::string flame_text(const FlameSpec& flame) {
   std::string text = flame.kind == FlameKind::vdb ? "grids of '" + flame.file + "'"
                                                   : std::to_string(flame.layers.size()) + " layers";
-  text += " at " + readable(flame.position.x, Dimension::length) + ", " +
-          readable(flame.position.y, Dimension::length) + ", " +
-          readable(flame.position.z, Dimension::length);
-  return text;
+  return text + " at " + place(flame.position);
 }
 
 std::string channel_text(const ChannelSpec& channel) {
@@ -77,6 +80,30 @@ void describe_scene(const std::string& path, Report& report) {
                       {"position_m", {flame.position.x, flame.position.y, flame.position.z}}});
   }
   report.add_json("flames", flames);
+  nlohmann::json surfaces = nlohmann::json::array(), lights = nlohmann::json::array();
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
+    const SolidSurfaceSpec& surface = scene.surfaces[i];
+    const std::string key = "surfaces[" + std::to_string(i) + "]";
+    const std::string shape = get_text(scene, key + ".shape");
+    const std::string material = get_text(scene, key + ".material.kind");
+    const std::string name = surface.name.empty() ? std::to_string(i + 1) : surface.name;
+    report.add_text("surface " + name, shape + ", " + material + " at " + place(surface.position));
+    surfaces.push_back(
+        {{"name", surface.name},
+         {"shape", shape},
+         {"material", material},
+         {"file", surface.file},
+         {"position_m", {surface.position.x, surface.position.y, surface.position.z}}});
+  }
+  report.add_json("surfaces", surfaces);
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const LightSpec& light = scene.lights[i];
+    const std::string kind = get_text(scene, "lights[" + std::to_string(i) + "].kind");
+    report.add_text("light " + (light.name.empty() ? std::to_string(i + 1) : light.name),
+                    light.kind == LightKind::point ? kind + " at " + place(light.position) : kind);
+    lights.push_back({{"name", light.name}, {"kind", kind}});
+  }
+  report.add_json("lights", lights);
   nlohmann::json channels = nlohmann::json::array();
   for (const ChannelSpec& channel : scene.channels) {
     report.add_text("channel " + channel.name, channel_text(channel));

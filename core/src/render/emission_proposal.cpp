@@ -11,7 +11,6 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kCellsAlong = 64;           ///< at most so many cells along the longest side
 constexpr int kPointsPerCell = 8;         ///< one in each eighth
 constexpr int kScoutPoints = 4096;        ///< to weigh the channels against each other
 constexpr double kNeighbourShare = 0.25;  ///< of the brightest neighbour's weight, at least
@@ -40,15 +39,15 @@ void spread(std::vector<double>& values, std::size_t count, std::size_t stride) 
 }  // namespace
 
 EmissionProposal::EmissionProposal(const Medium& medium, std::uint64_t seed,
-                                   const Execution& execution)
+                                   const Execution& execution, int cells_along)
     : bounds_(medium.bounds()) {
   if (bounds_.empty()) return;
   const Vec3 size = bounds_.upper - bounds_.lower;
   if (!(size.x > 0 && size.y > 0 && size.z > 0)) return;  // no volume
   const double longest = std::max({size.x, size.y, size.z});
-  const double cell = std::max(longest / kCellsAlong, medium.feature_size() / 8);
+  const double cell = std::max(longest / cells_along, medium.feature_size() / 8);
   const auto cells = [&](double extent) {
-    return std::clamp(static_cast<int>(std::ceil(extent / cell)), 1, kCellsAlong);
+    return std::clamp(static_cast<int>(std::ceil(extent / cell)), 1, cells_along);
   };
   nx_ = cells(size.x), ny_ = cells(size.y), nz_ = cells(size.z);
   cell_volume_ = size.x / nx_ * (size.y / ny_) * (size.z / nz_);

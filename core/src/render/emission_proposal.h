@@ -14,9 +14,12 @@ namespace plenoflame {
 /// estimate weighted by 1 / density is unbiased for any medium.
 class EmissionProposal {
  public:
+  static constexpr int kCellsAlong = 64;
+  /// @param cells_along the longest side, at most
   /// @param seed of the points at which the emission is looked up
   /// @throws Cancelled when stopped before it is complete
-  EmissionProposal(const Medium& medium, std::uint64_t seed, const Execution& execution);
+  EmissionProposal(const Medium& medium, std::uint64_t seed, const Execution& execution,
+                   int cells_along = kCellsAlong);
 
   /// Nothing emits: there is nothing to draw.
   bool dark() const { return cumulative_.empty(); }

@@ -5,15 +5,7 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/render/ray_paths.h"
 
-namespace plenoflame { }
-  double source(int, double) const override { return 0; }
-  void append_breakpoints(const Ray&, std::vector<double>&) const override {}
-  std::string description() const override { return "none"; }
-
- private:
-  int channels_;
-  Box box_;
-};
+namespace plenoflame {
 
 /// Turns rays into vertices.
 class PathTracer {

@@ -13,6 +13,9 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 /// The lookups of the emission must not be numbers that paths use.
 constexpr std::uint64_t kFlameSeed = 0x666c616d65u;
 
+/// Light needs no fine grid: nearby lines have nearly the same radiance.
+constexpr int kFlameCells = 24;
+
 }  // namespace
 
 Vec3 cosine_direction(Vec3 normal, double u, double v) {
@@ -38,8 +41,8 @@ SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSe
     emitters = emitters || compiled.surfaces->emission(i, true) != nullptr;
   follow_last = reflections > 0 && (emitters || !compiled.lights.environment.empty());
   if (reflections > 0 && compiled.medium && compiled.scene.render.flame_light) {
-    flame =
-        std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed, execution);
+    flame = std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed,
+                                               execution, kFlameCells);
     if (flame->dark()) flame.reset();
   }
 }

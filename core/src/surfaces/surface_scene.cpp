@@ -45,7 +45,8 @@ float up(double value) {
 class EmbreeScene final : public SurfaceScene {
  public:
   EmbreeScene(const std::vector<SolidSurfaceSpec>& specs, const std::string& folder,
-              const std::vector<SourceFunction>& channels, const Execution& execution);
+              const std::vector<SourceFunction>& channels, const Execution& execution,
+              const std::function<std::string(int)>& place);
   ~EmbreeScene() override {
     if (scene_) rtcReleaseScene(scene_);
     if (device_) rtcReleaseDevice(device_);
@@ -77,7 +78,7 @@ class EmbreeScene final : public SurfaceScene {
   const TriangleMesh& mesh_of(const Surface& s) const {
     return meshes_[static_cast<std::size_t>(s.mesh)];
   }
-  void load(const std::vector<SolidSurfaceSpec>& specs, const std::string& folder,
+  void load(const SolidSurfaceSpec& spec, const std::string& what, const std::string& folder,
             const std::vector<SourceFunction>& channels, const Execution& execution,
             std::vector<MeshData>& mesh_data);
   void find_bounds(const std::vector<MeshData>& mesh_data);
@@ -110,9 +111,19 @@ class EmbreeScene final : public SurfaceScene {
 };
 
 EmbreeScene::EmbreeScene(const std::vector<SolidSurfaceSpec>& specs, const std::string& folder,
-                         const std::vector<SourceFunction>& channels, const Execution& execution) {
+                         const std::vector<SourceFunction>& channels, const Execution& execution,
+                         const std::function<std::string(int)>& place) {
   std::vector<MeshData> mesh_data;
-  load(specs, folder, channels, execution, mesh_data);
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    const std::string where = place ? place(static_cast<int>(i)) : "";
+    const std::string before = where.empty() ? "" : where + ": ";
+    const std::string what = surface_name(specs, static_cast<int>(i));
+    try {
+      load(specs[i], before + what, folder, channels, execution, mesh_data);
+    } catch (const FileError& error) {
+      throw FileError(before + what + ": " + error.what());
+    }
+  }
   find_bounds(mesh_data);
   for (std::size_t i = 0; i < mesh_data.size(); ++i) {
     const SolidSurfaceSpec& spec = at(mesh_surface_[i]).spec;
@@ -126,39 +137,37 @@ EmbreeScene::EmbreeScene(const std::vector<SolidSurfaceSpec>& specs, const std::
   build(execution);
 }
 
-void EmbreeScene::load(const std::vector<SolidSurfaceSpec>& specs, const std::string& folder,
-                       const std::vector<SourceFunction>& channels, const Execution& execution,
-                       std::vector<MeshData>& mesh_data) {
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    Surface surface;
-    surface.spec = specs[i];
-    const MaterialSpec& material = surface.spec.material;
-    const std::string what = surface_name(specs, static_cast<int>(i));
-    if (surface.spec.shape == SurfaceShape::mesh) {
-      const std::string& file = surface.spec.file;
-      const std::string path = folder.empty() || file.starts_with('/') ? file : folder + "/" + file;
-      mesh_data.push_back(read_mesh(path, what, execution));
-      if (material.texture.kind != TextureKind::none && mesh_data.back().texture.empty())
-        throw InputError(what + " has a texture, but the mesh file \"" + path +
-                         "\" has no texture coordinates");
-      surface.mesh = static_cast<int>(mesh_surface_.size());
-      mesh_surface_.push_back(static_cast<int>(i));
-    } else {
-      surface.shape.emplace(surface.spec);
-      feature_size_ = std::min(feature_size_, surface.shape->feature_size());
-      (surface.shape->endless() ? endless_ : shapes_).push_back(static_cast<int>(i));
-    }
-    if (material.kind == MaterialKind::lambertian) {
-      surface.texture = Texture(material.texture, material.reflectivity, folder);
-      feature_size_ = std::min(feature_size_, surface.texture.feature_size());
-    }
-    if (material.kind == MaterialKind::emitter)
-      surface.emission.assign(channels.size(), material.radiance);
-    if (material.kind == MaterialKind::blackbody)
-      for (const SourceFunction& channel : channels)
-        surface.emission.push_back(channel(material.temperature));
-    surfaces_.push_back(std::move(surface));
+void EmbreeScene::load(const SolidSurfaceSpec& spec, const std::string& what,
+                       const std::string& folder, const std::vector<SourceFunction>& channels,
+                       const Execution& execution, std::vector<MeshData>& mesh_data) {
+  const auto number = static_cast<int>(surfaces_.size());
+  Surface surface;
+  surface.spec = spec;
+  const MaterialSpec& material = surface.spec.material;
+  if (spec.shape == SurfaceShape::mesh) {
+    const std::string path =
+        folder.empty() || spec.file.starts_with('/') ? spec.file : folder + "/" + spec.file;
+    mesh_data.push_back(read_mesh(path, what, execution));
+    if (material.texture.kind != TextureKind::none && mesh_data.back().texture.empty())
+      throw InputError(what + " has a texture, but the mesh file \"" + path +
+                       "\" has no texture coordinates");
+    surface.mesh = static_cast<int>(mesh_surface_.size());
+    mesh_surface_.push_back(number);
+  } else {
+    surface.shape.emplace(spec);
+    feature_size_ = std::min(feature_size_, surface.shape->feature_size());
+    (surface.shape->endless() ? endless_ : shapes_).push_back(number);
   }
+  if (material.kind == MaterialKind::lambertian) {
+    surface.texture = Texture(material.texture, material.reflectivity, folder);
+    feature_size_ = std::min(feature_size_, surface.texture.feature_size());
+  }
+  if (material.kind == MaterialKind::emitter)
+    surface.emission.assign(channels.size(), material.radiance);
+  if (material.kind == MaterialKind::blackbody)
+    for (const SourceFunction& channel : channels)
+      surface.emission.push_back(channel(material.temperature));
+  surfaces_.push_back(std::move(surface));
 }
 
 void EmbreeScene::find_bounds(const std::vector<MeshData>& mesh_data) {
@@ -472,8 +481,9 @@ std::string EmbreeScene::description() const {
 std::unique_ptr<SurfaceScene> make_surface_scene(const std::vector<SolidSurfaceSpec>& surfaces,
                                                  const std::string& folder,
                                                  const std::vector<SourceFunction>& channels,
-                                                 const Execution& execution) {
-  return std::make_unique<EmbreeScene>(surfaces, folder, channels, execution);
+                                                 const Execution& execution,
+                                                 const std::function<std::string(int)>& place) {
+  return std::make_unique<EmbreeScene>(surfaces, folder, channels, execution, place);
 }
 
 }  // namespace plenoflame

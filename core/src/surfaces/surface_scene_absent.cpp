@@ -6,7 +6,8 @@ namespace plenoflame {
 std::unique_ptr<SurfaceScene> make_surface_scene(const std::vector<SolidSurfaceSpec>&,
                                                  const std::string&,
                                                  const std::vector<SourceFunction>&,
-                                                 const Execution&) {
+                                                 const Execution&,
+                                                 const std::function<std::string(int)>&) {
   throw InputError(
       "the scene has surfaces; this program was built without Embree, which traces them");
 }

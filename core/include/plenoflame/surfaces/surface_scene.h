@@ -1,5 +1,5 @@
 #pragma once
-#include <limits>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,12 +77,14 @@ class SurfaceScene {
 };
 
 /// Compiles surfaces: reads mesh and texture files (relative to `folder`), builds the search trees.
-/// @param positions, for messages: "surfaces[3]: " precedes them
+/// @param place where in its file a surface stands ("scene.toml:12:1"), for messages about it; may
+///        be empty
 /// @throws InputError (also when this build has no Embree), FileError
 std::unique_ptr<SurfaceScene> make_surface_scene(const std::vector<SolidSurfaceSpec>& surfaces,
                                                  const std::string& folder,
                                                  const std::vector<SourceFunction>& channels,
-                                                 const Execution& execution);
+                                                 const Execution& execution,
+                                                 const std::function<std::string(int)>& place = {});
 
 /// "surface 2" or "surface \"ball\"", for messages.
 std::string surface_name(const std::vector<SolidSurfaceSpec>& surfaces, int surface);

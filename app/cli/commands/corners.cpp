@@ -1,0 +1,94 @@
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <tuple>
+
+#include "commands/commands.h"
+#include "commands/scene_input.h"
+#include "interrupt.h"
+#include "medium_loader.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/pattern_images.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+constexpr int kRays = 4096;
+
+struct Settings {
+  std::string scene, output, rays;
+  bool json = false;
+};
+
+int rays_option(const std::string& text) {
+  if (text.empty()) return kRays;
+  int value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end || value < 1)
+    throw UsageError("--rays: '" + text + "' is not a whole number from 1 on");
+  return value;
+}
+
+int run_corners(const Settings& settings) {
+  const int rays = rays_option(settings.rays);
+  if (!settings.output.ends_with(".csv"))
+    throw UsageError("-o: '" + settings.output + "' must end in .csv");
+  check_not_overwritten("-o", settings.output, settings.scene);
+  check_writable(settings.output);
+  SceneDocument document = read_valid_scene(settings.scene);
+  document.scene.flames.clear();  // where a corner is does not depend on what burns
+  Execution execution;
+  execution.message = [](Severity severity, const std::string& text) {
+    if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
+  };
+  const CompiledScene scene =
+      compile(document.scene, medium_loader(), execution, document.positions);
+  std::vector<PatternImage> images;
+  {
+    const InterruptHandler interrupt;
+    execution.stop = interrupt.token();
+    images = pattern_images(scene, rays, execution);
+  }
+  write_pattern_images(settings.output, scene, images);
+  std::set<std::tuple<int, int, int>> points;
+  for (const PatternImage& image : images)
+    points.insert({image.point.surface, image.point.column, image.point.row});
+  Report report;
+  report.add("points in the pattern", std::to_string(scene.surfaces->pattern_points().size()),
+             "points", scene.surfaces->pattern_points().size());
+  report.add("of these, on the sensor", std::to_string(points.size()), "points_seen",
+             points.size());
+  report.add("images through microlenses", std::to_string(images.size()), "images", images.size());
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_corners(const Registry& registry) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App& command = add_command(
+      registry, "corners",
+      "Where the corners and dots of calibration patterns are, in the world and in the raw image",
+      "plenoflame corners examples/calibration-plate.toml -o corners.csv");
+  command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
+  command
+      .add_option("-o,--output", settings->output,
+                  "File to write: .csv, a line for each point and microlens that shows it")
+      ->required()
+      ->option_text("FILE");
+  command
+      .add_option("--rays", settings->rays,
+                  "Rays over the aperture, for each point (default: 4096)")
+      ->option_text("N");
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  on_chosen(command, registry, [settings] { return run_corners(*settings); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame {
+
+/// Where one point of a calibration pattern is imaged through one microlens, by exact rays.
+struct PatternImage {
+  PatternPoint point;
+  Vec3 in_camera;  ///< [m] the point in the camera's frame
+  /// Microlens through which it is seen; -1 without array.
+  LensIndex lens;
+  int type = -1;
+  /// Centroid of the light that arrives, in continuous coordinates of the upright image: pixel (0,
+  /// 0) has its centre at (0.5, 0.5).
+  double column = 0, row = 0;
+  double spread = 0;  ///< [pixels] root mean square distance of the light from the centroid
+  double share = 0;  ///< of the point's light that reaches the sensor, that comes through this lens
+};
+
+/// The images of all points of the scene's checkerboards and dot grids, in the order of the scene,
+/// microlens by microlens; images whose centroid is off the sensor are left out, and so are points
+/// that other surfaces hide.
+/// @param rays over the camera's aperture, for each point
+/// @throws InputError when the scene has no such patterns, Cancelled when stopped
+std::vector<PatternImage> pattern_images(const CompiledScene& scene, int rays,
+                                         const Execution& execution);
+
+/// A table with a line for each image, as CSV; lengths in m. Written under a temporary name and
+/// renamed. @throws FileError
+void write_pattern_images(const std::string& path, const CompiledScene& scene,
+                          const std::vector<PatternImage>& images);
+
+}  // namespace plenoflame

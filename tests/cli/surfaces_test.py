@@ -1,0 +1,114 @@
+"""Surfaces and lights from the command line: what bad input gets, and where corners are."""
+
+import csv
+import io
+import math
+
+from command import CommandTest, main
+
+CAMERA = """[camera]
+preset = "r12"
+[camera.sensor]
+columns = 200
+rows = 200
+"""
+LAMP = """[[lights]]
+name = "lamp"
+power = "1 W"
+position = ["0 m", "1 m", "0 m"]
+"""
+MESH = """[[surfaces]]
+name = "thing"
+shape = "mesh"
+file = "thing.obj"
+"""
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+
+
+class Surfaces(CommandTest):
+    def bad(self, surfaces, *mentions):
+        self.write("a.toml", CAMERA + surfaces + LAMP)
+        before = self.files()
+        self.fails(1, "render", "a.toml", "-o", "a.exr", mentions=mentions)
+        self.assertEqual(self.files(), before)
+
+    def test_mesh_files(self):
+        self.bad(MESH, "a.toml:6:", "thing", "thing.obj", "No such file")
+        self.write("thing.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.bad(MESH, "a.toml:6:", "thing.obj")
+        self.write("thing.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+        self.bad(MESH, "a.toml:6:", "without area")
+        self.write("thing.obj", "# nothing\n")
+        self.bad(MESH, "a.toml:6:", "thing.obj")
+
+    def test_values(self):
+        ball = "[[surfaces]]\nshape = \"sphere\"\nradius = \"1 cm\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n"
+        for value in ("1.01", "-0.1", "nan"):
+            self.bad(ball + f"material.reflectivity = {value}\n", "a.toml:10:", "reflectivity")
+        self.bad("[[surfaces]]\nshape = \"sphere\"\n", "a.toml:6:", "radius")
+        self.bad(ball + "material.kind = \"blackbody\"\n", "temperature")
+        self.bad(ball + "material.texture.kind = \"dots\"\n", "texture.cell")
+        self.bad(ball + "material.texture.kind = \"image\"\nmaterial.texture.file = \"no.png\"\n", "no.png", "a.toml:6:")
+        self.write("no.png", "PNG?")
+        self.bad(ball + "material.texture.kind = \"image\"\nmaterial.texture.file = \"no.png\"\n", "no.png", "a.toml:6:")
+        self.bad("[[lights]]\ndirection = [0, 0, 0]\n", "direction")
+
+    def warning_of(self, scene):
+        self.write("a.toml", CAMERA + scene)
+        result = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "2", "--window", "90,90,8,8")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stderr
+
+    def test_inside_of_an_object(self):
+        ball = "[[surfaces]]\nname = \"ball\"\nshape = \"sphere\"\nradius = \"20 cm\"\n"
+        self.assertIn("the camera is inside of surface \"ball\"", self.warning_of(ball + LAMP))
+        ball += "position = [\"0 m\", \"1.1 m\", \"0 m\"]\n"
+        text = self.warning_of(ball + LAMP)
+        self.assertIn("light \"lamp\" is inside of surface \"ball\"", text)
+        self.assertNotIn("camera", text)
+        self.assertIn("nothing lights", self.warning_of(ball))
+
+    def test_mesh_is_rendered(self):
+        self.write("thing.obj", TRIANGLE)
+        self.write("a.toml", CAMERA + MESH + "position = [\"0.45 m\", \"0 m\", \"0 m\"]\n"
+                   "rotation = [\"0 deg\", \"-90 deg\", \"0 deg\"]\n" + LAMP)
+        figures = self.json_of("render", "a.toml", "-o", "a.exr", "--samples", "4")
+        self.assertGreater(figures["flux"], 0)
+        self.assertIn("1 triangles", figures["surfaces"])
+
+    def test_corners(self):
+        """Against the pinhole: the mean over microlenses lies where the lens images the point."""
+        self.write("a.toml", CAMERA.replace("[camera.sensor]", "[camera.array]\npresent = false\n[camera.focus]\n"
+                                            "conjugate = \"sensor\"\n[camera.sensor]")
+                   + """[[surfaces]]
+shape = "plane"
+position = ["450 mm", "0 m", "0 m"]
+rotation = ["0 deg", "-90 deg", "0 deg"]
+extent = ["20 mm", "20 mm"]
+[surfaces.material.texture]
+kind = "checkerboard"
+cell = "1 mm"
+columns = 5
+rows = 4
+""" + LAMP)
+        figures = self.json_of("corners", "a.toml", "-o", "c.csv")
+        self.assertEqual((figures["points"], figures["points_seen"], figures["images"]), (12, 12, 12))
+        magnification = 1 / (450 / 50 - 1)  # a thin lens of 50 mm
+        for row in csv.DictReader(io.StringIO(self.read("c.csv").decode())):
+            # The plate's x is up in the world, its y to the left.
+            self.assertTrue(math.isclose(float(row["z_m"]), (int(row["column"]) - 1.5) * 1e-3, rel_tol=1e-12))
+            column = 100 - float(row["y_m"]) * magnification / 5.5e-6
+            line = 100 - float(row["z_m"]) * magnification / 5.5e-6
+            self.assertTrue(math.isclose(float(row["image_column"]), column, rel_tol=1e-9), row)
+            self.assertTrue(math.isclose(float(row["image_row"]), line, rel_tol=1e-9), row)
+            self.assertLess(float(row["spread_pixels"]), 1e-4)
+        self.fails(1, "corners", self.no_pattern(), "-o", "d.csv", mentions="checkerboard")
+        self.fails(2, "corners", "a.toml", "-o", "d.txt", mentions=".csv")
+        self.assertNotIn("d.csv", self.files())
+
+    def no_pattern(self):
+        self.write("b.toml", CAMERA + LAMP)
+        return "b.toml"
+
+
+main()
