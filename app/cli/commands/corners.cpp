@@ -11,6 +11,7 @@
 #include "medium_loader.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/pattern_images.h"
 #include "report.h"
 #include "run.h"
