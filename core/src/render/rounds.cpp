@@ -137,9 +137,9 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (const int t : tiles) by_samples[static_cast<int>(film.tile_samples(t))].push_back(t);
     for (const auto& [done, group] : by_samples) {
       const int points = std::min(std::max(done, kFirstPoints), limit - done);
-      finished =
-          finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points, table, inner)
-                          .run(group, inner, film, statistics);
+      finished = finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points,
+                                          table, inner)
+                                 .run(group, inner, film, statistics);
     }
     if (finished) checkpoints.offer(film);
   }
