@@ -17,7 +17,9 @@ core          ccache                   compiles nothing twice across the build c
 core          libopenexr-dev           light-field images (EXR)
 core          libimath-dev             half floats and boxes of OpenEXR
 core          libpng-dev               developed pictures
-core          zlib1g-dev               compression of PNG and EXR
+core          zlib1g-dev               compression of PNG and EXR, npz exports
+core          libpugixml-dev           exports as XML
+core          libhdf5-dev              exports as HDF5
 core          libfmt-dev               formatted messages
 core          libtomlplusplus-dev      scene files with positions in messages
 core          nlohmann-json3-dev       statistics and figures as JSON
@@ -45,6 +47,8 @@ vtk           libgl1-mesa-dri          software rendering
 vtk           python3-matplotlib       examples in Python
 tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
+tests         python3-numpy            reads exports as Python users do
+tests         python3-h5py             the same for HDF5
 tests         binutils                 nm: tests for symbols that must not exist
 tests         clang-format-14          format check
 bench         libbenchmark-dev         micro-benchmarks

@@ -16,6 +16,8 @@ LIBRARIES = {
     "OpenEXR": re.compile(r"(OpenEXR/|Imath/|Imf|Iex|IlmThread|Imath|half\.h)"),
     "libpng": re.compile(r"png\.h$"),
     "zlib": re.compile(r"zlib\.h$"),
+    "pugixml": re.compile(r"pugixml\.hpp$"),
+    "HDF5": re.compile(r"hdf5\.h$"),
     "toml++": re.compile(r"toml\+\+/|toml\.hpp$"),
     "nlohmann-json": re.compile(r"nlohmann/"),
     "fmt": re.compile(r"fmt/"),
@@ -35,7 +37,7 @@ LIBRARIES = {
 }
 STANDARD = re.compile(r"[a-z_0-9]+$")
 
-CORE_SRC = {"OpenEXR", "libpng", "zlib", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
+CORE_SRC = {"OpenEXR", "libpng", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
 CLI = {"CLI11", "Cairo", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}

@@ -3,7 +3,7 @@
 import os
 
 from command import CommandTest, main
-from exr import read_png, write_light_field
+from exr import read_png, write_exr, write_light_field
 
 SCENE = """[camera]
 preset = "paper-previous-60x60"
@@ -55,6 +55,31 @@ class Views(CommandTest):
         self.succeeds("views", "plain.exr", "-o", "out", "--scene", "scene.toml", "--sheet-only")
         write_light_field(self.path("other.exr"), [[1e-9] * 90] * 80)
         self.fails(1, "views", "other.exr", "-o", "o2", "--scene", "scene.toml", mentions=["100 x 80", "90 x 80"])
+
+    def test_picture_from_elsewhere(self):
+        rows = [[1e-9 * (column + 1) for column in range(100)] for _ in range(80)]
+        write_exr(self.path("elsewhere.exr"), (100, 80), (0, 0, 100, 80), {"Y": rows}, {"plenoflame.format": 1})
+        self.fails(1, "views", "elsewhere.exr", "-o", "out", mentions=["plenoflame.scene", "--scene"])
+        write_exr(self.path("elsewhere.exr"), (100, 80), (0, 0, 100, 80), {"Y": rows}, {})
+        self.fails(1, "views", "elsewhere.exr", "-o", "out", mentions=["plenoflame.format", "--scene"])
+        figures = self.json_of("views", "elsewhere.exr", "-o", "out", "--scene", "scene.toml", "--grid", "3", "--exr")
+        self.assertEqual(figures["channel"], "Y")
+        self.succeeds("views", "raw.exr", "-o", "own", "--grid", "3", "--exr")
+        self.assertEqual(self.read("out/view_01_01.png"), self.read("own/view_01_01.png"))
+
+    def test_epipolar_slices(self):
+        figures = self.json_of("views", "raw.exr", "-o", "out", "--grid", "3", "--epipolar-row", "4",
+                               "--epipolar-column", "2")
+        width, height = figures["size"]
+        views = [[read_png(self.path("out/view_%02d_%02d.png" % (r, c)))[4] for c in range(3)] for r in range(3)]
+        across, down = (read_png(self.path("out/epipolar_%s.png" % name)) for name in ("row", "column"))
+        self.assertEqual((across[0], across[1]), (width, 3))
+        self.assertEqual((down[0], down[1]), (height, 3))
+        self.assertEqual(across[4], [views[1][c][4] for c in range(3)])
+        self.assertEqual(down[4], [[row[2] for row in views[r][1]] for r in range(3)])
+        self.fails(1, "views", "raw.exr", "-o", "o", "--epipolar-row", "99", mentions=["row 99", "%d x" % width])
+        self.fails(1, "views", "raw.exr", "-o", "o", "--type", "none", mentions=["none", "type1"])
+        self.assertFalse(os.path.exists(self.path("o")))
 
     def test_bad_use(self):
         self.fails(2, "views", "raw.exr", mentions="--output")

@@ -11,6 +11,7 @@ void register_commands(const Registry& registry) {
   register_develop(registry);
   register_views(registry);
   register_refocus(registry);
+  register_export(registry);
 #if defined(PLENOFLAME_HAS_VOLUMES)
   register_flame(registry);
 #endif

@@ -14,6 +14,7 @@ void register_flame(const Registry& registry);    ///< only with PLENOFLAME_HAS_
 void register_picture(const Registry& registry);  ///< only with PLENOFLAME_HAS_VTK
 void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
+void register_export(const Registry& registry);
 void register_compare(const Registry& registry);
 void register_info(const Registry& registry);
 

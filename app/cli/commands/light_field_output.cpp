@@ -1,6 +1,8 @@
 #include "commands/light_field_output.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 
@@ -14,7 +16,16 @@ namespace plenoflame::cli {
 
 RawLightField read_raw(const std::string& path, const std::string& scene) {
   RawLightField raw;
-  raw.field = read_light_field(path);
+  try {
+    raw.field = read_light_field(path);
+  } catch (const InputError& error) {
+    // Not one of ours, or not all of it: the pixels will do where the camera is given.
+    if (scene.empty())
+      throw InputError(std::string(error.what()) +
+                       "; if it is a raw image from elsewhere, give its camera with --scene "
+                       "SCENE.toml");
+    raw.field = read_foreign_image(path);
+  }
   if (scene.empty() && raw.field.scene_text.empty())
     throw InputError("'" + path +
                      "' holds no scene, so its camera is not known; give the one it was made with: "
@@ -42,6 +53,21 @@ void prepare_folder(const std::string& folder, bool force) {
   }
   fs::create_directory(path, error);
   if (error) throw FileError("cannot make the folder '" + folder + "': " + error.message());
+}
+
+const std::map<std::string, ViewResampling>& view_resamplings() {
+  static const std::map<std::string, ViewResampling> kNames = {
+      {"nearest", ViewResampling::nearest},
+      {"barycentric", ViewResampling::barycentric},
+      {"paper9", ViewResampling::paper9},
+      {"paper10", ViewResampling::paper10}};
+  return kNames;
+}
+
+std::vector<std::string> view_resampling_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : view_resamplings()) names.push_back(entry.first);
+  return names;
 }
 
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,
@@ -75,6 +101,36 @@ double write_images(const std::string& folder, const std::vector<NamedImage>& im
     if (exr) write_light_field((path / (named.name + ".exr")).string(), field);
   }
   return settings.saturation;
+}
+
+void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
+                 double nearest, double farthest, const LightField& raw) {
+  const std::filesystem::path path(folder);
+  LightField field;
+  field.sensor_width = depth.width;
+  field.sensor_height = depth.height;
+  field.window = {0, 0, depth.width, depth.height};
+  field.channels.push_back({"depth", depth, {}});
+  field.layers["confidence"] = confidence;
+  field.unit = std::string("m");
+  field.estimator = raw.estimator;
+  field.seed = raw.seed;
+  field.samples = raw.samples;
+  field.complete = raw.complete;
+  field.version = raw.version;
+  write_light_field((path / "depth.exr").string(), field);
+  PngImage picture;
+  picture.width = depth.width;
+  picture.height = depth.height;
+  for (const float value : depth.pixels) {
+    const double share =
+        (1 / static_cast<double>(value) - 1 / farthest) / (1 / nearest - 1 / farthest);
+    picture.samples.push_back(
+        value > 0 ? static_cast<std::uint16_t>(std::lround(40 + 215 * std::clamp(share, 0.0, 1.0)))
+                  : std::uint16_t{0});
+  }
+  picture.texts = {{"Software", "Plenoflame " + raw.version}};
+  write_png((path / "depth.png").string(), picture);
 }
 
 }  // namespace plenoflame::cli

@@ -1,9 +1,11 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/views.h"
 
 namespace plenoflame::cli {
 
@@ -21,6 +23,10 @@ RawLightField read_raw(const std::string& path, const std::string& scene);
 /// empty unless `force`. @throws FileError
 void prepare_folder(const std::string& folder, bool force);
 
+/// Names of the kernels on the command line.
+const std::map<std::string, ViewResampling>& view_resamplings();
+std::vector<std::string> view_resampling_names();
+
 /// A picture that was computed from a raw light field, ready to be written.
 struct NamedImage {
   std::string name;  ///< without folder and ending
@@ -34,5 +40,10 @@ struct NamedImage {
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,
                     const std::string& unit, const std::string& channel, bool exr,
                     const LightField& raw);
+
+/// Writes a depth map: depth.exr with the channels "depth" [m] and "confidence", and depth.png, in
+/// which the nearest depth is white, the farthest dark, and what is unknown black.
+void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
+                 double nearest, double farthest, const LightField& raw);
 
 }  // namespace plenoflame::cli

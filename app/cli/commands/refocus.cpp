@@ -19,7 +19,7 @@ struct Settings {
   std::string input, output, scene, depth, depths, channel;
   int size = 0, threads = 0;
   double aperture = 1;
-  bool exr = false, force = false, json = false;
+  bool all_types = false, all_in_focus = false, exr = false, force = false, json = false;
 };
 
 /// "0.9m:1.1m:11": first, last, number of them.
@@ -42,6 +42,7 @@ std::vector<double> depths_of(const Settings& settings) {
   const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
   const double b =
       quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
+  if (b < a) throw UsageError("--depths: the first depth must be the nearest");
   std::vector<double> depths;
   for (int i = 0; i < count; ++i) depths.push_back(a + (b - a) * i / (count - 1));
   return depths;
@@ -49,21 +50,34 @@ std::vector<double> depths_of(const Settings& settings) {
 
 int run_refocus(const Settings& settings) {
   const std::vector<double> depths = depths_of(settings);
+  if (settings.all_in_focus && depths.size() < 3)
+    throw UsageError("--all-in-focus needs at least 3 depths: give them with --depths");
   const RawLightField raw = read_raw(settings.input, settings.scene);
   const Camera camera(raw.camera);
   for (const double depth : depths) check_refocus_depth(camera, depth);
   RefocusSettings how;
   how.width = settings.size;
   how.aperture = settings.aperture;
+  how.sharp_types = !settings.all_types;
   how.channel = find_channel(raw.field, settings.channel).name;
   Execution execution;
   execution.threads = settings.threads;
   const MicroImages micro(camera, true, execution);
+  std::vector<RefocusedImage> planes;
+  FocusStack stack;
+  if (settings.all_in_focus) {
+    stack = focus_stack(raw.field, micro, depths, how, execution);
+    planes = std::move(stack.planes);
+  } else {
+    for (const double depth : depths) {
+      how.depth = depth;
+      planes.push_back(refocus(raw.field, micro, how, execution));
+    }
+  }
   std::vector<NamedImage> images;
   nlohmann::json list = nlohmann::json::array();
-  for (const double depth : depths) {
-    how.depth = depth;
-    RefocusedImage result = refocus(raw.field, micro, how, execution);
+  for (RefocusedImage& result : planes) {
+    const double depth = result.depth;
     char name[60];
     if (depths.size() == 1)
       std::snprintf(name, sizeof name, "refocus_%.4fm", depth);
@@ -81,9 +95,13 @@ int run_refocus(const Settings& settings) {
                        {"refocus.corner_x", result.corner.x},
                        {"refocus.corner_y", result.corner.y}}});
   }
+  if (settings.all_in_focus) images.push_back({"all_in_focus", std::move(stack.all_in_focus), {}});
   prepare_folder(settings.output, settings.force);
   const double white =
       write_images(settings.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
+  if (settings.all_in_focus)
+    write_depth(settings.output, stack.depth, stack.confidence, depths.front(), depths.back(),
+                raw.field);
 
   Report report;
   report.add("folder", settings.output, "folder", settings.output);
@@ -132,6 +150,12 @@ void register_refocus(const Registry& registry) {
       .add_option("--scene", settings->scene,
                   "Scene file that gives the camera, for a light field without its own")
       ->option_text("SCENE.toml");
+  command.add_flag("--all-in-focus", settings->all_in_focus,
+                   "With --depths: the picture that is sharp everywhere, all_in_focus.png, and the "
+                   "depth map of an opaque scene, depth.exr and depth.png");
+  command.add_flag("--all-types", settings->all_types,
+                   "Use all types of microlenses alike; without it, each as it is sharp at the "
+                   "depth");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
   command.add_flag("--force", settings->force, "Write into a folder that has files in it");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")

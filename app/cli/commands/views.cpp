@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <map>
 #include <memory>
 
 #include "commands/commands.h"
@@ -15,32 +14,36 @@ namespace plenoflame::cli {
 namespace {
 
 struct Settings {
-  std::string input, output, scene, resampling = "barycentric", channel;
-  int grid = 7, threads = 0;
+  std::string input, output, scene, resampling = "barycentric", channel, type;
+  int grid = 7, threads = 0, epipolar_row = -1, epipolar_column = -1;
   double spread = 0.7;
   bool raw_flux = false, exr = false, sheet_only = false, force = false, json = false;
 };
 
-const std::map<std::string, ViewResampling> kResamplings = {
-    {"nearest", ViewResampling::nearest},
-    {"barycentric", ViewResampling::barycentric},
-    {"paper9", ViewResampling::paper9},
-    {"paper10", ViewResampling::paper10}};
+/// Number of the type of microlens with this name; -1 for an empty one.
+int type_of(const CameraSpec& camera, const std::string& name) {
+  if (name.empty()) return -1;
+  std::string names;
+  for (std::size_t k = 0; k < camera.array.types.size(); ++k) {
+    if (camera.array.types[k].name == name) return static_cast<int>(k);
+    names += (k > 0 ? ", " : "") + camera.array.types[k].name;
+  }
+  throw InputError("the camera has no type of microlens named '" + name + "'; it has: " + names);
+}
 
 int run_views(const Settings& settings) {
   const RawLightField raw = read_raw(settings.input, settings.scene);
   ViewSettings how;
   how.grid = settings.grid;
   how.spread = settings.spread;
-  how.resampling = kResamplings.at(settings.resampling);
+  how.resampling = view_resamplings().at(settings.resampling);
   how.white_correction = !settings.raw_flux;
+  how.type = type_of(raw.camera, settings.type);
   how.channel = find_channel(raw.field, settings.channel).name;
   Execution execution;
   execution.threads = settings.threads;
   const MicroImages micro(Camera(raw.camera), how.white_correction, execution);
   const Views views = extract_views(raw.field, micro, how, execution);
-  prepare_folder(settings.output, settings.force);
-
   std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
   if (!settings.sheet_only)
     for (const View& view : views.views) {
@@ -54,6 +57,13 @@ int run_views(const Settings& settings) {
                          {"view.offset_y", view.offset.y},
                          {"view.lens_step", views.lens_step}}});
     }
+  const auto add_slice = [&](const char* name, int line, bool vertical) {
+    if (line >= 0)
+      images.push_back({name, epipolar_slice(views, line, vertical), {{"epipolar.line", line}}});
+  };
+  add_slice("epipolar_row", settings.epipolar_row, false);
+  add_slice("epipolar_column", settings.epipolar_column, true);
+  prepare_folder(settings.output, settings.force);
   const double white =
       write_images(settings.output, images, views.unit, how.channel, settings.exr, raw.field);
 
@@ -106,8 +116,22 @@ void register_views(const Registry& registry) {
                   "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
                   "paper9 and "
                   "paper10, for hexagonal arrays (barycentric)")
-      ->check(CLI::IsMember({"barycentric", "nearest", "paper9", "paper10"}))
+      ->check(CLI::IsMember(view_resampling_names()))
       ->option_text("NAME");
+  command
+      .add_option("--type", settings->type,
+                  "Microlenses of this type alone, by its name in the scene; without it, all")
+      ->option_text("NAME");
+  command
+      .add_option("--epipolar-row", settings->epipolar_row,
+                  "Write the epipolar slice of this row of the views, too")
+      ->check(CLI::Range(0, 100000))
+      ->option_text("ROW");
+  command
+      .add_option("--epipolar-column", settings->epipolar_column,
+                  "Write the epipolar slice of this column of the views, too")
+      ->check(CLI::Range(0, 100000))
+      ->option_text("COLUMN");
   command.add_flag(
       "--raw-flux", settings->raw_flux,
       "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");

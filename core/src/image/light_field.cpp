@@ -168,14 +168,8 @@ class Attributes {
   const Imf::Header& header_;
 };
 
-LightField from_header(const std::string& path, const Imf::Header& header) {
-  const Attributes attributes(path, header);
-  const int format = attributes.get<int>("format");
-  if (format != kFormat)
-    throw InputError("'" + path + "' has format " + std::to_string(format) +
-                     " of light fields; this version of Plenoflame reads format " +
-                     std::to_string(kFormat));
-  LightField light_field;
+/// Sensor and window.
+void read_windows(const std::string& path, const Imf::Header& header, LightField& light_field) {
   const Imath::Box2i& display = header.displayWindow();
   const Imath::Box2i& data = header.dataWindow();
   // In 64 bits: a damaged window may span the whole range of int.
@@ -190,6 +184,27 @@ LightField from_header(const std::string& path, const Imf::Header& header) {
   light_field.sensor_width = display.max.x + 1;
   light_field.sensor_height = display.max.y + 1;
   light_field.window = {data.min.x, data.min.y, static_cast<int>(width), static_cast<int>(height)};
+}
+
+LightField from_foreign_header(const std::string& path, const Imf::Header& header) {
+  LightField light_field;
+  read_windows(path, header, light_field);
+  const Imf::ChannelList& channels = header.channels();
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+    light_field.channels.push_back({channel.name(), {}, {}});
+  if (light_field.channels.empty()) throw InputError("'" + path + "' has no channels");
+  return light_field;
+}
+
+LightField from_header(const std::string& path, const Imf::Header& header) {
+  const Attributes attributes(path, header);
+  const int format = attributes.get<int>("format");
+  if (format != kFormat)
+    throw InputError("'" + path + "' has format " + std::to_string(format) +
+                     " of light fields; this version of Plenoflame reads format " +
+                     std::to_string(kFormat));
+  LightField light_field;
+  read_windows(path, header, light_field);
   light_field.scene_text = attributes.get<std::string>("scene");
   light_field.estimator = attributes.get<std::string>("estimator");
   light_field.version = attributes.get<std::string>("version");
@@ -245,7 +260,7 @@ void allocate_images(const std::string& path, const Imf::Header& header, std::ui
   });
 }
 
-LightField read(const std::string& path, bool with_pixels) {
+LightField read(const std::string& path, bool with_pixels, bool foreign = false) {
   ExrInput input(path);
   input.check_header();
   try {
@@ -259,7 +274,8 @@ LightField read(const std::string& path, bool with_pixels) {
       input.seekg(0);
     }
     header.sanityCheck();
-    LightField light_field = from_header(path, header);
+    LightField light_field =
+        foreign ? from_foreign_header(path, header) : from_header(path, header);
     if (!with_pixels) return light_field;
     allocate_images(path, header, input.size(), light_field);
     Imf::InputFile file(input);
@@ -306,6 +322,10 @@ void write_light_field(const std::string& path, const LightField& light_field) {
 
 LightField read_light_field(const std::string& path) {
   return read(path, true);
+}
+
+LightField read_foreign_image(const std::string& path) {
+  return read(path, true, true);
 }
 
 LightField read_light_field_header(const std::string& path) {

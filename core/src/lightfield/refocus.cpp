@@ -7,6 +7,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/optics/first_order.h"
 
 namespace plenoflame {
 namespace {
@@ -17,12 +18,13 @@ constexpr std::size_t kParts =
 /// Light and white light, in pixels of the picture.
 struct Sums {
   int width = 0, height = 0;
-  std::vector<double> light, white;
-  Sums(int w, int h)
+  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not wanted
+  Sums(int w, int h, bool with_square = false)
       : width(w),
         height(h),
         light(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)),
-        white(light) {}
+        white(light),
+        square(with_square ? light.size() : 0) {}
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(column);
@@ -39,6 +41,7 @@ struct Sums {
             (a == 1 ? x - x_floor : 1 - (x - x_floor)) * (b == 1 ? y - y_floor : 1 - (y - y_floor));
         light[index(i + a, j + b)] += weight * light_;
         white[index(i + a, j + b)] += weight * white_;
+        if (!square.empty()) square[index(i + a, j + b)] += weight * light_ * light_ / white_;
       }
   }
 };
@@ -98,7 +101,7 @@ Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>
 
 void add_micro_image(const LightField& field, const Image& flux, const MicroImages& micro,
                      const MicroImages::Place& place, const Target& target, double depth,
-                     double radius, Sums& sums) {
+                     double radius, double weight, Sums& sums) {
   const SensorSpec& sensor = micro.camera().spec().sensor;
   const PixelWindow& window = field.window;
   const double p = sensor.pixel_pitch;
@@ -127,27 +130,19 @@ void add_micro_image(const LightField& field, const Image& flux, const MicroImag
       // Light that came through neighbours cannot be told apart: the pixel counts as much as its
       // own share of it, as though the scene were the same there.
       sums.add((point.x - target.corner.x) / target.pixel - 0.5,
-               (point.y - target.corner.y) / target.pixel - 0.5, light * white.own / white.total,
-               white.own);
+               (point.y - target.corner.y) / target.pixel - 0.5,
+               weight * light * white.own / white.total, weight * white.own);
     }
 }
 
-}  // namespace
+/// The sums of one plane.
+struct Plane {
+  Target target;
+  Sums sums;
+};
 
-void check_refocus_depth(const Camera& camera, double depth) {
-  const double focal = std::max(0.0, -camera.lens_first_order().front_focal_distance);
-  if (depth > focal && std::isfinite(depth)) return;
-  const std::string given =
-      "cannot refocus at " + readable_quantity(depth, Dimension::length) + ": ";
-  if (!(depth > 0))
-    throw InputError(given +
-                     "the plane lies behind the front of the camera; give a depth above 0 m");
-  throw InputError(given + "the depth must be finite and beyond the front focal plane, " +
-                   readable_quantity(focal, Dimension::length) + " in front of the lens");
-}
-
-RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
-                       const RefocusSettings& settings, const Execution& execution) {
+Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
+                 const RefocusSettings& settings, bool square, const Execution& execution) {
   const Camera& camera = micro_images.camera();
   check_refocus_depth(camera, settings.depth);
   if (settings.width < 0 || settings.width > 20000)
@@ -167,18 +162,20 @@ RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_i
   const int across = std::max(1, static_cast<int>(std::lround((upper.x - lower.x) / array.pitch)));
   const Target target =
       target_of(micro_images, places, settings.depth, settings.width > 0 ? settings.width : across);
+  std::vector<double> weights(camera.microlenses().size(), 1.0);
+  if (settings.sharp_types) weights = type_weights(camera, settings.depth);
 
   // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
   // bound. The disc always holds the middle of a pixel, however small the micro-images are.
   const double most = 0.5 * micro_images.spacing(), least = 0.71 * camera.spec().sensor.pixel_pitch;
-  std::vector<Sums> parts(kParts, Sums(target.width, target.height));
+  std::vector<Sums> parts(kParts, Sums(target.width, target.height, square));
   const bool done = parallel_for(execution, kParts, [&](std::size_t part, int) {
     for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts;
          ++k)
       if (!places[k].dark)
         add_micro_image(light_field, flux, micro_images, places[k], target, settings.depth,
                         std::max(std::min(settings.aperture * places[k].radius, most), least),
-                        parts[part]);
+                        weights[static_cast<std::size_t>(places[k].type)], parts[part]);
   });
   if (!done) throw Cancelled();
   Sums& sums = parts.front();
@@ -186,17 +183,151 @@ RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_i
     for (std::size_t k = 0; k < sums.white.size(); ++k) {
       sums.light[k] += parts[part].light[k];
       sums.white[k] += parts[part].white[k];
+      if (square) sums.square[k] += parts[part].square[k];
     }
-  fill_gaps(sums);
+  return {target, std::move(sums)};
+}
+
+/// The picture of a plane. Fills the gaps of its sums.
+RefocusedImage picture_of(Plane& plane, double depth) {
+  fill_gaps(plane.sums);
   RefocusedImage result;
-  result.image = Image(target.width, target.height);
-  for (std::size_t k = 0; k < sums.white.size(); ++k)
-    if (sums.white[k] > 0)
-      result.image.pixels[k] = static_cast<float>(sums.light[k] / sums.white[k]);
-  result.depth = settings.depth;
-  result.pixel = target.pixel;
-  result.corner = target.corner;
+  result.image = Image(plane.target.width, plane.target.height);
+  for (std::size_t k = 0; k < plane.sums.white.size(); ++k)
+    if (plane.sums.white[k] > 0)
+      result.image.pixels[k] = static_cast<float>(plane.sums.light[k] / plane.sums.white[k]);
+  result.depth = depth;
+  result.pixel = plane.target.pixel;
+  result.corner = plane.target.corner;
   return result;
+}
+
+/// Mean over the square of kBox x kBox pixels around each pixel, cut at the rim.
+std::vector<double> box_mean(const std::vector<double>& values, int width, int height) {
+  constexpr int kHalf = 2;
+  const auto at = [width](int column, int row) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
+  };
+  std::vector<double> rows(values.size()), result(values.size());
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      const int first = std::max(0, column - kHalf), last = std::min(width - 1, column + kHalf);
+      double total = 0;
+      for (int c = first; c <= last; ++c) total += values[at(c, row)];
+      rows[at(column, row)] = total / (last - first + 1);
+    }
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      const int first = std::max(0, row - kHalf), last = std::min(height - 1, row + kHalf);
+      double total = 0;
+      for (int r = first; r <= last; ++r) total += rows[at(column, r)];
+      result[at(column, row)] = total / (last - first + 1);
+    }
+  return result;
+}
+
+}  // namespace
+
+void check_refocus_depth(const Camera& camera, double depth) {
+  const double focal = std::max(0.0, -camera.lens_first_order().front_focal_distance);
+  if (depth > focal && std::isfinite(depth)) return;
+  const std::string given =
+      "cannot refocus at " + readable_quantity(depth, Dimension::length) + ": ";
+  if (!(depth > 0))
+    throw InputError(given +
+                     "the plane lies behind the front of the camera; give a depth above 0 m");
+  throw InputError(given + "the depth must be finite and beyond the front focal plane, " +
+                   readable_quantity(focal, Dimension::length) + " in front of the lens");
+}
+
+std::vector<double> type_weights(const Camera& camera, double depth) {
+  const double image =
+      camera.rear_vertex() - paraxial_image_distance(camera.lens_first_order(), depth);
+  const double pixel = camera.spec().sensor.pixel_pitch;
+  std::vector<double> blur;
+  double best = kInfinity;
+  for (const Microlens& lens : camera.microlenses()) {
+    const double object = image - lens.front_principal;  // a > 0: in front of the array
+    const double f = lens.first_order.focal_length, gap = lens.sensor_distance;
+    blur.push_back(camera.spec().array.diameter * std::fabs(gap * (1 / f - 1 / object) - 1));
+    best = std::min(best, blur.back());
+  }
+  std::vector<double> weights;
+  for (const double b : blur) {
+    const double ratio = b / std::max(best, pixel);
+    weights.push_back(ratio > 1 ? 1 / (ratio * ratio * ratio * ratio) : 1.0);
+  }
+  return weights;
+}
+
+RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
+                       const RefocusSettings& settings, const Execution& execution) {
+  Plane plane = accumulate(light_field, micro_images, settings, false, execution);
+  return picture_of(plane, settings.depth);
+}
+
+FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_images,
+                       const std::vector<double>& depths, const RefocusSettings& settings,
+                       const Execution& execution) {
+  if (depths.size() < 3) throw InputError("a focus stack needs at least 3 depths to choose among");
+  for (std::size_t k = 1; k < depths.size(); ++k)
+    if (!(depths[k] > depths[k - 1]))
+      throw InputError("the depths of a focus stack must ascend, each once");
+  FocusStack stack;
+  std::vector<std::vector<double>> costs;
+  for (const double depth : depths) {
+    RefocusSettings how = settings;
+    how.depth = depth;
+    Plane plane = accumulate(light_field, micro_images, how, true, execution);
+    const Sums& sums = plane.sums;
+    if (!stack.planes.empty()) {
+      const Image& first = stack.planes.front().image;
+      // The same microlenses are the outermost at all depths, but for rounding.
+      if (first.width != sums.width || std::abs(first.height - sums.height) > 1)
+        throw InputError("the planes of the stack do not show the same field");
+    }
+    std::vector<double> variance(sums.white.size());
+    for (std::size_t k = 0; k < variance.size(); ++k) {
+      if (!(sums.white[k] > 0)) continue;
+      const double mean = sums.light[k] / sums.white[k];
+      variance[k] = std::max(0.0, sums.square[k] / sums.white[k] - mean * mean);
+    }
+    costs.push_back(box_mean(variance, sums.width, sums.height));
+    stack.planes.push_back(picture_of(plane, depth));
+  }
+  int height = stack.planes.front().image.height;
+  for (const RefocusedImage& plane : stack.planes) height = std::min(height, plane.image.height);
+  const int width = stack.planes.front().image.width;
+  stack.all_in_focus = stack.depth = stack.confidence = Image(width, height);
+  for (RefocusedImage& plane : stack.planes) {
+    plane.image.height = height;
+    plane.image.pixels.resize(stack.depth.pixels.size());
+  }
+  for (std::size_t k = 0; k < stack.depth.pixels.size(); ++k) {
+    std::size_t best = 0;
+    double sum = 0;
+    for (std::size_t d = 0; d < costs.size(); ++d) {
+      sum += costs[d][k];
+      if (costs[d][k] < costs[best][k]) best = d;
+    }
+    if (!(sum > 0)) continue;
+    stack.all_in_focus.pixels[k] = stack.planes[best].image.pixels[k];
+    const double least = costs[best][k];
+    stack.confidence.pixels[k] =
+        static_cast<float>(1 - least * static_cast<double>(costs.size()) / sum);
+    // A parabola over the planes' numbers; depth between planes goes as its inverse does.
+    double shift = 0;
+    if (best > 0 && best + 1 < costs.size()) {
+      const double before = costs[best - 1][k], after = costs[best + 1][k];
+      const double bend = before - 2 * least + after;
+      if (bend > 0) shift = std::clamp(0.5 * (before - after) / bend, -0.5, 0.5);
+    }
+    const std::size_t other = shift > 0 ? best + 1 : shift < 0 ? best - 1 : best;
+    stack.depth.pixels[k] = static_cast<float>(
+        1 / ((1 - std::fabs(shift)) / depths[best] + std::fabs(shift) / depths[other]));
+  }
+  return stack;
 }
 
 }  // namespace plenoflame

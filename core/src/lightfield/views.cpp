@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "lightfield/view_resampling.h"
+#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -15,6 +16,9 @@ void check(const ViewSettings& settings, const Camera& camera) {
     throw InputError("views: the grid has 1 to 99 views along a side");
   if (!(settings.spread >= 0 && settings.spread <= 1))
     throw InputError("views: the spread lies between 0 and 1 diameters of a micro-image");
+  const auto types = static_cast<int>(camera.spec().array.types.size());
+  if (settings.type < -1 || settings.type >= types)
+    throw InputError("views: the camera has no such type of microlens");
   const bool paper = settings.resampling == ViewResampling::paper9 ||
                      settings.resampling == ViewResampling::paper10;
   if (paper && camera.spec().array.lattice != Lattice::hexagonal)
@@ -74,12 +78,12 @@ struct OutputGrid {
 
 /// Square pixels that cover the window, one of them centred on the array's offset: a square array
 /// that is not turned then needs no interpolation.
-OutputGrid output_grid(const MicroImages& micro, const PixelWindow& window) {
-  const ArraySpec& array = micro.camera().spec().array;
+OutputGrid output_grid(const MicroImages& micro, const ArraySpec& array,
+                       const PixelWindow& window) {
   OutputGrid grid;
   grid.step = array.pitch * (array.lattice == Lattice::hexagonal ? std::pow(0.75, 0.25) : 1.0);
   // The sensor's picture of the array is larger than the array by the micro-images' spacing.
-  const double scale = array.pitch / micro.spacing();
+  const double scale = micro.camera().spec().array.pitch / micro.spacing();
   const Vec2 upper = micro.camera().sensor_point(window.x, window.y);
   const Vec2 lower = micro.camera().sensor_point(window.x + window.width, window.y + window.height);
   const double right = std::floor((scale * upper.x - array.offset.x) / grid.step + 1e-9);
@@ -95,6 +99,27 @@ OutputGrid output_grid(const MicroImages& micro, const PixelWindow& window) {
   return grid;
 }
 
+/// The lattice of the lenses of one type. Of three types in a hexagonal array (type (q - r) mod 3)
+/// it is hexagonal again, turned by 30 degrees; otherwise lenses of other types are left out.
+struct TypeLattice {
+  ArraySpec array;
+  bool coarse = false;
+  int type = -1;
+  TypeLattice(const Camera& camera, int of_type) : array(camera.spec().array), type(of_type) {
+    coarse = type >= 0 && array.lattice == Lattice::hexagonal && array.types.size() == 3;
+    if (!coarse) return;
+    array.offset = camera.lattice().centre({type, 0});
+    array.pitch *= std::sqrt(3.0);
+    array.rotation += constants::pi / 6;
+  }
+  /// Its index there; only for lenses of the type.
+  LensIndex index(LensIndex lens) const {
+    if (!coarse) return lens;
+    const int b = (lens.r - lens.q + type) / 3;
+    return {lens.r - 2 * b, b};
+  }
+};
+
 }  // namespace
 
 Views extract_views(const LightField& light_field, const MicroImages& micro_images,
@@ -107,11 +132,17 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   if (axis.dark) throw InputError("no light reaches the middle of the sensor: there are no views");
   const double least = kLeastWhite * micro_images.white(axis, axis.centre);
   const Sampler sampler(light_field, flux, micro_images, least);
-  const OutputGrid grid = output_grid(micro_images, light_field.window);
-  const double pitch = camera.spec().array.pitch;
+  const TypeLattice lattice(camera, settings.type);
+  const OutputGrid grid = output_grid(micro_images, lattice.array, light_field.window);
+  const double pitch = lattice.array.pitch;
   const Vec2 last = grid.first - grid.step * Vec2{grid.width - 1.0, grid.height - 1.0};
-  const auto lenses = camera.lattice().within({last.x - 2 * pitch, last.y - 2 * pitch},
-                                              {grid.first.x + 2 * pitch, grid.first.y + 2 * pitch});
+  std::vector<LensIndex> indices;
+  auto lenses = camera.lattice().within({last.x - 2 * pitch, last.y - 2 * pitch},
+                                        {grid.first.x + 2 * pitch, grid.first.y + 2 * pitch});
+  if (settings.type >= 0)
+    std::erase_if(lenses,
+                  [&](LensIndex lens) { return camera.lattice().type(lens) != settings.type; });
+  for (const LensIndex lens : lenses) indices.push_back(lattice.index(lens));
   std::vector<MicroImages::Place> places;
   places.reserve(lenses.size());
   std::vector<MicroImages::LocalWhite> whites;
@@ -134,9 +165,9 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
     const auto place_of = [&](int i) { return scale * (2 * (i + 0.5) / settings.grid - 1); };
     const Vec2 upright{place_of(view.column), place_of(view.row)};
     view.offset = (1 / p) * upright;
-    LensSamples samples(camera.spec().array, lenses);
+    LensSamples samples(lattice.array, indices);
     for (std::size_t k = 0; k < lenses.size(); ++k)
-      samples.at(lenses[k]) =
+      samples.at(indices[k]) =
           sampler.sample(places[k], whites.empty() ? nullptr : &whites[k], -1.0 * upright);
     view.image = Image(grid.width, grid.height);
     for (int row = 0; row < grid.height; ++row)
@@ -150,6 +181,26 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   });
   if (!done) throw Cancelled();
   return views;
+}
+
+Image epipolar_slice(const Views& views, int line, bool vertical) {
+  if (views.views.empty()) return {};
+  const View& last = views.views.back();
+  const Image& first = views.views.front().image;
+  if (line < 0 || line >= (vertical ? first.width : first.height))
+    throw InputError("epipolar slice: the views have " + std::to_string(first.width) + " x " +
+                     std::to_string(first.height) + " pixels; there is no " +
+                     (vertical ? "column " : "row ") + std::to_string(line));
+  const int count = (vertical ? last.row : last.column) + 1;
+  const int length = vertical ? first.height : first.width;
+  Image slice(length, count);
+  for (const View& view : views.views) {
+    if (vertical ? view.column != last.column / 2 : view.row != last.row / 2) continue;
+    for (int k = 0; k < length; ++k)
+      slice.at(k, vertical ? view.row : view.column) =
+          vertical ? view.image.at(line, k) : view.image.at(k, line);
+  }
+  return slice;
 }
 
 Image contact_sheet(const Views& views) {

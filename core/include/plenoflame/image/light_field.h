@@ -58,6 +58,11 @@ void write_light_field(const std::string& path, const LightField& light_field);
 /// InputError (an EXR from elsewhere: names the missing attribute).
 LightField read_light_field(const std::string& path);
 
+/// Reads an EXR from elsewhere as though it were a raw image: every channel (converted to 32-bit
+/// float) is taken for flux, in alphabetical order, the display window for the sensor. Attributes
+/// of Plenoflame are not needed and not read. @throws FileError, InputError as read_light_field
+LightField read_foreign_image(const std::string& path);
+
 /// The same without pixels: all images are empty; channels without standard error cannot be told
 /// from those with one.
 LightField read_light_field_header(const std::string& path);

@@ -75,6 +75,8 @@ class MicroImages {
 
  private:
   struct Node;
+
+ public:
   /// white() of one microlens, prepared for many points.
   class WhiteTable {
    public:
@@ -90,7 +92,6 @@ class MicroImages {
     double reach_ = 0;
   };
 
- public:
   /// The white light of the pixels around one micro-image. Where micro-images touch or overlap, a
   /// pixel gets light through several microlenses; the edge of the stop is out of focus on the
   /// sensor, so that this begins well inside the geometric rim.

@@ -13,6 +13,9 @@ struct RefocusSettings {
   double depth = 0;     ///< [m] of the object plane in front of the main lens' front vertex
   int width = 0;        ///< pixels of the picture; 0: one per microlens across
   double aperture = 1;  ///< of the synthetic lens, in diameters of the main lens' stop: (0, 1]
+  /// Plenoptic 2.0 with several types of microlenses: each counts as it is sharp at this depth
+  /// (type_weights); false: all alike.
+  bool sharp_types = true;
   std::string channel;  ///< empty: the first
 };
 
@@ -34,6 +37,31 @@ struct RefocusedImage {
 ///         pixels that are not finite
 RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
                        const RefocusSettings& settings, const Execution& execution = {});
+
+/// How much each type of microlens counts at a depth: 1 when its blur is at most a pixel or as
+/// small as any type's, falling with the fourth power of the blur beyond. Blur as in
+/// depth_of_field() (camera/design.h), from first-order optics.
+std::vector<double> type_weights(const Camera& camera, double depth);
+
+/// Pictures at several depths and what can be told from them together. All have the same size, and
+/// a pixel stands for the same direction (that of the same microlens) in each of them.
+struct FocusStack {
+  std::vector<RefocusedImage> planes;
+  /// Per pixel the plane on which its samples, seen from different places of the main lens, agree
+  /// best: least variance of the samples' radiance over 5 x 5 pixels.
+  Image all_in_focus;  ///< radiance there [W/(m^2 sr)]
+  /// [m] between the planes by a parabola through the variances of three; for opaque scenes: a
+  /// flame is transparent and has no single depth. 0 where nothing was seen.
+  Image depth;
+  /// 0: all depths fit alike (no texture); towards 1: one fits much better than the mean does.
+  Image confidence;
+};
+
+/// @param depths [m] ascending, at least 3
+/// @throws InputError as refocus, and for depths that do not ascend
+FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_images,
+                       const std::vector<double>& depths, const RefocusSettings& settings,
+                       const Execution& execution = {});
 
 /// @throws InputError when a plane cannot be imaged: behind the camera or inside the focal length
 void check_refocus_depth(const Camera& camera, double depth);

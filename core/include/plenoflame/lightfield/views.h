@@ -26,6 +26,9 @@ struct ViewSettings {
   /// true: divided by the light that a uniform scene would give, so that values are radiances
   /// [W/(m^2 sr)]; false: as recorded, flux per pixel [W].
   bool white_correction = true;
+  /// Microlenses of this type alone, 0 based; -1: all. The lattice of one type of three is coarser
+  /// by the square root of 3, and so is the picture.
+  int type = -1;
   std::string channel;  ///< empty: the first
 };
 
@@ -55,6 +58,12 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
                     const ViewSettings& settings, const Execution& execution = {});
 
 inline constexpr double kLeastWhite = 0.1;
+
+/// Epipolar slice: one line of the scene as the viewpoint moves. Row v of the slice is row
+/// `line` (vertical: column `line`, from top to bottom) of view v along the middle row (column) of
+/// the grid. What stands at one depth draws straight lines, whose slope is its disparity.
+/// @throws InputError for a line outside of the views
+Image epipolar_slice(const Views& views, int line, bool vertical);
 
 /// All views side by side in their grid, one dark pixel between.
 Image contact_sheet(const Views& views);

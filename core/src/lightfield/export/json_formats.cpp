@@ -1,0 +1,262 @@
+/// Raw images with their grid as JSON: libpleno and plenopticam.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "lightfield/export/export_files.h"
+
+namespace plenoflame {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json row(double x, double y) {
+  return Json::array({Json::array({x, y})});
+}
+Json row(double x, double y, double z) {
+  return Json::array({Json::array({x, y, z})});
+}
+Json rotation2(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return Json::array({Json::array({c, -s}), Json::array({s, c})});
+}
+Json rotation3(double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return Json::array(
+      {Json::array({c, -s, 0.0}), Json::array({s, c, 0.0}), Json::array({0.0, 0.0, 1.0})});
+}
+
+/// The smallest grid of libpleno's indices (column k, row l) whose nodes cover the window.
+struct NodeGrid {
+  int i0 = 0, j0 = 0;  ///< grid point of node (0, 0)
+  int width = 0, height = 0;
+};
+
+/// Rows are those of the lattice; of a hexagonal one, even rows are shifted to the right by half a
+/// step. The number of rows is even, so that the same holds for the array's own numbering, which
+/// starts at the opposite corner.
+NodeGrid node_grid(const MicroImageGrid& grid, const PixelWindow& window) {
+  const double row_step = grid.hexagonal ? std::sqrt(0.75) : 1.0;
+  const double c = std::cos(grid.rotation), s = std::sin(grid.rotation);
+  double left = kInfinity, right = -kInfinity, top = kInfinity, bottom = -kInfinity;
+  for (const double x : {window.x, window.x + window.width})
+    for (const double y : {window.y, window.y + window.height}) {
+      const Vec2 d = (1 / grid.pitch) * (Vec2{x, y} - grid.origin);
+      const double along = c * d.x + s * d.y, across = (c * d.y - s * d.x) / row_step;
+      left = std::min(left, along);
+      right = std::max(right, along);
+      top = std::min(top, across);
+      bottom = std::max(bottom, across);
+    }
+  NodeGrid nodes;
+  nodes.j0 = static_cast<int>(std::floor(top));
+  nodes.height = static_cast<int>(std::ceil(bottom)) - nodes.j0 + 1;
+  nodes.height += nodes.height % 2;
+  const double first = std::floor(left) - (grid.hexagonal ? 0.5 * nodes.j0 : 0.0);
+  nodes.i0 = static_cast<int>(std::floor(first));
+  nodes.width = static_cast<int>(std::ceil(right) - std::floor(left)) + 2;
+  return nodes;
+}
+
+/// The same camera with its stop narrowed.
+CameraSpec stopped_down(const Camera& camera, double factor) {
+  CameraSpec spec = camera.spec();
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = camera.lens_distance();
+  spec.lens.diameter /= factor;
+  for (SurfaceSpec& surface : spec.lens.surfaces)
+    if (surface.stop) surface.diameter /= factor;
+  return spec;
+}
+
+}  // namespace
+
+void export_libpleno(const ExportJob& job) {
+  const Camera& camera = job.micro.camera();
+  const CameraSpec& spec = camera.spec();
+  const PixelWindow& window = job.field.window;
+  const double p = spec.sensor.pixel_pitch;
+  const MicroImageGrid grid = fit_grid(job.micro, window);
+  const NodeGrid nodes = node_grid(grid, window);
+  const FirstOrder& main = camera.lens_first_order();
+  const int types = static_cast<int>(camera.microlenses().size());
+  // Node (0, 0) of a hexagonal grid is shifted by half a step against the grid's own origin.
+  const double shift = grid.hexagonal ? 0.5 : 0.0;
+  const Vec2 corner{static_cast<double>(window.x), static_cast<double>(window.y)};
+  const Vec2 along{grid.pitch * std::cos(grid.rotation), grid.pitch * std::sin(grid.rotation)};
+  const Vec2 origin = grid.point(nodes.i0, nodes.j0) - corner - shift * along;
+
+  // Thin-lens distances, in mm, from the rear principal plane of the main lens.
+  const double f_number = main.focal_length / main.entrance_pupil_diameter;
+  const Microlens& first = camera.microlenses()[0];
+  const double distance = camera.rear_vertex() - main.rear_principal - first.front_principal;
+  const double gap = first.sensor_distance;
+  const double object = 1 / (1 / main.focal_length - 1 / distance);
+
+  Json mia_mesh{
+      {"geometry", grid.hexagonal ? 1 : 0},
+      {"width", nodes.width},
+      {"height", nodes.height},
+      {"pitch", row(grid.pitch, grid.pitch)},
+      {"pose", {{"rotation", rotation2(grid.rotation)}, {"translation", row(origin.x, origin.y)}}}};
+  // The array itself, seen from the scene: node (0, 0) lies behind the last node of the image, and
+  // its rows run along camera x.
+  const int last_i =
+      grid.hexagonal ? nodes.i0 + nodes.width - 1 - nodes.height / 2 : nodes.i0 + nodes.width - 1;
+  const int last_j = nodes.j0 + nodes.height - 1;
+  const Vec2 lens = camera.lattice().centre({-last_i, -last_j});
+  const double turn = spec.array.rotation;
+  const Vec2 lens_origin = lens - shift * spec.array.pitch * Vec2{std::cos(turn), std::sin(turn)};
+  // Their type t of a node is (c - ours) mod 3.
+  std::vector<double> focal;
+  const int c = (((nodes.j0 - nodes.i0) % 3) + 3) % 3;
+  for (int t = 0; t < types; ++t) {
+    const int ours = types == 3 ? (c - t + 3) % 3 : 0;
+    focal.push_back(1e3 *
+                    camera.microlenses()[static_cast<std::size_t>(ours)].first_order.focal_length);
+  }
+  const Json focal_lengths = focal;
+  const int mode = is_unfocused(camera) ? 0 : 1e-3 * focal[0] < gap ? 1 : 2;
+  const Json no_rotation = rotation3(0);
+  Json camera_js{
+      {"mode", mode},
+      {"I", types},
+      {"dist_focus", std::isfinite(object) && object > 0 ? 1e3 * object : 1e8},
+      {"main_lens",
+       {{"f", 1e3 * main.focal_length},
+        {"aperture", f_number},
+        {"diameter", 1e3 * main.entrance_pupil_diameter},
+        {"pose", {{"rotation", no_rotation}, {"translation", row(0, 0, 0)}}}}},
+      {"sensor",
+       {{"width", window.width},
+        {"height", window.height},
+        {"scale", 1e3 * p},
+        {"pose",
+         {{"rotation", no_rotation},
+          {"translation",
+           row(-500 * p * window.width, -500 * p * window.height, -1e3 * (distance + gap))}}}}},
+      {"mia", {{"mesh", mia_mesh}}},
+      {"mla",
+       {{"focal_lengths", focal_lengths},
+        {"mesh",
+         {{"geometry", grid.hexagonal ? 1 : 0},
+          {"width", nodes.width},
+          {"height", nodes.height},
+          {"pitch", row(1e3 * spec.array.pitch, 1e3 * spec.array.pitch)},
+          {"pose",
+           {{"rotation", rotation3(turn)},
+            {"translation", row(1e3 * lens_origin.x, 1e3 * lens_origin.y, -1e3 * distance)}}}}}}},
+      {"distortions",
+       {{"radial", row(0, 0, 0)}, {"tangential", row(0, 0)}, {"depth", row(0, 0, 0)}}},
+      {"distortions_inverse",
+       {{"radial", row(0, 0, 0)}, {"tangential", row(0, 0)}, {"depth", row(0, 0, 0)}}}};
+  job.text("camera.js", camera_js.dump(2) + "\n");
+
+  // Radius of a micro-image in pixels: (m / N + q) / scale, over the main lens' f-number N.
+  const double pitch_mm = 1e3 * grid.pitch * p;
+  const double m = 0.5e3 * gap * main.focal_length / distance;
+  std::vector<double> q, q_prime;
+  for (const double f : focal) {
+    // Half the width of the rim that the microlens' own aperture adds out of focus.
+    const double blur = 0.5 * pitch_mm * std::fabs(1e3 * gap / f - 1);
+    q.push_back(blur);
+    q_prime.push_back(blur / pitch_mm);
+  }
+  job.text("params.js", Json{{"m", m},
+                             {"q", q},
+                             {"q_prime", q_prime},
+                             {"dc", pitch_mm},
+                             {"dC", 1e3 * spec.array.pitch},
+                             {"lambda", spec.array.pitch / (grid.pitch * p)},
+                             {"kappa", 1.0},
+                             {"N", f_number},
+                             {"I", types},
+                             {"scale", 1e3 * p}}
+                                .dump(2) +
+                            "\n");
+
+  // White images at several f-numbers: the tools calibrate from how micro-images shrink.
+  Json whites = Json::array();
+  for (int step = 0; step < 4; ++step) {
+    const double factor = std::pow(2.0, 0.5 * step);
+    char name[40];
+    std::snprintf(name, sizeof name, "white_%02d.png", step);
+    const auto write = [&](const MicroImages& micro) {
+      const Image white = white_image(micro, window, job.execution);
+      job.png(name, white, *std::max_element(white.pixels.begin(), white.pixels.end()), 16, 1);
+    };
+    if (step == 0)
+      write(job.micro);
+    else
+      write(MicroImages(Camera(stopped_down(camera, factor)), true, job.execution));
+    whites.push_back({{"path", name}, {"fnumber", factor * f_number}, {"frame", step}});
+  }
+  const std::string image = job.settings.name + ".png";
+  job.png(image, job.flux, job.raw_white(), 16, 1);
+  job.text("images.js",
+           Json{{"meta", {{"debayer", true}, {"debayered", true}, {"rgb", false}, {"format", 16}}},
+                {"whites", whites},
+                {"checkerboards", Json::array()},
+                {"images", Json::array({{{"path", image}, {"fnumber", f_number}, {"frame", 0}}})},
+                {"mask", {{"path", "white_00.png"}, {"fnumber", f_number}, {"frame", 0}}}}
+                   .dump(2) +
+               "\n");
+}
+
+void export_plenopticam(const ExportJob& job) {
+  const Camera& camera = job.micro.camera();
+  const CameraSpec& spec = camera.spec();
+  const PixelWindow& window = job.field.window;
+  const double p = spec.sensor.pixel_pitch;
+  const MicroImageGrid grid = fit_grid(job.micro, window);
+  const Vec2 corner{window.x + 0.5, window.y + 0.5};
+
+  // Every micro-image that lies wholly in the picture, numbered by rows and columns of the lattice.
+  struct Centre {
+    double row, column;
+    int lens_row, lens_column;
+  };
+  std::vector<Centre> centres;
+  const Vec2 upper = camera.sensor_point(window.x, window.y);
+  const Vec2 lower = camera.sensor_point(window.x + window.width, window.y + window.height);
+  const double margin = 0.5 * grid.pitch;
+  int first_row = 0, first_column = 0;
+  for (const LensIndex lens : camera.lattice().within(lower, upper)) {
+    const MicroImages::Place place = job.micro.place(lens);
+    if (place.dark) continue;
+    const double column = 0.5 * spec.sensor.columns - place.centre.x / p - corner.x;
+    const double row = 0.5 * spec.sensor.rows - place.centre.y / p - corner.y;
+    if (column < margin || row < margin || column > window.width - 1 - margin ||
+        row > window.height - 1 - margin)
+      continue;
+    const int i = -lens.q, j = -lens.r;
+    // The column counts along a row of a hexagonal array, half steps to the right rounded down.
+    const int along = grid.hexagonal ? i + (j - (j & 1)) / 2 : i;
+    if (centres.empty()) {
+      first_row = j;
+      first_column = along;
+    }
+    first_row = std::min(first_row, j);
+    first_column = std::min(first_column, along);
+    centres.push_back({row, column, j, along});
+  }
+  std::sort(centres.begin(), centres.end(), [](const Centre& a, const Centre& b) {
+    return a.lens_row != b.lens_row ? a.lens_row < b.lens_row : a.lens_column < b.lens_column;
+  });
+  Json list = Json::array();
+  for (const Centre& c : centres)
+    list.push_back({c.row, c.column, c.lens_row - first_row, c.lens_column - first_column});
+  const double row_pitch = grid.hexagonal ? std::sqrt(0.75) * grid.pitch : grid.pitch;
+  const std::string name = job.settings.name;
+  job.text(name + "_white.json", Json{{"pat_type", grid.hexagonal ? "hex" : "rec"},
+                                      {"ptc_mean", {row_pitch, grid.pitch}},
+                                      {"mic_list", list}}
+                                         .dump() +
+                                     "\n");
+  const Image white = white_image(job.micro, window, job.execution);
+  job.png(name + "_white.png", white, *std::max_element(white.pixels.begin(), white.pixels.end()),
+          16, 3);
+  job.png(name + ".png", job.flux, job.raw_white(), 16, 3);
+}
+
+}  // namespace plenoflame
