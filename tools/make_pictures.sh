@@ -73,7 +73,9 @@ if chosen paper-previous-60x60; then
   mapfile -t stack < <(find out/stack -name '*.png' | sort)
   convert "${stack[@]}" -filter point -resize 400% -background gray30 +smush 8 -depth 8 -strip \
     docs/images/refocus-stack.png
-  echo "docs/images/views-contact.png docs/images/refocus-stack.png"
+  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 9 --epipolar-row 30 --force
+  convert out/views/epipolar_row.png -filter point -resize '1000%' -depth 8 -strip docs/images/epipolar.png
+  echo "docs/images/views-contact.png docs/images/refocus-stack.png docs/images/epipolar.png"
 fi
 
 # Pictures in 3-D (docs/scripting.md, docs/rays.md), and what the Python examples plot.

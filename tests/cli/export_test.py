@@ -161,7 +161,7 @@ class Export(CommandTest):
         self.rendered("focused", FOCUSED % "hexagonal", 0.5, "--window", "%d,%d,%d,%d" % WINDOW)
 
     def unfocused(self):
-        self.rendered("unfocused", UNFOCUSED, 2.2)
+        self.rendered("unfocused", UNFOCUSED, 2.2, "--truth")
 
     def export(self, name, *options):
         result = self.json_of("export", "raw.exr", "--format", name, "-o", name, *options)
@@ -397,6 +397,22 @@ class Export(CommandTest):
         self.assertLess(float(meta["disp_min"]), disparity)
         self.assertGreater(float(meta["disp_max"]), disparity)
         self.assertEqual(float(meta["depth_map_scale"]), 1)
+        # Ground truth of the middle view: emission-weighted distance from the cameras, 0 where nothing glows.
+        depth, truth = (self.read_pfm("hci/gt_%s_lowres.pfm" % name) for name in ("depth", "disp"))
+        self.assertEqual(depth.shape, (height, width))
+        column, row = np.rint(self.view_point(views[4][4], (0, 0))).astype(int)
+        self.assertLess(abs(depth[row, column] / Z - 1), 2e-3)
+        self.assertLess(abs(truth[row, column] / disparity - 1), 0.01)
+        self.assertEqual((depth[0, 0], truth[0, 0]), (0, 0))
+        self.assertEqual(meta["ground_truth"], "emission_weighted_mean_distance_of_the_centre_view")
+
+    def read_pfm(self, name):
+        """Grey: bottom row first, little endian for a negative scale."""
+        kind, size, scale, data = self.read(name).split(b"\n", 3)
+        self.assertEqual(kind, b"Pf")
+        self.assertLess(float(scale), 0)
+        width, height = (int(n) for n in size.split())
+        return np.frombuffer(data, "<f4").reshape(height, width)[::-1]
 
     # LFToolbox
     def test_eslf(self):

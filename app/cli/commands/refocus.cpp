@@ -42,7 +42,6 @@ std::vector<double> depths_of(const Settings& settings) {
   const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
   const double b =
       quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
-  if (b < a) throw UsageError("--depths: the first depth must be the nearest");
   std::vector<double> depths;
   for (int i = 0; i < count; ++i) depths.push_back(a + (b - a) * i / (count - 1));
   return depths;
@@ -50,8 +49,10 @@ std::vector<double> depths_of(const Settings& settings) {
 
 int run_refocus(const Settings& settings) {
   const std::vector<double> depths = depths_of(settings);
-  if (settings.all_in_focus && depths.size() < 3)
-    throw UsageError("--all-in-focus needs at least 3 depths: give them with --depths");
+  if (settings.all_in_focus && (depths.size() < 3 || depths[1] <= depths[0]))
+    throw UsageError(
+        "--all-in-focus needs at least 3 depths, the nearest first: give them with "
+        "--depths, e.g. 0.9m:1.1m:11");
   const RawLightField raw = read_raw(settings.input, settings.scene);
   const Camera camera(raw.camera);
   for (const double depth : depths) check_refocus_depth(camera, depth);

@@ -19,6 +19,7 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/describe.h"
+#include "plenoflame/render/ground_truth.h"
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
 #include "report.h"
@@ -169,6 +170,11 @@ int run_render(const RenderArguments& arguments) {
   }
   bar.finish();
   describe(compiled, result.light_field);
+  if (options.truth) {
+    Execution rest = execution;
+    rest.stop = {};  // a run that was stopped is kept, too
+    add_ground_truth(compiled, result.light_field, rest);
+  }
   write_light_field(options.output, result.light_field);
   // Runs to a target go on from their last whole round, whose state is there already: what the part
   // of a round would decide is not what the whole one would have decided.

@@ -90,6 +90,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--stats", options.stats,
                   "Write times, rays, error and what was skipped to this file (.json)")
       ->option_text("FILE");
+  command.add_flag("--truth", options.truth,
+                   "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
+                   "distance of what is seen, first and last place with absorption");
   command.add_flag("--no-skip{false}", options.skip,
                    "Do all work, also what the scene does not need (for comparison)");
   command.add_flag(

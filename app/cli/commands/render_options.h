@@ -30,6 +30,7 @@ struct RenderOptions {
   bool quiet = false;
   bool skip = true;  ///< false: --no-skip
   bool control_variate = true;
+  bool truth = false;  ///< ground truth as layers of the light field
   bool json = false;
 };
 

@@ -99,6 +99,29 @@ Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>
   return target;
 }
 
+/// Where the chief rays of a row of pixels meet the plane, one after the other. Along a row the map
+/// is a polynomial of degree 5: six values say all, and forward differences give the rest, exactly.
+class RowPoints {
+ public:
+  RowPoints(const MicroImages::ToPlane& to_plane, Vec2 first, Vec2 step) {
+    for (std::size_t k = 0; k < kValues; ++k)
+      differences_[k] = to_plane(first + static_cast<double>(k) * step);
+    for (std::size_t order = 1; order < kValues; ++order)
+      for (std::size_t k = kValues - 1; k >= order; --k)
+        differences_[k] = differences_[k] - differences_[k - 1];
+  }
+  Vec2 next() {
+    const Vec2 value = differences_[0];
+    for (std::size_t k = 0; k + 1 < kValues; ++k)
+      differences_[k] = differences_[k] + differences_[k + 1];
+    return value;
+  }
+
+ private:
+  static constexpr std::size_t kValues = 6;
+  std::array<Vec2, kValues> differences_;
+};
+
 void add_micro_image(const LightField& field, const Image& flux, const MicroImages& micro,
                      const MicroImages::Place& place, const Target& target, double depth,
                      double radius, double weight, Sums& sums) {
@@ -110,29 +133,35 @@ void add_micro_image(const LightField& field, const Image& flux, const MicroImag
   const auto bound = [](double value, int low, int high) {
     return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
   };
-  const int first_column = bound(std::floor(x - radius / p), window.x, window.x + window.width);
-  const int last_column = bound(std::ceil(x + radius / p) + 1, window.x, window.x + window.width);
-  const int first_row = bound(std::floor(y - radius / p), window.y, window.y + window.height);
-  const int last_row = bound(std::ceil(y + radius / p) + 1, window.y, window.y + window.height);
+  const double reach = radius / p;
+  const int last_row = bound(std::floor(y + reach - 0.5) + 1, window.y, window.y + window.height);
   const MicroImages::ToPlane to_plane = micro.to_plane(place, depth);
   const MicroImages::LocalWhite local_white(micro, place.lens, radius);
-  for (int row = first_row; row < last_row; ++row)
-    for (int column = first_column; column < last_column; ++column) {
-      const Vec2 s = micro.camera().sensor_point(column + 0.5, row + 0.5);
-      if (length(s - place.centre) > radius) continue;
-      const MicroImages::White white = local_white(s);
+  for (int row = bound(std::ceil(y - reach - 0.5), window.y, window.y + window.height);
+       row < last_row; ++row) {
+    // Pixels with their centres in the disc.
+    const double above = row + 0.5 - y;
+    const double half = std::sqrt(std::max(0.0, reach * reach - above * above));
+    const int first = bound(std::ceil(x - half - 0.5), window.x, window.x + window.width);
+    const int last = bound(std::floor(x + half - 0.5) + 1, window.x, window.x + window.width);
+    if (first >= last) continue;
+    RowPoints points(to_plane, micro.camera().sensor_point(first + 0.5, row + 0.5), {-p, 0});
+    for (int column = first; column < last; ++column) {
+      const Vec2 point = points.next();
+      const MicroImages::White white =
+          local_white(micro.camera().sensor_point(column + 0.5, row + 0.5));
       if (white.own <= 0) continue;
       const double light = static_cast<double>(flux.at(column - window.x, row - window.y));
       if (!std::isfinite(light))
         throw InputError("the light field holds a value that is not finite, in column " +
                          std::to_string(column) + ", row " + std::to_string(row));
-      const Vec2 point = to_plane(s);
       // Light that came through neighbours cannot be told apart: the pixel counts as much as its
       // own share of it, as though the scene were the same there.
       sums.add((point.x - target.corner.x) / target.pixel - 0.5,
                (point.y - target.corner.y) / target.pixel - 0.5,
                weight * light * white.own / white.total, weight * white.own);
     }
+  }
 }
 
 /// The sums of one plane.
@@ -163,7 +192,7 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
   const Target target =
       target_of(micro_images, places, settings.depth, settings.width > 0 ? settings.width : across);
   std::vector<double> weights(camera.microlenses().size(), 1.0);
-  if (settings.sharp_types) weights = type_weights(camera, settings.depth);
+  if (settings.sharp_types) weights = type_weights(camera, settings.depth, target.pixel);
 
   // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
   // bound. The disc always holds the middle of a pixel, however small the micro-images are.
@@ -241,21 +270,23 @@ void check_refocus_depth(const Camera& camera, double depth) {
                    readable_quantity(focal, Dimension::length) + " in front of the lens");
 }
 
-std::vector<double> type_weights(const Camera& camera, double depth) {
-  const double image =
-      camera.rear_vertex() - paraxial_image_distance(camera.lens_first_order(), depth);
-  const double pixel = camera.spec().sensor.pixel_pitch;
-  std::vector<double> blur;
+std::vector<double> type_weights(const Camera& camera, double depth, double pixel) {
+  const FirstOrder& main = camera.lens_first_order();
+  const double image = camera.rear_vertex() - paraxial_image_distance(main, depth);
+  const double on_image = std::fabs(paraxial_magnification(main, depth)) * pixel;
+  std::vector<double> blur, tolerated;
   double best = kInfinity;
   for (const Microlens& lens : camera.microlenses()) {
     const double object = image - lens.front_principal;  // a > 0: in front of the array
     const double f = lens.first_order.focal_length, gap = lens.sensor_distance;
     blur.push_back(camera.spec().array.diameter * std::fabs(gap * (1 / f - 1 / object) - 1));
+    tolerated.push_back(
+        std::max(camera.spec().sensor.pixel_pitch, on_image * gap / std::fabs(object)));
     best = std::min(best, blur.back());
   }
   std::vector<double> weights;
-  for (const double b : blur) {
-    const double ratio = b / std::max(best, pixel);
+  for (std::size_t type = 0; type < blur.size(); ++type) {
+    const double ratio = blur[type] / std::max(best, tolerated[type]);
     weights.push_back(ratio > 1 ? 1 / (ratio * ratio * ratio * ratio) : 1.0);
   }
   return weights;
@@ -287,13 +318,18 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
       if (first.width != sums.width || std::abs(first.height - sums.height) > 1)
         throw InputError("the planes of the stack do not show the same field");
     }
-    std::vector<double> variance(sums.white.size());
+    std::vector<double> variance(sums.white.size()), power(variance);
     for (std::size_t k = 0; k < variance.size(); ++k) {
       if (!(sums.white[k] > 0)) continue;
       const double mean = sums.light[k] / sums.white[k];
       variance[k] = std::max(0.0, sums.square[k] / sums.white[k] - mean * mean);
+      power[k] = mean * mean;
     }
-    costs.push_back(box_mean(variance, sums.width, sums.height));
+    // Over the square of the mean: light that is spread thin out of focus must not count as even.
+    std::vector<double> cost = box_mean(variance, sums.width, sums.height);
+    const std::vector<double> means = box_mean(power, sums.width, sums.height);
+    for (std::size_t k = 0; k < cost.size(); ++k) cost[k] = means[k] > 0 ? cost[k] / means[k] : 0;
+    costs.push_back(std::move(cost));
     stack.planes.push_back(picture_of(plane, depth));
   }
   int height = stack.planes.front().image.height;

@@ -135,6 +135,84 @@ TEST(Refocus, SameForAnyNumberOfThreads) {
             refocus(field, many, settings, test::threads(5)).image.pixels);
 }
 
+// Of two opaque cubes at different depths the map finds both, and the picture that is sharp
+// everywhere is as sharp at each as the one that is focused on it.
+TEST(FocusStack, FindsTheDepthsOfTwoCubes) {
+  const CameraSpec spec = test::preset_camera("paper-previous-60x60");
+  const auto cube = [](double depth, double x) {
+    const Vec3 middle{depth, -x, 0}, size{3e-3, 3e-3, 3e-3};
+    return Box{middle - size, middle + size};
+  };
+  const double near = 0.85, far = 1.1;
+  // Light adds: the two cubes are rendered one by one.
+  LightField field;
+  for (const Box& box : {cube(near, -0.03), cube(far, 0.03)}) {
+    const CompiledScene scene = test::scene_of(spec, std::make_unique<test::UniformMedium>(box));
+    const LightField one = rendered(scene, {0, 150, 600, 300}, 64);
+    if (field.channels.empty()) {
+      field = one;
+      continue;
+    }
+    for (std::size_t k = 0; k < one.channels[0].flux.pixels.size(); ++k)
+      field.channels[0].flux.pixels[k] += one.channels[0].flux.pixels[k];
+  }
+  const MicroImages micro(Camera(spec), true, test::threads(2));
+  std::vector<double> depths;
+  for (double depth = 0.75; depth < 1.26; depth += 0.05) depths.push_back(depth);
+  const FocusStack stack = focus_stack(field, micro, depths, {}, test::threads(2));
+  ASSERT_EQ(stack.planes.size(), depths.size());
+  for (const auto& [depth, x] : {std::pair{near, -0.03}, std::pair{far, 0.03}}) {
+    // Where the cube's middle lies in the picture of its depth.
+    std::size_t plane = 0;
+    while (depths[plane] < depth - 1e-6) ++plane;
+    const RefocusedImage& sharp = stack.planes[plane];
+    const int column = static_cast<int>((x - sharp.corner.x) / sharp.pixel);
+    const int row = static_cast<int>((0 - sharp.corner.y) / sharp.pixel);
+    ASSERT_GT(sharp.image.at(column, row), 0.5F);
+    EXPECT_TRUE(relative(static_cast<double>(stack.depth.at(column, row)), depth, 0.05)) << depth;
+    EXPECT_GT(stack.confidence.at(column, row), 0.5F);
+    EXPECT_TRUE(relative(static_cast<double>(stack.all_in_focus.at(column, row)),
+                         static_cast<double>(sharp.image.at(column, row)), 0.1));
+  }
+}
+
+TEST(FocusStack, RefusesDepthsThatDoNotAscend) {
+  const Camera camera(test::preset_camera("paper-previous-60x60"));
+  const MicroImages micro(camera, false, test::one_thread());
+  EXPECT_THROW(focus_stack({}, micro, {1, 1.1}, {}), InputError);
+  EXPECT_THROW(focus_stack({}, micro, {1, 1.1, 1.1}, {}), InputError);
+}
+
+// Perwass and Wietzke's blur s = D |B (1/f - 1/a) - 1| by hand for thin lenses: the type that is
+// sharp at a depth counts fully, one with three pixels of blur 1 / 3^4.
+TEST(TypeWeights, FollowTheBlur) {
+  CameraSpec spec;
+  spec.lens.model = LensModel::ideal;
+  spec.lens.focal_length = 0.1;
+  spec.lens.diameter = 0.02;
+  spec.array.present = true;
+  spec.array.model = LensModel::ideal;
+  spec.array.pitch = spec.array.diameter = 200e-6;
+  spec.array.sensor_distance = 1e-3;
+  spec.sensor = {400, 300, 10e-6};
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = 0.11;
+  // Sharp where the lens images 1 m: 1.111 mm behind the array, a = -1.111 mm; the second has three
+  // pixels of blur there, 200 um B (1/f - 1/f_sharp) = 30 um.
+  const double a = 0.11 - 1 / (1 / 0.1 - 1 / 1.0), gap = 1e-3;
+  const double power = 1 / gap + 1 / a;
+  spec.array.types = {{"sharp", kInfinity, kInfinity, 1.5, 1 / power},
+                      {"blurred", kInfinity, kInfinity, 1.5, 1 / (power + 30e-6 / 200e-6 / gap)}};
+  const std::vector<double> weights = type_weights(Camera(spec), 1.0, 1e-6);
+  ASSERT_EQ(weights.size(), 2U);
+  EXPECT_EQ(weights[0], 1);
+  EXPECT_TRUE(relative(weights[1], 1 / 81.0, 1e-6));
+  // A picture with pixels of 20 um on the sensor: 1/9 of an object's size in the main lens' image,
+  // B / |a| of that behind a microlens. Blur of three halves of such a pixel: (2/3)^4.
+  const double pixel = 20e-6 / (gap / std::fabs(a)) * 9;
+  EXPECT_TRUE(relative(type_weights(Camera(spec), 1.0, pixel)[1], std::pow(2.0 / 3, 4), 1e-6));
+}
+
 TEST(Refocus, RefusesImpossiblePlanes) {
   const Camera camera(test::preset_camera("paper-previous-60x60"));
   const double focal = -camera.lens_first_order().front_focal_distance;

@@ -139,6 +139,50 @@ TEST_F(PaintedViews, BadSettingsAreRefused) {
   EXPECT_THROW(extract_views(field, micro, settings), InputError);
 }
 
+// Views of one type see nothing of the other types' light, and a picture that is linear in place
+// stays that.
+TEST(Views, OfOneType) {
+  CameraSpec spec = test::preset_camera("raytrix-r29-reduced");
+  spec.sensor.columns = spec.sensor.rows = 600;
+  const Camera camera(spec);
+  const MicroImages micro(camera, false, test::threads(2));
+  for (const int type : {0, 1, 2}) {
+    LightField field;
+    field.sensor_width = field.sensor_height = 600;
+    field.window = {0, 0, 600, 600};
+    field.channels.push_back({"total", Image(600, 600), {}});
+    for (int row = 0; row < 600; ++row)
+      for (int column = 0; column < 600; ++column) {
+        const Vec2 s = camera.sensor_point(column + 0.5, row + 0.5);
+        const LensIndex lens = camera.lattice().nearest(s);
+        const bool ours = camera.lattice().type(lens) == type;
+        const double flat = 1000 + lens.q * 3 - 7 * lens.r;
+        field.channels[0].flux.at(column, row) = static_cast<float>(ours ? flat : 1e6);
+      }
+    ViewSettings settings;
+    settings.grid = 1;
+    settings.type = type;
+    settings.white_correction = false;
+    const Views views = extract_views(field, micro, settings, test::one_thread());
+    const Image& image = views.views[0].image;
+    EXPECT_TRUE(
+        relative(views.lens_step, std::sqrt(3.0) * std::pow(0.75, 0.25) * spec.array.pitch, 1e-9));
+    // lens.q, lens.r of a point of the array, from the lattice's definition.
+    const double pitch = spec.array.pitch;
+    const double step = views.lens_step / pitch;
+    const auto at = [&](int column, int row) { return static_cast<double>(image.at(column, row)); };
+    const double r_step = step / std::sqrt(0.75);
+    for (int row = 2; row + 2 < image.height; ++row)
+      for (int column = 2; column + 2 < image.width; ++column) {
+        // Right and down in the picture are -x and -y of the array.
+        EXPECT_TRUE(test::within(at(column + 1, row) - at(column, row), -3 * step, 1e-3, 1));
+        EXPECT_TRUE(test::within(at(column, row + 1) - at(column, row),
+                                 7 * r_step + 3 * 0.5 * r_step, 1e-3, 1));
+        EXPECT_LT(at(column, row), 2000);
+      }
+  }
+}
+
 TEST_F(PaintedViews, ContactSheetHoldsEveryView) {
   for (int row = 0; row < 200; ++row)
     for (int column = 0; column < 200; ++column)

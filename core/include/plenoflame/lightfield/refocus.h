@@ -38,17 +38,21 @@ struct RefocusedImage {
 RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
                        const RefocusSettings& settings, const Execution& execution = {});
 
-/// How much each type of microlens counts at a depth: 1 when its blur is at most a pixel or as
-/// small as any type's, falling with the fourth power of the blur beyond. Blur as in
-/// depth_of_field() (camera/design.h), from first-order optics.
-std::vector<double> type_weights(const Camera& camera, double depth);
+/// How much each type of microlens counts at a depth: 1 when its blur is at most a pixel of the
+/// sensor, or what a pixel of the picture takes up on the sensor, or as small as any type's;
+/// falling with the fourth power of the blur beyond. In a coarse picture all types count, since the
+/// more there are the more evenly their samples lie. Blur as in depth_of_field() (camera/design.h),
+/// from first-order optics.
+/// @param pixel [m] side of a pixel of the picture on the plane at `depth`
+std::vector<double> type_weights(const Camera& camera, double depth, double pixel);
 
 /// Pictures at several depths and what can be told from them together. All have the same size, and
 /// a pixel stands for the same direction (that of the same microlens) in each of them.
 struct FocusStack {
   std::vector<RefocusedImage> planes;
   /// Per pixel the plane on which its samples, seen from different places of the main lens, agree
-  /// best: least variance of the samples' radiance over 5 x 5 pixels.
+  /// best: least variance of the samples' radiance over the square of its mean, both over 5 x 5
+  /// pixels.
   Image all_in_focus;  ///< radiance there [W/(m^2 sr)]
   /// [m] between the planes by a parabola through the variances of three; for opaque scenes: a
   /// flame is transparent and has no single depth. 0 where nothing was seen.

@@ -1,0 +1,160 @@
+#include "plenoflame/render/ground_truth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+namespace {
+
+/// What one ray meets; distances along the ray.
+struct MediumTruth {
+  double optical_depth = 0;
+  double radiance = 0, moment = 0;  ///< of the first channel; moment: weighted by t
+  double first = 0, last = 0;
+  bool hit = false;
+};
+
+/// A step is at most this deep, so that what is left of the exponential within it is smooth.
+constexpr double kDeepest = 0.1;
+constexpr double kMostSteps = 1000;
+
+MediumTruth through_medium(const Medium& medium, const Ray& ray, std::vector<double>& limits,
+                           std::vector<double>& emission) {
+  MediumTruth truth;
+  // The part of the ray within the bounds.
+  const Box box = medium.bounds();
+  double near = 0, far = kInfinity;
+  const auto clip = [&](double lower, double upper, double o, double d) {
+    if (d == 0) {
+      if (o < lower || o > upper) far = -1;
+      return;
+    }
+    const double a = (lower - o) / d, b = (upper - o) / d;
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  };
+  clip(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
+  clip(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
+  clip(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
+  if (box.empty() || !(near < far)) return truth;
+  limits.clear();
+  medium.append_breakpoints(ray, limits);
+  std::erase_if(limits, [&](double t) { return !(t > near && t < far); });
+  limits.push_back(near);
+  limits.push_back(far);
+  std::sort(limits.begin(), limits.end());
+  emission.resize(static_cast<std::size_t>(medium.channel_count()));
+
+  // Gauss-Legendre, 4 points on [0, 1].
+  const double inner = 0.5 * std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(1.2));
+  const double outer = 0.5 * std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(1.2));
+  const std::array<double, 4> at{0.5 - outer, 0.5 - inner, 0.5 + inner, 0.5 + outer};
+  const double share = std::sqrt(30.0) / 72;
+  const std::array<double, 4> weight{0.25 - share, 0.25 + share, 0.25 + share, 0.25 - share};
+  for (std::size_t k = 0; k + 1 < limits.size(); ++k) {
+    const double start = limits[k], width = limits[k + 1] - start;
+    if (!(width > 0)) continue;
+    double deepest = 0;
+    for (const double x : at)
+      deepest = std::max(deepest, medium.coefficients(ray.at(start + x * width), emission.data()));
+    if (!(deepest > 0)) continue;
+    if (!truth.hit) truth.first = start;
+    truth.hit = true;
+    truth.last = start + width;
+    const int steps =
+        static_cast<int>(std::ceil(std::clamp(deepest * width / kDeepest, 1.0, kMostSteps)));
+    const double step = width / steps;
+    for (int i = 0; i < steps; ++i) {
+      const double begin = start + i * step;
+      std::array<double, 4> absorption{}, source{};
+      double depth = 0;
+      for (std::size_t g = 0; g < at.size(); ++g) {
+        absorption[g] = medium.coefficients(ray.at(begin + at[g] * step), emission.data());
+        source[g] = emission.front();
+        depth += weight[g] * step * absorption[g];
+      }
+      for (std::size_t g = 0; g < at.size(); ++g) {
+        // To the point within the step: the mean absorption, which is exact to second order.
+        const double before = truth.optical_depth + depth * at[g];
+        const double light = weight[g] * step * source[g] * std::exp(-before);
+        truth.radiance += light;
+        truth.moment += light * (begin + at[g] * step);
+      }
+      truth.optical_depth += depth;
+    }
+  }
+  return truth;
+}
+
+/// The middle ray of a pixel, camera frame; none: it ends in the camera.
+class ChiefRays {
+ public:
+  explicit ChiefRays(const Camera& camera) : camera_(camera) {
+    const double plane = camera.aim_plane(0), gap = plane - camera.sensor();
+    const double pupil = camera.exit_pupil() - camera.sensor();
+    towards_axis_ = std::isfinite(pupil) ? gap / pupil : 0.0;
+  }
+  std::optional<Ray> operator()(int column, int row) const {
+    const Vec2 s = camera_.sensor_point(column + 0.5, row + 0.5);
+    // Seen from the middle of the pupil, the microlens stands before the middle of its micro-image.
+    const Vec2 before = (1 - towards_axis_) * s;
+    Camera::Path path;
+    if (camera_.has_array()) {
+      const LensIndex lens = camera_.lattice().nearest(before);
+      path = camera_.trace(s, lens, camera_.lattice().centre(lens));
+    } else {
+      path = camera_.trace(s, std::nullopt, before);
+    }
+    if (path.status.status != RayStatus::reached) return std::nullopt;
+    return path.exit;
+  }
+
+ private:
+  const Camera& camera_;
+  double towards_axis_ = 0;
+};
+
+}  // namespace
+
+void add_ground_truth(const CompiledScene& scene, LightField& light_field,
+                      const Execution& execution) {
+  const PixelWindow window = light_field.window;
+  Image optical_depth(window.width, window.height), distance = optical_depth, first = optical_depth,
+                                                    last = optical_depth;
+  const ChiefRays rays(scene.camera);
+  const RigidTransform& to_world = scene.camera.to_world();
+  const bool done =
+      parallel_for(execution, static_cast<std::size_t>(window.height), [&](std::size_t line, int) {
+        const int row = static_cast<int>(line);
+        std::vector<double> limits, emission;
+        for (int column = 0; column < window.width; ++column) {
+          if (!scene.medium) continue;
+          const std::optional<Ray> ray = rays(window.x + column, window.y + row);
+          if (!ray) continue;
+          const Ray world{to_world.point(ray->origin), to_world.direction(ray->direction)};
+          const MediumTruth truth = through_medium(*scene.medium, world, limits, emission);
+          if (!truth.hit) continue;
+          const auto along_axis = [&](double t) {
+            return static_cast<float>(ray->origin.z + t * ray->direction.z);
+          };
+          optical_depth.at(column, row) = static_cast<float>(truth.optical_depth);
+          first.at(column, row) = along_axis(truth.first);
+          last.at(column, row) = along_axis(truth.last);
+          if (truth.radiance > 0)
+            distance.at(column, row) = along_axis(truth.moment / truth.radiance);
+        }
+      });
+  if (!done) throw Cancelled();
+  light_field.layers[truth::kOpticalDepth] = std::move(optical_depth);
+  light_field.layers[truth::kDistance] = std::move(distance);
+  light_field.layers[truth::kFirstHit] = std::move(first);
+  light_field.layers[truth::kLastHit] = std::move(last);
+}
+
+}  // namespace plenoflame

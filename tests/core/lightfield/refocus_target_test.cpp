@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/lightfield/refocus.h"
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/plane_medium.h"
+
+/// Refocused pictures of textured planes: what a conventional camera would see, and edges.
+namespace plenoflame {
+namespace {
+
+LightField rendered(const CameraSpec& camera, const test::PlaneMedium& plane, PixelWindow window,
+                    int samples) {
+  const CompiledScene scene = test::scene_of(camera, std::make_unique<test::PlaneMedium>(plane));
+  RenderSettings settings;
+  settings.samples = samples;
+  settings.window = window;
+  settings.standard_error = false;
+  return render(scene, settings, test::threads(2)).light_field;
+}
+
+// A conventional camera that is focused on the plane records the mean of the texture over each
+// pixel. Peak signal to noise: the texture's range over the RMS difference, in decibel.
+TEST(RefocusTarget, MatchesAConventionalPicture) {
+  struct Case {
+    const char* name;
+    double depth, wave;  ///< [m]
+    PixelWindow window;
+    int width;
+    double aperture;
+  };
+  for (const Case& c : {Case{"paper-previous-60x60", 1.0, 28e-3, {150, 150, 300, 300}, 0, 1},
+                        Case{"paper-previous-60x60", 0.9, 28e-3, {150, 150, 300, 300}, 0, 1},
+                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 40, 0.7}}) {
+    const double k = 2 * std::acos(-1.0) / c.wave;
+    const test::PlaneMedium plane(c.depth, 1, [k](double y, double z) {
+      return 1 + 0.5 * std::cos(k * y) * std::cos(0.7 * k * z + 0.3);
+    });
+    const CameraSpec spec = test::preset_camera(c.name);
+    const LightField field = rendered(spec, plane, c.window, 64);
+    const MicroImages micro(Camera(spec), true, test::threads(2));
+    RefocusSettings settings;
+    settings.depth = c.depth;
+    settings.width = c.width;
+    settings.aperture = c.aperture;
+    const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
+    const auto mean_over_pixel = [&](double at, double wave_number, double phase) {
+      const double half = 0.5 * picture.pixel * wave_number;
+      return std::cos(wave_number * at + phase) * std::sin(half) / half;
+    };
+    double square = 0;
+    int count = 0;
+    // The window cuts micro-images at its rim.
+    const int rim = 4;
+    for (int row = rim; row < picture.image.height - rim; ++row)
+      for (int column = rim; column < picture.image.width - rim; ++column) {
+        const Vec2 at = picture.corner + picture.pixel * Vec2{column + 0.5, row + 0.5};
+        const double expected =
+            1 + 0.5 * mean_over_pixel(-at.x, k, 0) * mean_over_pixel(-at.y, 0.7 * k, 0.3);
+        const double error = static_cast<double>(picture.image.at(column, row)) - expected;
+        square += error * error;
+        ++count;
+      }
+    ASSERT_GT(count, 100);
+    const double decibel = 10 * std::log10(1.0 / (square / count));
+    EXPECT_GT(decibel, 35) << c.name << ' ' << c.depth << " m: " << decibel << " dB";
+    RecordProperty(c.name, std::to_string(decibel));
+  }
+}
+
+/// Width of the rise of a row of pixels from 10 to 90 % of a step from 0 to 1 [m].
+double edge_width(const RefocusedImage& picture) {
+  const int row = picture.image.height / 2;
+  const auto crossing = [&](float level) {
+    for (int column = 3; column + 4 < picture.image.width; ++column) {
+      const float a = picture.image.at(column, row), b = picture.image.at(column + 1, row);
+      if ((a < level) != (b < level)) return column + static_cast<double>((level - a) / (b - a));
+    }
+    return -1.0;
+  };
+  const double low = crossing(0.1F), high = crossing(0.9F);
+  EXPECT_GE(low, 0);
+  EXPECT_GE(high, 0);
+  return std::fabs(high - low) * picture.pixel;
+}
+
+// The paper's Fig. 13: refocused at 1.5 m what stands there is sharp and what stands at 1.3 m is
+// not; at 1.3 m the other way round. Edges of glowing half planes stand for the cylinder's and the
+// cone's. Out of focus, an edge is the shadow of the stop (50 mm, near the front of the lens): it
+// is wider than in focus by a large factor.
+TEST(RefocusTarget, EdgesAreSharpAtTheirOwnDepth) {
+  const CameraSpec spec = test::preset_camera("raytrix-r29-reduced");
+  const MicroImages micro(Camera(spec), true, test::threads(2));
+  for (const auto& [depth, other] : {std::pair{1.5, 1.3}, std::pair{1.3, 1.5}}) {
+    const test::PlaneMedium edge(depth, 1, [](double y, double) { return y < 0 ? 1.0 : 0.0; });
+    const LightField field = rendered(spec, edge, {1490, 1200, 800, 150}, 64);
+    RefocusSettings settings;
+    settings.width = 100;
+    settings.depth = depth;
+    const double sharp = edge_width(refocus(field, micro, settings, test::threads(2)));
+    settings.depth = other;
+    const double blurred = edge_width(refocus(field, micro, settings, test::threads(2)));
+    EXPECT_GT(blurred, 3 * sharp) << depth << " m: " << sharp << " m sharp, " << blurred
+                                  << " m out of focus";
+    // Seen from the rim of the stop the edge moves by the stop's diameter |other / depth - 1|; from
+    // 10 to 90 % of a disc's shadow is 0.687 of that.
+    EXPECT_TRUE(test::relative(blurred, 0.687 * 0.05 * std::fabs(other / depth - 1), 0.25));
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame
