@@ -315,7 +315,7 @@ class Export(CommandTest):
 
     # plenopticam
     def test_plenopticam(self):
-        self.unfocused()
+        self.rendered("small", UNFOCUSED, 0.5)  # seen from a microlens it must lie within the stop
         self.export("plenopticam")
         with open(self.path("plenopticam/raw_white.json"), encoding="utf-8") as file:
             calibration = json.load(file)
