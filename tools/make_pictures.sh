@@ -106,3 +106,14 @@ picture paper-objects-r29 0.5,0.5
 if chosen burner; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture burner 0.5,0.45
 picture calibration-plate 0.3,0.3
+
+# The plots of docs/design.md, made by its commands.
+if chosen design; then
+  "$plenoflame" design examples/paper-flame-1m.toml --solve index --plots out/design >/dev/null 2>&1
+  printf '[camera.lens]\npreset = "double-gauss-100mm"\n' >out/lens.toml
+  "$plenoflame" design out/lens.toml --field "14 deg" --plots out/design >/dev/null
+  for plot in resolution microlens lens-spots lens-fields; do
+    convert "out/design/$plot.png" -resize '1400x>' -depth 8 -strip "docs/images/design-$plot.png"
+    echo "docs/images/design-$plot.png"
+  done
+fi

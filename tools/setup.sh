@@ -33,6 +33,7 @@ volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find modu
 volumes       libblosc-dev             compression of OpenVDB files
 cli           libcli11-dev             command line
 cli           libcairo2-dev            plots (bench)
+cli           libnlopt-dev             optimiser (optimize)
 cli           pkg-config               finds Cairo
 cli           fonts-dejavu-core        text in plots
 vtk           libvtk9-dev              3-D pictures, ray paths, flames from simulations

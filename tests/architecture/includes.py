@@ -28,6 +28,7 @@ LIBRARIES = {
     "TBB": re.compile(r"tbb/|oneapi/"),
     "CLI11": re.compile(r"CLI/"),
     "Cairo": re.compile(r"cairo"),
+    "NLopt": re.compile(r"nlopt"),
     "VTK": re.compile(r"vtk(?!Plenoflame|_)|QVTK"),
     "Qt": re.compile(r"Q[A-Z]|Qt[A-Z]"),
     "GoogleTest": re.compile(r"g(test|mock)/"),
@@ -39,7 +40,7 @@ STANDARD = re.compile(r"[a-z_0-9]+$")
 
 CORE_SRC = {"OpenEXR", "libpng", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
-CLI = {"CLI11", "Cairo", "nlohmann-json", "fmt", "POSIX"}
+CLI = {"CLI11", "Cairo", "NLopt", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}
 ANY = set(LIBRARIES)
 

@@ -14,6 +14,18 @@ TEST(ForwardAgreement, HexagonalArrayOfThreeTypes) {
   expect_agreement(small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real)));
 }
 
+// Displaced microlenses, turned and shifted, with the sensor too far away.
+TEST(ForwardAgreement, ArrayWithTolerances) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  ArraySpec& array = scene.camera.array;
+  array.diameter *= 0.85;
+  array.centre_jitter = 0.45 * (array.pitch - array.diameter);
+  array.rotation = 0.05;
+  array.offset = {0.1 * array.pitch, -0.2 * array.pitch};
+  array.spacing_error = 0.05 * array.sensor_distance;
+  expect_agreement(scene);
+}
+
 TEST(ForwardAgreement, SquareArray) {
   expect_agreement(small_scene(singlet(), large_array(Lattice::square, LensModel::real)));
 }

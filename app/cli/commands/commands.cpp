@@ -8,7 +8,9 @@ void register_commands(const Registry& registry) {
   register_corners(registry);
   register_bench(registry);
   register_design(registry);
+  register_optimize(registry);
   register_develop(registry);
+  register_truth(registry);
   register_views(registry);
   register_refocus(registry);
   register_export(registry);

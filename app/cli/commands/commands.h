@@ -12,6 +12,8 @@ void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
 void register_flame(const Registry& registry);    ///< only with PLENOFLAME_HAS_VOLUMES
 void register_picture(const Registry& registry);  ///< only with PLENOFLAME_HAS_VTK
+void register_optimize(const Registry& registry);
+void register_truth(const Registry& registry);
 void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
 void register_export(const Registry& registry);

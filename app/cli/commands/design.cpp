@@ -9,9 +9,12 @@
 #include "commands/commands.h"
 #include "commands/design_array.h"
 #include "commands/design_report.h"
+#include "commands/lens_report.h"
 #include "commands/scene_input.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/lens_file.h"
 #include "run.h"
 
 namespace plenoflame::cli {
@@ -25,27 +28,69 @@ struct Settings {
   std::string plots;
   std::string format = "png";
   ArrayTask array;
+  LensTask lens;
 };
+
+/// Writes plots into the folder that was asked for.
+class PlotFolder {
+ public:
+  explicit PlotFolder(const Settings& settings)
+      : folder_(settings.plots), format_(settings.format) {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) throw FileError(settings.plots + ": " + error.message());
+  }
+  void write(const std::string& name, const std::vector<Plot>& plots, int columns) const {
+    if (!plots.empty()) write_plot((folder_ / (name + "." + format_)).string(), plots, columns);
+  }
+
+ private:
+  std::filesystem::path folder_;
+  std::string format_;
+};
+
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    std::cerr << "plenoflame: warning: " << warning << '\n';
+}
+
+int run_lens(const Settings& settings) {
+  Report report;
+  LensTask task = settings.lens;
+  task.file = settings.scene;
+  MainLensSpec lens;
+  std::vector<std::string> notes;
+  const LensDesign d = add_lens_design(task, lens, notes, report);
+  warn(notes);
+  report.add_json("warnings", notes);
+  if (!settings.array.output.empty()) {
+    check_not_overwritten("--output", settings.array.output, settings.scene);
+    write_file(settings.array.output, write_lens(lens));
+  }
+  if (!settings.plots.empty()) {
+    const PlotFolder folder(settings);
+    folder.write("lens-spots", spot_diagrams(d), 3);
+    folder.write("lens-fans", ray_fans(d), 3);
+    folder.write("lens-fields", field_plots(d), 3);
+  }
+  report.print(settings.json);
+  return kSuccess;
+}
 
 void write_plots(const Settings& settings, const Camera& camera, const CameraDesign& d,
                  const std::vector<ResolutionPoint>& curve, const std::vector<SolvedType>& solved) {
-  const std::filesystem::path folder(settings.plots);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw FileError(settings.plots + ": " + error.message());
-  const auto write = [&](const std::string& name, const std::vector<Plot>& plots, int columns) {
-    if (!plots.empty())
-      write_plot((folder / (name + "." + settings.format)).string(), plots, columns);
-  };
-  if (!curve.empty()) write("resolution", {resolution_plot(curve, d)}, 1);
-  write("spots", spot_plots(camera, d), 2);
+  const PlotFolder folder(settings);
+  if (!curve.empty()) folder.write("resolution", {resolution_plot(curve, d)}, 1);
+  folder.write("spots", spot_plots(camera, d), 2);
   const ArraySpec& array = camera.spec().array;
   const bool has_faces = array.present && !(std::isinf(array.types.front().radius_front) &&
                                             std::isinf(array.types.front().radius_back));
-  if (has_faces) write("microlens", microlens_plots(array, solved, settings.array.freedom), 3);
+  if (has_faces)
+    folder.write("microlens", microlens_plots(array, solved, settings.array.freedom), 3);
 }
 
 int run_design(const Settings& settings) {
+  if (is_bare_lens(settings.scene)) return run_lens(settings);
   const ArrayTask& task = settings.array;
   if (!task.output.empty() && task.freedom.empty())
     throw UsageError("--output: there is nothing to write without --solve");
@@ -54,8 +99,7 @@ int run_design(const Settings& settings) {
   const Camera camera(scene.camera);
   const CameraDesign d = design(camera);
   warnings.insert(warnings.end(), d.warnings.begin(), d.warnings.end());
-  for (const std::string& warning : warnings)
-    std::cerr << "plenoflame: warning: " << warning << '\n';
+  warn(warnings);
   const ChannelSpec& channel = scene.channels.front();
   const auto curve = resolution_curve(camera, kCurvePoints,
                                       channel.kind == ChannelKind::band ? channel.wavelength : 0);
@@ -84,10 +128,16 @@ void register_design(const Registry& registry) {
   CLI::App& command =
       add_command(registry, "design", "Work out what a camera can do: pupils, depth of field, blur",
                   "plenoflame design examples/paper-flame-1m.toml --plots out");
-  command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
+  command
+      .add_option(
+          "SCENE", settings->scene,
+          "Scene file (.toml); or a lens alone: TOML with only [camera.lens], .zmx, .dat, .txt")
+      ->required();
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  command.add_option("--plots", settings->plots,
-                     "Folder for plots: effective resolution against distance, spots, microlenses");
+  command.add_option(
+      "--plots", settings->plots,
+      "Folder for plots: effective resolution against distance, spots, microlenses; of "
+      "a lens spots, ray fans, field curvature, distortion, vignetting");
   command.add_option("--format", settings->format, "Of the plots")
       ->check(CLI::IsMember({"png", "svg"}))
       ->capture_default_str();
@@ -108,7 +158,17 @@ void register_design(const Registry& registry) {
   command.add_option("--greatest-thickness", settings->array.greatest_thickness,
                      "With --solve, with unit");
   command.add_option("-o,--output", settings->array.output,
-                     "With --solve: the scene with the types that were found (.toml)");
+                     "With --solve: the scene with the types that were found; of a lens: its "
+                     "prescription (.toml)");
+  command.add_option(
+      "--field", settings->lens.field,
+      "Of a lens: greatest field angle, with unit; without it as far as light passes");
+  command.add_option("--distance", settings->lens.distance,
+                     "Of a lens: object distance from the first vertex, with unit [infinite]");
+  command.add_option("--wavelength", settings->lens.wavelength,
+                     "Of a lens: vacuum wavelength, with unit [587.6 nm]");
+  command.add_flag("--paraxial-focus", settings->lens.paraxial_focus,
+                   "Of a lens: image plane at the paraxial focus, not at the least spot");
   on_chosen(command, registry, [settings] { return run_design(*settings); });
 }
 

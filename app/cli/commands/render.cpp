@@ -18,6 +18,8 @@
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/media/uniform_medium.h"
+#include "plenoflame/optics/first_order.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/ground_truth.h"
 #include "plenoflame/scene/scene_file.h"
@@ -121,11 +123,12 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
 }
 
 /// What a kept state belongs to: anything that changes the image's bits.
-std::string state_key(const Scene& scene, const RenderSettings& s) {
+std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
   nlohmann::ordered_json key;
   key["version"] = version();
   key["scene"] = write_scene(scene);
   key["estimator"] = s.estimator == Estimator::forward ? "forward" : "backward";
+  key["white"] = white;
   key["seed"] = s.seed;
   key["samples"] = s.samples;
   key["control_variate"] = s.control_variate;
@@ -136,9 +139,8 @@ std::string state_key(const Scene& scene, const RenderSettings& s) {
   return key.dump();
 }
 
-int run_render(const RenderArguments& arguments) {
-  const RenderOptions options = checked_options(arguments);
-  const SceneDocument document = read_valid_scene(options.scene);
+/// Renders one light field. `document`: the scene of the options, perhaps with another aperture.
+int render_one(const RenderOptions& options, const SceneDocument& document) {
   ProgressBar bar(options.quiet);
   Execution execution;
   execution.threads = options.threads;
@@ -146,12 +148,19 @@ int run_render(const RenderArguments& arguments) {
   check_window(options, document.scene.camera.sensor);
   check_files(options);
   const auto start = std::chrono::steady_clock::now();
-  const CompiledScene compiled =
-      compile(document.scene, medium_loader(), execution, document.positions);
+  Execution compiling = execution;
+  // That a white image has no flame is not worth a warning.
+  if (options.white)
+    compiling.message = [&](Severity severity, const std::string& text) {
+      if (text.find("has no flame") == std::string::npos) execution.message(severity, text);
+    };
+  CompiledScene compiled = compile(document.scene, medium_loader(), compiling, document.positions);
+  if (options.white)
+    compiled.medium = make_uniform_medium(1, static_cast<int>(document.scene.channels.size()));
   const double compile_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RenderSettings settings = settings_of(options, document.scene);
-  const std::string key = state_key(document.scene, settings);
+  const std::string key = state_key(document.scene, settings, options.white);
   Film earlier;
   if (!options.resume.empty()) {
     earlier = read_checkpoint(state_path(options.resume), key);
@@ -170,6 +179,7 @@ int run_render(const RenderArguments& arguments) {
   }
   bar.finish();
   describe(compiled, result.light_field);
+  if (options.white) result.light_field.texts["white"] = "1 W/(m^2 sr)";
   if (options.truth) {
     Execution rest = execution;
     rest.stop = {};  // a run that was stopped is kept, too
@@ -191,6 +201,49 @@ int run_render(const RenderArguments& arguments) {
     std::cerr << "plenoflame: error: the target error was not reached within the limit of samples "
                  "or time\n";
   return interrupted || !result.statistics.target_reached ? 1 : 0;
+}
+
+/// Narrows the stop to focal length over entrance pupil = `f_number`.
+void stop_down(MainLensSpec& lens, double f_number) {
+  const FirstOrder open = first_order(lens);
+  const double factor = open.focal_length / f_number / open.entrance_pupil_diameter;
+  if (!(factor <= 1 + 1e-9)) {
+    char text[120];
+    std::snprintf(text, sizeof text, "--f-numbers: f/%g is wider than the lens, which is f/%.4g",
+                  f_number, open.focal_length / open.entrance_pupil_diameter);
+    throw UsageError(text);
+  }
+  lens.diameter *= factor;
+  for (SurfaceSpec& surface : lens.surfaces)
+    if (surface.stop) surface.diameter *= factor;
+}
+
+/// "white.exr" -> "white-f5.6.exr".
+std::string with_f_number(const std::string& path, double f_number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "-f%g", f_number);
+  const std::filesystem::path whole(path);
+  return (whole.parent_path() / (whole.stem().string() + text + whole.extension().string()))
+      .string();
+}
+
+int run_render(const RenderArguments& arguments) {
+  const RenderOptions options = checked_options(arguments);
+  SceneDocument document = read_valid_scene(options.scene);
+  if (!options.white) return render_one(options, document);
+  document.scene.flames.clear();
+  if (options.f_numbers.empty()) return render_one(options, document);
+  int status = 0;
+  for (const double number : options.f_numbers) {
+    SceneDocument stopped = document;
+    stop_down(stopped.scene.camera.lens, number);
+    RenderOptions one = options;
+    one.output = with_f_number(options.output, number);
+    if (!options.stats.empty()) one.stats = with_f_number(options.stats, number);
+    if (one.json || !one.quiet) std::cout << (one.json ? "" : one.output + "\n");
+    status = std::max(status, render_one(one, stopped));
+  }
+  return status;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -99,9 +100,30 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       "--no-control-variate{false}", options.control_variate,
       "Integrate every ray through a grid, instead of correcting a table of radiance by "
       "some of them (for comparison)");
+  command.add_flag("--white", options.white,
+                   "A white image: 1 W/(m^2 sr) from everywhere in place of the flames");
+  command.add_option("--f-numbers", arguments.f_numbers,
+                     "With --white: apertures such as 4,5.6,8, each written to a file of its own "
+                     "(OUT-f4.exr); the stop is narrowed");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");
 }
+
+namespace {
+
+std::vector<double> f_number_list(const std::string& text) {
+  std::vector<double> numbers;
+  std::stringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const double number = quantity_option("--f-numbers", word, Dimension::none);
+    if (!(number > 0) || !std::isfinite(number))
+      throw UsageError("--f-numbers: '" + word + "' is not an f-number");
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+}  // namespace
 
 RenderOptions checked_options(const RenderArguments& arguments) {
   RenderOptions options = arguments.options;
@@ -138,6 +160,16 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   if (!arguments.estimator.empty())
     options.estimator = arguments.estimator == "forward" ? Estimator::forward : Estimator::backward;
   if (!arguments.window.empty()) options.window = window_option("--window", arguments.window);
+  if (!arguments.f_numbers.empty()) {
+    options.f_numbers = f_number_list(arguments.f_numbers);
+    if (!options.white) throw UsageError("--f-numbers: only white images are taken at several");
+    if (!options.resume.empty())
+      throw UsageError("--f-numbers: a stopped run is resumed one file at a time");
+  }
+  if (options.white && options.estimator == Estimator::forward)
+    throw UsageError(
+        "--white: light from everywhere has no place to start bundles from; use the "
+        "backward estimator");
   return options;
 }
 

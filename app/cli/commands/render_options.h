@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
@@ -32,6 +33,9 @@ struct RenderOptions {
   bool control_variate = true;
   bool truth = false;  ///< ground truth as layers of the light field
   bool json = false;
+  bool white = false;  ///< a uniform field in place of the flames
+  /// With it: f-numbers at which it is taken, each into a file of its own; empty: the lens as it is.
+  std::vector<double> f_numbers;
 };
 
 /// The options as they stand on the command line.
@@ -39,6 +43,7 @@ struct RenderArguments {
   RenderOptions options;
   std::string target_error, time_limit, estimator, window;
   std::string seed, samples;
+  std::string f_numbers;
 };
 
 /// Adds render's options to its command.

@@ -58,7 +58,7 @@ void Camera::place_lens() {
 }
 
 void Camera::place_array() {
-  const ArraySpec& array = spec_.array;
+  ArraySpec& array = spec_.array;
   if (!array.present) {
     sensor_ = rear_vertex_ - lens_distance_;
     array_front_ = array_back_ = sensor_;
@@ -74,7 +74,12 @@ void Camera::place_array() {
                                    : 0.0);
   if (!(gap > 0))
     throw InputError("camera.array.sensor_distance puts the sensor inside the microlenses");
-  sensor_ = array_back_ - gap;
+  // From here on the spec says where the sensor is, so that cameras made of it stand alike.
+  array.sensor_distance += array.spacing_error;
+  sensor_ = array_back_ - gap - array.spacing_error;
+  array.spacing_error = 0;
+  if (!(sensor_ < array_back_))
+    throw InputError("camera.array.spacing_error puts the sensor inside the microlenses");
   for (const MicrolensSpec& type : array.types) {
     Microlens lens;
     lens.name = type.name;

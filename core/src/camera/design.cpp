@@ -212,6 +212,13 @@ SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_dis
           paraxial - plane};
 }
 
+std::vector<TypeDesign> design_types(const Camera& camera) {
+  std::vector<TypeDesign> types;
+  for (const Microlens& microlens : camera.microlenses())
+    types.push_back(type_design(camera, microlens, camera.spec().sensor.pixel_pitch));
+  return types;
+}
+
 CameraDesign first_order_design(const Camera& camera) {
   CameraDesign design;
   const FirstOrder& lens = design.lens = camera.lens_first_order();
@@ -225,8 +232,7 @@ CameraDesign first_order_design(const Camera& camera) {
   if (camera.spec().focus.mode == FocusMode::distance)
     design.object_distance = paraxial_object_distance(lens, camera.lens_distance());
   if (!(design.object_distance > 0)) design.object_distance = kInfinity;
-  for (const Microlens& microlens : camera.microlenses())
-    design.types.push_back(type_design(camera, microlens, pixel));
+  design.types = design_types(camera);
   if (!design.types.empty()) {
     std::vector<std::pair<double, double>> ranges;
     for (const TypeDesign& type : design.types) {

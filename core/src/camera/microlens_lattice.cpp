@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plenoflame/sampling/philox.h"
+
 namespace plenoflame {
 
 MicrolensLattice::MicrolensLattice(const ArraySpec& array)
-    : offset_(array.offset), type_count_(std::max<int>(1, static_cast<int>(array.types.size()))) {
+    : offset_(array.offset),
+      jitter_(array.centre_jitter),
+      jitter_seed_(array.jitter_seed),
+      type_count_(std::max<int>(1, static_cast<int>(array.types.size()))) {
   const bool hexagonal = array.lattice == Lattice::hexagonal;
   const Vec2 q{array.pitch, 0};
   const Vec2 r =
@@ -18,7 +23,20 @@ MicrolensLattice::MicrolensLattice(const ArraySpec& array)
 }
 
 Vec2 MicrolensLattice::centre(LensIndex lens) const {
-  return offset_ + static_cast<double>(lens.q) * step_q_ + static_cast<double>(lens.r) * step_r_;
+  const Vec2 place =
+      offset_ + static_cast<double>(lens.q) * step_q_ + static_cast<double>(lens.r) * step_r_;
+  // Where lens (0, 0) is, the offset says.
+  return jitter_ > 0 && !(lens == LensIndex{}) ? place + displacement(lens) : place;
+}
+
+Vec2 MicrolensLattice::displacement(LensIndex lens) const {
+  // The same for a lens whatever else is asked for: a counter-based generator.
+  const auto lens_number = (std::uint64_t{static_cast<std::uint32_t>(lens.q)} << 32) |
+                           static_cast<std::uint32_t>(lens.r);
+  const auto random = philox(jitter_seed_, lens_number, 0);
+  const double radius = jitter_ * std::sqrt(unit_uniform(random[0]));
+  const double angle = 6.283185307179586 * unit_uniform(random[1]);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
 int MicrolensLattice::type(LensIndex lens) const {
@@ -38,8 +56,10 @@ LensIndex MicrolensLattice::nearest(Vec2 point) const {
   const int q = static_cast<int>(std::floor(a.x)), r = static_cast<int>(std::floor(a.y));
   LensIndex best;
   double best_distance = kInfinity;
-  for (int dr = 0; dr <= 1; ++dr)
-    for (int dq = 0; dq <= 1; ++dq) {
+  // A displaced lens may be nearest although its place is not one of the four around the point.
+  const int margin = jitter_ > 0 ? 1 : 0;
+  for (int dr = -margin; dr <= 1 + margin; ++dr)
+    for (int dq = -margin; dq <= 1 + margin; ++dq) {
       const LensIndex lens{q + dq, r + dr};
       const double distance = length(centre(lens) - point);
       if (distance < best_distance) {
@@ -52,8 +72,8 @@ LensIndex MicrolensLattice::nearest(Vec2 point) const {
 
 std::vector<LensIndex> MicrolensLattice::within(Vec2 lower, Vec2 upper) const {
   std::vector<LensIndex> lenses;
-  const Vec2 corners[] = {axial(lower), axial({upper.x, lower.y}), axial({lower.x, upper.y}),
-                          axial(upper)};
+  const Vec2 low = lower - Vec2{jitter_, jitter_}, high = upper + Vec2{jitter_, jitter_};
+  const Vec2 corners[] = {axial(low), axial({high.x, low.y}), axial({low.x, high.y}), axial(high)};
   double q0 = kInfinity, q1 = -kInfinity, r0 = kInfinity, r1 = -kInfinity;
   for (const Vec2 c : corners) {
     q0 = std::min(q0, c.x);

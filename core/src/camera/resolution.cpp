@@ -17,6 +17,7 @@ CameraSpec with_one_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
   spec.array.types = {spec.array.types[type]};
   spec.array.offset = {};
+  spec.array.centre_jitter = 0;
   spec.array.measured_from = ArrayReference::vertex;
   spec.array.sensor_distance = camera.array_back() - camera.sensor();
   spec.focus.mode = FocusMode::distance;

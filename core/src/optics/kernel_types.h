@@ -15,6 +15,15 @@ struct KernelSurface {
   Real one_minus_mu2;  ///< (n' - n)(n' + n) / n'^2: exact for the smallest index steps
 };
 
+inline constexpr int kAsphericTerms = 7;  ///< h^4 to h^16
+
+/// What makes a surface differ from the sphere of its curvature.
+template <class Real>
+struct KernelAsphere {
+  Real conic;                  ///< 0: sphere, -1: paraboloid
+  Real terms[kAsphericTerms];  ///< sag along the direction of propagation: terms[i] * h^(4 + 2 i)
+};
+
 /// The paraxial transform (camera/camera.h, IdealLens) as the kernels use it.
 template <class Real>
 struct KernelIdealLens {

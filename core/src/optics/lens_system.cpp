@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "optics/asphere.h"
 #include "optics/surface_kernel.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 
@@ -57,7 +59,11 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
                                        (behind - before) * (behind + before) / (behind * behind)};
     double z = sign * (p.z - vertex);
     int code = 0;
-    scalar::refract_at(kernel, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
+    if (is_aspheric(surface))
+      scalar::refract_at_asphere(kernel, kernel_asphere<double>(surface, to_scene), 4 * i, p.x, p.y,
+                                 z, d.x, d.y, d.z, code);
+    else
+      scalar::refract_at(kernel, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
     p.z = vertex + sign * z;
     if (path) path->push_back(p);
     if (code != 0) {

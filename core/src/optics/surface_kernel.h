@@ -42,6 +42,57 @@ PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_b
   code = code != 0 ? code : failure;
 }
 
+/// The same at a conic with even aspheric terms, rotationally symmetric:
+///     sag(h^2) = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2)) + sum of terms[i] h^(4 + 2 i)
+/// The intersection is found by Newton's method along the ray from the vertex plane, with a fixed
+/// number of steps: the error squares with each, so that a surface whose slope at the ray is below
+/// one reaches the rounding of `double` in six.
+template <class Real>
+PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
+                                          const KernelAsphere<Real>& asphere, int code_base, Real& x,
+                                          Real& y, Real& z, Real& dx, Real& dy, Real& dz,
+                                          int& code) {
+  const Real c = surface.curvature;
+  const Real kc2 = (Real(1) + asphere.conic) * c * c;
+  const Real to_plane = (surface.gap - z) / dz;
+  x += to_plane * dx;
+  y += to_plane * dy;
+  z = Real(0);
+  Real slope = Real(0), inside = Real(1);  // d sag / d(h^2)
+  for (int step = 0; step < 9; ++step) {
+    const Real h2 = x * x + y * y;
+    inside = Real(1) - kc2 * h2;
+    const Real root = square_root(greatest(inside, Real(1e-6)));
+    Real sag = Real(0);
+    slope = Real(0);
+#pragma GCC unroll 7
+    for (int i = kAsphericTerms - 1; i >= 0; --i) {
+      slope = slope * h2 + Real(i + 2) * asphere.terms[i];
+      sag = sag * h2 + asphere.terms[i];
+    }
+    slope = slope * h2 + Real(0.5) * c / root;
+    sag = (sag * h2 + c / (Real(1) + root)) * h2;
+    const Real along = dz - Real(2) * slope * (x * dx + y * dy);
+    const Real t = step < 8 ? (sag - z) / along : Real(0);
+    x += t * dx;
+    y += t * dy;
+    z += t * dz;
+  }
+  const Real nx = Real(-2) * slope * x, ny = Real(-2) * slope * y;
+  const Real normal = Real(1) / square_root(nx * nx + ny * ny + Real(1));
+  const Real cos_in = (nx * dx + ny * dy + dz) * normal;
+  const Real cos_out2 = surface.one_minus_mu2 + surface.mu * surface.mu * (cos_in * cos_in);
+  const Real cos_out = square_root(greatest(cos_out2, Real(0)));
+  const Real along_normal = surface.one_minus_mu2 / (cos_out + surface.mu * cos_in) * normal;
+  dx = surface.mu * dx + along_normal * nx;
+  dy = surface.mu * dy + along_normal * ny;
+  dz = surface.mu * dz + along_normal;
+  int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
+  failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
+  failure = inside > Real(1e-6) && cos_in > Real(0) ? failure : code_base + kCauseMissed;
+  code = code != 0 ? code : failure;
+}
+
 /// A plane without refraction (the stop): only the aperture is tested.
 template <class Real>
 PLENOFLAME_INLINE void pass_plane(const KernelSurface<Real>& surface, int code_base, Real& x,

@@ -2,6 +2,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
@@ -86,8 +87,10 @@ std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const Medium
 
 }  // namespace
 
-CompiledScene compile(const Scene& scene, const MediumLoader& loader, const Execution& execution,
+CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
                       const PositionMap& positions) {
+  Scene scene = given;
+  set_indices(scene, positions);
   for (const SceneIssue& issue : validate(scene, positions)) execution.warn(to_string(issue));
   Camera camera(scene.camera);  // its warnings are among those of validate()
   PupilSampling pupils(camera, execution);

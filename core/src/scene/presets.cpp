@@ -19,7 +19,10 @@ std::vector<std::string> preset_names(PresetKind kind) {
 std::string_view preset_text(PresetKind kind, std::string_view name) {
   for (const PresetRow& row : preset_table())
     if (row.kind == kind && row.name == name) return row.text;
-  throw InputError(std::string("there is no ") + (kind == PresetKind::camera ? "camera" : "flame") +
+  throw InputError(std::string("there is no ") +
+                   (kind == PresetKind::camera ? "camera"
+                    : kind == PresetKind::lens ? "lens"
+                                               : "flame") +
                    " preset " + quote_for_message(name) + suggestion(name, preset_names(kind)));
 }
 

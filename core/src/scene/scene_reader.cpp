@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/glass_indices.h"
+#include "plenoflame/scene/lens_file.h"
 #include "plenoflame/scene/presets.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/scene_schema.h"
@@ -73,9 +75,11 @@ class Reader {
                   const std::vector<std::size_t>& indices) {
     if (table == "camera.array" && !toml.contains("present")) scene_.camera.array.present = true;
     read_preset(toml, table, path, indices);
+    if (table == "camera.lens") read_lens(toml, path);
     for (const auto& [name, node] : in_file_order(toml)) {
       const std::string key_name(name->str());
       if (key_name == "preset" && takes_preset(table)) continue;
+      if (key_name == "file" && table == "camera.lens") continue;
       const std::string below = table.empty() ? key_name : table + "." + key_name;
       const std::string here = path.empty() ? key_name : path + "." + key_name;
       // "a.b" in quotes or with brackets is one odd name, never a path.
@@ -146,6 +150,7 @@ class Reader {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     };
     if (takes_preset(table)) names.emplace_back("preset");
+    if (table == "camera.lens") names.emplace_back("file");
     for (const SchemaKey& key : schema_keys()) add(key.path);
     return names;
   }
@@ -158,7 +163,9 @@ class Reader {
     if (!node->is_string() || !name)
       fail(*node, path + ".preset is " + type_name(*node) + ", but it must be text");
     if (depth_ >= kDeepestPreset) fail(*node, "presets start from each other in a circle");
-    const PresetKind kind = table == "camera" ? PresetKind::camera : PresetKind::flame;
+    const PresetKind kind = table == "camera"        ? PresetKind::camera
+                            : table == "camera.lens" ? PresetKind::lens
+                                                     : PresetKind::flame;
     std::string_view text;
     try {
       text = preset_text(kind, *name);
@@ -168,9 +175,26 @@ class Reader {
     const std::string origin = "preset " + *name;
     const toml::table parsed = toml::parse(text, origin);
     Reader inner(scene_, positions_, origin, depth_ + 1);
-    const toml::table* fragment =
-        kind == PresetKind::camera ? parsed["camera"].as_table() : parsed["flames"][0].as_table();
+    const toml::table* fragment = kind == PresetKind::camera ? parsed["camera"].as_table()
+                                  : kind == PresetKind::lens ? parsed["camera"]["lens"].as_table()
+                                                             : parsed["flames"][0].as_table();
     if (fragment) inner.read_table(*fragment, table, path, indices);
+  }
+
+  /// A prescription in a file of its own, in place of what came before.
+  void read_lens(const toml::table& toml, const std::string& path) {
+    const toml::node* node = toml.get("file");
+    if (!node) return;
+    const auto name = node->value<std::string>();
+    if (!node->is_string() || !name || name->empty())
+      fail(*node, path + ".file is " + type_name(*node) + ", but it must be the name of a file");
+    if (toml.contains("preset")) fail(*node, path + " has both a preset and a file; leave one out");
+    const auto slash = file_.rfind('/');
+    const std::string folder =
+        name->starts_with('/') || slash == std::string::npos ? "" : file_.substr(0, slash + 1);
+    scene_.camera.lens = read_lens_file(folder + *name).lens;
+    positions_.erase(path);
+    positions_.set(path, position(*node));
   }
 
   void read_list(const SchemaList& list, const toml::node& node, const std::string& path,
@@ -335,6 +359,7 @@ SceneDocument parse_scene(std::string_view text, const std::string& name) {
   CameraSpec& camera = document.scene.camera;
   if (!camera.array.present && !parsed["camera"]["focus"]["conjugate"])
     camera.focus.conjugate = "sensor";
+  set_indices(document.scene, document.positions);
   return document;
 }
 

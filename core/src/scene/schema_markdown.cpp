@@ -136,7 +136,8 @@ std::string scene_reference_markdown() {
       "\n"
       "## Presets\n"
       "\n"
-      "`preset = \"NAME\"` in `[camera]` or in `[[flames]]` starts from a preset; every other key "
+      "`preset = \"NAME\"` in `[camera]`, `[camera.lens]` or `[[flames]]` starts from a preset; "
+      "every other key "
       "given overrides it. A\n"
       "list that is given, such as `[[camera.array.types]]`, replaces the whole list of the "
       "preset. The texts, with what\n"
@@ -145,6 +146,8 @@ std::string scene_reference_markdown() {
   add_presets(page, PresetKind::camera);
   page += "\n";
   add_presets(page, PresetKind::flame);
+  page += "\n";
+  add_presets(page, PresetKind::lens);
   for (const SchemaTable& table : schema_tables()) {
     page.append("\n## ")
         .append(code(header_of(table.path)))

@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/schema_fields.h"
 
@@ -50,6 +51,23 @@ constexpr Dimension kPure = Dimension::none;
 #define RENDER &Scene::render
 #define DEVELOP &Scene::develop
 
+/// A list of numbers with units of their own, kept as numbers.
+constexpr SchemaKey kAspheric{
+    "camera.lens.surfaces[].aspheric",
+    ValueType::text,
+    Dimension::none,
+    {},
+    {},
+    "Even aspheric terms, coefficients of h^4, h^6, h^8, ... added to the sag towards the sensor: "
+    "`1.2e-7 1/mm^3, 0, -3e-12 1/mm^7`.",
+    [](const Scene& scene, SchemaIndices i) -> SchemaValue {
+      return format_aspheric(locate<SURFACE, &SurfaceSpec::aspheric>(scene, i));
+    },
+    [](Scene& scene, SchemaIndices i, const SchemaValue& value) {
+      locate<SURFACE, &SurfaceSpec::aspheric>(scene, i) =
+          parse_aspheric(std::get<std::string>(value));
+    }};
+
 constexpr SchemaKey kKeys[] = {
     key<CAMERA, &CameraSpec::position>("camera.position",
                                        "Place of the front vertex of the main lens in the world.",
@@ -94,6 +112,18 @@ constexpr SchemaKey kKeys[] = {
     key<SURFACE, &SurfaceSpec::stop>("camera.lens.surfaces[].stop",
                                      "Whether this is the aperture stop; exactly one surface is."),
 
+    key<SURFACE, &SurfaceSpec::conic>("camera.lens.surfaces[].conic",
+                                      "Conic constant: 0 a sphere, -1 a paraboloid, below -1 a "
+                                      "hyperboloid.",
+                                      kPure, within(1e6)),
+    kAspheric,
+    key<SURFACE, &SurfaceSpec::glass>(
+        "camera.lens.surfaces[].glass",
+        "Glass behind the surface, in place of `index`: a name of the catalogue (`N-BK7`), "
+        "`sellmeier B1 B2 B3 C1 C2 C3` (C in um^2), `abbe nd vd` or `constant n`. The index is "
+        "taken "
+        "at the centre of the first channel's band, or at the d line (587.6 nm)."),
+
     key<ARRAY, &ArraySpec::present>(
         "camera.array.present",
         "Whether there is a microlens array; a file that has the table `camera.array` means yes."),
@@ -128,6 +158,19 @@ constexpr SchemaKey kKeys[] = {
                                           "Where that distance begins: at the rear principal plane "
                                           "of the first type, or at the rear vertices."),
 
+    key<ARRAY, &ArraySpec::spacing_error>("camera.array.spacing_error",
+                                          "By how much the sensor is farther from the array than "
+                                          "`sensor_distance` says; the focus does not know of it.",
+                                          kLength, within(1)),
+    key<ARRAY, &ArraySpec::centre_jitter>(
+        "camera.array.centre_jitter",
+        "Every microlens but (0, 0), whose place is `offset`, is displaced across the axis to a "
+        "random "
+        "point of a disc of this radius; at most half the gap between neighbours.",
+        kLength, from_zero(1)),
+    key<ARRAY, &ArraySpec::jitter_seed>("camera.array.jitter_seed",
+                                        "Another seed displaces the microlenses otherwise."),
+
     key<TYPE, &MicrolensSpec::name>(
         "camera.array.types[].name",
         "Name of this kind of microlens, for `focus.conjugate` and reports."),
@@ -143,6 +186,9 @@ constexpr SchemaKey kKeys[] = {
         "camera.array.types[].focal_length",
         "Focal length of an ideal thin microlens; used when both faces are plane, 0 m otherwise.",
         kLength, within(10)),
+
+    key<TYPE, &MicrolensSpec::glass>("camera.array.types[].glass",
+                                     "Its glass in place of `index`, as for the main lens."),
 
     key<SENSOR, &SensorSpec::columns>("camera.sensor.columns", "Pixels across.", kPure,
                                       {1, 65536, false, false}),
@@ -381,7 +427,13 @@ constexpr SchemaList kLists[] = {
 
 constexpr SchemaTable kTables[] = {
     {"camera", "Where the camera stands and looks.", true, PresetKind::camera},
-    {"camera.lens", "The main lens: surfaces, or a thin ideal lens.", false, {}},
+    {"camera.lens",
+     "The main lens: surfaces, or a thin ideal lens. `preset` names a prescription below; `file` "
+     "reads "
+     "one from a file, relative to the scene: TOML with this table, sequential Zemax (`.zmx`), or "
+     "four "
+     "columns in mm as pbrt has them (`.dat`, `.txt`).",
+     true, PresetKind::lens},
     {"camera.lens.surfaces[]",
      "The surfaces of the main lens, from the scene to the sensor, in air.",
      false,

@@ -1,5 +1,9 @@
 list(APPEND core_sources
   src/scene/compile.cpp
+  src/scene/glass_indices.cpp
+  src/scene/lens_import.cpp
+  src/scene/lens_file.cpp
+  src/scene/zmx_import.cpp
   src/scene/nearest.cpp
   src/scene/position_map.cpp
   src/scene/presets.cpp
@@ -16,8 +20,12 @@ list(APPEND core_sources
 
 # The presets stay readable as scene files and are compiled in as text.
 set(preset_rows)
-foreach(kind camera flame)
-  file(GLOB preset_files CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/presets/${kind}s/*.toml")
+foreach(kind camera flame lens)
+  set(plural s)
+  if(kind STREQUAL lens)
+    set(plural es)
+  endif()
+  file(GLOB preset_files CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/presets/${kind}${plural}/*.toml")
   foreach(preset_file ${preset_files})
     get_filename_component(preset_name "${preset_file}" NAME_WE)
     file(READ "${preset_file}" preset_text)

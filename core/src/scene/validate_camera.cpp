@@ -7,6 +7,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/optics/first_order.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "scene/issues.h"
 #include "scene/nearest.h"
 
@@ -43,13 +44,22 @@ void check_orientation(const CameraSpec& camera, Issues& issues) {
                  "up in the picture");
 }
 
-/// Two surfaces that follow each other must not cross within the clear diameter of both. The gap
-/// changes monotonically with the height, so its ends are enough.
+/// Two surfaces that follow each other must not cross within the clear diameter of both. Between
+/// spheres the gap changes monotonically with the height, so its ends are enough; aspheric ones are
+/// looked at between them too.
 void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& issues) {
   const SurfaceSpec& a = surfaces[i];
   const SurfaceSpec& b = surfaces[i + 1];
-  const double height = 0.5 * std::min(a.diameter, b.diameter);
-  const double gap = a.thickness + sag(b.radius, height) - sag(a.radius, height);
+  double height = 0.5 * std::min(a.diameter, b.diameter);
+  const auto gap_at = [&](double h) { return a.thickness + surface_sag(b, h) - surface_sag(a, h); };
+  double gap = gap_at(height);
+  if (is_aspheric(a) || is_aspheric(b)) {
+    constexpr int kSteps = 32;
+    const double rim = height;
+    for (int k = 1; k < kSteps; ++k)
+      if (const double here = gap_at(rim * k / kSteps); here < gap)
+        gap = here, height = rim * k / kSteps;
+  }
   if (gap >= -kTouch * (a.thickness + height)) return;
   issues.error(fmt::format("camera.lens.surfaces[{}].thickness", i),
                fmt::format("surfaces {} and {} of the main lens overlap by {} at their common rim, "
@@ -80,7 +90,13 @@ void check_lens(const MainLensSpec& lens, Issues& issues) {
   for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
     const SurfaceSpec& surface = lens.surfaces[i];
     if (surface.stop) stops.push_back(i);
-    if (surface.diameter > 2 * std::fabs(surface.radius))
+    if (surface.conic != 0 && surface.diameter > 2 * greatest_height(surface))
+      issues.error(
+          fmt::format("camera.lens.surfaces[{}].diameter", i),
+          fmt::format("surface {} of the main lens has a diameter of {}, but its conic ends at {}",
+                      i, short_length(surface.diameter),
+                      short_length(2 * greatest_height(surface))));
+    else if (surface.conic == 0 && surface.diameter > 2 * std::fabs(surface.radius))
       issues.error(
           fmt::format("camera.lens.surfaces[{}].diameter", i),
           fmt::format("surface {} of the main lens has a diameter of {}, but a sphere of radius {} "
@@ -190,7 +206,8 @@ void check_array(const CameraSpec& camera, Issues& issues) {
   const double rear_principal = first_order(array, array.types[0]).rear_principal;
   const bool from_vertex =
       array.measured_from == ArrayReference::vertex || array.model == LensModel::ideal;
-  const double gap = array.sensor_distance + (from_vertex ? 0 : rear_principal);
+  const double gap =
+      array.sensor_distance + (from_vertex ? 0 : rear_principal) + array.spacing_error;
   double reach = 0;
   if (array.model == LensModel::real)
     for (const MicrolensSpec& type : array.types)
@@ -202,6 +219,14 @@ void check_array(const CameraSpec& camera, Issues& issues) {
             "the sensor would lie inside the microlenses, {} from their rear vertices; make "
             "camera.array.sensor_distance larger",
             short_length(gap)));
+  if (array.centre_jitter > 0.5 * (array.pitch - array.diameter))
+    issues.error_among(
+        {"camera.array.centre_jitter", "camera.array.diameter", "camera.array.pitch"},
+        fmt::format(
+            "microlenses displaced by up to {} would overlap: of the pitch of {} the diameter "
+            "of {} leaves {} to each; make centre_jitter or diameter smaller",
+            short_length(array.centre_jitter), short_length(array.pitch),
+            short_length(array.diameter), short_length(0.5 * (array.pitch - array.diameter))));
   if (camera.sensor.pixel_pitch > array.pitch)
     issues.warning(
         "camera.sensor.pixel_pitch",

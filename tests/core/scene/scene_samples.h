@@ -39,14 +39,21 @@ inline Scene full_scene() {
   camera.lens.surfaces = {{0.3, 0.02426, 1.5, 0.12, false},
                           {-0.3, 0, 1, 0.119, false},
                           {kInfinity, 0.001, 1, 0.1, true}};
+  camera.lens.surfaces[0].conic = -0.7;
+  camera.lens.surfaces[0].aspheric = {1.0 / 3, 0, -2e9};
+  camera.lens.surfaces[0].glass = "constant 1.5";
   camera.lens.focal_length = 0.3040987;
   camera.lens.diameter = 0.1;
   camera.array = {
       true,          Lattice::square, LensModel::ideal,      1e-4, 9.9e-5, 5e-5, {}, false, 0.3,
       {1e-6, -2e-6}, 2.534e-4,        ArrayReference::vertex};
+  camera.array.spacing_error = -1.5e-5;
+  camera.array.centre_jitter = 4e-7;
+  camera.array.jitter_seed = 0xFFFFFFFFFFFFFFF0u;
   camera.array.types = {{"type \"1\"", 2.25e-4, kInfinity, 1.5, 1e-3},
                         {"a\\b\n\t\x7f", 2.25e-4, -3e-4, 1.59, -2e-3},
                         {"\xC3\xA4\xE2\x82\xAC", kInfinity, 2.25e-4, 1.69, 0}};
+  camera.array.types[0].glass = "constant 1.5";
   camera.sensor = {3000, 2001, 1e-5};
   camera.focus = {FocusMode::best, 0.4272409, 0.1 + 0.2, "type \"1\""};
   FlameSpec layered;

@@ -90,6 +90,9 @@ double paraxial_object_distance(const FirstOrder& lens, double image_distance);
 SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_distance,
                      double image_height, int rings = 2000);
 
+/// The types of first_order_design() alone: cheap enough for an optimiser.
+std::vector<TypeDesign> design_types(const Camera& camera);
+
 /// The paraxial figures alone; no rays, no spots. Warnings: f-numbers that do not match.
 CameraDesign first_order_design(const Camera& camera);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "plenoflame/math/vector.h"
@@ -12,8 +13,8 @@ struct LensIndex {
   friend bool operator==(const LensIndex&, const LensIndex&) = default;
 };
 
-/// The lattice of microlens centres in the array's plane, camera x, y [m]. It has no edge: as many
-/// lenses as light can reach the sensor through.
+/// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements of
+/// ArraySpec::centre_jitter. It has no edge: as many lenses as light can reach the sensor through.
 class MicrolensLattice {
  public:
   MicrolensLattice() = default;
@@ -29,7 +30,10 @@ class MicrolensLattice {
 
  private:
   Vec2 axial(Vec2 point) const;
+  Vec2 displacement(LensIndex lens) const;
   Vec2 step_q_{1, 0}, step_r_{0, 1}, offset_;
+  double jitter_ = 0;  ///< [m] greatest displacement of a lens from its place
+  std::uint64_t jitter_seed_ = 1;
   int type_count_ = 1;
 };
 

@@ -5,8 +5,9 @@
 
 namespace plenoflame {
 
-/// What a preset may be started from in: "[camera] preset = ..." or "[[flames]] preset = ...".
-enum class PresetKind { camera, flame };
+/// What a preset may be started from in: "[camera] preset = ...", "[camera.lens] preset = ..." or
+/// "[[flames]] preset = ...".
+enum class PresetKind { camera, flame, lens };
 
 /// Names of the presets of a kind, sorted.
 std::vector<std::string> preset_names(PresetKind kind);

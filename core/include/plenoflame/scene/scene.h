@@ -25,6 +25,12 @@ struct SurfaceSpec {
   double index = 1;           ///< refractive index behind the surface (towards the sensor)
   double diameter = 0;        ///< [m] clear diameter
   bool stop = false;          ///< the aperture stop (exactly one surface)
+  /// What differs from a sphere: sag = c h^2 / (1 + sqrt(1 - (1 + conic) c^2 h^2)) + aspheric[i]
+  /// h^(4 + 2 i), towards the sensor.
+  double conic = 0;
+  std::vector<double> aspheric = {};  ///< [1/m^3, 1/m^5, ...] from h^4 on, at most 7
+  /// optics/glass.h; empty: `index` as it is. Otherwise set_indices() has put the index there.
+  std::string glass = {};
   friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
@@ -46,6 +52,7 @@ struct MicrolensSpec {
   double radius_back = kInfinity;   ///< [m] sensor side; > 0: convex
   double index = 1.5;
   double focal_length = 0;  ///< [m] model ideal without radii: a thin ideal lens
+  std::string glass = {};        ///< as of a surface
   friend bool operator==(const MicrolensSpec&, const MicrolensSpec&) = default;
 };
 
@@ -70,6 +77,12 @@ struct ArraySpec {
   Vec2 offset;                       ///< [m]
   double sensor_distance = 0;        ///< [m] from `measured_from` to the sensor
   ArrayReference measured_from = ArrayReference::principal_plane;
+  // What manufacture and mounting add.
+  double spacing_error = 0;  ///< [m] by which the sensor is farther from the array than it should be
+  /// [m] every lens but (0, 0), whose place is `offset`, is displaced across the axis to a random
+  /// point of a disc of this radius, at most half the gap between neighbours.
+  double centre_jitter = 0;
+  std::uint64_t jitter_seed = 1;
   friend bool operator==(const ArraySpec&, const ArraySpec&) = default;
 };
 

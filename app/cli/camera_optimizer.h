@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/camera/camera_merit.h"
+
+namespace plenoflame::cli {
+
+struct OptimizerTask {
+  MeritSpec merit;
+  bool traced = false;            ///< after the formulas, go on by rays
+  std::vector<std::string> vary;  ///< focal, pitch, spacing, aperture, focus
+  double bound = 2;               ///< every variable stays within this factor of its start
+  MicrolensFreedom freedom = MicrolensFreedom::index;
+  MicrolensLimits limits;
+  double time_limit = 50;  ///< [s] for the part with rays
+};
+
+struct OptimizerResult {
+  CameraSpec camera;
+  double merit = 0;  ///< traced when the task asks for it
+  int evaluations = 0;
+};
+
+/// Maximises the merit. Constraints: microlenses can be made, the camera can exist, micro-images
+/// overlap no more than at the start. First over the whole range by the formulas (controlled random
+/// search with a fixed seed), then locally, by rays where asked for (Nelder-Mead on subspaces),
+/// both of NLopt. The result is never worse than the start.
+/// @throws InputError when the start itself is impossible or nothing is to be varied
+OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& task);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,189 @@
+#include "plenoflame/lightfield/ground_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace plenoflame {
+namespace {
+
+Vec2 pixel_of(const Camera& camera, Vec2 sensor_point) {
+  const SensorSpec& sensor = camera.spec().sensor;
+  return {0.5 * sensor.columns - sensor_point.x / sensor.pixel_pitch,
+          0.5 * sensor.rows - sensor_point.y / sensor.pixel_pitch};
+}
+
+/// Where a ray meets the plane z of the camera frame.
+Vec2 at_plane(const Ray& ray, double z) {
+  const double t = (z - ray.origin.z) / ray.direction.z;
+  return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y};
+}
+
+/// The sensor point s from which the ray towards aim(s) leaves through `target` [camera frame].
+template <class Aim>
+std::optional<Vec2> find_sensor_point(const Camera& camera, std::optional<LensIndex> lens,
+                                      const Aim& aim, Vec3 target, Vec2 start) {
+  const double step = 1e-3 * camera.spec().sensor.pixel_pitch;
+  const auto miss = [&](Vec2 s) -> std::optional<Vec2> {
+    const Camera::Path path = camera.trace(s, lens, aim(s));
+    if (path.status.status != RayStatus::reached) return std::nullopt;
+    return at_plane(path.exit, target.z) - Vec2{target.x, target.y};
+  };
+  Vec2 s = start;
+  for (int i = 0; i < 12; ++i) {
+    const auto at = miss(s), right = miss(s + Vec2{step, 0}), up = miss(s + Vec2{0, step});
+    if (!at || !right || !up) return std::nullopt;
+    const Vec2 u = (1 / step) * (*right - *at), v = (1 / step) * (*up - *at);
+    const double determinant = u.x * v.y - v.x * u.y;
+    if (determinant == 0) return std::nullopt;
+    const Vec2 change{(v.y * at->x - v.x * at->y) / determinant,
+                      (u.x * at->y - u.y * at->x) / determinant};
+    s = s - change;
+    if (length(change) < 1e-9 * camera.spec().sensor.pixel_pitch) return s;
+  }
+  return std::nullopt;
+}
+
+/// Where light of a point meets the array's front: the middle of the beam and its half width.
+struct Footprint {
+  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
+  void add(Vec2 p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
+  }
+  bool empty() const { return !(lower.x <= upper.x); }
+};
+
+Footprint footprint(const Camera& camera, Vec3 point) {
+  constexpr int kRings = 12, kSpokes = 24;
+  const FirstOrder& lens = camera.lens_first_order();
+  const double pupil = 0.65 * lens.entrance_pupil_diameter;
+  Footprint result;
+  std::vector<Camera::Arrival> arrivals;
+  for (int ring = 0; ring <= kRings; ++ring)
+    for (int spoke = 0; spoke < kSpokes; ++spoke) {
+      const double r = pupil * ring / kRings, angle = 6.283185307179586 * spoke / kSpokes;
+      const Vec3 target{r * std::cos(angle), r * std::sin(angle), -lens.entrance_pupil};
+      const Vec3 direction = normalize(target - point);
+      if (direction.z >= 0) continue;
+      if (camera.ideal_lens()) {
+        const IdealLens& ideal = camera.ideal();
+        const Vec2 height = at_plane({point, direction}, ideal.front_principal);
+        const Vec2 slope = Vec2{direction.x / direction.z, direction.y / direction.z} +
+                           (1 / ideal.focal_length) * height;
+        result.add(height + (camera.array_front() - ideal.rear_principal) * slope);
+        continue;
+      }
+      Ray ray{point, direction};
+      if (camera.lens().trace_to_sensor(ray).status == RayStatus::reached)
+        result.add(at_plane(ray, camera.array_front()));
+    }
+  return result;
+}
+
+}  // namespace
+
+std::vector<MicroImageTruth> micro_image_truth(const MicroImages& images) {
+  const Camera& camera = images.camera();
+  const SensorSpec& sensor = camera.spec().sensor;
+  // Micro-images lie farther out than their lenses, by less than the sensor's own size.
+  const double margin = 3 * camera.spec().array.pitch;
+  const Vec2 corner = camera.sensor_point(0, 0);
+  std::vector<MicroImageTruth> truth;
+  for (const LensIndex lens : camera.lattice().within({-corner.x - margin, -corner.y - margin},
+                                                      {corner.x + margin, corner.y + margin})) {
+    const MicroImages::Place place = images.place(lens);
+    if (place.dark) continue;
+    const Vec2 centre = pixel_of(camera, place.centre);
+    const double radius = place.radius / sensor.pixel_pitch;
+    if (centre.x + radius < 0 || centre.y + radius < 0 || centre.x - radius > sensor.columns ||
+        centre.y - radius > sensor.rows)
+      continue;
+    truth.push_back({lens, place.type, centre, radius});
+  }
+  return truth;
+}
+
+std::vector<PointTruth> project_point(const Camera& camera, Vec3 world) {
+  const Vec3 point = camera.to_world().inverse().point(world);
+  std::vector<PointTruth> images;
+  const Footprint beam = footprint(camera, point);
+  if (beam.empty()) return images;
+  const SensorSpec& sensor = camera.spec().sensor;
+  const auto add = [&](LensIndex lens, int type, Vec2 s) {
+    const Vec2 pixel = pixel_of(camera, s);
+    if (pixel.x >= 0 && pixel.y >= 0 && pixel.x <= sensor.columns && pixel.y <= sensor.rows)
+      images.push_back({lens, type, pixel});
+  };
+  if (!camera.has_array()) {
+    const double exit = camera.exit_pupil(), plane = camera.aim_plane(0);
+    const Vec2 middle{0.5 * (beam.lower.x + beam.upper.x), 0.5 * (beam.lower.y + beam.upper.y)};
+    const double share = std::isfinite(exit) ? (exit - plane) / (exit - camera.sensor()) : 1;
+    const auto through_pupil = [&](Vec2 s) { return share * s; };
+    if (const auto s = find_sensor_point(camera, std::nullopt, through_pupil, point, middle))
+      add({}, 0, *s);
+    return images;
+  }
+  const double reach = camera.spec().array.pitch;
+  for (const LensIndex lens :
+       camera.lattice().within({beam.lower.x - reach, beam.lower.y - reach},
+                               {beam.upper.x + reach, beam.upper.y + reach})) {
+    const Vec2 centre = camera.lattice().centre(lens);
+    const double exit = camera.exit_pupil();
+    const Vec2 start = std::isfinite(exit)
+                           ? ((exit - camera.sensor()) / (exit - camera.array_back())) * centre
+                           : centre;
+    if (const auto s = find_sensor_point(
+            camera, lens, [&](Vec2) { return centre; }, point, start))
+      add(lens, camera.lattice().type(lens), *s);
+  }
+  return images;
+}
+
+void add_chief_rays(const MicroImages& images, LightField& light_field) {
+  const Camera& camera = images.camera();
+  const PixelWindow& window = light_field.window;
+  const char* const names[] = {"chief.x", "chief.y", "chief.z", "chief.dx", "chief.dy", "chief.dz"};
+  Image* layers[6];
+  for (int i = 0; i < 6; ++i) {
+    Image& image = light_field.layers[names[i]];
+    image = Image(window.width, window.height);
+    layers[i] = &image;
+  }
+  const double exit = camera.exit_pupil();
+  const double scale = std::isfinite(exit) ? (exit - camera.array_back()) / (exit - camera.sensor())
+                                           : 1;  // sensor point to the microlens before it
+  for (int row = 0; row < window.height; ++row)
+    for (int column = 0; column < window.width; ++column) {
+      const Vec2 s = camera.sensor_point(window.x + column + 0.5, window.y + row + 0.5);
+      const MicroImages::Place place = images.place(camera.lattice().nearest(scale * s));
+      float values[6];
+      std::fill(values, values + 6, std::numeric_limits<float>::quiet_NaN());
+      if (!place.dark && length(s - place.centre) <= place.radius) {
+        const MicroImages::Line line = images.chief_ray(place, s);
+        const Vec3 origin = camera.to_world().point({line.position.x, line.position.y, 0});
+        const Vec3 direction =
+            camera.to_world().direction(normalize({line.slope.x, line.slope.y, 1}));
+        const double exact[] = {origin.x,    origin.y,    origin.z,
+                                direction.x, direction.y, direction.z};
+        for (int i = 0; i < 6; ++i) values[i] = static_cast<float>(exact[i]);
+      }
+      for (int i = 0; i < 6; ++i) layers[i]->at(column, row) = values[i];
+    }
+}
+
+std::string micro_image_csv(const std::vector<MicroImageTruth>& truth, const CameraSpec& camera) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(10);
+  text << "q,r,type,column,row,radius\n";
+  for (const MicroImageTruth& t : truth)
+    text << t.lens.q << ',' << t.lens.r << ','
+         << camera.array.types[static_cast<std::size_t>(t.type)].name << ',' << t.centre.x << ','
+         << t.centre.y << ',' << t.radius << '\n';
+  return text.str();
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,81 @@
+"""plenoflame render --white and plenoflame truth."""
+
+from command import CommandTest, main
+from exr import read_exr
+
+SCENE = """[camera]
+preset = "raytrix-r29"
+[camera.sensor]
+columns = 96
+rows = 64
+pixel_pitch = "5.5 um"
+"""
+
+
+class Truth(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a.toml", SCENE)
+
+    def test_white_images_at_several_apertures(self):
+        self.succeeds("render", "a.toml", "--white", "--f-numbers", "14,28", "--samples", "64", "-o", "w.exr", "--quiet")
+        self.assertEqual([f for f in self.files() if f.endswith(".exr")], ["w-f14.exr", "w-f28.exr"])
+        flux = {}
+        for number in ("14", "28"):
+            rows = read_exr(self.path(f"w-f{number}.exr"))[1]["total"]
+            # The middle micro-image, which at these apertures touches no other.
+            flux[number] = sum(rows[y][x] for y in range(64) for x in range(96)
+                               if (x - 47.5) ** 2 + (y - 31.5) ** 2 < 15.5 ** 2)
+        # Etendue: four times the light at half the f-number, less what the wider beam loses at the rim of the
+        # second face, 0.2 mm behind the first: 4/pi * shift/diameter of the mean shift, 1.2 % more.
+        ratio = flux["14"] / flux["28"] / 4
+        self.assertLess(ratio, 0.995)
+        self.assertGreater(ratio, 0.98)
+        self.fails(2, "render", "a.toml", "--white", "--f-numbers", "4", "-o", "w.exr", mentions="wider than the lens")
+        self.fails(2, "render", "a.toml", "--f-numbers", "8", "-o", "w.exr", mentions="white")
+
+    def test_truth(self):
+        self.succeeds("render", "a.toml", "--white", "--samples", "2", "-o", "w.exr", "--quiet")
+        self.write("p.csv", "x,y,z\n1.0,0,0\n1.0,0.001,0\n")
+        figures = self.json_of("truth", "w.exr", "-o", "t.csv", "--attach", "w2.exr", "--points", "p.csv",
+                               "--projections", "i.csv", "--chief-rays", "c.exr")
+        lines = self.read("t.csv").decode().splitlines()
+        self.assertEqual(lines[0], "q,r,type,column,row,radius")
+        self.assertEqual(len(lines) - 1, figures["micro_images"])
+        middle = [line.split(",") for line in lines if line.startswith("0,0,")]
+        self.assertEqual(middle[0][2], "far")
+        self.assertLess(abs(float(middle[0][3]) - 48), 1e-6)
+        self.assertLess(abs(float(middle[0][4]) - 32), 1e-6)
+        attributes = read_exr(self.path("w2.exr"))[0]
+        self.assertIn("0,0,far,48", str(attributes["plenoflame.text.truth.micro_images"]))
+        images = self.read("i.csv").decode().splitlines()
+        self.assertEqual(images[0], "point,x,y,z,q,r,type,column,row")
+        self.assertGreater(len(images), 4)
+        rays = read_exr(self.path("c.exr"))[1]
+        # The middle pixels look along +x of the world.
+        self.assertGreater(rays["chief.dx"][32][48], 0.999)
+        self.fails(2, "truth", "w.exr", mentions="--output")
+        self.fails(2, "truth", "w.exr", "--points", "p.csv", mentions="--projections")
+        self.write("p.csv", "1,2\n1,2,3\n4,5\n")
+        self.fails(1, "truth", "w.exr", "--points", "p.csv", "--projections", "i.csv", mentions="p.csv:3")
+        self.fails(1, "truth", "t.csv", "-o", "x.csv", mentions="t.csv")
+
+    def test_tolerances_move_the_micro_images(self):
+        tolerances = '[camera.array]\ndiameter = "140 um"\nrotation = "1 deg"\noffset = ["11 um", "0 m"]\ncentre_jitter = "10 um"\n'
+        self.write("b.toml", SCENE + tolerances)
+        self.succeeds("render", "b.toml", "--white", "--samples", "2", "-o", "w.exr", "--quiet")
+        self.succeeds("truth", "w.exr", "-o", "t.csv")
+        rows = [line.split(",") for line in self.read("t.csv").decode().splitlines()[1:]]
+        places = {(int(row[0]), int(row[1])): float(row[3]) for row in rows}
+        # 11 um are 2 pixels to the other side, a little more seen from the pupil.
+        self.assertLess(abs(places[0, 0] - 46), 0.05)
+        # A pitch of 174 um, 31.6 pixels; displaced by up to 10 um, 1.82 pixels.
+        step = places[0, 0] - places[1, 0]
+        self.assertLess(abs(step - 31.9), 2.2)
+        self.assertNotAlmostEqual(step, 31.9, places=1)
+        self.write("c.toml", SCENE + '[camera.array]\ncentre_jitter = "10 um"\n')
+        self.fails(1, "render", "c.toml", "--white", "-o", "w.exr", mentions=["c.toml:8", "overlap"])
+
+
+if __name__ == "__main__":
+    main()

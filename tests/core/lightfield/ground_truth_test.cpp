@@ -1,0 +1,183 @@
+// Ground truth against closed forms of thin lenses, rendered white images, and rays the other way.
+#include "plenoflame/lightfield/ground_truth.h"
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "plenoflame/media/uniform_medium.h"
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+
+namespace plenoflame::test {
+namespace {
+
+constexpr double kMm = 1e-3;
+
+/// Thin lenses throughout: f = 50 mm, microlenses of 0.3 mm, not touching.
+CameraSpec thin_camera() {
+  CameraSpec spec = preset_camera("raytrix-r29");
+  spec.lens.focal_length = 50 * kMm;
+  spec.lens.diameter = 10 * kMm;
+  spec.array.model = LensModel::ideal;
+  spec.array.pitch = 0.12 * kMm;
+  spec.array.diameter = 0.1 * kMm;
+  spec.array.thickness = 0;
+  spec.array.sensor_distance = 0.5 * kMm;
+  spec.array.types = {{"one", kInfinity, kInfinity, 1.5, 0.3 * kMm}};
+  spec.sensor = {80, 60, 5e-6};
+  spec.focus = {FocusMode::paraxial, 0, 1.0, "array"};
+  return spec;
+}
+
+TEST(GroundTruth, MicroImagesOfThinLenses) {
+  CameraSpec spec = thin_camera();
+  spec.array.rotation = 0.02;
+  spec.array.offset = {3e-6, -7e-6};
+  spec.array.centre_jitter = 8e-6;
+  spec.array.spacing_error = 30e-6;
+  const Camera camera(spec);
+  const MicroImages images(camera, false, one_thread());
+  const auto truth = micro_image_truth(images);
+  ASSERT_GT(truth.size(), 10u);
+  // Array at 1000/19 mm from the lens, whose stop is at the lens: centres are projected from there.
+  const double distance = 1000.0 / 19 * kMm, b = 0.53 * kMm;
+  for (const MicroImageTruth& t : truth) {
+    const Vec2 lens = camera.lattice().centre(t.lens);
+    const double scale = (distance + b) / distance;
+    EXPECT_TRUE(within(t.centre.x, 40 - scale * lens.x / 5e-6, 2e-6, 80));
+    EXPECT_TRUE(within(t.centre.y, 30 - scale * lens.y / 5e-6, 2e-6, 60));
+    EXPECT_TRUE(relative(t.radius, 0.5 * 10 * kMm * b / distance / 5e-6, 1e-2));
+  }
+  const std::string csv = micro_image_csv(truth, spec);
+  EXPECT_EQ(csv.substr(0, csv.find('\n')), "q,r,type,column,row,radius");
+}
+
+TEST(GroundTruth, JitterStaysInItsDisc) {
+  ArraySpec array = thin_camera().array;
+  const MicrolensLattice straight(array);
+  array.centre_jitter = 9e-6;
+  const MicrolensLattice moved(array);
+  array.jitter_seed = 2;
+  const MicrolensLattice other(array);
+  double sum = 0, x = 0, count = 0;
+  for (int q = -60; q <= 60; ++q)
+    for (int r = -60; r <= 60; ++r) {
+      const Vec2 shift = moved.centre({q, r}) - straight.centre({q, r});
+      EXPECT_LE(length(shift), 9e-6 * (1 + 1e-9));
+      sum += dot(shift, shift), x += shift.x, count += 1;
+      EXPECT_EQ(other.centre({q, r}) == moved.centre({q, r}), q == 0 && r == 0);
+      // A lens is found again from its own centre and from its rim.
+      EXPECT_TRUE((moved.nearest(moved.centre({q, r})) == LensIndex{q, r}));
+      EXPECT_TRUE((moved.nearest(moved.centre({q, r}) + Vec2{-0.049e-3, 0}) == LensIndex{q, r}));
+    }
+  // Uniform over a disc: <r^2> = R^2 / 2 with a standard deviation of R^2 / sqrt(12).
+  EXPECT_TRUE(within_standard_errors(sum / count, 0.5 * 81e-12, 81e-12 / std::sqrt(12 * count), 5));
+  EXPECT_TRUE(within_standard_errors(x / count, 0, 4.5e-6 / std::sqrt(count), 5));
+  const Vec2 corner{1e-3, 0.5e-3};
+  for (const LensIndex lens : moved.within({-corner.x, -corner.y}, corner)) {
+    const Vec2 c = moved.centre(lens);
+    EXPECT_TRUE(std::fabs(c.x) <= corner.x && std::fabs(c.y) <= corner.y);
+  }
+}
+
+/// Centroids of white micro-images by lens, whole ones only.
+void expect_centroids(const CameraSpec& spec, double tolerance) {
+  CompiledScene scene = scene_of(spec, make_uniform_medium(1, 1));
+  RenderSettings settings;
+  settings.samples = 128;
+  const LightField field = render(scene, settings, one_thread()).light_field;
+  const Image& flux = field.channels.front().flux;
+  const MicroImages images(scene.camera, false, one_thread());
+  int compared = 0;
+  for (const MicroImageTruth& t : micro_image_truth(images)) {
+    const double reach = t.radius + 1.5;
+    if (t.centre.x < reach || t.centre.y < reach || t.centre.x + reach > flux.width ||
+        t.centre.y + reach > flux.height)
+      continue;
+    double sum = 0, x = 0, y = 0;
+    for (int row = static_cast<int>(t.centre.y - reach); row <= t.centre.y + reach; ++row)
+      for (int column = static_cast<int>(t.centre.x - reach); column <= t.centre.x + reach;
+           ++column) {
+        if (std::hypot(column + 0.5 - t.centre.x, row + 0.5 - t.centre.y) > reach) continue;
+        const double value = static_cast<double>(flux.at(column, row));
+        sum += value, x += value * (column + 0.5), y += value * (row + 0.5);
+      }
+    ASSERT_GT(sum, 0);
+    EXPECT_TRUE(within(x / sum, t.centre.x, tolerance, 1)) << t.lens.q << ' ' << t.lens.r;
+    EXPECT_TRUE(within(y / sum, t.centre.y, tolerance, 1)) << t.lens.q << ' ' << t.lens.r;
+    ++compared;
+  }
+  EXPECT_GE(compared, 3);
+}
+
+TEST(GroundTruth, CentresAreCentroidsOfAWhiteImageOfIdealLenses) {
+  // In thin lenses the stop's image, flux included, is symmetric but for cos^4. The sensor in the
+  // microlenses' focus, so that micro-images are sharp and do not touch.
+  CameraSpec spec = thin_camera();
+  spec.array.sensor_distance = 0.3 * kMm;
+  spec.array.centre_jitter = 9e-6;
+  expect_centroids(spec, 0.01);
+}
+
+TEST(GroundTruth, CentresAreCentroidsOfAWhiteImageOfRealLenses) {
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  spec.sensor.columns = spec.sensor.rows = 48;
+  expect_centroids(spec, 0.05);
+}
+
+TEST(GroundTruth, ProjectionsOfAPointByThinLenses) {
+  // Point at 0.9 m: imaged at 1/(1/50 - 1/900) = 52.941 mm; the array stands at 52.632 mm.
+  const CameraSpec spec = thin_camera();
+  const Camera camera(spec);
+  const Vec3 point{1.2 * kMm, -0.7 * kMm, 0.9};
+  const auto images = project_point(camera, camera.to_world().point(point));
+  ASSERT_GT(images.size(), 2u);
+  const double image = 1 / (1 / 0.05 - 1 / 0.9), array = 1 / (1 / 0.05 - 1.0);
+  const Vec2 at = (-image / 0.9) * Vec2{point.x, point.y};
+  for (const PointTruth& t : images) {
+    // The straight line through the middle of the microlens, towards the image behind it.
+    const Vec2 lens = camera.lattice().centre(t.lens);
+    const Vec2 s = lens + (0.5 * kMm / (image - array)) * (at - lens);
+    EXPECT_TRUE(within(t.pixel.x, 40 - s.x / 5e-6, 1e-7, 80));
+    EXPECT_TRUE(within(t.pixel.y, 30 - s.y / 5e-6, 1e-7, 60));
+  }
+  EXPECT_TRUE(project_point(camera, camera.to_world().point({0, 0, -1})).empty());
+}
+
+TEST(GroundTruth, ChiefRaysMeetWhatTheyProject) {
+  // Real optics: the chief ray of the pixel in which a point is imaged passes near it.
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  spec.sensor.columns = spec.sensor.rows = 64;
+  const Camera camera(spec);
+  const MicroImages images(camera, false, one_thread());
+  LightField field;
+  field.sensor_width = field.sensor_height = 64;
+  field.window = {0, 0, 64, 64};
+  add_chief_rays(images, field);
+  const Vec3 world = camera.to_world().point({0.1 * kMm, 0.2 * kMm, 1.0});
+  const auto projected = project_point(camera, world);
+  ASSERT_GT(projected.size(), 3u);
+  int met = 0;
+  for (const PointTruth& t : projected) {
+    const int column = static_cast<int>(t.pixel.x), row = static_cast<int>(t.pixel.y);
+    if (column > 63 || row > 63) continue;
+    const auto at = [&](const char* name) {
+      return static_cast<double>(field.layers.at(name).at(column, row));
+    };
+    const Vec3 origin{at("chief.x"), at("chief.y"), at("chief.z")};
+    const Vec3 direction{at("chief.dx"), at("chief.dy"), at("chief.dz")};
+    if (std::isnan(origin.x)) continue;
+    EXPECT_TRUE(relative(length(direction), 1, 1e-6));
+    const Vec3 offset = world - origin;
+    const double distance = length(offset - dot(offset, direction) * direction);
+    // Half a pixel of 10 um behind B = 0.25 mm looks 0.7 * 10/250 rad aside at a = 0.9 mm.
+    EXPECT_LT(distance, 0.2 * kMm);
+    ++met;
+  }
+  EXPECT_GE(met, 2);
+}
+
+}  // namespace
+}  // namespace plenoflame::test
