@@ -34,7 +34,8 @@ struct RenderOptions {
   bool truth = false;  ///< ground truth as layers of the light field
   bool json = false;
   bool white = false;  ///< a uniform field in place of the flames
-  /// With it: f-numbers at which it is taken, each into a file of its own; empty: the lens as it is.
+  /// With it: f-numbers at which it is taken, each into a file of its own; empty: the lens as it
+  /// is.
   std::vector<double> f_numbers;
 };
 

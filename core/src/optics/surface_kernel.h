@@ -49,8 +49,8 @@ PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_b
 /// one reaches the rounding of `double` in six.
 template <class Real>
 PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
-                                          const KernelAsphere<Real>& asphere, int code_base, Real& x,
-                                          Real& y, Real& z, Real& dx, Real& dy, Real& dz,
+                                          const KernelAsphere<Real>& asphere, int code_base,
+                                          Real& x, Real& y, Real& z, Real& dx, Real& dy, Real& dz,
                                           int& code) {
   const Real c = surface.curvature;
   const Real kc2 = (Real(1) + asphere.conic) * c * c;

@@ -13,8 +13,9 @@ struct LensIndex {
   friend bool operator==(const LensIndex&, const LensIndex&) = default;
 };
 
-/// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements of
-/// ArraySpec::centre_jitter. It has no edge: as many lenses as light can reach the sensor through.
+/// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements
+/// of ArraySpec::centre_jitter. It has no edge: as many lenses as light can reach the sensor
+/// through.
 class MicrolensLattice {
  public:
   MicrolensLattice() = default;

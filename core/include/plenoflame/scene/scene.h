@@ -52,7 +52,7 @@ struct MicrolensSpec {
   double radius_back = kInfinity;   ///< [m] sensor side; > 0: convex
   double index = 1.5;
   double focal_length = 0;  ///< [m] model ideal without radii: a thin ideal lens
-  std::string glass = {};        ///< as of a surface
+  std::string glass = {};   ///< as of a surface
   friend bool operator==(const MicrolensSpec&, const MicrolensSpec&) = default;
 };
 
@@ -78,7 +78,8 @@ struct ArraySpec {
   double sensor_distance = 0;        ///< [m] from `measured_from` to the sensor
   ArrayReference measured_from = ArrayReference::principal_plane;
   // What manufacture and mounting add.
-  double spacing_error = 0;  ///< [m] by which the sensor is farther from the array than it should be
+  double spacing_error =
+      0;  ///< [m] by which the sensor is farther from the array than it should be
   /// [m] every lens but (0, 0), whose place is `offset`, is displaced across the axis to a random
   /// point of a disc of this radius, at most half the gap between neighbours.
   double centre_jitter = 0;
