@@ -1,8 +1,10 @@
 #include "camera/block_tracing.h"
 
+#include <algorithm>
 #include <string>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -34,6 +36,11 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
   if (surfaces.size() > kMaxLensSurfaces)
     throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
                      std::to_string(kMaxLensSurfaces) + " are supported");
+  // The vector kernels know spheres and planes.
+  if (std::any_of(surfaces.begin(), surfaces.end(), is_aspheric))
+    throw InputError(
+        "camera.lens has aspheric surfaces, which can be designed with but not rendered yet; use "
+        "camera.lens.model = \"ideal\"");
   double z = reference;
   out.surface_count = static_cast<int>(surfaces.size());
   for (int k = 0; k < out.surface_count; ++k) {

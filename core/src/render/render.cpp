@@ -6,7 +6,6 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
-#include "plenoflame/optics/surface_shape.h"
 #include "render/backward.h"
 #include "render/forward.h"
 #include "render/rounds.h"
@@ -48,12 +47,6 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   const PixelWindow window = settings.window.width > 0 ? settings.window : whole_sensor(sensor);
   const int channels = static_cast<int>(scene.scene.channels.size());
   const bool forward = settings.estimator == Estimator::forward;
-  // The vector kernels of the backward estimator know spheres and planes.
-  const auto& surfaces = scene.camera.lens().surfaces();
-  if (!forward && std::any_of(surfaces.begin(), surfaces.end(), is_aspheric))
-    throw InputError(
-        "camera.lens has aspheric surfaces, which the backward estimator does not trace; use "
-        "--estimator forward, or camera.lens.model = \"ideal\"");
 
   RenderResult result;
   RenderStatistics& statistics = result.statistics;
