@@ -128,14 +128,14 @@ TEST(GroundTruth, CentresAreCentroidsOfAWhiteImageOfRealLenses) {
 }
 
 TEST(GroundTruth, ProjectionsOfAPointByThinLenses) {
-  // Point at 0.9 m: imaged at 1/(1/50 - 1/900) = 52.941 mm; the array stands at 52.632 mm.
+  // Point at 0.6 m: imaged at 1/(1/50 - 1/600) = 54.545 mm; the array stands at 52.632 mm.
   const CameraSpec spec = thin_camera();
   const Camera camera(spec);
-  const Vec3 point{1.2 * kMm, -0.7 * kMm, 0.9};
+  const Vec3 point{1.2 * kMm, -0.7 * kMm, 0.6};
   const auto images = project_point(camera, camera.to_world().point(point));
   ASSERT_GT(images.size(), 2u);
-  const double image = 1 / (1 / 0.05 - 1 / 0.9), array = 1 / (1 / 0.05 - 1.0);
-  const Vec2 at = (-image / 0.9) * Vec2{point.x, point.y};
+  const double image = 1 / (1 / 0.05 - 1 / 0.6), array = 1 / (1 / 0.05 - 1.0);
+  const Vec2 at = (-image / 0.6) * Vec2{point.x, point.y};
   for (const PointTruth& t : images) {
     // The straight line through the middle of the microlens, towards the image behind it.
     const Vec2 lens = camera.lattice().centre(t.lens);
@@ -172,8 +172,9 @@ TEST(GroundTruth, ChiefRaysMeetWhatTheyProject) {
     EXPECT_TRUE(relative(length(direction), 1, 1e-6));
     const Vec3 offset = world - origin;
     const double distance = length(offset - dot(offset, direction) * direction);
-    // Half a pixel of 10 um behind B = 0.25 mm looks 0.7 * 10/250 rad aside at a = 0.9 mm.
-    EXPECT_LT(distance, 0.2 * kMm);
+    // Half a pixel of 10 um behind B = 0.25 mm looks 0.7 * 10/250 rad aside at a = 0.9 mm, and
+    // through another zone of the singlet, whose blur is an RMS radius of 0.43 mm.
+    EXPECT_LT(distance, 0.5 * kMm);
     ++met;
   }
   EXPECT_GE(met, 2);
