@@ -79,19 +79,21 @@ if chosen paper-previous-60x60; then
 fi
 
 # Pictures in 3-D (docs/scripting.md, docs/rays.md), and what the Python examples plot.
-scene=examples/lenslets-30.toml
-"$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
-draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
-draw --image out/lenslets-30.exr --pixel 150,150 --rays 48 -o docs/images/picture-scene.png
-draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
-draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
-build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
-packages=$(echo "$build"/lib/*/python3/dist-packages)
-for example in render_and_plot rays_over_lens; do
-  PYTHONPATH=$packages /usr/bin/python3 "examples/python/$example.py" "$scene" out
-done
-cp out/render.png docs/images/scripting-render.png
-cp out/rays.png docs/images/scripting-rays.png
+if chosen lenslets-30; then
+  scene=examples/lenslets-30.toml
+  "$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
+  draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
+  draw --image out/lenslets-30.exr --pixel 150,150 --rays 48 -o docs/images/picture-scene.png
+  draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
+  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
+  build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
+  packages=$(echo "$build"/lib/*/python3/dist-packages)
+  for example in render_and_plot rays_over_lens; do
+    PYTHONPATH=$packages /usr/bin/python3 "examples/python/$example.py" "$scene" out
+  done
+  cp out/render.png docs/images/scripting-render.png
+  cp out/rays.png docs/images/scripting-rays.png
+fi
 
 # The paper's objects through three cameras, side by side.
 if chosen paper-objects-5m; then

@@ -45,9 +45,6 @@ int run_corners(const Settings& settings) {
   SceneDocument document = read_valid_scene(settings.scene);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
   Execution execution;
-  execution.message = [](Severity severity, const std::string& text) {
-    if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
-  };
   const CompiledScene scene =
       compile(document.scene, medium_loader(), execution, document.positions);
   std::vector<PatternImage> images;

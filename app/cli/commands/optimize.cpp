@@ -189,8 +189,8 @@ void register_optimize(const Registry& registry) {
   auto settings = std::make_shared<Settings>();
   CLI::App& command = add_command(registry, "optimize",
                                   "Find a better camera: microlenses, spacing, aperture, focus",
-                                  "plenoflame optimize examples/paper-flame-1m.toml --merit depth "
-                                  "--array-range \"0.4313 mm,-20.36 mm\" -o best.toml");
+                                  "plenoflame optimize camera.toml --merit depth "
+                                  "--array-range \"0.4 mm,-20 mm\" -o best.toml");
   command.add_option("SCENE", settings->scene, "Scene file (.toml) with the camera to start from")
       ->required();
   command

@@ -110,7 +110,8 @@ class MicrolensTracer {
 };
 
 /// The micro-image as the middle of the microlens sees it, by the main lens alone.
-constexpr double kRangeRoom = 1.3;  ///< the search begins so much farther out than the paraxial image
+constexpr double kRangeRoom =
+    1.3;  ///< the search begins so much farther out than the paraxial image
 struct ChiefImage {
   double centre = 0, radius = 0;  ///< [m] along the axis away from the optical one; radius 0: dark
   double range = 0;  ///< guess of how far from `centre` the whole micro-image reaches [m]

@@ -9,11 +9,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kEdgeBlocks = 4;     ///< of rays between two nodes, near the micro-image's edge
-constexpr int kBlocks = 40;        ///< of rays between two nodes, all over the micro-image
-constexpr double kBeside = 0.02;   ///< of the bound: rays are aimed so far outside of a cut
-constexpr double kRoom = 1.05;     ///< what lacks is added with this factor
-constexpr double kMargin = 0.0005; ///< of the bound: for the rays that were not traced
+constexpr int kEdgeBlocks = 4;      ///< of rays between two nodes, near the micro-image's edge
+constexpr int kBlocks = 40;         ///< of rays between two nodes, all over the micro-image
+constexpr double kBeside = 0.02;    ///< of the bound: rays are aimed so far outside of a cut
+constexpr double kRoom = 1.05;      ///< what lacks is added with this factor
+constexpr double kMargin = 0.0005;  ///< of the bound: for the rays that were not traced
 
 /// Evenly spread points of the unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
 class Spread {

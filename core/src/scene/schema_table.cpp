@@ -9,6 +9,7 @@ namespace {
 
 using schema::key;
 using schema::list;
+using schema::locate;
 
 // ---- ranges -------------------------------------------------------------------------------------
 
