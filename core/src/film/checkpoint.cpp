@@ -11,11 +11,10 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 1\n";
+constexpr std::string_view kMagic = "plenoflame film 2\n";
 
-/// FNV-1a over the bytes: finds damage, not malice.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
+/// FNV-1a over the bytes, going on from `hash`: finds damage, not malice.
+std::uint64_t checksum(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
   return hash;
 }
@@ -56,17 +55,24 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   const std::array<std::int32_t, 6> shape{
       w.x, w.y, w.width, w.height, film.channels(), film.replicates()};
   const std::uint64_t key_size = key.size();
-  const std::string_view sums = bytes_of(film.sums().data(), film.sums().size());
   const std::string_view tiles =
       bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
-  const std::uint64_t sum = checksum(sums) ^ checksum(tiles) * 3;
+  // Which tiles hold anything: only those follow.
+  std::string present;
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    present += film.tile_sums(tile).empty() ? '\0' : '\1';
+  std::uint64_t sum = checksum(present, checksum(tiles));
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    sum = checksum(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()), sum);
   file.write(kMagic);
   file.write(bytes_of(&key_size, 1));
   file.write(key);
   file.write(bytes_of(shape.data(), shape.size()));
   file.write(bytes_of(&sum, 1));
   file.write(tiles);
-  file.write(sums);
+  file.write(present);
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    file.write(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
   file.commit();
 }
 
@@ -83,22 +89,30 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
   std::array<std::int32_t, 6> shape{};
   for (auto& value : shape) value = reader.number<std::int32_t>();
   const auto sum = reader.number<std::uint64_t>();
-  const auto plausible = [&] {
-    double values = 1;
-    for (std::size_t i = 2; i < 6; ++i) {
-      if (shape[i] < 1) return false;
-      values *= shape[i];
-    }
-    return values * sizeof(double) <= static_cast<double>(reader.left());
+  const auto damaged = [&] {
+    return FileError(path + ": is damaged; start the run again without it");
   };
-  if (!plausible()) throw FileError(path + ": is damaged; start the run again without it");
+  // A damaged shape must not ask for memory that the file cannot fill.
+  constexpr std::int32_t kMost = 1 << 24;
+  for (std::size_t i = 2; i < 6; ++i)
+    if (shape[i] < 1 || shape[i] > kMost) throw damaged();
+  const double tile_area = static_cast<double>(Film::kTile) * Film::kTile;
+  if (static_cast<double>(shape[2]) * shape[3] / tile_area > static_cast<double>(reader.left()))
+    throw damaged();
   Film film({shape[0], shape[1], shape[2], shape[3]}, shape[4], shape[5]);
-  const std::string_view tiles = reader.take(film.all_tile_samples().size() * sizeof(double));
-  const std::string_view sums = reader.take(film.sums().size() * sizeof(double));
-  if (reader.left() != 0 || (checksum(sums) ^ checksum(tiles) * 3) != sum)
-    throw FileError(path + ": is damaged; start the run again without it");
+  const std::size_t count = film.all_tile_samples().size();
+  const std::string_view tiles = reader.take(count * sizeof(double));
+  const std::string_view present = reader.take(count);
+  std::uint64_t found = checksum(present, checksum(tiles));
   std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
-  std::memcpy(film.sums().data(), sums.data(), sums.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (present[i] == 0) continue;
+    const int tile = static_cast<int>(i);
+    const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
+    found = checksum(sums, found);
+    std::memcpy(film.tile_sums(tile).data(), sums.data(), sums.size());
+  }
+  if (reader.left() != 0 || found != sum) throw damaged();
   return film;
 }
 

@@ -9,8 +9,7 @@ Film::Film(PixelWindow window, int channels, int replicates)
     : window_(window),
       channels_(channels),
       replicates_(replicates),
-      sums_(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height) *
-            static_cast<std::size_t>(channels) * static_cast<std::size_t>(replicates)),
+      sums_(static_cast<std::size_t>(tile_count())),
       tile_samples_(static_cast<std::size_t>(tile_count())) {}
 
 PixelWindow Film::tile(int index) const {
@@ -19,60 +18,73 @@ PixelWindow Film::tile(int index) const {
           std::min(kTile, window_.height - y)};
 }
 
-double Film::tile_scale(int column, int row) const {
-  const double samples = tile_samples(row / kTile * tiles_across() + column / kTile);
-  return samples > 0 ? 1.0 / samples : 0.0;
+std::size_t Film::tile_values(int tile) const {
+  const PixelWindow pixels = this->tile(tile);
+  return static_cast<std::size_t>(pixels.width) * static_cast<std::size_t>(pixels.height) *
+         static_cast<std::size_t>(channels_) * static_cast<std::size_t>(replicates_);
 }
 
-template <class Scale>
-Image Film::flux_scaled(int channel, const Scale& scale) const {
-  Image image(window_.width, window_.height);
-  for (int row = 0; row < window_.height; ++row)
-    for (int column = 0; column < window_.width; ++column) {
+std::vector<double>& Film::tile_sums(int tile) {
+  std::vector<double>& sums = sums_[static_cast<std::size_t>(tile)];
+  if (sums.empty()) sums.resize(tile_values(tile));
+  return sums;
+}
+
+std::size_t Film::index_in_tile(int tile, int channel, int replicate, int column, int row) const {
+  const PixelWindow pixels = this->tile(tile);
+  const auto pixel =
+      static_cast<std::size_t>(row - pixels.y) * static_cast<std::size_t>(pixels.width) +
+      static_cast<std::size_t>(column - pixels.x);
+  return (pixel * static_cast<std::size_t>(channels_) + static_cast<std::size_t>(channel)) *
+             static_cast<std::size_t>(replicates_) +
+         static_cast<std::size_t>(replicate);
+}
+
+double& Film::sum(int channel, int replicate, int column, int row) {
+  const int tile = tile_of(column, row);
+  return tile_sums(tile)[index_in_tile(tile, channel, replicate, column, row)];
+}
+
+double Film::sum(int channel, int replicate, int column, int row) const {
+  const int tile = tile_of(column, row);
+  const std::vector<double>& sums = tile_sums(tile);
+  return sums.empty() ? 0 : sums[index_in_tile(tile, channel, replicate, column, row)];
+}
+
+void Film::develop(int tile, int channel, FilmImages& images) const {
+  const std::vector<double>& sums = tile_sums(tile);
+  const double samples = tile_samples(tile);
+  if (sums.empty() || !(samples > 0)) return;
+  const PixelWindow pixels = this->tile(tile);
+  const double scale = 1.0 / samples, n = replicates_;
+  const auto replicates = static_cast<std::size_t>(replicates_);
+  const std::size_t stride = static_cast<std::size_t>(channels_) * replicates;
+  const double* at = sums.data() + static_cast<std::size_t>(channel) * replicates;
+  for (int row = pixels.y - window_.y; row < pixels.y - window_.y + pixels.height; ++row)
+    for (int column = pixels.x - window_.x; column < pixels.x - window_.x + pixels.width;
+         ++column, at += stride) {
       double total = 0;
-      for (int r = 0; r < replicates_; ++r)
-        total += sum(channel, r, column + window_.x, row + window_.y);
-      image.at(column, row) = static_cast<float>(total / replicates_ * scale(column, row));
-    }
-  return image;
-}
-
-template <class Scale>
-Image Film::error_scaled(int channel, const Scale& scale) const {
-  if (replicates_ < 2) return {};
-  Image image(window_.width, window_.height);
-  for (int row = 0; row < window_.height; ++row)
-    for (int column = 0; column < window_.width; ++column) {
-      double mean = 0;
-      for (int r = 0; r < replicates_; ++r)
-        mean += sum(channel, r, column + window_.x, row + window_.y);
-      mean /= replicates_;
+      for (std::size_t r = 0; r < replicates; ++r) total += at[r];
+      const double mean = total / n;
+      images.flux.at(column, row) = static_cast<float>(mean * scale);
+      if (replicates_ < 2) continue;
       double squares = 0;
-      for (int r = 0; r < replicates_; ++r) {
-        const double d = sum(channel, r, column + window_.x, row + window_.y) - mean;
-        squares += d * d;
-      }
-      image.at(column, row) = static_cast<float>(
-          std::sqrt(squares / (static_cast<double>(replicates_) * (replicates_ - 1))) *
-          scale(column, row));
+      for (std::size_t r = 0; r < replicates; ++r) squares += (at[r] - mean) * (at[r] - mean);
+      images.standard_error.at(column, row) =
+          static_cast<float>(std::sqrt(squares / (n * (n - 1))) * scale);
     }
-  return image;
 }
 
-Image Film::flux(int channel, double samples) const {
-  return flux_scaled(channel, [=](int, int) { return 1.0 / samples; });
-}
-
-Image Film::standard_error(int channel, double samples) const {
-  return error_scaled(channel, [=](int, int) { return 1.0 / samples; });
-}
-
-Image Film::flux(int channel) const {
-  return flux_scaled(channel, [this](int column, int row) { return tile_scale(column, row); });
-}
-
-Image Film::standard_error(int channel) const {
-  return error_scaled(channel, [this](int column, int row) { return tile_scale(column, row); });
+FilmImages Film::images(int channel, const Execution& execution) const {
+  FilmImages images;
+  images.flux = Image(window_.width, window_.height);
+  if (replicates_ > 1) images.standard_error = Image(window_.width, window_.height);
+  // What has been gathered is wanted also after a stop.
+  Execution inner;
+  inner.threads = execution.threads;
+  parallel_for(inner, static_cast<std::size_t>(tile_count()),
+               [&](std::size_t tile, int) { develop(static_cast<int>(tile), channel, images); });
+  return images;
 }
 
 double estimated_relative_rmse(const Image& flux, const Image& standard_error) {

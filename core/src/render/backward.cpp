@@ -97,7 +97,7 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
   const bool complete = parallel_for(execution, tiles.size(), [&](std::size_t index, int worker) {
     TileTracer<Real>& tracer = tracers[static_cast<std::size_t>(worker)];
     const double rays_of_worker = tracer.counters().rays;
-    tracer.render(film.tile(tiles[index]));
+    tracer.render(tiles[index]);
     film.add_samples(tiles[index], points);
     if (!execution.progress) return;
     const std::lock_guard lock(mutex);

@@ -51,8 +51,11 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
 }
 
 template <class Real>
-void TileTracer<Real>::render(PixelWindow tile) {
+void TileTracer<Real>::render(int tile_index) {
   const Camera& camera = plan_.scene->camera;
+  tile_index_ = tile_index;
+  tile_ = film_.tile(tile_index);
+  const PixelWindow& tile = tile_;
   if (!camera.has_array()) {
     for (int row = tile.y; row < tile.y + tile.height; ++row)
       for (int column = tile.x; column < tile.x + tile.width; ++column)
@@ -62,8 +65,7 @@ void TileTracer<Real>::render(PixelWindow tile) {
     const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
     const Vec2 b = camera.sensor_point(tile.x, tile.y);
     const Vec2 reach{plan_.reach, plan_.reach};
-    for (const LensIndex lens : camera.lattice().within(a - reach, b + reach))
-      add_microlens(tile, lens);
+    for (const LensIndex lens : camera.lattice().within(a - reach, b + reach)) add_microlens(lens);
     if (plan_.between_type >= 0)
       for (int row = tile.y; row < tile.y + tile.height; ++row)
         for (int column = tile.x; column < tile.x + tile.width; ++column)
@@ -107,7 +109,8 @@ bool TileTracer<Real>::place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double 
 }
 
 template <class Real>
-void TileTracer<Real>::add_microlens(PixelWindow tile, LensIndex lens) {
+void TileTracer<Real>::add_microlens(LensIndex lens) {
+  const PixelWindow& tile = tile_;
   const Camera& camera = plan_.scene->camera;
   const Vec2 place = camera.lattice().centre(lens);
   const int type = camera.lattice().type(lens);
@@ -379,9 +382,17 @@ double TileTracer<Real>::scale_of(int level) const {
 template <class Real>
 void TileTracer<Real>::add_to_film(int channel) {
   const Real* radiance = radiance_ + channel * kPadding;
+  const auto replicates = static_cast<std::size_t>(film_.replicates());
+  const std::size_t stride = static_cast<std::size_t>(film_.channels()) * replicates;
+  double* const sums =
+      film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(channel) * replicates;
   for (const Pending& pending : pending_) {
     const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
     const double scale = scale_of(pending.level);
+    double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *
+                                      static_cast<std::size_t>(tile_.width) +
+                                  static_cast<std::size_t>(pending.column - tile_.x)) *
+                                     stride;
     int replicate = pending.offset / points;
     int left = points - pending.offset % points;  // of the replicate
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
@@ -394,7 +405,7 @@ void TileTracer<Real>::add_to_film(int channel) {
         sum = plan_.kernels.accumulate(block_.weight + i, radiance + i, end - i);
       }
       i = end;
-      film_.sum(channel, replicate, pending.column, pending.row) += scale * sum;
+      pixel[replicate] += scale * sum;
     }
   }
 }

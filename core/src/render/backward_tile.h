@@ -86,7 +86,8 @@ template <class Real>
 class TileTracer {
  public:
   TileTracer(const BackwardPlan<Real>& plan, Film& film);
-  void render(PixelWindow tile);
+  /// @param tile of the film
+  void render(int tile);
   /// From now on shows all rays to `sink` (nullptr: none).
   void show_rays_to(RaySink<Real>* sink) { sink_ = sink; }
   const TileCounters& counters() const { return counters_; }
@@ -95,7 +96,7 @@ class TileTracer {
   struct Pending {
     int column, row, first, count, offset, level;  ///< offset: first number of the replicates
   };
-  void add_microlens(PixelWindow tile, LensIndex lens);
+  void add_microlens(LensIndex lens);
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
   void end_at_microlenses(int first, int count);
@@ -114,6 +115,8 @@ class TileTracer {
   const BackwardPlan<Real>& plan_;
   Film& film_;
   RaySink<Real>* sink_ = nullptr;
+  int tile_index_ = 0;
+  PixelWindow tile_;  ///< that is being rendered
   KernelPatch<Real> patch_{};
   KernelPixel<Real> pixel_{};
   int type_ = 0;                           ///< of the patch

@@ -196,7 +196,8 @@ class Run {
     return std::max<std::int64_t>(1, kChunkBundles / settings_.replicates);
   }
   StatedError error() const {
-    return stated_error(film_.flux(0), film_.standard_error(0), film_.replicates());
+    const FilmImages images = film_.images(0, execution_);
+    return stated_error(images.flux, images.standard_error, film_.replicates());
   }
 
  private:

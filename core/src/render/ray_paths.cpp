@@ -142,7 +142,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
       Film film(window, channels, settings.replicates);
       TileTracer<double> tile(plan, film);
       tile.show_rays_to(&sink);
-      tile.render(window);
+      tile.render(0);
     }
     if (only) keep_lens(*only, own);
   };

@@ -81,8 +81,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (int c = 0; c < channels; ++c) {
     LightFieldChannel channel;
     channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
-    channel.flux = film.flux(c);
-    if (settings.standard_error) channel.standard_error = film.standard_error(c);
+    FilmImages images = film.images(c, execution);
+    channel.flux = std::move(images.flux);
+    if (settings.standard_error) channel.standard_error = std::move(images.standard_error);
     field.channels.push_back(std::move(channel));
   }
   const LightFieldChannel& first = field.channels.front();

@@ -6,23 +6,26 @@
 
 #include "render/backward.h"
 #include "render/run_control.h"
+#include "render/sample_plan.h"
 
 namespace plenoflame {
 namespace {
 
-constexpr int kFirstPoints = 8;  ///< of each replicate in the first round
+constexpr int kFirstPoints = 8;       ///< of each replicate in the first round
+constexpr double kGoalMargin = 0.97;  ///< on the mean square: a last round of its own costs more
 constexpr int kCheckpointBatches = 16;
 
 /// Mean square error of every tile's lit pixels, and of the whole image, first channel.
 struct TileErrors {
   std::vector<double> mean_square;  ///< [W^2] 0: nothing lit
+  std::vector<double> lit;          ///< pixels
   double mean_flux = 0;             ///< [W] over lit pixels
   StatedError stated;               ///< of the whole image
 };
 
-TileErrors measure_errors(const Film& film) {
+TileErrors measure_errors(const Film& film, const Execution& execution) {
   TileErrors errors;
-  const Image flux = film.flux(0), error = film.standard_error(0);
+  const auto [flux, error] = film.images(0, execution);
   const float limit =
       static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
   double total = 0, lit = 0;
@@ -39,6 +42,7 @@ TileErrors measure_errors(const Film& film) {
         tile_lit += 1;
       }
     errors.mean_square.push_back(tile_lit > 0 ? tile_squares / tile_lit : 0);
+    errors.lit.push_back(tile_lit);
     lit += tile_lit;
   }
   if (lit > 0) errors.mean_flux = total / lit;
@@ -67,18 +71,24 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
   }
 }
 
-/// The mean square error that decides about a tile: that of its lit neighbours, not its own. Errors
-/// change little from tile to tile; but samples that decide whether more are taken would bias the
-/// mean (where they scatter little they also lie low).
-double deciding_error(const Film& film, const TileErrors& errors, int tile, double mean) {
+/// Mean square error at one sample per replicate, as kErrorSlope foresees it.
+double difficulty_of(const Film& film, const TileErrors& errors, int tile) {
+  const double square = errors.mean_square[static_cast<std::size_t>(tile)];
+  return square * std::pow(std::max(1.0, film.tile_samples(tile)), 2 * kErrorSlope);
+}
+
+/// The difficulty that decides about a tile: that of its lit neighbours, not its own. Errors change
+/// little from tile to tile; but samples that decide whether more are taken would bias the mean
+/// (where they scatter little they also lie low).
+double deciding_difficulty(const Film& film, const TileErrors& errors, int tile, double mean) {
   const int across = film.tiles_across(), down = film.tile_count() / across;
   const int x = tile % across, y = tile / across;
   double sum = 0, count = 0;
   for (int j = std::max(0, y - 1); j <= std::min(down - 1, y + 1); ++j)
     for (int i = std::max(0, x - 1); i <= std::min(across - 1, x + 1); ++i) {
-      const double m = errors.mean_square[static_cast<std::size_t>(j * across + i)];
-      if ((i == x && j == y) || m <= 0) continue;
-      sum += m;
+      const double d = difficulty_of(film, errors, j * across + i);
+      if ((i == x && j == y) || d <= 0) continue;
+      sum += d;
       count += 1;
     }
   return count > 0                                                ? sum / count
@@ -86,34 +96,38 @@ double deciding_error(const Film& film, const TileErrors& errors, int tile, doub
                                                                   : 0;
 }
 
-/// Tiles that the next round is spent on, those of largest error first.
-std::vector<int> choose_tiles(const Film& film, const RenderSettings& settings,
-                              const TileErrors& errors, int limit) {
-  // Half of the target's square, so that tiles just above it do not take turns; without a target,
-  // everything that is not already far better than the rest.
-  double mean = 0, lit = 0;
-  for (const double m : errors.mean_square) {
-    mean += m;
-    lit += m > 0 ? 1 : 0;
+/// Samples per replicate that the next round brings each tile to. Without a target: half the
+/// error of the image.
+std::vector<int> plan_round(const Film& film, const RenderSettings& settings,
+                            const TileErrors& errors, int limit) {
+  std::vector<int> samples;
+  for (const double done : film.all_tile_samples())
+    samples.push_back(done > 0 ? static_cast<int>(done) : std::min(kFirstPoints, limit));
+  if (std::count(film.all_tile_samples().begin(), film.all_tile_samples().end(), 0.0) > 0)
+    return samples;  // where nothing is known nothing can be decided
+  double mean = 0, tiles_lit = 0, squares = 0, lit = 0;
+  for (int t = 0; t < film.tile_count(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    mean += difficulty_of(film, errors, t);
+    tiles_lit += errors.mean_square[i] > 0 ? 1 : 0;
+    squares += errors.mean_square[i] * errors.lit[i];
+    lit += errors.lit[i];
   }
+  if (!(lit > 0)) {  // dark so far, everywhere
+    for (int& n : samples) n = std::min(2 * n, limit);
+    return samples;
+  }
+  mean /= std::max(1.0, tiles_lit);
   // It is the bound that has to come below the target.
   const double goal = settings.target_error * errors.mean_flux * errors.stated.relative_rmse /
                       std::max(errors.stated.bound, 1e-300);
-  const double threshold =
-      settings.target_error > 0 ? 0.5 * goal * goal : 0.25 * mean / std::max(1.0, lit);
-  mean /= std::max(1.0, lit);
-  std::vector<double> deciding(errors.mean_square.size());
-  std::vector<int> tiles;
-  for (int t = 0; t < film.tile_count(); ++t) {
-    double& error = deciding[static_cast<std::size_t>(t)];
-    error = deciding_error(film, errors, t, mean);
-    if (film.tile_samples(t) < limit && (film.tile_samples(t) == 0 || error > threshold))
-      tiles.push_back(t);
-  }
-  std::stable_sort(tiles.begin(), tiles.end(), [&](int a, int b) {
-    return deciding[static_cast<std::size_t>(a)] > deciding[static_cast<std::size_t>(b)];
-  });
-  return tiles;
+  const double goal_squared =
+      settings.target_error > 0 ? kGoalMargin * goal * goal : 0.25 * squares / lit;
+  std::vector<TileNeed> needs;
+  for (int t = 0; t < film.tile_count(); ++t)
+    needs.push_back({errors.lit[static_cast<std::size_t>(t)], film.tile_samples(t),
+                     deciding_difficulty(film, errors, t, mean)});
+  return plan_samples(needs, goal_squared, limit);
 }
 
 void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
@@ -125,28 +139,30 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   Checkpoints checkpoints(settings);
   bool finished = true;
   while (finished) {
-    const TileErrors errors = measure_errors(film);
+    const TileErrors errors = measure_errors(film, execution);
     const bool started = std::all_of(film.all_tile_samples().begin(), film.all_tile_samples().end(),
                                      [](double s) { return s > 0; });
     if (started) statistics.relative_error = errors.stated.relative_rmse;
     if (started && settings.target_error > 0 && errors.stated.bound <= settings.target_error) break;
-    const std::vector<int> tiles = choose_tiles(film, settings, errors, limit);
-    if (tiles.empty()) break;
-    // Each tile goes on where its own sequence stands, doubling it.
-    std::map<int, std::vector<int>> by_samples;
-    for (const int t : tiles) by_samples[static_cast<int>(film.tile_samples(t))].push_back(t);
-    for (const auto& [done, group] : by_samples) {
-      const int points = std::min(std::max(done, kFirstPoints), limit - done);
-      finished = finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(done), points,
-                                          table, inner)
-                                 .run(group, inner, film, statistics);
+    const std::vector<int> planned = plan_round(film, settings, errors, limit);
+    // Each tile goes on where its own sequence stands.
+    std::map<std::pair<int, int>, std::vector<int>> groups;
+    for (int t = 0; t < film.tile_count(); ++t) {
+      const int done = static_cast<int>(film.tile_samples(t));
+      const int points = planned[static_cast<std::size_t>(t)] - done;
+      if (points > 0) groups[{done, points}].push_back(t);
     }
+    if (groups.empty()) break;
+    for (const auto& [part, tiles] : groups)
+      finished = finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(part.first),
+                                          part.second, table, inner)
+                                 .run(tiles, inner, film, statistics);
     if (finished) checkpoints.offer(film);
   }
   // A time limit that ran out is no interruption: what is there is what was asked for.
   statistics.complete = !execution.stop.stop_requested();
-  statistics.target_reached =
-      settings.target_error <= 0 || measure_errors(film).stated.bound <= settings.target_error;
+  statistics.target_reached = settings.target_error <= 0 ||
+                              measure_errors(film, execution).stated.bound <= settings.target_error;
 }
 
 }  // namespace

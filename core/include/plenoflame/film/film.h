@@ -2,13 +2,20 @@
 #include <cstddef>
 #include <vector>
 
+#include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
 
 namespace plenoflame {
 
+/// A channel as pictures of the film's window.
+struct FilmImages {
+  Image flux;            ///< [W]
+  Image standard_error;  ///< [W] by the scatter of the replicates; empty with one replicate
+};
+
 /// What an estimator has gathered: per pixel and channel one sum for each independent
 /// randomisation (replicate), in double precision. The mean over replicates is the estimate, their
-/// scatter its standard error.
+/// scatter its standard error. Tiles that receive nothing take no memory.
 class Film {
  public:
   Film() = default;
@@ -18,18 +25,12 @@ class Film {
   int channels() const { return channels_; }
   int replicates() const { return replicates_; }
 
-  /// Sum of one replicate. `column`, `row` count on the whole sensor.
-  double& sum(int channel, int replicate, int column, int row) {
-    return sums_[index(channel, replicate, column, row)];
-  }
-  double sum(int channel, int replicate, int column, int row) const {
-    return sums_[index(channel, replicate, column, row)];
-  }
-
-  /// The film is worked on in tiles of kTile x kTile pixels, from the window's top left corner.
+  /// The film is kept and worked on in tiles of kTile x kTile pixels, from the window's top left
+  /// corner. Different threads may work on different tiles.
   static constexpr int kTile = 64;
   int tiles_across() const { return (window_.width + kTile - 1) / kTile; }
   int tile_count() const { return tiles_across() * ((window_.height + kTile - 1) / kTile); }
+  /// Pixels of a tile, counted on the whole sensor.
   PixelWindow tile(int index) const;
   /// Samples per replicate that a tile's sums hold.
   double tile_samples(int tile) const { return tile_samples_[static_cast<std::size_t>(tile)]; }
@@ -37,41 +38,37 @@ class Film {
     tile_samples_[static_cast<std::size_t>(tile)] += samples;
   }
 
-  /// Estimate and its standard error [W] by each tile's own number of samples; 0 where there are
-  /// none.
-  Image flux(int channel) const;
-  Image standard_error(int channel) const;
+  /// Sums of a tile, row by row; of each pixel all channels, of each channel all replicates. Made
+  /// of zeros when first asked for; empty as long as nothing was.
+  std::vector<double>& tile_sums(int tile);
+  const std::vector<double>& tile_sums(int tile) const {
+    return sums_[static_cast<std::size_t>(tile)];
+  }
+  std::size_t tile_values(int tile) const;  ///< how many sums a tile has
 
-  /// All sums and tile counts, in a fixed order: to keep a film in a file and to continue it.
-  const std::vector<double>& sums() const { return sums_; }
-  std::vector<double>& sums() { return sums_; }
+  /// Sum of one replicate. `column`, `row` count on the whole sensor.
+  double& sum(int channel, int replicate, int column, int row);
+  double sum(int channel, int replicate, int column, int row) const;
+
+  /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
+  FilmImages images(int channel, const Execution& execution = {}) const;
+
+  /// Samples of all tiles: to keep a film in a file and to continue it.
   const std::vector<double>& all_tile_samples() const { return tile_samples_; }
   std::vector<double>& all_tile_samples() { return tile_samples_; }
 
-  /// Estimate [W]: mean of the replicates' sums, divided by `samples` per replicate.
-  Image flux(int channel, double samples) const;
-  /// Its standard error [W] from the scatter of the replicates; empty with one replicate.
-  Image standard_error(int channel, double samples) const;
+  friend bool operator==(const Film&, const Film&) = default;
 
  private:
-  std::size_t index(int channel, int replicate, int column, int row) const {
-    return ((static_cast<std::size_t>(row - window_.y) * static_cast<std::size_t>(window_.width) +
-             static_cast<std::size_t>(column - window_.x)) *
-                static_cast<std::size_t>(channels_) +
-            static_cast<std::size_t>(channel)) *
-               static_cast<std::size_t>(replicates_) +
-           static_cast<std::size_t>(replicate);
+  int tile_of(int column, int row) const {
+    return (row - window_.y) / kTile * tiles_across() + (column - window_.x) / kTile;
   }
+  std::size_t index_in_tile(int tile, int channel, int replicate, int column, int row) const;
+  void develop(int tile, int channel, FilmImages& images) const;
+
   PixelWindow window_;
   int channels_ = 0, replicates_ = 0;
-  /// `scale(column, row)` turns a mean of sums into a flux.
-  template <class Scale>
-  Image flux_scaled(int channel, const Scale& scale) const;
-  template <class Scale>
-  Image error_scaled(int channel, const Scale& scale) const;
-  double tile_scale(int column, int row) const;
-
-  std::vector<double> sums_;
+  std::vector<std::vector<double>> sums_;
   std::vector<double> tile_samples_;
 };
 
