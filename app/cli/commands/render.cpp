@@ -1,5 +1,7 @@
 #include "plenoflame/render/render.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -55,6 +57,25 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   return settings;
 }
 
+/// Everything that was left out, with the figures that there are.
+void add_skipped(const RenderStatistics& s, Report& report) {
+  const auto add = [&](double part, double whole, const std::string& what, const char* key) {
+    if (part > 0) report.add_text("skipped", fmt::format("{:.4g} of {:.4g} {}", part, whole, what));
+    if (key) report.add_json(key, part);
+  };
+  add(s.lenses_skipped, s.lenses, "microlenses: their beams miss the flame", "lenses_skipped");
+  add(s.pixels_skipped, s.pixels_skipped + s.pairs, "pixels: their beams miss the flame",
+      "pixels_skipped");
+  add(s.tiles_skipped, s.tiles, "tiles: no beam meets the flame", "tiles_skipped");
+  add(s.medium.skipped_empty, s.medium.skipped_empty + s.medium.cells, "steps: empty bricks",
+      nullptr);
+  add(s.medium.skipped_constant, s.medium.skipped_constant + s.medium.cells,
+      "steps: constant bricks, in closed form", nullptr);
+  add(s.medium.opaque_tails, s.medium.rays, "rays cut where the flame is opaque", nullptr);
+  for (const std::string& text : s.left_out) report.add_text("left out", text);
+  report.add_json("left_out", s.left_out);
+}
+
 Report report_of(const RenderStatistics& s, double compile_seconds) {
   Report report;
   const auto number = [](double value) {
@@ -94,14 +115,11 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add("flame", s.medium_description, "medium", s.medium_description);
   if (!s.surfaces_description.empty())
     report.add("surfaces", s.surfaces_description, "surfaces", s.surfaces_description);
-  report.add("skipped",
-             number(s.lenses_skipped) + " of " + number(s.lenses) +
-                 " microlenses whose beams miss the flame",
-             "lenses_skipped", s.lenses_skipped);
+  add_skipped(s, report);
   report.add_json("lenses", s.lenses);
   report.add_json("pixels", s.pixels);
-  report.add_json("pixels_skipped", s.pixels_skipped);
   report.add_json("pairs", s.pairs);
+  report.add_json("tiles", s.tiles);
   if (s.table_nodes > 0) {
     const double all = s.table_looked_up + s.table_corrected + s.table_rough;
     report.add("radiance table",

@@ -21,6 +21,12 @@ class CompositeMedium final : public Medium {
 
   int channel_count() const override { return media_.front()->channel_count(); }
   Box bounds() const override;
+  std::vector<Box> occupied() const override {
+    std::vector<Box> boxes;
+    for (const auto& medium : media_)
+      for (const Box& box : medium->occupied()) boxes.push_back(box);
+    return boxes;
+  }
   double feature_size() const override;
   bool is_costly() const override {
     return std::any_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_costly(); });

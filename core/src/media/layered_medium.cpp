@@ -57,6 +57,7 @@ class LayeredMedium final : public Medium {
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
   Box bounds() const override { return bounds_; }
+  std::vector<Box> occupied() const override;
   double feature_size() const override;
 
   void integrate(const RayBatch<float>& rays, const MediumOptions& options,
@@ -164,6 +165,44 @@ CompiledLayers<Real> LayeredMedium::compile() const {
     for (const EllipsoidLayer& layer : layers_)
       c.sources.push_back(static_cast<Real>(channel(layer.temperature)));
   return c;
+}
+
+std::vector<Box> LayeredMedium::occupied() const {
+  constexpr int kParts = 24;  // of each axis
+  std::vector<Box> boxes;
+  const auto& rows = to_world_.rotation.rows;
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const EllipsoidLayer& layer = layers_[l];
+    // The last of nested layers holds the others.
+    if (!(layer.absorption > 0) ||
+        (nested_ && l + 1 < layers_.size() && layers_.back().absorption > 0))
+      continue;
+    // In units of the semi-axes: how far from the centre a part's nearest point is.
+    const auto nearest = [](int part) {
+      const double low = 2.0 * part / kParts - 1, high = 2.0 * (part + 1) / kParts - 1;
+      return low > 0 ? low : high < 0 ? -high : 0.0;
+    };
+    const Vec3 a = layer.semi_axes, half = (1.0 / kParts) * a;
+    const Vec3 reach{std::fabs(rows[0].x) * half.x + std::fabs(rows[0].y) * half.y +
+                         std::fabs(rows[0].z) * half.z,
+                     std::fabs(rows[1].x) * half.x + std::fabs(rows[1].y) * half.y +
+                         std::fabs(rows[1].z) * half.z,
+                     std::fabs(rows[2].x) * half.x + std::fabs(rows[2].y) * half.y +
+                         std::fabs(rows[2].z) * half.z};
+    for (int i = 0; i < kParts; ++i)
+      for (int j = 0; j < kParts; ++j)
+        for (int k = 0; k < kParts; ++k) {
+          const double x = nearest(i), y = nearest(j), z = nearest(k);
+          if (x * x + y * y + z * z > 1) continue;
+          const auto middle = [](int part, double axis) {
+            return axis * ((2.0 * part + 1) / kParts - 1);
+          };
+          const Vec3 centre =
+              to_world_.point(layer.centre + Vec3{middle(i, a.x), middle(j, a.y), middle(k, a.z)});
+          boxes.push_back({centre - reach, centre + reach});
+        }
+  }
+  return boxes;
 }
 
 double LayeredMedium::feature_size() const {

@@ -109,6 +109,7 @@ class VoxelMedium final : public Medium {
   int channel_count() const override { return static_cast<int>(channels_.size()); }
 
   Box bounds() const override { return bounds_; }
+  std::vector<Box> occupied() const override;
 
   bool is_costly() const override { return true; }
   double feature_size() const override {
@@ -196,6 +197,32 @@ class VoxelMedium final : public Medium {
   Tables<double> double_;
   Box bounds_;
 };
+
+std::vector<Box> VoxelMedium::occupied() const {
+  std::vector<Box> boxes;
+  if (cells_.empty()) return boxes;
+  const Vec3 first = cells_.origin(), low = cells_.lower(), high = cells_.upper();
+  const Mat3& linear = cells_.index_to_world().linear;
+  for (double x = first.x; x < high.x; x += 8)
+    for (double y = first.y; y < high.y; y += 8)
+      for (double z = first.z; z < high.z; z += 8) {
+        if (!cells_.occupied({x + 4, y + 4, z + 4})) continue;
+        const Vec3 a{std::max(x, low.x), std::max(y, low.y), std::max(z, low.z)};
+        const Vec3 b{std::min(x + 8, high.x), std::min(y + 8, high.y), std::min(z + 8, high.z)};
+        const Vec3 half = 0.5 * (b - a);
+        Vec3 reach;
+        double* const out[] = {&reach.x, &reach.y, &reach.z};
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vec3 row = linear.rows[i];
+          // A little more, for the rounding of rays that are moved to index coordinates.
+          *out[i] = (1 + 1e-9) * (std::fabs(row.x) * half.x + std::fabs(row.y) * half.y +
+                                  std::fabs(row.z) * half.z);
+        }
+        const Vec3 centre = cells_.index_to_world().point(0.5 * (a + b));
+        boxes.push_back({centre - reach, centre + reach});
+      }
+  return boxes;
+}
 
 template <class Real>
 void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>& tables,

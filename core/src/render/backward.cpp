@@ -35,7 +35,6 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   plan.optics = camera_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
   const Box box = medium.bounds();
-  const std::optional<Box> lit = lit_box(scene);
   plan.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
   plan.camera = kernel_camera<Real>(camera, anchor, camera.to_world());
@@ -44,12 +43,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     plan.between_type = static_cast<int>(plan.microlenses.size());
     plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
     plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
-    if (settings.skip && lit)
-      plan.between_beams =
-          std::make_unique<BeamBounds>(between->camera, std::vector{between->table}, *lit);
   }
-  if (settings.skip && lit)
-    plan.beams = std::make_unique<BeamBounds>(camera, scene.pupils.tables(), *lit);
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)));
@@ -67,6 +61,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.rays_reached += part.rays_reached;
   total.pairs += part.pairs;
   total.pixels_skipped += part.pixels_skipped;
+  total.tiles_skipped += part.tiles_skipped;
   total.table.looked_up += part.table.looked_up;
   total.table.corrected += part.table.corrected;
   total.table.rough += part.table.rough;
@@ -99,9 +94,9 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
     const double rays_of_worker = tracer.counters().rays;
     tracer.render(tiles[index]);
     film.add_samples(tiles[index], points);
-    if (!execution.progress) return;
     const std::lock_guard lock(mutex);
     ++done;
+    if (!execution.progress) return;
     statistics.rays += tracer.counters().rays - rays_of_worker;
     Progress progress;
     progress.fraction = static_cast<double>(done) / static_cast<double>(tiles.size());
@@ -120,6 +115,8 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
   statistics.pixels_skipped += total.pixels_skipped;
+  statistics.tiles += static_cast<double>(done);
+  statistics.tiles_skipped += total.tiles_skipped;
   statistics.table_looked_up += total.table.looked_up;
   statistics.table_corrected += total.table.corrected;
   statistics.table_rough += total.table.rough;
@@ -164,12 +161,10 @@ BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& 
   return make_plan<double>(scene, medium, settings, first, points, {});
 }
 
-void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
+void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics) {
   const Camera& camera = scene.camera;
-  const std::optional<Box> lit = lit_box(scene);
-  if (!camera.has_array() || !has_content(scene) || !lit) return;
-  const BeamBounds beams(camera, scene.pupils.tables(), *lit);
+  if (!camera.has_array()) return;
   const double reach = micro_image_reach(scene.pupils);
   const Vec2 margin{reach, reach};
   const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
@@ -177,7 +172,7 @@ void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
   for (const LensIndex lens : camera.lattice().within(a - margin, b + margin)) {
     const Vec2 place = camera.lattice().centre(lens);
     statistics.lenses += 1;
-    if (settings.skip && !beams.may_meet(camera.lattice().type(lens), place))
+    if (shared.beams && !shared.beams->lenses().may_meet(camera.lattice().type(lens), place))
       statistics.lenses_skipped += 1;
   }
 }
@@ -200,8 +195,7 @@ bool in_single_precision(const CompiledScene& scene, const RenderSettings& setti
          (settings.precision == Precision::automatic && single_precision_suffices(scene));
 }
 
-}  // namespace
-
+/// The table of radiance for a scene; nullptr where the settings refuse it or it would not pay.
 std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
                                                    const RenderSettings& settings) {
   if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
@@ -214,19 +208,28 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   return RadianceTable::make(scene.camera, *scene.medium, 0.5 * (box.lower + box.upper), options);
 }
 
+}  // namespace
+
+BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings& settings)
+    : beams(settings.skip && has_content(scene) ? SceneBeams::make(scene) : nullptr),
+      table(make_radiance_table(scene, settings)) {}
+
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           std::uint32_t first, int points, RadianceTable* table,
+                           std::uint32_t first, int points, const BackwardShared& shared,
                            const Execution& execution)
     : medium_(std::make_unique<SceneMedium>(scene)), points_(points) {
   const bool single = in_single_precision(scene, settings);
   if (single) {
     auto plan = std::make_unique<BackwardPlan<float>>(
         make_plan<float>(scene, medium_->get(), settings, first, points, execution));
-    plan->table = table;
+    plan->table = shared.table.get();
+    plan->beams = shared.beams.get();
     single_ = std::move(plan);
   } else {
-    double_ = std::make_unique<const BackwardPlan<double>>(
+    auto plan = std::make_unique<BackwardPlan<double>>(
         make_plan<double>(scene, medium_->get(), settings, first, points, execution));
+    plan->beams = shared.beams.get();
+    double_ = std::move(plan);
   }
 }
 

@@ -6,6 +6,7 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/radiance_table.h"
+#include "render/scene_beams.h"
 #include "render/scene_medium.h"
 
 namespace plenoflame {
@@ -13,14 +14,21 @@ namespace plenoflame {
 template <class Real>
 struct BackwardPlan;
 
+/// What all passes of a rendering share.
+struct BackwardShared {
+  BackwardShared(const CompiledScene& scene, const RenderSettings& settings);
+  std::unique_ptr<const SceneBeams> beams;  ///< nullptr: nothing is skipped
+  /// Stands in for the medium where it is smooth (single precision only); may be nullptr.
+  std::unique_ptr<RadianceTable> table;
+};
+
 /// Points [first, first + points) of each replicate's sequence: what is the same for all tiles is
 /// made once, in the constructor. Keeps references to scene and settings.
 class BackwardPass {
  public:
-  /// @param table stands in for the medium where it is smooth (single precision only); may be
-  /// nullptr
+  /// @param shared kept, must live as long
   BackwardPass(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-               int points, RadianceTable* table = nullptr, const Execution& execution = {});
+               int points, const BackwardShared& shared, const Execution& execution = {});
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;
@@ -40,12 +48,8 @@ class BackwardPass {
 
 /// Counts the microlenses that may light the window, and those of them that are left out because
 /// their beams miss the flame, into the statistics.
-void count_lenses(const CompiledScene& scene, const RenderSettings& settings,
+void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics);
-
-/// The table of radiance for a scene; nullptr where the settings refuse it or it would not pay.
-std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
-                                                   const RenderSettings& settings);
 
 /// Whether single precision is accurate enough: rounding of a ray over the distance to the medium
 /// must stay well below the medium's features.

@@ -56,10 +56,12 @@ void TileTracer<Real>::render(int tile_index) {
   tile_index_ = tile_index;
   tile_ = film_.tile(tile_index);
   const PixelWindow& tile = tile_;
+  const double pairs_before = counters_.pairs;
   if (!camera.has_array()) {
     for (int row = tile.y; row < tile.y + tile.height; ++row)
       for (int column = tile.x; column < tile.x + tile.width; ++column)
-        add_bare_pixel(column, row, plan_.scene->pupils.tables().front(), plan_.beams.get(), 0);
+        add_bare_pixel(column, row, plan_.scene->pupils.tables().front(),
+                       plan_.beams ? &plan_.beams->lenses() : nullptr, 0);
   } else {
     // Upright images run against camera x, y.
     const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
@@ -70,9 +72,10 @@ void TileTracer<Real>::render(int tile_index) {
       for (int row = tile.y; row < tile.y + tile.height; ++row)
         for (int column = tile.x; column < tile.x + tile.width; ++column)
           add_bare_pixel(column, row, plan_.scene->pupils.between()->table,
-                         plan_.between_beams.get(), plan_.between_type);
+                         plan_.beams ? &*plan_.beams->between() : nullptr, plan_.between_type);
   }
   flush();
+  if (counters_.pairs == pairs_before) counters_.tiles_skipped += 1;
 }
 
 /// Begins a patch: what is queued belongs to the one before.
@@ -115,7 +118,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   const Vec2 place = camera.lattice().centre(lens);
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
-  if (plan_.beams && !plan_.beams->may_meet(type, place)) return;
+  if (plan_.beams && !plan_.beams->lenses().may_meet(type, place)) return;
   const double h = length(place);
   const PupilNode node = table.at(h);
   if (node.dark()) return;

@@ -10,8 +10,8 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
 #include "render/backward_surfaces.h"
-#include "render/beam_bounds.h"
 #include "render/radiance_table.h"
+#include "render/scene_beams.h"
 
 namespace plenoflame {
 
@@ -41,9 +41,8 @@ struct BackwardPlan {
   int between_type = -1;
   Real between_z = 0;
   Vec3 anchor;                        ///< [m] world
-  std::unique_ptr<BeamBounds> beams;  ///< nullptr: nothing is skipped
-  std::unique_ptr<BeamBounds> between_beams;
-  RadianceTable* table = nullptr;  ///< may stand in for the medium; single precision only
+  const SceneBeams* beams = nullptr;  ///< nullptr: nothing is skipped
+  RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
@@ -75,7 +74,7 @@ class RaySink {
 
 /// Numbers counted by one worker.
 struct TileCounters {
-  double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0;
+  double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0, tiles_skipped = 0;
   double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
   MediumCounters medium;
   RadianceTableCounters table;

@@ -13,23 +13,12 @@ constexpr double kMargin = 0.08;
 }  // namespace
 
 BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables,
-                       const Box& box) {
-  const RigidTransform to_camera = camera.to_world().inverse();
-  Vec3 lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = to_camera.point({(corner & 1) ? box.upper.x : box.lower.x,
-                                    (corner & 2) ? box.upper.y : box.lower.y,
-                                    (corner & 4) ? box.upper.z : box.lower.z});
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-  lower_ = {lower.x, lower.y};
-  upper_ = {upper.x, upper.y};
-  always_ = !(lower.z > 0) || !std::isfinite(upper.z);
-  if (always_) return;
+                       const LitRegion& region)
+    : region_(&region) {
+  if (!region.bounded()) return;
   // Without array a beam belongs to a whole pixel, not to its centre.
   half_diagonal_ = camera.has_array() ? 0 : std::sqrt(0.5) * camera.spec().sensor.pixel_pitch;
-  const double planes[2] = {lower.z, upper.z};
+  const double planes[2] = {region.near_plane(), region.far_plane()};
   for (const PupilTable& table : tables) {
     FieldTable field;
     field.step = table.field_step;
@@ -59,7 +48,7 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
 }
 
 bool BeamBounds::may_meet(int table, Vec2 place) const {
-  if (always_) return true;
+  if (!region_->bounded()) return true;
   const FieldTable& field = fields_[static_cast<std::size_t>(table)];
   const double h = length(place);
   const auto last = field.nodes.size() - 1;
@@ -79,25 +68,7 @@ bool BeamBounds::may_meet(int table, Vec2 place) const {
     radius = std::max(radius, std::max(a.radius[k], b.radius[k]) +
                                   (1 + kMargin) * std::max(along, across) * half_diagonal_);
   }
-  // The beam lies in the hull of both footprints: a capsule. Distance of its axis from the
-  // rectangle, bounded by testing the axis' own bounding rectangle first, then its normal.
-  const Vec2 lo{std::min(centre[0].x, centre[1].x) - radius,
-                std::min(centre[0].y, centre[1].y) - radius};
-  const Vec2 hi{std::max(centre[0].x, centre[1].x) + radius,
-                std::max(centre[0].y, centre[1].y) + radius};
-  if (lo.x > upper_.x || hi.x < lower_.x || lo.y > upper_.y || hi.y < lower_.y) return false;
-  const Vec2 axis = centre[1] - centre[0];
-  const double axis_length = length(axis);
-  if (!(axis_length > 0)) return true;
-  const Vec2 normal{-axis.y / axis_length, axis.x / axis_length};
-  const double offset = dot(normal, centre[0]);
-  double low = kInfinity, high = -kInfinity;
-  for (const Vec2 corner : {lower_, Vec2{upper_.x, lower_.y}, Vec2{lower_.x, upper_.y}, upper_}) {
-    const double d = dot(normal, corner) - offset;
-    low = std::min(low, d);
-    high = std::max(high, d);
-  }
-  return low <= radius && high >= -radius;
+  return region_->meets(centre, radius);
 }
 
 }  // namespace plenoflame

@@ -125,7 +125,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const SceneMedium medium(scene);
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
-  plan.beams.reset();  // rays that pass beside the flames are wanted, too
+  // Rays that pass beside the flames are wanted, too: no beams.
   const PathTracer tracer(scene.camera, medium.get());
   const double samples = static_cast<double>(points) * settings.replicates;
   const int channels = static_cast<int>(paths.channels.size());

@@ -1,5 +1,7 @@
 #include "plenoflame/render/render.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -37,6 +39,29 @@ void check(const RenderSettings& settings, const SensorSpec& sensor) {
     throw UsageError("this processor does not support " + std::string(name(settings.isa)));
 }
 
+/// What a rendering does without, beyond what counters count.
+std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettings& settings) {
+  std::vector<std::string> list;
+  const CameraSpec& camera = scene.scene.camera;
+  const std::size_t types = camera.array.types.size(), channels = scene.scene.channels.size();
+  if (!camera.array.present)
+    list.emplace_back("the array: the camera has none");
+  else if (settings.estimator == Estimator::backward)
+    list.emplace_back("directions that stop and microlenses vignette: not sampled");
+  if (camera.array.present && types < 3)
+    list.push_back(fmt::format("lens types beyond the array's {}", types));
+  if (camera.lens.model == LensModel::ideal)
+    list.emplace_back("surfaces of the main lens: it is ideal");
+  if (!scene.medium) list.emplace_back("flames: the scene has none");
+  if (!scene.surfaces) list.emplace_back("solid surfaces: the scene has none");
+  if (channels > 1)
+    list.push_back(
+        fmt::format("rays of their own for {} channels: all share one path", channels - 1));
+  if (!settings.standard_error || settings.replicates < 2)
+    list.emplace_back("standard errors: not asked for");
+  return list;
+}
+
 }  // namespace
 
 RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
@@ -53,6 +78,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   statistics.threads = execution.thread_count();
   statistics.isa = std::string(name(settings.isa));
   statistics.pixels = static_cast<double>(window.width) * window.height;
+  statistics.left_out = left_out(scene, settings);
   result.film = Film(window, channels, settings.replicates);
   Film& film = result.film;
   if (settings.resume) {
@@ -67,7 +93,6 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     if (forward) {
       render_forward(scene, settings, execution, film, statistics);
     } else {
-      count_lenses(scene, settings, window, statistics);
       render_rounds(scene, settings, execution, film, statistics);
     }
   } else {

@@ -52,7 +52,7 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
 
 void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
                   const Execution& execution, Film& film, RenderStatistics& statistics,
-                  RadianceTable* table) {
+                  const BackwardShared& shared) {
   std::vector<int> tiles;
   for (int t = 0; t < film.tile_count(); ++t)
     if (film.tile_samples(t) == 0) tiles.push_back(t);
@@ -61,7 +61,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
       settings.checkpoint
           ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
           : std::max<std::size_t>(1, tiles.size());
-  const BackwardPass pass(scene, settings, 0, points, table, execution);
+  const BackwardPass pass(scene, settings, 0, points, shared, execution);
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<int> part(
@@ -132,7 +132,7 @@ std::vector<int> plan_round(const Film& film, const RenderSettings& settings,
 
 void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
                         const Execution& execution, Film& film, RenderStatistics& statistics,
-                        RadianceTable* table) {
+                        const BackwardShared& shared) {
   const Deadline deadline(execution.stop, settings.time_limit);
   Execution inner = execution;
   inner.stop = deadline.token();
@@ -155,7 +155,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     if (groups.empty()) break;
     for (const auto& [part, tiles] : groups)
       finished = finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(part.first),
-                                          part.second, table, inner)
+                                          part.second, shared, inner)
                                  .run(tiles, inner, film, statistics);
     if (finished) checkpoints.offer(film);
   }
@@ -171,11 +171,12 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
                    const Execution& execution, Film& film, RenderStatistics& statistics) {
   // Every replicate gets the same number of points.
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  const std::unique_ptr<RadianceTable> table = make_radiance_table(scene, settings);
+  const BackwardShared shared(scene, settings);
+  count_lenses(scene, shared, film.window(), statistics);
   if (settings.target_error > 0 || settings.time_limit > 0)
-    render_progressive(scene, settings, points, execution, film, statistics, table.get());
+    render_progressive(scene, settings, points, execution, film, statistics, shared);
   else
-    render_fixed(scene, settings, points, execution, film, statistics, table.get());
+    render_fixed(scene, settings, points, execution, film, statistics, shared);
 }
 
 }  // namespace plenoflame

@@ -60,17 +60,4 @@ bool has_content(const CompiledScene& scene) {
   return scene.medium || scene.surfaces || !scene.lights.environment.empty();
 }
 
-std::optional<Box> lit_box(const CompiledScene& scene) {
-  if (!scene.lights.environment.empty()) return std::nullopt;
-  if (scene.surfaces && scene.surfaces->has_endless_plane()) return std::nullopt;
-  const Box flames = scene.medium ? scene.medium->bounds() : Box{};
-  const Box solids = scene.surfaces ? scene.surfaces->bounds() : Box{};
-  if (solids.empty()) return flames;
-  if (flames.empty()) return solids;
-  return Box{{std::min(flames.lower.x, solids.lower.x), std::min(flames.lower.y, solids.lower.y),
-              std::min(flames.lower.z, solids.lower.z)},
-             {std::max(flames.upper.x, solids.upper.x), std::max(flames.upper.y, solids.upper.y),
-              std::max(flames.upper.z, solids.upper.z)}};
-}
-
 }  // namespace plenoflame

@@ -1,6 +1,5 @@
 #pragma once
 #include <memory>
-#include <optional>
 
 #include "plenoflame/media/medium.h"
 #include "plenoflame/scene/compile.h"
@@ -21,9 +20,5 @@ class SceneMedium {
 
 /// Whether any ray can carry light.
 bool has_content(const CompiledScene& scene);
-
-/// World box that every ray which carries light meets; nothing when there is none (surroundings, a
-/// plane without end).
-std::optional<Box> lit_box(const CompiledScene& scene);
 
 }  // namespace plenoflame

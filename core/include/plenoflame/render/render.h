@@ -65,6 +65,10 @@ struct RenderStatistics {
   double lenses = 0;          ///< microlenses whose micro-images meet the window
   double lenses_skipped = 0;  ///< of these, whose beams miss the flame
   double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
+  double tiles = 0;           ///< of the film that were rendered, in all rounds
+  double tiles_skipped = 0;   ///< of these, without any ray
+  /// Parts of the work that neither scene nor settings ask for, a phrase each.
+  std::vector<std::string> left_out;
   MediumCounters medium;
   /// Of the rays that reached the scene, where a table stands in for the medium: how many only
   /// looked it up, corrected it, were integrated because it is not smooth there; rays that filled

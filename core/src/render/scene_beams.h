@@ -1,0 +1,30 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "plenoflame/scene/compile.h"
+#include "render/beam_bounds.h"
+#include "render/lit_region.h"
+
+namespace plenoflame {
+
+/// Which microlenses and pixels of a camera can see anything of its scene; made once for all passes
+/// of a rendering.
+class SceneBeams {
+ public:
+  /// @return nullptr when light may come from everywhere
+  static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene);
+  SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit);
+  SceneBeams(const SceneBeams&) = delete;
+  SceneBeams& operator=(const SceneBeams&) = delete;
+
+  const BeamBounds& lenses() const { return lenses_; }                   ///< without array: pixels
+  const std::optional<BeamBounds>& between() const { return between_; }  ///< clear arrays only
+
+ private:
+  LitRegion region_;
+  BeamBounds lenses_;
+  std::optional<BeamBounds> between_;
+};
+
+}  // namespace plenoflame
