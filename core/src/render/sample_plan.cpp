@@ -47,8 +47,14 @@ std::vector<int> plan_samples(const std::vector<TileNeed>& tiles, double goal, i
     (expected(tiles, std::exp(middle)) > goal ? high : low) = middle;
   }
   std::vector<int> samples(tiles.size());
-  // What is wanted may be less than the least growth everywhere: then a little more is.
-  double price = std::exp(low);
+  // At a higher price than this nothing grows.
+  double most = 0;
+  for (const TileNeed& tile : tiles)
+    if (static_cast<int>(tile.samples) < limit)
+      most = std::max(most, tile.difficulty * std::pow(tile.samples, -2 * kErrorSlope - 1));
+  // What is wanted may be less than the least growth everywhere, or nothing where the goal seems to
+  // be met: then a little more is.
+  double price = std::min(std::exp(low), most);
   for (int attempt = 0; attempt < 20; ++attempt, price /= 1.3) {
     bool any = false;
     for (std::size_t i = 0; i < tiles.size(); ++i) {
