@@ -33,25 +33,39 @@ float noise(int i, int j, int k) {
   return static_cast<float>((h ^ (h >> 15)) >> 8) * 0x1p-24f;
 }
 
-constexpr double kPerVoxel = 0.01;
+/// How much the noise varies from sample to sample.
+struct Strength {
+  double coldest = 1700, hottest = 1700.1;  ///< [K]
+  double per_voxel = 0.01;                  ///< optical thickness of a cell at most
+};
+/// So mild that the method's own error (docs/theory.md) does not hide what geometry and rounding
+/// do.
+constexpr Strength kMild{};
+/// Flame against air from one sample to the next, and cells that are half opaque.
+constexpr Strength kHarsh{400, 2400, 1};
 
-/// Noise of 10^3 samples, 1700 to 1700.1 K and up to an optical thickness of kPerVoxel a cell: so
-/// mild that the method's own error (docs/theory.md) does not hide what geometry and rounding do.
+/// Noise of 10^3 samples.
 struct Fields {
   VoxelField temperature, absorption;
   std::unique_ptr<Medium> medium;
-  explicit Fields(const AffineTransform& place) {
-    // Absorption per metre such that a step of one index is 0 to kPerVoxel optically.
+  Strength strength;
+  explicit Fields(const AffineTransform& place, const Strength& noise_of = kMild,
+                  const VoxelMediumOptions& options = {})
+      : strength(noise_of) {
+    // Absorption per metre such that a step of one index is 0 to per_voxel optically.
     const double step = std::cbrt(
         std::fabs(dot(place.linear.rows[0], cross(place.linear.rows[1], place.linear.rows[2]))));
-    const auto scale = static_cast<float>(kPerVoxel / step);
+    const auto scale = static_cast<float>(strength.per_voxel / step);
+    const auto coldest = static_cast<float>(strength.coldest);
+    const auto span = static_cast<float>(strength.hottest - strength.coldest);
     const std::array<int, 3> low{0, 0, 0}, high{kSide, kSide, kSide};
     temperature = test::make_field(
-        low, high, [](int i, int j, int k) { return 1700 + 0.1f * noise(i, j, k); }, place, 1700);
+        low, high, [=](int i, int j, int k) { return coldest + span * noise(i, j, k); }, place,
+        coldest);
     absorption = test::make_field(
         low, high, [=](int i, int j, int k) { return scale * noise(k + 31, i, j); }, place);
     medium = make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear,
-                               {SourceFunction::total()});
+                               {SourceFunction::total()}, options);
   }
 };
 
@@ -68,13 +82,14 @@ Ray line(const AffineTransform& t, Vec3 index, Vec3 along) {
   return {t.point(index), normalize(d)};
 }
 
-/// Error over the radiance, or where that is smaller over what a ray across all cells at kPerVoxel
-/// each would show.
+/// Error over the radiance, or where that is smaller over what a ray across all cells at their
+/// hottest and thickest would show.
 template <class Real>
 void check(StressCase& radiance, const Fields& fields, const std::vector<Ray>& rays,
            const std::string& where, double t0 = -1e3, double t1 = 1e3, Vec3 anchor = {}) {
   const double most =
-      static_cast<double>(test::total_source(1700)) * -std::expm1(-kPerVoxel * kSide);
+      static_cast<double>(test::total_source(static_cast<long double>(fields.strength.hottest))) *
+      -std::expm1(-fields.strength.per_voxel * kSide);
   std::vector<test::Seen> seen;
   for (const Isa isa : test::supported_isas())
     seen.push_back(test::see<Real>(*fields.medium, rays, test::with(isa), t0, t1, anchor));
@@ -117,6 +132,25 @@ void faces(const std::string& precision, double bound) {
 TEST(VoxelStress, FacesEdgesCorners) {
   faces<float>("single", 5e-6);
   faces<double>("double", 1e-6);
+}
+
+template <class Real>
+void harsh(const std::string& precision, double tolerance, double bound) {
+  StressCase radiance(kArea,
+                      "noise of 400 to 2400 K and tau 0 to 1 from sample to sample, " +
+                          text("tolerance", tolerance) + ", " + precision + " [radiance]",
+                      kReference, bound);
+  const Fields fields(test::scaled(0.5), kHarsh, {tolerance});
+  check<Real>(radiance, fields, special_rays(test::scaled(0.5)), "noise");
+}
+
+TEST(VoxelStress, HarshNoise) {
+  // The method's own error, which follows VoxelMediumOptions::tolerance: that is a share of the
+  // emission of the brightest of 8^3 cells, and a ray may stay in dim ones.
+  harsh<float>("single", 3e-4, 4e-3);
+  harsh<double>("double", 3e-4, 4e-3);
+  harsh<double>("double", 3e-5, 6e-4);
+  harsh<double>("double", 1e-7, 3e-5);
 }
 
 template <class Real>
@@ -225,14 +259,14 @@ void thickness(const std::string& precision, double bound) {
       one.add(static_cast<double>(seen.radiance[0][0] / exact - 1), text("tau =", tau));
     }
   }
-  StressCase many(kArea, "1e5 cells in a row, tau 1e-6 and 1, " + precision + " [relative]",
+  StressCase many(kArea, "1e5 cells in a row, tau 1e-12 to 1e6, " + precision + " [relative]",
                   "closed form", (sizeof(Real) == 4 ? 3000 : 300) * bound);
   constexpr int cells = 100000;
   // Single precision adds 1e5 roundings of the transmittance up.
   const AffineTransform t = test::scaled(1);
   const VoxelField temperature = test::make_field(
       {0, 0, 0}, {cells + 1, 2, 2}, [](int, int, int) { return 1700.f; }, t, 1700);
-  for (const double tau : {1e-6, 1.0}) {
+  for (const double tau : {1e-12, 1e-6, 1e-2, 1.0, 1e6}) {
     const auto kappa = static_cast<float>(tau / cells);
     const VoxelField absorption = test::make_field(
         {0, 0, 0}, {cells + 1, 2, 2}, [=](int, int, int) { return kappa; }, t);

@@ -8,6 +8,12 @@
 namespace plenoflame {
 namespace {
 
+/// Lengths of micrometres are far from where squares leave the range of numbers: hypot, which
+/// guards against that, took a tenth of the time that tables take.
+double quick_length(Vec2 v) {
+  return std::sqrt(dot(v, v));
+}
+
 constexpr int kScan = 32;        ///< distances looked at along an azimuth
 constexpr int kBisections = 10;  ///< halvings of a step between two of them
 constexpr double kRingRadii[] = {0.2, 0.4, 0.6, 0.75, 0.88, 0.95, 1.0};  ///< of the disc's
@@ -126,7 +132,7 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
 double PupilOutline::last_inside(int azimuth, std::size_t i) const {
   const Interval& interval = grids_[static_cast<std::size_t>(azimuth)][i];
   const auto inside = [&](double distance) {
-    return length(aim(azimuth, distance, i)) <= discs_.bound;
+    return quick_length(aim(azimuth, distance, i)) <= discs_.bound;
   };
   if (inside(interval.out)) return interval.out;
   double lo = interval.in, hi = interval.out;
@@ -146,7 +152,7 @@ PupilCut PupilOutline::cut(int azimuth, double distance) const {
   std::vector<Vec2> outline;
   for (std::size_t i = 0; i < kPoints; ++i) {
     aims[i] = aim(azimuth, distance, i);
-    inside[i] = discs_.bound - length(aims[i]);
+    inside[i] = discs_.bound - quick_length(aims[i]);
     member[i] = inside[i] > 0 && grid[i].in <= distance && distance <= grid[i].out;
     if (member[i]) outline.push_back(aims[i]);
   }
@@ -224,7 +230,7 @@ double PupilOutline::open_share(double distance) const {
     const Grid& grid = grids_[static_cast<std::size_t>(azimuth)];
     const bool end = azimuth == 0 || azimuth == PupilCuts::kAzimuths - 1;
     for (std::size_t i = 0; i < kPoints; ++i) {
-      if (length(aim(azimuth, distance, i)) > discs_.bound) continue;
+      if (quick_length(aim(azimuth, distance, i)) > discs_.bound) continue;
       const std::size_t ring = i == 0 ? 0 : (i - 1) / kSpokes;
       const double outer =
           ring + 1 < kRings ? 0.5 * (kRingRadii[ring] + kRingRadii[ring + 1]) : 1.0;

@@ -148,7 +148,7 @@ void widen_to_hold(PupilTracer& own, const PupilTable& table, std::vector<PupilC
       own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
         if (!passes) return;
         const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
-        const double distance = length(w);
+        const double distance = std::sqrt(dot(w, w));
         if (!(distance > 0)) return;
         const Vec2 e = (1 / distance) * w;
         const auto cosine = static_cast<float>(e.x), d = static_cast<float>(distance);
