@@ -286,6 +286,90 @@ TEST(VoxelStress, OpticalThickness) {
   thickness<double>("double", 1e-14);
 }
 
+/// A smooth flame in a cube of 16 mm, places in metres from its corner.
+struct SmoothFlame {
+  double thickness;  ///< optical, across the cube, about
+  static constexpr double kWide = 0.016;
+  double temperature(Vec3 p) const {
+    return 1500 + 300 * std::sin(250 * p.x) * std::cos(150 * p.y + 1) + 2e4 * p.z;
+  }
+  double absorption(Vec3 p) const {
+    return thickness / kWide * (1 + 0.5 * std::cos(200 * p.x - 120 * p.z) * std::sin(180 * p.y));
+  }
+};
+
+/// Radiance at the start of a line by the transfer equation dL/ds = kappa (L - S), backwards from
+/// the end (Runge-Kutta of fourth order; 4000 steps leave 1e-13).
+long double by_transfer_equation(const SmoothFlame& flame, const Ray& ray, double length) {
+  constexpr int kSteps = 4000;
+  const long double h = static_cast<long double>(length) / kSteps;
+  const auto slope = [&](long double s, long double radiance) {
+    const Vec3 p = ray.at(static_cast<double>(s));
+    const auto t = static_cast<long double>(flame.temperature(p));
+    return static_cast<long double>(flame.absorption(p)) * (test::total_source(t) - radiance);
+  };
+  long double radiance = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const long double s = static_cast<long double>(length) - h * i;
+    const long double a = slope(s, radiance), b = slope(s - h / 2, radiance + h / 2 * a);
+    const long double c = slope(s - h / 2, radiance + h / 2 * b),
+                      d = slope(s - h, radiance + h * c);
+    radiance += h / 6 * (a + 2 * b + 2 * c + d);
+  }
+  return radiance;
+}
+
+// Two errors of a grid: that of the quadrature, of fourth order in the spacing, and that of knowing
+// the flame at its samples only, of second order (docs/theory.md). Prints
+//   order | thickness | spacing [m] | error of the quadrature | error of the grid
+TEST(VoxelStress, ErrorAgainstSpacing) {
+  for (const double thickness : {0.1, 1.0, 10.0}) {
+    const SmoothFlame flame{thickness};
+    std::vector<double> quadrature, whole;
+    for (int n = 4; n <= 64; n *= 2) {
+      const double spacing = SmoothFlame::kWide / n;
+      const AffineTransform place = test::scaled(spacing);
+      const auto at = [&](int i, int j, int k) {
+        return place.point({double(i), double(j), double(k)});
+      };
+      const VoxelField temperature = test::make_field(
+          {0, 0, 0}, {n + 1, n + 1, n + 1},
+          [&](int i, int j, int k) { return static_cast<float>(flame.temperature(at(i, j, k))); },
+          place, 300);
+      const VoxelField absorption = test::make_field(
+          {0, 0, 0}, {n + 1, n + 1, n + 1},
+          [&](int i, int j, int k) { return static_cast<float>(flame.absorption(at(i, j, k))); },
+          place);
+      const auto medium = make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear,
+                                            {SourceFunction::total()}, {0});
+      double of_quadrature = 0, of_grid = 0;
+      constexpr int kRays = 5;
+      for (int r = 0; r < kRays; ++r) {
+        const Vec3 from{0.001, 0.003 + 0.002 * r, 0.0021}, to{0.015, 0.0128 - 0.0014 * r, 0.0141};
+        const double length = plenoflame::length(to - from);
+        const Ray ray{from, normalize(to - from)};
+        const test::Seen seen =
+            test::see<double>(*medium, {ray}, test::with(Isa::baseline, false), 0, length);
+        const test::Reference own =
+            test::integrate_voxels(temperature, absorption, VoxelInterpolation::trilinear, ray, 0,
+                                   length, test::total_source);
+        const double exact = static_cast<double>(by_transfer_equation(flame, ray, length));
+        const double trilinear = static_cast<double>(own.radiance);
+        of_quadrature += std::pow(seen.radiance[0][0] / trilinear - 1, 2) / kRays;
+        of_grid += std::pow(seen.radiance[0][0] / exact - 1, 2) / kRays;
+      }
+      quadrature.push_back(std::sqrt(of_quadrature));
+      whole.push_back(std::sqrt(of_grid));
+      std::printf("order | %g | %.6g | %.4g | %.4g\n", thickness, spacing, quadrature.back(),
+                  whole.back());
+    }
+    // Over the last two halvings before rounding (samples are floats) is felt.
+    EXPECT_GT(std::log2(quadrature[2] / quadrature[4]) / 2, 3.7) << thickness;
+    EXPECT_GT(std::log2(whole[2] / whole[4]) / 2, 1.9) << thickness;
+    EXPECT_LT(std::log2(whole[2] / whole[4]) / 2, 2.2) << thickness;
+  }
+}
+
 // Results that no grid, transform or ray may bring about, counted.
 TEST(VoxelStress, RandomGridsAndRays) {
   StressCase bad(
