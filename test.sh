@@ -113,7 +113,7 @@ run=()
 export LSAN_OPTIONS="suppressions=$PWD/tests/lsan_suppressions.txt:print_suppressions=0"
 if [ "$setup" = yes ]; then
   say "packages"
-  tools/setup.sh core volumes cli vtk tests || exit 1
+  tools/setup.sh core volumes cli vtk desktop tests || exit 1
 fi
 
 stage "format" tools/format.sh --check || true

@@ -46,6 +46,9 @@ vtk           xvfb                     pictures without a display
 vtk           xauth                    xvfb-run
 vtk           libgl1-mesa-dri          software rendering
 vtk           python3-matplotlib       examples in Python
+desktop       qtbase5-dev              desktop application: windows
+desktop       libvtk9-qt-dev           desktop application: 3-D views in windows
+desktop       libqt5svg5               desktop application: its icon
 tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
 tests         python3-numpy            reads exports as Python users do

@@ -1,0 +1,106 @@
+#include <QVTKOpenGLNativeWidget.h>
+#include <QApplication>
+#include <QCommandLineParser>
+#include <QElapsedTimer>
+#include <QIcon>
+#include <QSettings>
+#include <QStandardPaths>
+#include <QSurfaceFormat>
+#include <QTimer>
+#include <cstdio>
+#include <iostream>
+
+#include "plenoflame/base/version.h"
+#include "widgets/main_window.h"
+
+namespace {
+
+constexpr int kPollInterval = 50;         ///< [ms]
+constexpr int kScreenshotDeadline = 120;  ///< [s]
+
+int fail(int status, const QString& message) {
+  std::cerr << "plenoflame-desktop: error: " << message.toStdString() << '\n';
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using plenoflame::desktop::MainWindow;
+  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+#if QT_VERSION < QT_VERSION_CHECK(6, 0, 0)
+  QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
+  QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
+#endif
+  QApplication application(argc, argv);
+  QApplication::setApplicationName("plenoflame-desktop");
+  QApplication::setOrganizationName("plenoflame");
+  QApplication::setApplicationVersion(QString::fromUtf8(
+      plenoflame::version().data(), static_cast<int>(plenoflame::version().size())));
+  QApplication::setWindowIcon(QIcon(":/plenoflame-desktop.svg"));
+
+  QCommandLineParser parser;
+  parser.setApplicationDescription("What a light-field camera sees of a flame.");
+  parser.addHelpOption();
+  parser.addVersionOption();
+  parser.addPositionalArgument("FILE", "Scene (.toml), flame (.vdb) or raw light field (.exr)",
+                               "[FILE]");
+  const QCommandLineOption screenshot(
+      "screenshot", "After FILE was loaded and rendered, save a picture of the window and end",
+      "OUT.png");
+  const QCommandLineOption size("size", "Size of the window in pixels, e.g. 1500x950", "WxH");
+  const QCommandLineOption pixel("pixel", "Select this pixel", "X,Y");
+  const QCommandLineOption part(
+      "part", "What the 3-D view shows: scene, flame, camera, array or pixel", "PART");
+  const QCommandLineOption dock(
+      "panel", "Panel to bring to the front: Rendering, Rays, Histogram, ...", "NAME");
+  const QCommandLineOption dark("dark", "Dark theme");
+  parser.addOptions({screenshot, size, pixel, part, dock, dark});
+  parser.process(application);
+  if (parser.positionalArguments().size() > 1)
+    return fail(2, "give one file at most (see plenoflame-desktop --help)");
+
+  const bool unattended = parser.isSet(screenshot);
+  std::unique_ptr<QSettings> settings;
+  if (unattended)  // what somebody did before must not show
+    settings = std::make_unique<QSettings>(QString(), QSettings::IniFormat);
+  else
+    settings = std::make_unique<QSettings>();
+  const QString data = QStandardPaths::writableLocation(QStandardPaths::AppDataLocation);
+  MainWindow window(std::move(settings), unattended ? std::string() : data.toStdString());
+  window.set_unattended(unattended);
+  if (parser.isSet(size)) {
+    int w = 0, h = 0;
+    if (std::sscanf(parser.value(size).toUtf8().constData(), "%dx%d", &w, &h) != 2 || w < 200 ||
+        h < 200)
+      return fail(2, "--size: '" + parser.value(size) + "' is not of the form 1500x950");
+    window.resize(w, h);
+  }
+  window.show();
+  if (!parser.positionalArguments().isEmpty()) {
+    if (!window.open(parser.positionalArguments().front()) && unattended)
+      return fail(1, window.last_message());
+  } else if (!unattended) {
+    window.offer_recovery();
+  }
+  const QString wrong = window.apply_options(parser.value(pixel), parser.value(part),
+                                             parser.value(dock), parser.isSet(dark));
+  if (!wrong.isEmpty()) return fail(2, wrong);
+  if (!unattended) return QApplication::exec();
+
+  QElapsedTimer since;
+  since.start();
+  QTimer poll;
+  int settled = 0, status = 0;
+  QObject::connect(&poll, &QTimer::timeout, &window, [&] {
+    settled = window.is_settled() ? settled + 1 : 0;
+    const bool late = since.elapsed() > 1000 * kScreenshotDeadline;
+    if (settled < 6 && !late) return;
+    poll.stop();
+    if (late) status = fail(1, "not everything was ready in time");
+    if (!window.save_screenshot(parser.value(screenshot))) status = fail(1, window.last_message());
+    QApplication::exit(status);
+  });
+  poll.start(kPollInterval);
+  return QApplication::exec();
+}

@@ -1,0 +1,248 @@
+#include "model/document.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/scene/scene_schema.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+std::string moved_path(const std::string& path, const fs::path& from, const fs::path& to) {
+  if (path.empty() || fs::path(path).is_absolute()) return path;
+  const fs::path whole = fs::absolute(from / path).lexically_normal();
+  const fs::path relative = whole.lexically_relative(fs::absolute(to).lexically_normal());
+  return relative.empty() ? whole.string() : relative.string();
+}
+
+}  // namespace
+
+Scene moved_to(Scene scene, const std::string& file) {
+  const fs::path from = fs::path(scene.file).parent_path(), to = fs::path(file).parent_path();
+  for (FlameSpec& flame : scene.flames) flame.file = moved_path(flame.file, from, to);
+  for (SolidSurfaceSpec& surface : scene.surfaces) {
+    surface.file = moved_path(surface.file, from, to);
+    surface.material.texture.file = moved_path(surface.material.texture.file, from, to);
+  }
+  scene.file = file;
+  return scene;
+}
+
+bool operator==(const Selection& a, const Selection& b) {
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case Selection::Kind::none:
+      return true;
+    case Selection::Kind::pixel:
+      return a.column == b.column && a.row == b.row;
+    case Selection::Kind::microlens:
+      return a.lens == b.lens;
+    case Selection::Kind::point:
+      return a.point == b.point;
+  }
+  return false;
+}
+
+Document::Document(QObject* parent) : QObject(parent) {}
+
+std::string Document::name() const {
+  return file_.empty() ? "untitled" : fs::path(file_).filename().string();
+}
+
+void Document::begin(SceneDocument scene, const std::string& file,
+                     std::shared_ptr<const LightField> image) {
+  history_.reset(std::move(scene));
+  empty_ = false;
+  file_ = file;
+  issues_ = check_scene(this->scene(), positions());
+  image_ = std::move(image);
+  image_current_ = image_ != nullptr;
+  selection_ = {};
+  emit state_changed();
+  emit selection_changed();
+  emit scene_changed(SceneChanges::all());
+  emit image_changed();
+}
+
+void Document::open(const std::string& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".toml") {
+    begin(read_scene_file(path), path, nullptr);
+  } else if (ending == ".exr") {
+    auto field = std::make_shared<LightField>(read_light_field(path));
+    if (field->scene_text.empty())
+      throw InputError("'" + path +
+                       "' holds no scene, so its camera is not known; open the scene instead");
+    SceneDocument document = parse_scene(field->scene_text, "scene of " + path);
+    check_raw_image(*field, document.scene.camera, "'" + path + "'");
+    document.scene.file = path;  // relative paths start beside it
+    begin(std::move(document), "", std::move(field));
+  } else if (ending == ".vdb") {
+    read_file(path);  // says what is wrong with it before anything changes
+    Scene scene = this->scene();
+    const bool first = empty_;
+    if (first) scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
+    FlameSpec flame;
+    flame.kind = FlameKind::vdb;
+    flame.name = fs::path(path).stem().string();
+    flame.file = fs::absolute(path).string();
+    if (!scene.flames.empty()) flame.position = scene.flames.front().position;
+    if (scene.flames.empty()) flame.position = {1, 0, -0.02};
+    scene.flames = {flame};
+    if (first)
+      begin({scene, {}}, "", nullptr);
+    else
+      change(scene, "open " + fs::path(path).filename().string());
+    if (first) history_.forget_saved();
+    emit state_changed();
+  } else {
+    throw UsageError("'" + path +
+                     "' is neither a scene (.toml) nor a flame (.vdb) nor a light field (.exr)");
+  }
+}
+
+void Document::open_text(const std::string& text, const std::string& name) {
+  begin(parse_scene(text, name), "", nullptr);
+}
+
+void Document::recover(const RecoveredScene& recovered) {
+  SceneDocument document = parse_scene(recovered.text, recovered.path);
+  document.scene = moved_to(document.scene, recovered.file);
+  document.positions = {};  // of the copy, which nobody knows
+  begin(std::move(document), recovered.file, nullptr);
+  history_.forget_saved();
+  emit state_changed();
+}
+
+void Document::save(const std::string& path) {
+  const Scene moved = moved_to(scene(), path);
+  write_scene_file(path, moved);
+  SceneDocument state = history_.state();
+  const Scene before = state.scene;
+  file_ = path;
+  if (!(moved == before)) {
+    state.scene = moved;
+    push(std::move(state), "save as " + fs::path(path).filename().string());
+  }
+  history_.set_saved();
+  emit state_changed();
+}
+
+void Document::push(SceneDocument state, const std::string& what, const std::string& merge) {
+  const Scene before = scene();
+  history_.push(std::move(state), what, merge);
+  after(before);
+}
+
+void Document::after(const Scene& before) {
+  const SceneChanges changes = changes_between(before, scene());
+  issues_ = check_scene(scene(), positions());
+  if (changes.image()) image_current_ = false;
+  emit state_changed();
+  if (changes.any()) emit scene_changed(changes);
+}
+
+void Document::set_value(const std::string& path, const std::string& text) {
+  SceneDocument state = history_.state();
+  set_text(state.scene, path, text);
+  if (state.scene == scene()) return;
+  state.positions.erase(path);
+  push(std::move(state), "change " + path, path);
+}
+
+void Document::insert_item(const std::string& list, std::size_t position) {
+  SceneDocument state = history_.state();
+  plenoflame::insert_item(state.scene, list, position);
+  state.positions.erase(list);
+  push(std::move(state), "add to " + list);
+}
+
+void Document::erase_item(const std::string& list, std::size_t position) {
+  SceneDocument state = history_.state();
+  plenoflame::erase_item(state.scene, list, position);
+  state.positions.erase(list);
+  push(std::move(state), "remove from " + list);
+}
+
+void Document::apply_preset(PresetKind kind, const std::string& name, std::size_t index) {
+  preset_text(kind, name);  // throws with the nearest name
+  const std::string quoted = "preset = \"" + name + "\"\n";
+  SceneDocument state = history_.state();
+  Scene& scene = state.scene;
+  if (kind == PresetKind::camera) {
+    CameraSpec camera = parse_scene("[camera]\n" + quoted, name).scene.camera;
+    camera.position = scene.camera.position;
+    camera.look_direction = scene.camera.look_direction;
+    camera.up = scene.camera.up;
+    scene.camera = camera;
+    state.positions.erase("camera");
+  } else if (kind == PresetKind::lens) {
+    scene.camera.lens = parse_scene("[camera.lens]\n" + quoted, name).scene.camera.lens;
+    state.positions.erase("camera.lens");
+  } else {
+    FlameSpec flame = parse_scene("[[flames]]\n" + quoted, name).scene.flames.at(0);
+    if (index >= scene.flames.size()) {
+      if (!scene.flames.empty()) flame.position = scene.flames.front().position;
+      scene.flames.push_back(flame);
+    } else {
+      flame.position = scene.flames[index].position;
+      flame.rotation = scene.flames[index].rotation;
+      scene.flames[index] = flame;
+    }
+    state.positions.erase("flames");
+  }
+  if (!(scene == this->scene())) push(std::move(state), "preset " + name);
+}
+
+void Document::change(const Scene& scene, const std::string& what, const std::string& merge) {
+  if (scene == this->scene()) return;
+  SceneDocument state{scene, {}};
+  push(std::move(state), what, merge);
+}
+
+void Document::undo() {
+  if (!can_undo()) return;
+  const Scene before = scene();
+  history_.undo();
+  after(before);
+}
+
+void Document::redo() {
+  if (!can_redo()) return;
+  const Scene before = scene();
+  history_.redo();
+  after(before);
+}
+
+bool Document::is_valid() const {
+  return !empty_ && std::none_of(issues_.begin(), issues_.end(),
+                                 [](const SceneIssue& issue) { return issue.is_error; });
+}
+
+void Document::set_image(std::shared_ptr<const LightField> image) {
+  image_ = std::move(image);
+  image_current_ = image_ != nullptr;
+  emit image_changed();
+}
+
+void Document::select(const Selection& selection) {
+  if (selection == selection_) return;
+  selection_ = selection;
+  emit selection_changed();
+}
+
+}  // namespace plenoflame::desktop

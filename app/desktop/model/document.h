@@ -1,0 +1,138 @@
+#pragma once
+#include <QObject>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/scene_changes.h"
+#include "model/undo_history.h"
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/presets.h"
+#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/validate.h"
+
+namespace plenoflame::desktop {
+
+/// What the user points at. Every view shows it in its own way.
+struct Selection {
+  enum class Kind { none, pixel, microlens, point };
+  Kind kind = Kind::none;
+  int column = 0, row = 0;  ///< pixel
+  LensIndex lens;           ///< microlens
+  Vec3 point;               ///< [m] world
+
+  static Selection of_pixel(int column, int row) {
+    Selection selection;
+    selection.kind = Kind::pixel;
+    selection.column = column;
+    selection.row = row;
+    return selection;
+  }
+  static Selection of_microlens(LensIndex lens) {
+    Selection selection;
+    selection.kind = Kind::microlens;
+    selection.lens = lens;
+    return selection;
+  }
+  static Selection of_point(Vec3 point) {
+    Selection selection;
+    selection.kind = Kind::point;
+    selection.point = point;
+    return selection;
+  }
+};
+bool operator==(const Selection& a, const Selection& b);
+
+/// A scene that was not saved before the program ended.
+struct RecoveredScene {
+  std::string path;  ///< of the copy
+  std::string file;  ///< where it had been saved; empty: nowhere
+  std::string text;
+};
+
+/// What the window is about: a scene with its history, the light field that belongs to it, and what
+/// is selected. Knows no widgets and computes nothing.
+///
+/// A function that throws leaves the document as it was. The messages are those of the command
+/// line.
+class Document : public QObject {
+  Q_OBJECT
+ public:
+  explicit Document(QObject* parent = nullptr);
+
+  bool is_empty() const { return empty_; }
+  const Scene& scene() const { return history_.state().scene; }
+  const PositionMap& positions() const { return history_.state().positions; }
+  /// Where the scene is saved; empty: nowhere yet.
+  const std::string& file() const { return file_; }
+  /// What to call it: the file's name without folder, or "untitled".
+  std::string name() const;
+  bool is_modified() const { return !empty_ && !history_.saved(); }
+
+  /// Opens a scene (.toml), a flame (.vdb, put before the present camera, or the default one) or a
+  /// raw light field (.exr, with the scene it holds), by the ending.
+  /// @throws FileError, InputError, UsageError (another ending)
+  void open(const std::string& path);
+  /// Takes a scene that has no file of its own. @param name for messages and relative paths
+  void open_text(const std::string& text, const std::string& name);
+  /// The same after a crash: it counts as changed.
+  void recover(const RecoveredScene& recovered);
+  /// Saves the scene; files that it names stay the same ones. @throws FileError, InputError
+  void save(const std::string& path);
+
+  /// Sets one value from text with a unit. @throws InputError, see set_text() in scene_schema.h
+  void set_value(const std::string& path, const std::string& text);
+  void insert_item(const std::string& list, std::size_t position);
+  void erase_item(const std::string& list, std::size_t position);
+  /// Starts a camera, a lens or a flame from a preset. @param index of the flame; what places a
+  ///        camera or a flame in the world is kept
+  void apply_preset(PresetKind kind, const std::string& name, std::size_t index = 0);
+  /// Any other change. @param what for the menu  @param merge see UndoHistory::push
+  void change(const Scene& scene, const std::string& what, const std::string& merge = {});
+
+  bool can_undo() const { return history_.can_undo(); }
+  bool can_redo() const { return history_.can_redo(); }
+  std::string undo_text() const { return history_.undo_text(); }
+  std::string redo_text() const { return history_.redo_text(); }
+  void undo();
+  void redo();
+
+  /// What check_scene() says about the present state.
+  const std::vector<SceneIssue>& issues() const { return issues_; }
+  /// Whether it has no error, so that it can be computed.
+  bool is_valid() const;
+
+  /// The raw light field that is shown; null: none yet.
+  const std::shared_ptr<const LightField>& image() const { return image_; }
+  /// Whether it was made from the present scene.
+  bool image_is_current() const { return image_ && image_current_; }
+  void set_image(std::shared_ptr<const LightField> image);
+
+  const Selection& selection() const { return selection_; }
+  void select(const Selection& selection);
+
+ signals:
+  void scene_changed(const plenoflame::desktop::SceneChanges& changes);
+  void image_changed();
+  void selection_changed();
+  /// Name, whether it is modified, what can be undone.
+  void state_changed();
+
+ private:
+  void begin(SceneDocument scene, const std::string& file, std::shared_ptr<const LightField> image);
+  void push(SceneDocument state, const std::string& what, const std::string& merge = {});
+  void after(const Scene& before);
+
+  UndoHistory history_;
+  std::string file_;
+  std::vector<SceneIssue> issues_;
+  std::shared_ptr<const LightField> image_;
+  Selection selection_;
+  bool empty_ = true, image_current_ = false;
+};
+
+/// The scene with the files that it names as seen from another scene file.
+Scene moved_to(Scene scene, const std::string& file);
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,45 @@
+#pragma once
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "plenoflame/media/medium.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame::desktop {
+
+/// Keeps the flames of the last scene that was compiled, so that a change elsewhere does not load
+/// them again. Flames in files are loaded anew when the file has changed. Safe to use from several
+/// threads.
+class FlameCache {
+ public:
+  /// A loader for compile(); the cache must outlive it.
+  MediumLoader loader();
+  /// Forgets what the last two compilations did not ask for.
+  void next_generation();
+  int loads() const { return loads_; }  ///< flames that were really loaded
+
+ private:
+  struct Entry {
+    FlameSpec flame;
+    std::string folder;
+    std::vector<ChannelSpec> channels;
+    long long modified = 0;
+    std::shared_ptr<const Medium> medium;
+    int generation = 0;
+  };
+  std::unique_ptr<Medium> load(const FlameSpec& flame, const std::string& folder,
+                               const std::vector<SourceFunction>& channels,
+                               const Execution& execution);
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+  std::vector<ChannelSpec> channels_;
+  int generation_ = 0, loads_ = 0;
+
+ public:
+  /// What the source functions of the next compilation are made from.
+  void set_channels(const std::vector<ChannelSpec>& channels);
+};
+
+}  // namespace plenoflame::desktop

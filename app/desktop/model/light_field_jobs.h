@@ -1,0 +1,78 @@
+#pragma once
+#include <QObject>
+#include <QString>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "model/latest_task.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/geometry.h"
+#include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/lightfield/refocus.h"
+#include "plenoflame/lightfield/views.h"
+
+namespace plenoflame::desktop {
+
+/// A picture that was made from a light field.
+struct DerivedImage {
+  std::shared_ptr<const Image> image;
+  bool preview = false;  ///< a quick one; the exact one follows
+  double depth = 0;      ///< [m] refocused: of the plane
+};
+
+/// Refocused by shifting the views against each other and adding them: as coarse as they are, but
+/// at once. The views meet at `depth` [m].
+Image shift_and_add(const Views& views, const ViewGeometry& geometry, double depth);
+
+/// Sub-aperture views, refocused pictures and what else is made from the raw image, in the
+/// background. Of each kind only the latest request counts.
+class LightFieldJobs : public QObject {
+  Q_OBJECT
+ public:
+  static constexpr int kGrid = 9;  ///< views along a side
+
+  explicit LightFieldJobs(QObject* parent = nullptr);
+  ~LightFieldJobs() override;
+
+  /// Takes a raw image; pictures that were made from another one are dropped. Cheap when only the
+  /// image differs: the micro-images of a camera are found once.
+  void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera);
+  void clear();
+
+  /// Null until views have been made from the latest image.
+  const std::shared_ptr<const Views>& views() const { return views_; }
+  const std::shared_ptr<const MicroImages>& micro_images() const { return micro_images_; }
+  const std::optional<ViewGeometry>& geometry() const { return geometry_; }
+
+  /// A quick picture first, then the exact one.
+  void refocus(double depth, double aperture);
+  void total_focus(double nearest, double farthest, int planes);
+
+  const DerivedImage& refocused() const { return refocused_; }
+  const std::shared_ptr<const FocusStack>& stack() const { return stack_; }
+
+ signals:
+  void views_changed();
+  void micro_images_changed();
+  void refocused_changed();
+  void stack_changed();
+  void failed(const QString& message);
+
+ private:
+  template <class Function>
+  void run(LatestTask& task, Function function);
+
+  std::shared_ptr<const LightField> field_;
+  std::optional<CameraSpec> camera_;
+  std::shared_ptr<const MicroImages> micro_images_;
+  std::shared_ptr<const Views> views_;
+  std::optional<ViewGeometry> geometry_;
+  DerivedImage refocused_;
+  std::shared_ptr<const FocusStack> stack_;
+  unsigned image_number_ = 0;
+  std::optional<std::pair<double, double>> wanted_refocus_;
+  std::unique_ptr<LatestTask> prepare_, refocus_, stack_task_;
+};
+
+}  // namespace plenoflame::desktop

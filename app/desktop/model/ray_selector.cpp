@@ -1,0 +1,226 @@
+#include "model/ray_selector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+SelectedRays trace(const Selection& selection, std::shared_ptr<const CompiledScene> scene,
+                   const Execution& execution) {
+  SelectedRays out;
+  out.selection = selection;
+  out.scene = std::move(scene);
+  out.paths = empty_ray_paths(*out.scene);
+  RenderSettings settings;
+  settings.seed = out.scene->scene.render.seed;
+  settings.samples = RaySelector::kRaysPerPixel;
+  std::set<std::pair<int, int>> pixels;
+  switch (selection.kind) {
+    case Selection::Kind::none:
+      break;
+    case Selection::Kind::pixel:
+      add_pixel_rays(*out.scene, settings, {{selection.column, selection.row}}, execution,
+                     out.paths);
+      break;
+    case Selection::Kind::microlens: {
+      settings.samples = settings.replicates;
+      add_microlens_rays(*out.scene, settings, selection.lens, execution, out.paths);
+      for (const RayPath& ray : out.paths.rays) pixels.emplace(ray.column, ray.row);
+      RaySelection most;
+      most.most = RaySelector::kMostRays;
+      select_rays(most, out.paths);
+      break;
+    }
+    case Selection::Kind::point:
+      add_object_rays(*out.scene, selection.point, RaySelector::kRaysPerPoint, out.paths);
+      for (const RayPath& ray : out.paths.rays)
+        if (ray.column >= 0) pixels.emplace(ray.column, ray.row);
+      break;
+  }
+  for (const auto& [column, row] : pixels) out.pixels.push_back({column, row});
+  return out;
+}
+
+/// The axis towards the scene.
+Vec3 axis_of(const SelectedRays& rays) {
+  return normalize(rays.scene->scene.camera.look_direction);
+}
+
+double angle_between(const SelectedRays& rays, Vec3 a, Vec3 b) {
+  const Vec3 way = b - a, axis = axis_of(rays);
+  return std::atan2(length(cross(way, axis)), std::fabs(dot(way, axis)));
+}
+
+}  // namespace
+
+QString status_text(const RayPaths& paths, const TraceStatus& status) {
+  const auto at = [&] {
+    const auto surface = static_cast<std::size_t>(std::max(0, status.surface));
+    return surface < paths.surfaces.size() ? QString::fromStdString(paths.surfaces[surface])
+                                           : QObject::tr("a surface");
+  };
+  switch (status.status) {
+    case RayStatus::reached:
+      return QObject::tr("reached");
+    case RayStatus::vignetted:
+      return QObject::tr("vignetted at %1").arg(at());
+    case RayStatus::total_internal_reflection:
+      return QObject::tr("total reflection at %1").arg(at());
+    case RayStatus::missed:
+      return QObject::tr("missed %1").arg(at());
+  }
+  return {};
+}
+
+std::vector<RayRow> ray_rows(const SelectedRays& rays) {
+  std::vector<RayRow> rows;
+  const RayPaths& paths = rays.paths;
+  const auto& types = rays.scene->scene.camera.array.types;
+  for (std::size_t i = 0; i < paths.rays.size(); ++i) {
+    const RayPath& ray = paths.rays[i];
+    RayRow row;
+    row.ray = static_cast<int>(i);
+    row.status = status_text(paths, ray.status);
+    if (ray.type >= 0 && static_cast<std::size_t>(ray.type) < types.size())
+      row.microlens =
+          QString("%1 (%2, %3)")
+              .arg(QString::fromStdString(types[static_cast<std::size_t>(ray.type)].name))
+              .arg(ray.lens.q)
+              .arg(ray.lens.r);
+    row.angle = row.scene_angle = kNone;
+    if (ray.count >= 2) {
+      const RayVertex* const v = &paths.vertices[ray.first];
+      const std::size_t last = ray.count - 1;
+      const bool reversed = v[0].surface == kObjectVertex;
+      const double first_angle = angle_between(rays, v[0].position, v[1].position);
+      const double last_angle = angle_between(rays, v[last - 1].position, v[last].position);
+      const bool through = ray.status.status == RayStatus::reached;
+      if (!reversed) row.angle = first_angle;
+      if (reversed && through) row.angle = last_angle;
+      if (reversed) row.scene_angle = first_angle;
+      if (!reversed && through) row.scene_angle = last_angle;
+    }
+    row.optical_thickness = ray.optical_thickness;
+    row.radiance = paths.radiance_of(i, 0);
+    row.weight = ray.weight;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ray) {
+  std::vector<RaySurfaceRow> rows;
+  const RayPaths& paths = rays.paths;
+  if (ray >= paths.rays.size()) return rows;
+  const RayPath& path = paths.rays[ray];
+  const Vec3 origin = rays.scene->scene.camera.position, axis = axis_of(rays);
+  for (std::size_t i = 0; i < path.count; ++i) {
+    const RayVertex& vertex = paths.vertices[path.first + i];
+    RaySurfaceRow row;
+    if (vertex.surface >= 0 && static_cast<std::size_t>(vertex.surface) < paths.surfaces.size())
+      row.surface =
+          QString::fromStdString(paths.surfaces[static_cast<std::size_t>(vertex.surface)]);
+    else if (vertex.surface == kSensorVertex)
+      row.surface = QObject::tr("sensor");
+    else if (vertex.surface == kObjectVertex)
+      row.surface = QObject::tr("object point");
+    else
+      row.surface = QObject::tr("scene");
+    row.distance = vertex.distance;
+    row.height = length(cross(vertex.position - origin, axis));
+    row.index = vertex.index;
+    row.angle = i + 1 < path.count ? angle_between(rays, vertex.position,
+                                                   paths.vertices[path.first + i + 1].position)
+                                   : kNone;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {
+  const Box box = medium.bounds();
+  if (box.empty()) return false;
+  // Where the ray is inside of the bounds.
+  double near = 0, far = std::numeric_limits<double>::infinity();
+  const auto clip = [&](double origin, double direction, double lower, double upper) {
+    if (direction == 0) {
+      if (origin < lower || origin > upper) far = -1;
+      return;
+    }
+    const double a = (lower - origin) / direction, b = (upper - origin) / direction;
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  };
+  clip(ray.origin.x, ray.direction.x, box.lower.x, box.upper.x);
+  clip(ray.origin.y, ray.direction.y, box.lower.y, box.upper.y);
+  clip(ray.origin.z, ray.direction.z, box.lower.z, box.upper.z);
+  if (!(near < far)) return false;
+  constexpr int kSteps = 400;
+  const double step = (far - near) / kSteps, length_step = step * length(ray.direction);
+  std::vector<double> emission(static_cast<std::size_t>(medium.channel_count()));
+  double most = 0, thickness = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 p = ray.origin + (near + (i + 0.5) * step) * ray.direction;
+    const double kappa = medium.coefficients(p, emission.data());
+    thickness += 0.5 * kappa * length_step;
+    const double light = emission[0] * std::exp(-thickness);
+    thickness += 0.5 * kappa * length_step;
+    if (light > most) {
+      most = light;
+      point = p;
+    }
+  }
+  return most > 0;
+}
+
+RaySelector::RaySelector(Document& document, SceneCompiler& compiler, QObject* parent)
+    : QObject(parent), document_(document), compiler_(compiler), task_() {
+  connect(&document_, &Document::selection_changed, this, &RaySelector::request);
+  connect(&compiler_, &SceneCompiler::compiled_changed, this, [this](const SceneChanges& changes) {
+    if (changes.compiled() || !rays_) request();
+  });
+}
+
+void RaySelector::request() {
+  const unsigned number = ++newest_;
+  const Selection selection = document_.selection();
+  const auto scene = compiler_.compiled();
+  if (selection.kind == Selection::Kind::none || !scene) {
+    task_.cancel();
+    if (rays_) {
+      rays_ = nullptr;
+      emit rays_changed();
+    }
+    return;
+  }
+  task_.request([this, selection, scene, number](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    try {
+      auto rays = std::make_shared<const SelectedRays>(trace(selection, scene, execution));
+      post(this, [this, rays, number] {
+        if (number != newest_) return;
+        rays_ = rays;
+        emit rays_changed();
+      });
+    } catch (const Cancelled&) {
+    } catch (const std::exception& error) {
+      const std::string message = error.what();
+      post(this, [this, message, number] {
+        if (number != newest_) return;
+        rays_ = nullptr;
+        emit rays_changed();
+        emit failed(QString::fromStdString(message));
+      });
+    }
+  });
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,80 @@
+#pragma once
+#include <QObject>
+#include <QString>
+#include <memory>
+#include <vector>
+
+#include "model/document.h"
+#include "model/latest_task.h"
+#include "model/scene_compiler.h"
+#include "plenoflame/render/ray_paths.h"
+
+namespace plenoflame::desktop {
+
+/// The rays of what is selected.
+struct SelectedRays {
+  Selection selection;
+  std::shared_ptr<const CompiledScene> scene;
+  RayPaths paths;
+  /// Where rays of a point arrive, or the pixels of a microlens, each once.
+  std::vector<Pixel> pixels;
+};
+
+/// A line of the table of rays.
+struct RayRow {
+  int ray = 0;
+  QString status;          ///< "reached", "vignetted at stop", ...
+  QString microlens;       ///< "type1 (3, -2)"
+  double angle = 0;        ///< [rad] with the optical axis where it leaves the sensor
+  double scene_angle = 0;  ///< [rad] where it leaves the front of the camera; NaN: it does not
+  double optical_thickness = 0;
+  double radiance = 0;  ///< [W/(m^2 sr)] first channel
+  double weight = 0;    ///< [m^2 sr]
+};
+std::vector<RayRow> ray_rows(const SelectedRays& rays);
+
+/// A line of the table of surfaces that one ray meets.
+struct RaySurfaceRow {
+  QString surface;
+  double distance = 0;  ///< [m] along the ray from its start
+  double height = 0;    ///< [m] from the optical axis
+  double angle = 0;     ///< [rad] with the axis behind the surface; NaN: it ends there
+  double index = 1;     ///< behind it, on the ray's way
+};
+std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ray);
+
+/// "reached the scene", "vignetted at aperture stop", ...
+QString status_text(const RayPaths& paths, const TraceStatus& status);
+
+/// Where along a ray of the world a viewer sees the flame: the place that sends him most light per
+/// length, absorption on the way included. False: the ray meets none.
+bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);
+
+/// Traces the rays of the document's selection in the background, anew when the scene changes.
+class RaySelector : public QObject {
+  Q_OBJECT
+ public:
+  static constexpr int kRaysPerPixel = 32;
+  static constexpr int kRaysPerPoint = 256;
+  static constexpr std::size_t kMostRays = 600;  ///< of a microlens, drawn evenly from all
+
+  RaySelector(Document& document, SceneCompiler& compiler, QObject* parent = nullptr);
+
+  /// Null: nothing is selected, or its rays are not there yet.
+  const std::shared_ptr<const SelectedRays>& rays() const { return rays_; }
+
+ signals:
+  void rays_changed();
+  void failed(const QString& message);
+
+ private:
+  void request();
+
+  Document& document_;
+  SceneCompiler& compiler_;
+  std::shared_ptr<const SelectedRays> rays_;
+  unsigned newest_ = 0;
+  LatestTask task_;  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

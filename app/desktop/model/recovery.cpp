@@ -1,0 +1,84 @@
+#include "model/recovery.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kStem = "recovery-";
+constexpr const char* kFileMark = "# file: ";
+
+/// The process that a copy belongs to; 0: it is no copy.
+int process_of(const fs::path& path) {
+  const std::string name = path.stem().string();
+  if (path.extension() != ".toml" || name.rfind(kStem, 0) != 0) return 0;
+  const std::string number = name.substr(std::string(kStem).size());
+  int process = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), process);
+  return error == std::errc{} && end == number.data() + number.size() ? process : 0;
+}
+
+}  // namespace
+
+Recovery::Recovery(std::string folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  path_ = (fs::path(folder_) / (kStem + std::to_string(getpid()) + ".toml")).string();
+}
+
+Recovery::~Recovery() {
+  std::error_code error;
+  fs::remove(path_, error);
+}
+
+void Recovery::keep(const Document& document) {
+  if (!document.is_modified()) {
+    std::error_code error;
+    fs::remove(path_, error);
+    return;
+  }
+  // Where it is found again its own folder means nothing: the files that it names are given whole.
+  const Scene scene = moved_to(document.scene(), path_);
+  write_file(path_, kFileMark + document.file() + "\n" + write_scene(scene));
+}
+
+std::vector<RecoveredScene> Recovery::left_behind() const {
+  std::vector<RecoveredScene> scenes;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    const int process = process_of(entry.path());
+    if (process <= 0 || entry.path() == path_) continue;
+    if (kill(process, 0) == 0 || errno == EPERM) continue;  // still there
+    try {
+      RecoveredScene scene;
+      scene.path = entry.path().string();
+      scene.text = read_file(scene.path);
+      if (scene.text.rfind(kFileMark, 0) == 0) {
+        const std::size_t begin = std::string(kFileMark).size();
+        scene.file = scene.text.substr(begin, scene.text.find('\n') - begin);
+      }
+      scenes.push_back(std::move(scene));
+    } catch (const Error&) {  // unreadable: nothing to recover
+    }
+  }
+  return scenes;
+}
+
+void Recovery::discard(const RecoveredScene& scene) {
+  std::error_code error;
+  fs::remove(scene.path, error);
+}
+
+}  // namespace plenoflame::desktop

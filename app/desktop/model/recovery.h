@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "model/document.h"
+
+namespace plenoflame::desktop {
+
+/// Keeps a copy of the scene that is worked on in a folder of its own, and takes it away when the
+/// program ends as it should. Copies of programs that still run are left alone.
+class Recovery {
+ public:
+  /// @param folder is made when it does not exist
+  explicit Recovery(std::string folder);
+  /// Takes the copy away.
+  ~Recovery();
+  Recovery(const Recovery&) = delete;
+  Recovery& operator=(const Recovery&) = delete;
+
+  /// Writes the copy, or removes it when the document has nothing unsaved. @throws FileError
+  void keep(const Document& document);
+  const std::string& path() const { return path_; }
+
+  /// Copies that programs left behind.
+  std::vector<RecoveredScene> left_behind() const;
+  static void discard(const RecoveredScene& scene);
+
+ private:
+  std::string folder_, path_;
+};
+
+}  // namespace plenoflame::desktop

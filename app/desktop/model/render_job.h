@@ -1,0 +1,78 @@
+#pragma once
+#include <QObject>
+#include <QString>
+#include <memory>
+#include <vector>
+
+#include "model/latest_task.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame::desktop {
+
+/// What the command line would render a scene with.
+RenderSettings render_settings(const Scene& scene);
+
+/// Samples of the passes that lead up to `samples`, each several times the one before.
+std::vector<int> pass_samples(int samples, int replicates);
+
+/// Renders in the background, coarsely first: every pass replaces the picture of the one before,
+/// tile by tile. The last pass is what the command line does with the same scene, bit for bit.
+class RenderJob : public QObject {
+  Q_OBJECT
+ public:
+  enum class State { idle, running, paused, finished, failed };
+
+  /// One point of the curve of error against time.
+  struct CurvePoint {
+    double seconds = 0;  ///< spent rendering since the start, pauses not counted
+    double error = 0;    ///< relative RMSE over lit pixels
+  };
+  struct Status {
+    int pass = 0, passes = 0;  ///< counted from 1
+    int samples = 0;           ///< of this pass
+    double fraction = 0;       ///< of this pass
+    double rays = 0;           ///< sent in this pass
+    double rays_per_second = 0;
+    double relative_error = -1;     ///< of the picture; negative: not known yet
+    double seconds = 0;             ///< spent since the start
+    double remaining_seconds = -1;  ///< of all passes; negative: not known yet
+  };
+
+  explicit RenderJob(QObject* parent = nullptr);
+
+  State state() const { return state_; }
+  const Status& status() const { return status_; }
+  const std::vector<CurvePoint>& curve() const { return curve_; }
+  /// Of the last pass that was completed.
+  const RenderStatistics& statistics() const { return statistics_; }
+
+  /// Begins anew. @param threads 0: one per processor
+  void start(std::shared_ptr<const CompiledScene> scene, int threads = 0);
+  /// Keeps what is there; resume() goes on as if there had been no break.
+  void pause();
+  void resume();
+  /// Ends; the picture stays as it is.
+  void stop();
+
+ signals:
+  void state_changed();
+  void progressed();
+  /// A picture, better than the one before.
+  void image(const std::shared_ptr<const plenoflame::LightField>& field);
+  void failed(const QString& message);
+
+ private:
+  struct Run;  ///< of the worker
+  void set_state(State state);
+  void launch();
+
+  State state_ = State::idle;
+  Status status_;
+  std::vector<CurvePoint> curve_;
+  RenderStatistics statistics_;
+  std::shared_ptr<Run> run_;
+  LatestTask task_;  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,25 @@
+#pragma once
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame::desktop {
+
+/// What differs between two scenes, sorted by what has to be computed anew for it.
+struct SceneChanges {
+  bool camera = false;    ///< optics: rays, images, design
+  bool flames = false;    ///< what a flame is or where it stands
+  bool solids = false;    ///< surfaces and lights
+  bool channels = false;  ///< wavelengths
+  bool sampling = false;  ///< estimator, seed, reflections: the image's noise or content
+  bool samples = false;   ///< how many rays
+  bool develop = false;   ///< how the image is shown: nothing is rendered again
+  bool names = false;     ///< labels only
+
+  bool compiled() const { return camera || flames || solids || channels; }
+  bool image() const { return compiled() || sampling || samples; }
+  bool any() const { return image() || develop || names; }
+  static SceneChanges all() { return {true, true, true, true, true, true, true, true}; }
+};
+
+SceneChanges changes_between(const Scene& a, const Scene& b);
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,44 @@
+#pragma once
+#include <QObject>
+#include <QString>
+#include <memory>
+#include <optional>
+
+#include "model/document.h"
+#include "model/flame_cache.h"
+#include "model/latest_task.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame::desktop {
+
+/// Compiles the document's scene in the background whenever something changes that matters, and
+/// hands it to whoever traces rays. While a scene has errors the last one that had none stays.
+class SceneCompiler : public QObject {
+  Q_OBJECT
+ public:
+  explicit SceneCompiler(Document& document, QObject* parent = nullptr);
+
+  /// Null until the first one is ready.
+  const std::shared_ptr<const CompiledScene>& compiled() const { return compiled_; }
+  bool is_current() const { return current_; }
+  const FlameCache& flames() const { return flames_; }
+
+ signals:
+  /// @param changes since the scene that was compiled before
+  void compiled_changed(const plenoflame::desktop::SceneChanges& changes);
+  void failed(const QString& message);
+  void warned(const QString& message);
+
+ private:
+  void request(const SceneChanges& changes);
+
+  Document& document_;
+  FlameCache flames_;
+  std::shared_ptr<const CompiledScene> compiled_;
+  SceneChanges pending_;  ///< of scenes that were replaced before they were compiled
+  bool current_ = false;
+  unsigned newest_ = 0;
+  LatestTask task_;  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

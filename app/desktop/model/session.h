@@ -1,0 +1,59 @@
+#pragma once
+#include <QElapsedTimer>
+#include <QObject>
+#include <QTimer>
+
+#include "model/design_job.h"
+#include "model/document.h"
+#include "model/light_field_jobs.h"
+#include "model/ray_selector.h"
+#include "model/render_job.h"
+#include "model/scene_compiler.h"
+
+namespace plenoflame::desktop {
+
+/// A document with everything that is computed from it, each part anew when what it depends on has
+/// changed. The window shows it; nothing here knows of the window.
+class Session : public QObject {
+  Q_OBJECT
+ public:
+  explicit Session(QObject* parent = nullptr);
+
+  Document& document() { return document_; }
+  SceneCompiler& compiler() { return compiler_; }
+  RenderJob& render() { return render_; }
+  RaySelector& rays() { return rays_; }
+  LightFieldJobs& light_field() { return light_field_; }
+  DesignJob& design() { return design_; }
+
+  /// Whether the image follows every change by itself (default).
+  bool auto_render() const { return auto_render_; }
+  void set_auto_render(bool on);
+  /// Whether micro-images and views are wanted: they cost time.
+  void set_views_wanted(bool on);
+  /// Renders the present scene from the beginning.
+  void start_render();
+  /// Threads for rendering; 0: one per processor.
+  void set_threads(int threads) { threads_ = threads; }
+
+ signals:
+  /// Something could not be computed. @param what "render", "rays", ...
+  void failed(const QString& what, const QString& message);
+  void warned(const QString& message);
+
+ private:
+  void on_compiled(const SceneChanges& changes);
+  void update_light_field();
+
+  Document document_;
+  SceneCompiler compiler_;
+  RenderJob render_;
+  RaySelector rays_;
+  LightFieldJobs light_field_;
+  DesignJob design_;
+  bool auto_render_ = true, views_wanted_ = false, start_when_compiled_ = false;
+  int threads_ = 0;
+  QTimer later_;
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,273 @@
+#include "widgets/image_panel.h"
+
+#include <QAction>
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QSignalBlocker>
+#include <QToolBar>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/develop.h"
+#include "widgets/image_view.h"
+#include "widgets/plot_widget.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+/// Standard error over flux; 0 where there is no light.
+Image relative_error(const Image& flux, const Image& error) {
+  Image out(flux.width, flux.height);
+  for (std::size_t i = 0; i < out.pixels.size(); ++i)
+    out.pixels[i] = flux.pixels[i] > 0 ? error.pixels[i] / flux.pixels[i] : 0.0F;
+  return out;
+}
+
+}  // namespace
+
+ImagePanel::ImagePanel(Document& document, QWidget* parent)
+    : QWidget(parent),
+      document_(document),
+      view_(new ImageView(this)),
+      histogram_plot_(new PlotWidget),
+      profile_plot_(new PlotWidget) {
+  view_->setObjectName("rawImage");
+  view_->setToolTip(
+      tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: its microlens. "
+         "Ctrl+drag: line profile. Arrow keys move the selected pixel."));
+  auto* tools = new QToolBar(this);
+  tools->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  const auto combo = [&](const char* name, const QStringList& entries, const QString& tip) {
+    auto* box = new QComboBox(tools);
+    box->setObjectName(name);
+    box->addItems(entries);
+    box->setToolTip(tip);
+    tools->addWidget(box);
+    return box;
+  };
+  quantity_ = combo(
+      "quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
+      tr("What is shown: radiant flux of each pixel [W], its standard error [W], or their ratio"));
+  channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
+  scale_ = combo(
+      "scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
+      tr("Brightness by value: as displays do, in proportion, or by its logarithm (3 decades)"));
+  map_ = combo("map", {tr("Grey"), tr("Viridis"), tr("Cividis"), tr("Inferno")},
+               tr("Colours; all are even in lightness and safe for colour-blind people"));
+  auto* white_label = new QLabel(tr(" White "), tools);
+  tools->addWidget(white_label);
+  white_ = new QLineEdit(tools);
+  white_->setObjectName("white");
+  white_->setPlaceholderText(tr("auto"));
+  white_->setMaximumWidth(90);
+  white_->setToolTip(tr(
+      "Value that is shown as white, with its unit (e.g. 500 nW); empty: 99.9 % of the lit pixels "
+      "are darker"));
+  tools->addWidget(white_);
+  saturation_ = tools->addAction(tr("Saturation"));
+  saturation_->setCheckable(true);
+  saturation_->setToolTip(
+      tr("Mark pixels that the sensor of this scene saturates (develop.saturation)"));
+  outlines_ = tools->addAction(tr("Outlines"));
+  outlines_->setObjectName("outlines");
+  outlines_->setCheckable(true);
+  outlines_->setShortcut(Qt::Key_O);
+  outlines_->setToolTip(tr(
+      "Outlines of the micro-images, coloured by the type of their lens; zoom in to see them (O)"));
+  QAction* const fit = tools->addAction(tr("Fit"));
+  fit->setToolTip(tr("The whole image (F)"));
+  QAction* const one = tools->addAction(tr("1:1"));
+  one->setToolTip(tr("One pixel of the screen per pixel of the image (1)"));
+  connect(fit, &QAction::triggered, view_, &ImageView::fit);
+  connect(one, &QAction::triggered, this, [this] { view_->set_scale(1); });
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
+  layout->addWidget(tools);
+  layout->addWidget(view_, 1);
+
+  histogram_plot_->setObjectName("histogram");
+  histogram_plot_->set_empty_text(tr("The histogram appears with the first picture."));
+  profile_plot_->setObjectName("profile");
+  profile_plot_->set_empty_text(tr("Ctrl+drag across the image to see the values along a line."));
+
+  const auto changed = QOverload<int>::of(&QComboBox::currentIndexChanged);
+  connect(quantity_, changed, this, &ImagePanel::request);
+  connect(channel_, changed, this, &ImagePanel::request);
+  connect(scale_, changed, this, &ImagePanel::apply_tone);
+  connect(map_, changed, this, &ImagePanel::apply_tone);
+  connect(white_, &QLineEdit::editingFinished, this, &ImagePanel::apply_tone);
+  connect(saturation_, &QAction::toggled, this, &ImagePanel::apply_tone);
+  connect(view_, &ImageView::profile_drawn, this, [this](const QLineF& line) {
+    profile_ = line;
+    update_profile();
+  });
+  connect(&document_, &Document::image_changed, this, &ImagePanel::request);
+  connect(&document_, &Document::scene_changed, this, [this](const SceneChanges& changes) {
+    if (changes.develop) apply_tone();
+  });
+}
+
+void ImagePanel::request() {
+  const auto field = document_.image();
+  const unsigned number = ++newest_;
+  if (!field || field->channels.empty()) {
+    task_.cancel();
+    pyramid_ = flux_pyramid_ = nullptr;
+    view_->set_image(nullptr);
+    histogram_plot_->set_series({});
+    emit pyramid_changed();
+    return;
+  }
+  QStringList names;
+  for (const LightFieldChannel& channel : field->channels)
+    names << QString::fromStdString(channel.name);
+  QStringList known;
+  for (int i = 0; i < channel_->count(); ++i) known << channel_->itemText(i);
+  if (names != known) {
+    const QSignalBlocker quiet(channel_);
+    channel_->clear();
+    channel_->addItems(names);
+  }
+  const auto quantity = static_cast<Quantity>(quantity_->currentIndex());
+  const auto channel = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
+  task_.request([this, field, number, quantity, channel](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    const LightFieldChannel& c = field->channels[std::min(channel, field->channels.size() - 1)];
+    try {
+      // The image itself is the first level: it is not copied.
+      const auto shared = std::shared_ptr<const Image>(field, &c.flux);
+      auto flux = std::make_shared<const ImagePyramid>(shared, execution);
+      std::shared_ptr<const ImagePyramid> shown = flux;
+      if (quantity != Quantity::flux && !c.standard_error.empty()) {
+        const auto image =
+            quantity == Quantity::standard_error
+                ? std::shared_ptr<const Image>(field, &c.standard_error)
+                : std::make_shared<const Image>(relative_error(c.flux, c.standard_error));
+        shown = std::make_shared<const ImagePyramid>(image, execution);
+      }
+      const double saturation = automatic_saturation(c.flux);
+      // A relative error of 1 is as bad as it gets.
+      const double white = quantity == Quantity::flux ? saturation
+                           : quantity == Quantity::relative_error
+                               ? 1.0
+                               : automatic_saturation(shown->level(0));
+      post(this, [this, number, flux, shown, white, saturation] {
+        if (number != newest_) return;
+        flux_pyramid_ = flux;
+        pyramid_ = shown;
+        automatic_white_ = white > 0 ? white : 1;
+        automatic_saturation_ = saturation;
+        view_->set_value_format(static_cast<Quantity>(quantity_->currentIndex()) ==
+                                        Quantity::relative_error
+                                    ? Dimension::none
+                                    : Dimension::flux);
+        apply_tone();
+        view_->set_image(shown);
+        update_profile();
+        update_histogram();
+        emit pyramid_changed();
+      });
+    } catch (const std::exception&) {  // stopped, or an image that is replaced soon
+    }
+  });
+}
+
+void ImagePanel::apply_tone() {
+  ToneSettings tone;
+  tone.scale = scale_->currentIndex() == 1   ? ToneScale::linear
+               : scale_->currentIndex() == 2 ? ToneScale::logarithmic
+                                             : ToneScale::gamma;
+  constexpr std::array<ColourMap, 4> kMaps{ColourMap::grey, ColourMap::viridis, ColourMap::cividis,
+                                           ColourMap::inferno};
+  tone.map = kMaps[static_cast<std::size_t>(std::clamp(map_->currentIndex(), 0, 3))];
+  tone.white = automatic_white_;
+  const bool relative =
+      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
+  white_->setStyleSheet({});
+  if (!white_->text().trimmed().isEmpty()) {
+    try {
+      const double value = parse_quantity(white_->text().trimmed().toStdString(),
+                                          relative ? Dimension::none : Dimension::flux);
+      if (!(value > 0)) throw InputError("white must be above 0");
+      tone.white = value;
+      white_->setToolTip(tr("Value that is shown as white, with its unit; empty: automatic"));
+    } catch (const Error& error) {
+      white_->setStyleSheet("QLineEdit { background: #b3261e; color: white; }");
+      white_->setToolTip(QString::fromUtf8(error.what()));
+    }
+  }
+  if (saturation_->isChecked() && !document_.is_empty() &&
+      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::flux) {
+    const double given = document_.scene().develop.saturation;
+    tone.saturation = given > 0 ? given : automatic_saturation_;
+  }
+  view_->set_tone(tone);
+}
+
+void ImagePanel::update_profile() {
+  view_->set_profile_line(profile_);
+  if (!pyramid_ || pyramid_->empty() || profile_.length() <= 0) return;
+  PlotWidget::Series series;
+  series.colour = QColor(0, 114, 178);
+  const auto values =
+      line_profile(pyramid_->level(0), profile_.x1(), profile_.y1(), profile_.x2(), profile_.y2());
+  const double step =
+      profile_.length() / static_cast<double>(std::max<std::size_t>(1, values.size() - 1));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    series.points << QPointF(static_cast<double>(i) * step, values[i]);
+  const bool relative =
+      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
+  profile_plot_->set_axes(tr("along the line [pixel]"),
+                          relative ? tr("relative error") : tr("flux [W]"), false, false);
+  profile_plot_->set_series({series});
+}
+
+void ImagePanel::update_histogram() {
+  if (!pyramid_ || pyramid_->empty()) return;
+  // Of a level that is quickly counted; means of pixels when the image is large.
+  const Image& level = pyramid_->level(pyramid_->level_within(1500));
+  const Histogram counts = histogram(level, 80, true, 4);
+  PlotWidget::Series series;
+  series.colour = QColor(0, 114, 178);
+  series.bars = true;
+  const double decades = std::log10(counts.upper / counts.lower);
+  if (counts.upper > 0)
+    for (std::size_t i = 0; i < counts.counts.size(); ++i)
+      if (counts.counts[i] > 0)
+        series.points << QPointF(
+            counts.lower * std::pow(10.0, decades * (static_cast<double>(i) + 0.5) /
+                                              static_cast<double>(counts.counts.size())),
+            counts.counts[i]);
+  const bool relative =
+      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
+  histogram_plot_->set_axes(relative ? tr("relative error") : tr("flux [W]"), tr("pixels"), true,
+                            true);
+  histogram_plot_->set_series({series});
+}
+
+QString ImagePanel::describe(int column, int row) const {
+  const auto field = document_.image();
+  if (!field || column < 0) return {};
+  const auto index = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
+  if (index >= field->channels.size()) return {};
+  const LightFieldChannel& channel = field->channels[index];
+  const int x = column - field->window.x, y = row - field->window.y;
+  if (x < 0 || y < 0 || x >= channel.flux.width || y >= channel.flux.height) return {};
+  QString text = tr("pixel %1, %2   flux %3")
+                     .arg(column)
+                     .arg(row)
+                     .arg(QString::fromStdString(readable_quantity(
+                         static_cast<double>(channel.flux.at(x, y)), Dimension::flux)));
+  if (!channel.standard_error.empty())
+    text += tr(" \302\261 %1")
+                .arg(QString::fromStdString(readable_quantity(
+                    static_cast<double>(channel.standard_error.at(x, y)), Dimension::flux, 2)));
+  return text;
+}
+
+}  // namespace plenoflame::desktop

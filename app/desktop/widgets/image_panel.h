@@ -1,0 +1,62 @@
+#pragma once
+#include <QWidget>
+#include <memory>
+
+#include "model/document.h"
+#include "model/image_display.h"
+#include "model/latest_task.h"
+
+class QAction;
+class QComboBox;
+class QLineEdit;
+class QToolBar;
+
+namespace plenoflame::desktop {
+
+class ImageView;
+class PlotWidget;
+
+/// The raw light field with everything about how it is shown.
+class ImagePanel : public QWidget {
+  Q_OBJECT
+ public:
+  enum class Quantity { flux, standard_error, relative_error };
+
+  explicit ImagePanel(Document& document, QWidget* parent = nullptr);
+
+  ImageView& view() { return *view_; }
+  /// Histogram and line profile, for a dock of their own.
+  PlotWidget& histogram_plot() { return *histogram_plot_; }
+  PlotWidget& profile_plot() { return *profile_plot_; }
+  /// Of what is shown now; null: nothing yet.
+  const std::shared_ptr<const ImagePyramid>& pyramid() const { return pyramid_; }
+  const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
+  QAction* outlines_action() { return outlines_; }
+  /// What is at a pixel, for the status bar: "flux 1.2 nW +- 0.1 nW".
+  QString describe(int column, int row) const;
+
+ signals:
+  /// The flux, ready to be shown elsewhere, too.
+  void pyramid_changed();
+
+ private:
+  void request();
+  void apply_tone();
+  void update_profile();
+  void update_histogram();
+
+  Document& document_;
+  ImageView* view_;
+  PlotWidget* histogram_plot_;
+  PlotWidget* profile_plot_;
+  QComboBox *quantity_, *channel_, *scale_, *map_;
+  QLineEdit* white_;
+  QAction *outlines_, *saturation_;
+  std::shared_ptr<const ImagePyramid> pyramid_, flux_pyramid_;
+  double automatic_white_ = 1, automatic_saturation_ = 0;
+  QLineF profile_;
+  unsigned newest_ = 0;
+  LatestTask task_;  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

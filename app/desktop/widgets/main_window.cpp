@@ -1,0 +1,459 @@
+#include "widgets/main_window.h"
+
+#include <QAction>
+#include <QApplication>
+#include <QCloseEvent>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QFile>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QSplitter>
+#include <QStackedWidget>
+#include <QStatusBar>
+#include <QTreeView>
+#include <QUrl>
+
+#include "plenoflame/base/error.h"
+#include "widgets/image_panel.h"
+#include "widgets/image_view.h"
+#include "widgets/plot_widget.h"
+#include "widgets/rays_panel.h"
+#include "widgets/render_panel.h"
+#include "widgets/scene_panel.h"
+#include "widgets/scene_view.h"
+#include "widgets/section_view.h"
+#include "widgets/theme.h"
+#include "widgets/welcome_page.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+constexpr int kAutosaveInterval = 5000;  ///< [ms]
+constexpr int kMostRecent = 10;
+
+}  // namespace
+
+MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& recovery_folder)
+    : settings_(std::move(settings)) {
+  setObjectName("mainWindow");
+  setAcceptDrops(true);
+  setDockNestingEnabled(true);
+  if (!recovery_folder.empty()) recovery_ = std::make_unique<Recovery>(recovery_folder);
+  make_views();
+  make_docks();
+  make_menus();
+  connect_session();
+  connect_selection();
+  pointer_label_ = new QLabel(this);
+  pointer_label_->setObjectName("pointerLabel");
+  busy_label_ = new QLabel(this);
+  statusBar()->addPermanentWidget(pointer_label_);
+  statusBar()->addPermanentWidget(busy_label_);
+  connect(&autosave_, &QTimer::timeout, this, [this] {
+    if (!recovery_) return;
+    try {
+      recovery_->keep(session_.document());
+    } catch (const Error& error) {
+      statusBar()->showMessage(QString::fromUtf8(error.what()), 10000);
+    }
+  });
+  autosave_.start(kAutosaveInterval);
+  resize(1500, 950);
+  restoreGeometry(settings_->value("window/geometry").toByteArray());
+  restoreState(settings_->value("window/state").toByteArray());
+  set_dark(settings_->value("window/dark", false).toBool());
+  update_recent();
+  update_title();
+}
+
+MainWindow::~MainWindow() {
+  // Widgets go before what they show: members would be gone before children are.
+  autosave_.stop();
+  qDeleteAll(findChildren<QDockWidget*>());
+  delete takeCentralWidget();
+}
+
+void MainWindow::make_views() {
+  welcome_ = new WelcomePage(this);
+  auto* across = new QSplitter(Qt::Horizontal, this);
+  across->setObjectName("workspace");
+  auto* left = new QSplitter(Qt::Vertical, across);
+  scene_view_ = new SceneView(left);
+  section_ = new SectionView(left);
+  left->addWidget(scene_view_);
+  left->addWidget(section_);
+  left->setStretchFactor(0, 3);
+  left->setStretchFactor(1, 2);
+  image_ = new ImagePanel(session_.document(), across);
+  across->addWidget(left);
+  across->addWidget(image_);
+  across->setStretchFactor(0, 1);
+  across->setStretchFactor(1, 1);
+  stack_ = new QStackedWidget(this);
+  stack_->addWidget(welcome_);
+  stack_->addWidget(across);
+  setCentralWidget(stack_);
+  connect(welcome_, &WelcomePage::example_chosen, this,
+          [this](const QString& name) { open_example(name); });
+  connect(welcome_, &WelcomePage::file_chosen, this, [this](const QString& path) { open(path); });
+}
+
+QDockWidget* MainWindow::add_dock(const char* name, const QString& title, QWidget* content,
+                                  Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(content);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+void MainWindow::make_docks() {
+  setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
+  scene_ = new ScenePanel(session_.document(), this);
+  rays_ = new RaysPanel(session_.rays(), this);
+  render_ = new RenderPanel(session_, this);
+  add_dock("sceneDock", tr("Scene"), scene_, Qt::LeftDockWidgetArea);
+  QDockWidget* const render =
+      add_dock("renderDock", tr("Rendering"), render_, Qt::BottomDockWidgetArea);
+  QDockWidget* const rays = add_dock("raysDock", tr("Rays"), rays_, Qt::BottomDockWidgetArea);
+  QDockWidget* const histogram = add_dock("histogramDock", tr("Histogram"),
+                                          &image_->histogram_plot(), Qt::BottomDockWidgetArea);
+  QDockWidget* const profile = add_dock("profileDock", tr("Line profile"), &image_->profile_plot(),
+                                        Qt::BottomDockWidgetArea);
+  tabifyDockWidget(render, rays);
+  tabifyDockWidget(rays, histogram);
+  tabifyDockWidget(histogram, profile);
+  render->raise();
+  resizeDocks({render}, {230}, Qt::Vertical);
+  connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
+          &QDockWidget::raise);
+  connect(rays_, &RaysPanel::ray_chosen, section_, &SectionView::set_highlighted);
+  connect(rays_, &RaysPanel::export_requested, this, &MainWindow::export_rays);
+  connect(render_, &RenderPanel::failed, this, &MainWindow::fail);
+  connect(scene_, &ScenePanel::failed, this, &MainWindow::fail);
+}
+
+void MainWindow::connect_session() {
+  Document& document = session_.document();
+  connect(&document, &Document::state_changed, this, &MainWindow::update_title);
+  connect(&document, &Document::scene_changed, this, [this](const SceneChanges& changes) {
+    if (changes.camera) image_->view().set_micro_images(nullptr);
+  });
+  connect(&session_.compiler(), &SceneCompiler::compiled_changed, this,
+          [this](const SceneChanges& changes) {
+            const auto& scene = session_.compiler().compiled();
+            scene_view_->set_scene(scene, changes);
+            section_->set_scene(scene);
+          });
+  connect(&session_.rays(), &RaySelector::rays_changed, this, [this] {
+    const auto& rays = session_.rays().rays();
+    scene_view_->set_rays(rays);
+    section_->set_rays(rays);
+    image_->view().set_marks(rays ? rays->pixels : std::vector<Pixel>{});
+  });
+  connect(image_, &ImagePanel::pyramid_changed, this,
+          [this] { scene_view_->set_image(image_->flux_pyramid()); });
+  connect(&session_, &Session::failed, this, [this](const QString& what, const QString& message) {
+    last_message_ = message;
+    statusBar()->showMessage(what + ": " + message);
+  });
+  connect(&session_, &Session::warned, this, [this](const QString& message) {
+    statusBar()->showMessage(tr("warning: ") + message, 15000);
+  });
+  connect(&session_.light_field(), &LightFieldJobs::micro_images_changed, this, [this] {
+    if (image_->outlines_action()->isChecked())
+      image_->view().set_micro_images(session_.light_field().micro_images());
+  });
+  connect(image_->outlines_action(), &QAction::toggled, this, [this](bool on) {
+    if (on) session_.set_views_wanted(true);
+    image_->view().set_micro_images(on ? session_.light_field().micro_images() : nullptr);
+  });
+  const auto show_busy = [this] {
+    const RenderJob& job = session_.render();
+    const bool running = job.state() == RenderJob::State::running;
+    const bool compiling = !session_.document().is_empty() && session_.document().is_valid() &&
+                           !session_.compiler().is_current();
+    busy_label_->setText(running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
+                         : compiling ? tr("preparing the scene")
+                                     : QString());
+  };
+  connect(&session_.render(), &RenderJob::progressed, this, show_busy);
+  connect(&session_.render(), &RenderJob::state_changed, this, show_busy);
+  connect(&document, &Document::scene_changed, this, show_busy);
+  connect(&session_.compiler(), &SceneCompiler::compiled_changed, this, show_busy);
+}
+
+void MainWindow::connect_selection() {
+  Document& document = session_.document();
+  const auto select_pixel = [this](int column, int row) {
+    session_.document().select(Selection::of_pixel(column, row));
+  };
+  const auto select_lens = [this](const LensIndex& lens) {
+    session_.document().select(Selection::of_microlens(lens));
+  };
+  const auto select_point = [this](const Vec3& point) {
+    session_.document().select(Selection::of_point(point));
+  };
+  ImageView& view = image_->view();
+  connect(&view, &ImageView::pixel_clicked, this, select_pixel);
+  connect(&view, &ImageView::lens_clicked, this, &MainWindow::select_lens_at);
+  connect(&view, &ImageView::hovered, this, [this](int column, int row, double) {
+    pointer_label_->setText(column < 0 ? QString() : image_->describe(column, row));
+  });
+  connect(scene_view_, &SceneView::pixel_picked, this, select_pixel);
+  connect(scene_view_, &SceneView::lens_picked, this, select_lens);
+  connect(scene_view_, &SceneView::point_picked, this, select_point);
+  connect(scene_view_, &SceneView::picture_requested, this, &MainWindow::export_picture_of_scene);
+  connect(section_, &SectionView::lens_clicked, this, select_lens);
+  connect(section_, &SectionView::point_clicked, this, select_point);
+  connect(&document, &Document::selection_changed, this, &MainWindow::show_selection);
+}
+
+void MainWindow::select_lens_at(int column, int row) {
+  const auto& scene = session_.compiler().compiled();
+  if (!scene || !scene->camera.has_array()) return;
+  // Of the micro-images the one whose centre is nearest; without them, the lens straight in front.
+  const Vec2 point = scene->camera.sensor_point(column + 0.5, row + 0.5);
+  LensIndex best = scene->camera.lattice().nearest(point);
+  if (const auto& micro = session_.light_field().micro_images()) {
+    const double scale = scene->scene.camera.array.pitch / micro->spacing();
+    const double reach = 1.5 * scene->scene.camera.array.pitch;
+    double least = 1e300;
+    for (const LensIndex lens :
+         scene->camera.lattice().within({scale * point.x - reach, scale * point.y - reach},
+                                        {scale * point.x + reach, scale * point.y + reach})) {
+      const MicroImages::Place place = micro->place(lens);
+      if (place.dark) continue;
+      const Vec2 d{place.centre.x - point.x, place.centre.y - point.y};
+      const double distance = d.x * d.x + d.y * d.y;
+      if (distance < least) {
+        least = distance;
+        best = lens;
+      }
+    }
+  }
+  session_.document().select(Selection::of_microlens(best));
+}
+
+void MainWindow::show_selection() {
+  const Selection& selection = session_.document().selection();
+  ImageView& view = image_->view();
+  view.set_selected_pixel(selection.kind == Selection::Kind::pixel
+                              ? std::optional(Pixel{selection.column, selection.row})
+                              : std::nullopt);
+  view.set_selected_lens(
+      selection.kind == Selection::Kind::microlens ? std::optional(selection.lens) : std::nullopt);
+  if (auto* dock = findChild<QDockWidget*>("raysDock");
+      dock && selection.kind != Selection::Kind::none)
+    dock->raise();
+}
+
+bool MainWindow::guarded(const std::function<void()>& function) {
+  try {
+    function();
+    return true;
+  } catch (const std::exception& error) {
+    fail(QString::fromUtf8(error.what()));
+    return false;
+  }
+}
+
+void MainWindow::fail(const QString& message) {
+  last_message_ = message;
+  statusBar()->showMessage(message, 20000);
+  if (!unattended_) QMessageBox::warning(this, tr("Plenoflame"), message);
+}
+
+bool MainWindow::open(const QString& path) {
+  if (!may_discard()) return false;
+  const bool opened = guarded([&] { session_.document().open(path.toStdString()); });
+  if (!opened) return false;
+  stack_->setCurrentIndex(1);
+  add_recent(QFileInfo(path).absoluteFilePath());
+  return true;
+}
+
+bool MainWindow::open_example(const QString& name) {
+  if (!may_discard()) return false;
+  return guarded([&] {
+    QFile file(":/examples/" + name + ".toml");
+    if (!file.open(QIODevice::ReadOnly))
+      throw FileError("there is no example " + name.toStdString());
+    session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
+    stack_->setCurrentIndex(1);
+  });
+}
+
+bool MainWindow::save() {
+  const std::string& file = session_.document().file();
+  if (file.empty()) return save_as();
+  return guarded([&] { session_.document().save(file); });
+}
+
+bool MainWindow::save_as() {
+  const QString name = ask_save_name(tr("Save the scene"), "scene.toml", tr("Scenes (*.toml)"));
+  if (name.isEmpty()) return false;
+  if (!guarded([&] { session_.document().save(name.toStdString()); })) return false;
+  add_recent(QFileInfo(name).absoluteFilePath());
+  return true;
+}
+
+QString MainWindow::ask_save_name(const QString& title, const QString& suggestion,
+                                  const QString& filter) {
+  const QString folder = settings_->value("files/folder").toString();
+  QString name = QFileDialog::getSaveFileName(
+      this, title, folder.isEmpty() ? suggestion : folder + "/" + suggestion, filter);
+  if (name.isEmpty()) return name;
+  if (QFileInfo(name).suffix().isEmpty()) name += "." + QFileInfo(suggestion).suffix();
+  settings_->setValue("files/folder", QFileInfo(name).absolutePath());
+  return name;
+}
+
+bool MainWindow::may_discard() {
+  if (!session_.document().is_modified() || unattended_) return true;
+  const auto answer =
+      QMessageBox::question(this, tr("Unsaved changes"),
+                            tr("The scene \"%1\" has changes that are not saved.")
+                                .arg(QString::fromStdString(session_.document().name())),
+                            QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
+  if (answer == QMessageBox::Save) return save();
+  return answer == QMessageBox::Discard;
+}
+
+void MainWindow::offer_recovery() {
+  if (!recovery_) return;
+  for (const RecoveredScene& scene : recovery_->left_behind()) {
+    const QString name =
+        scene.file.empty() ? tr("a scene without a name") : QString::fromStdString(scene.file);
+    const bool wanted =
+        unattended_ ||
+        QMessageBox::question(
+            this, tr("Recovery"),
+            tr("Plenoflame ended without saving %1. Open it as it was then?").arg(name)) ==
+            QMessageBox::Yes;
+    if (wanted && guarded([&] { session_.document().recover(scene); })) {
+      stack_->setCurrentIndex(1);
+      recovery_->keep(session_.document());
+    }
+    Recovery::discard(scene);
+    if (wanted) return;
+  }
+}
+
+void MainWindow::add_recent(const QString& path) {
+  QStringList files = settings_->value("files/recent").toStringList();
+  files.removeAll(path);
+  files.prepend(path);
+  while (files.size() > kMostRecent) files.removeLast();
+  settings_->setValue("files/recent", files);
+  update_recent();
+}
+
+void MainWindow::update_title() {
+  const Document& document = session_.document();
+  setWindowTitle(document.is_empty()
+                     ? tr("Plenoflame")
+                     : tr("%1[*] - Plenoflame").arg(QString::fromStdString(document.name())));
+  setWindowModified(document.is_modified());
+  undo_->setEnabled(document.can_undo());
+  redo_->setEnabled(document.can_redo());
+  undo_->setText(document.can_undo()
+                     ? tr("Undo %1").arg(QString::fromStdString(document.undo_text()))
+                     : tr("Undo"));
+  redo_->setText(document.can_redo()
+                     ? tr("Redo %1").arg(QString::fromStdString(document.redo_text()))
+                     : tr("Redo"));
+}
+
+bool MainWindow::is_settled() const {
+  const Session& session = session_;
+  auto& mutable_session = const_cast<Session&>(session);
+  const RenderJob::State state = mutable_session.render().state();
+  return mutable_session.document().is_empty() ||
+         (mutable_session.compiler().is_current() && state != RenderJob::State::running &&
+          mutable_session.document().image() && image_->pyramid());
+}
+
+QString MainWindow::apply_options(const QString& pixel, const QString& part, const QString& panel,
+                                  bool dark) {
+  if (dark) set_dark(true);
+  if (!pixel.isEmpty()) {
+    const QStringList parts = pixel.split(',');
+    bool x_good = false, y_good = false;
+    const int x = parts.value(0).toInt(&x_good), y = parts.value(1).toInt(&y_good);
+    if (parts.size() != 2 || !x_good || !y_good)
+      return "--pixel: '" + pixel + "' is not of the form X,Y: two whole numbers";
+    session_.document().select(Selection::of_pixel(x, y));
+  }
+  if (!part.isEmpty()) {
+    const int index = QStringList{"scene", "flame", "camera", "array", "pixel"}.indexOf(part);
+    if (index < 0) return "--part: '" + part + "' is none of scene, flame, camera, array, pixel";
+    show_part(index);
+  }
+  if (!panel.isEmpty()) {
+    QStringList names;
+    for (QDockWidget* dock : findChildren<QDockWidget*>()) {
+      names << dock->windowTitle();
+      if (dock->windowTitle().compare(panel, Qt::CaseInsensitive) != 0) continue;
+      dock->show();
+      dock->raise();
+      return {};
+    }
+    return "--panel: there is no panel '" + panel + "'; there are " + names.join(", ");
+  }
+  return {};
+}
+
+void MainWindow::show_part(int index) {
+  const auto part = static_cast<SceneView::Part>(index);
+  using Part = SceneView::Part;
+  scene_view_->show_part(part);
+  section_->show_part(part == Part::scene || part == Part::flame ? SectionView::Part::scene
+                      : part == Part::camera                     ? SectionView::Part::camera
+                                                                 : SectionView::Part::array);
+}
+
+bool MainWindow::save_screenshot(const QString& path) {
+  // grab() draws what the graphics library drew elsewhere as well.
+  if (!grab().save(path)) {
+    fail(tr("'%1' cannot be written").arg(path));
+    return false;
+  }
+  return true;
+}
+
+void MainWindow::set_dark(bool dark) {
+  apply_theme(dark);
+  if (dark_->isChecked() != dark) dark_->setChecked(dark);
+  scene_view_->set_dark(dark);
+  settings_->setValue("window/dark", dark);
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (!may_discard()) {
+    event->ignore();
+    return;
+  }
+  settings_->setValue("window/geometry", saveGeometry());
+  settings_->setValue("window/state", saveState());
+  session_.render().stop();
+  event->accept();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  const auto urls = event->mimeData()->urls();
+  if (urls.size() == 1 && urls.front().isLocalFile()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  const auto urls = event->mimeData()->urls();
+  if (urls.size() != 1 || !urls.front().isLocalFile()) return;
+  event->acceptProposedAction();
+  open(urls.front().toLocalFile());
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,113 @@
+#pragma once
+#include <QMainWindow>
+#include <QSettings>
+#include <QTimer>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "model/recovery.h"
+#include "model/session.h"
+
+class QDockWidget;
+class QLabel;
+class QMenu;
+class QStackedWidget;
+
+namespace plenoflame::desktop {
+
+class ImagePanel;
+class RaysPanel;
+class RenderPanel;
+class ScenePanel;
+class SceneView;
+class SectionView;
+class WelcomePage;
+
+/// The window. It shows the session and passes on what the user does; messages go to its status bar
+/// or, when something that was asked for did not work, into a dialog.
+class MainWindow : public QMainWindow {
+  Q_OBJECT
+ public:
+  /// @param settings where the user's settings are kept; taken
+  /// @param recovery_folder for scenes that were not saved; empty: none are kept
+  MainWindow(std::unique_ptr<QSettings> settings, const std::string& recovery_folder);
+  ~MainWindow() override;
+
+  Session& session() { return session_; }
+  ImagePanel& image_panel() { return *image_; }
+  SceneView& scene_view() { return *scene_view_; }
+  SectionView& section_view() { return *section_; }
+  ScenePanel& scene_panel() { return *scene_; }
+  RaysPanel& rays_panel() { return *rays_; }
+  RenderPanel& render_panel() { return *render_; }
+
+  /// Opens a file; what goes wrong is said in a dialog. False then.
+  bool open(const QString& path);
+  bool open_example(const QString& name);
+  bool save();
+  bool save_as();
+  /// Offers what was left behind by a program that ended without saving.
+  void offer_recovery();
+  /// Everything that was asked for is on display: nothing is being computed.
+  bool is_settled() const;
+  /// Questions are answered with yes and dialogs are not shown but kept: for tests and screenshots.
+  void set_unattended(bool on) { unattended_ = on; }
+  const QString& last_message() const { return last_message_; }
+  /// What the options of the command line ask for; empty ones are left alone. @return what is wrong
+  QString apply_options(const QString& pixel, const QString& part, const QString& panel, bool dark);
+  /// Writes a picture of the window, its 3-D view included.
+  bool save_screenshot(const QString& path);
+
+ protected:
+  void closeEvent(QCloseEvent* event) override;
+  void dragEnterEvent(QDragEnterEvent* event) override;
+  void dropEvent(QDropEvent* event) override;
+
+ private:
+  void make_views();
+  void make_docks();
+  void make_menus();
+  void make_view_menu(QMenu& menu);
+  void connect_session();
+  void connect_selection();
+  QDockWidget* add_dock(const char* name, const QString& title, QWidget* content,
+                        Qt::DockWidgetArea area);
+  void show_part(int index);
+  void set_dark(bool dark);
+  void update_title();
+  void show_selection();
+  void add_recent(const QString& path);
+  void update_recent();
+  void fail(const QString& message);
+  bool may_discard();
+  void show_about();
+  void open_help();
+  QString ask_save_name(const QString& title, const QString& suggestion, const QString& filter);
+  void export_picture_of_scene();
+  void export_rays();
+  void export_image();
+  void select_lens_at(int column, int row);
+  /// Calls it; what it throws is said, and the result false.
+  bool guarded(const std::function<void()>& function);
+
+  std::unique_ptr<QSettings> settings_;
+  std::unique_ptr<Recovery> recovery_;
+  Session session_;
+  QStackedWidget* stack_ = nullptr;
+  WelcomePage* welcome_ = nullptr;
+  ImagePanel* image_ = nullptr;
+  SceneView* scene_view_ = nullptr;
+  SectionView* section_ = nullptr;
+  ScenePanel* scene_ = nullptr;
+  RaysPanel* rays_ = nullptr;
+  RenderPanel* render_ = nullptr;
+  QMenu* recent_menu_ = nullptr;
+  QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr;
+  QLabel *pointer_label_ = nullptr, *busy_label_ = nullptr;
+  QTimer autosave_;
+  bool unattended_ = false;
+  QString last_message_;
+};
+
+}  // namespace plenoflame::desktop

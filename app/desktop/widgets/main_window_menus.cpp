@@ -1,0 +1,214 @@
+#include <QAction>
+#include <QApplication>
+#include <QDesktopServices>
+#include <QDir>
+#include <QDockWidget>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QMenu>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QStackedWidget>
+#include <QStatusBar>
+#include <QUrl>
+#include <array>
+
+#include <vtkVersion.h>
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/png_file.h"
+#include "plenoflame/lightfield/develop.h"
+#include "widgets/image_panel.h"
+#include "widgets/image_view.h"
+#include "widgets/main_window.h"
+#include "widgets/scene_view.h"
+#include "widgets/section_view.h"
+#include "widgets/welcome_page.h"
+
+namespace plenoflame::desktop {
+
+void MainWindow::make_menus() {
+  Document& document = session_.document();
+  const auto add = [this](QMenu* menu, const QString& text, const QKeySequence& keys,
+                          const char* name, auto act) {
+    QAction* const action = menu->addAction(text);
+    action->setShortcut(keys);
+    action->setObjectName(name);
+    connect(action, &QAction::triggered, this, act);
+    return action;
+  };
+  QMenu* const file = menuBar()->addMenu(tr("&File"));
+  const auto ask_open = [this] {
+    const QString path = QFileDialog::getOpenFileName(
+        this, tr("Open"), settings_->value("files/folder").toString(),
+        tr("Scenes, flames, light fields (*.toml *.vdb *.exr);;All files (*)"));
+    if (path.isEmpty()) return;
+    settings_->setValue("files/folder", QFileInfo(path).absolutePath());
+    open(path);
+  };
+  add(file, tr("&Open..."), QKeySequence::Open, "actionOpen", ask_open);
+  connect(welcome_, &WelcomePage::open_requested, this, ask_open);
+  recent_menu_ = file->addMenu(tr("Open &recent"));
+  add(file, tr("&Save"), QKeySequence::Save, "actionSave", [this] { save(); });
+  add(file, tr("Save &as..."), QKeySequence::SaveAs, "actionSaveAs", [this] { save_as(); });
+  file->addSeparator();
+  QMenu* const exports = file->addMenu(tr("&Export"));
+  exports->setObjectName("exportMenu");
+  add(exports, tr("Light field (.exr) or developed picture (.png)..."), {}, "exportImage",
+      [this] { export_image(); });
+  add(exports, tr("Rays of the selection..."), {}, "exportRaysAction", [this] { export_rays(); });
+  add(exports, tr("Picture of the 3-D view..."), {}, "exportScenePicture",
+      [this] { export_picture_of_scene(); });
+  file->addSeparator();
+  add(file, tr("Welcome page"), {}, "actionWelcome", [this] {
+    const bool workspace = stack_->currentIndex() == 0 && !session_.document().is_empty();
+    stack_->setCurrentIndex(workspace ? 1 : 0);
+  });
+  add(file, tr("&Quit"), QKeySequence::Quit, "actionQuit", [this] { close(); });
+
+  QMenu* const edit = menuBar()->addMenu(tr("&Edit"));
+  undo_ = add(edit, tr("Undo"), QKeySequence::Undo, "actionUndo",
+              [this] { session_.document().undo(); });
+  redo_ = add(edit, tr("Redo"), QKeySequence::Redo, "actionRedo",
+              [this] { session_.document().redo(); });
+  edit->addSeparator();
+  add(edit, tr("Select nothing"), Qt::Key_Escape, "actionDeselect",
+      [&document] { document.select({}); });
+
+  QMenu* const render = menuBar()->addMenu(tr("&Render"));
+  add(render, tr("Render"), Qt::Key_F5, "actionRender", [this] { session_.start_render(); });
+  add(render, tr("Pause or resume"), Qt::Key_F6, "actionPause", [this] {
+    if (session_.render().state() == RenderJob::State::paused)
+      session_.render().resume();
+    else
+      session_.render().pause();
+  });
+  add(render, tr("Stop"), QKeySequence("Shift+F5"), "actionStop",
+      [this] { session_.render().stop(); });
+
+  QMenu* const view = menuBar()->addMenu(tr("&View"));
+  make_view_menu(*view);
+
+  QMenu* const help = menuBar()->addMenu(tr("&Help"));
+  add(help, tr("Documentation"), QKeySequence::HelpContents, "actionHelp", [this] { open_help(); });
+  add(help, tr("Keyboard"), QKeySequence("Shift+F1"), "actionKeys", [this] {
+    QMessageBox::information(this, tr("Keyboard"),
+                             tr("Image: arrows move the selected pixel (Shift: by ten), + and - "
+                                "zoom, F fits, 1 shows pixels one to one, "
+                                "O outlines\n3-D view: Ctrl+1 scene, 2 flame, 3 camera, 4 array, 5 "
+                                "pixel\nF5 render, F6 pause or resume, "
+                                "Shift+F5 stop\nCtrl+O open, Ctrl+S save, Ctrl+Z undo, "
+                                "Ctrl+Shift+Z redo\nEscape selects nothing\nF1 opens "
+                                "the documentation of what has the focus"));
+  });
+  add(help, tr("About Plenoflame"), {}, "actionAbout", [this] { show_about(); });
+}
+
+void MainWindow::make_view_menu(QMenu& menu) {
+  using Part = SceneView::Part;
+  struct Entry {
+    QString text;
+    const char* keys;
+    Part part;
+  };
+  const std::array<Entry, 5> parts{{{tr("3-D: scene"), "Ctrl+1", Part::scene},
+                                    {tr("3-D: flame"), "Ctrl+2", Part::flame},
+                                    {tr("3-D: camera"), "Ctrl+3", Part::camera},
+                                    {tr("3-D: array"), "Ctrl+4", Part::array},
+                                    {tr("3-D: selected pixel"), "Ctrl+5", Part::pixel}}};
+  for (const Entry& entry : parts) {
+    QAction* const action = menu.addAction(entry.text);
+    action->setShortcut(QKeySequence(entry.keys));
+    connect(action, &QAction::triggered, this,
+            [this, part = entry.part] { show_part(static_cast<int>(part)); });
+  }
+  menu.addSeparator();
+  QAction* const above = menu.addAction(tr("Section seen from above"));
+  above->setCheckable(true);
+  connect(above, &QAction::toggled, section_, &SectionView::set_horizontal);
+  dark_ = menu.addAction(tr("Dark theme"));
+  dark_->setObjectName("actionDark");
+  dark_->setCheckable(true);
+  connect(dark_, &QAction::toggled, this, [this](bool on) { set_dark(on); });
+  menu.addSeparator();
+  for (QDockWidget* dock : findChildren<QDockWidget*>()) menu.addAction(dock->toggleViewAction());
+}
+
+void MainWindow::update_recent() {
+  recent_menu_->clear();
+  const QStringList files = settings_->value("files/recent").toStringList();
+  for (const QString& path : files)
+    connect(recent_menu_->addAction(path), &QAction::triggered, this, [this, path] { open(path); });
+  recent_menu_->setEnabled(!files.isEmpty());
+  welcome_->set_recent(files);
+}
+
+void MainWindow::export_rays() {
+  const auto rays = session_.rays().rays();
+  if (!rays) return fail(tr("Nothing is selected: click a pixel first."));
+  const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
+                                     tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
+  if (name.isEmpty()) return;
+  if (guarded([&] { write_ray_paths(name.toStdString(), rays->paths); }))
+    statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
+                             8000);
+}
+
+void MainWindow::export_image() {
+  const auto field = session_.document().image();
+  if (!field) return fail(tr("There is no image yet."));
+  const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
+                                     tr("Raw light field (*.exr);;Developed picture (*.png)"));
+  if (name.isEmpty()) return;
+  guarded([&] {
+    if (name.endsWith(".png", Qt::CaseInsensitive))
+      write_png(name.toStdString(), develop(*field, session_.document().scene().develop).picture);
+    else if (name.endsWith(".exr", Qt::CaseInsensitive))
+      write_light_field(name.toStdString(), *field);
+    else
+      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
+    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
+  });
+}
+
+void MainWindow::export_picture_of_scene() {
+  const QImage picture = scene_view_->picture();
+  const QString name =
+      ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
+  if (name.isEmpty()) return;
+  if (!picture.save(name)) fail(tr("'%1' cannot be written").arg(name));
+}
+
+void MainWindow::show_about() {
+  QMessageBox::about(
+      this, tr("About Plenoflame"),
+      tr("<h3>Plenoflame %1</h3><p>What a light-field (plenoptic) camera sees of a flame.</p>"
+         "<p>Qt %2, VTK %3, OpenVDB, Embree, OpenEXR. Kernels: %4.</p><p>Licence: Apache 2.0</p>")
+          .arg(QString::fromUtf8(version().data(), static_cast<int>(version().size())), qVersion(),
+               vtkVersion::GetVTKVersion(),
+               QString::fromUtf8(name(best_isa()).data(),
+                                 static_cast<int>(name(best_isa()).size()))));
+}
+
+void MainWindow::open_help() {
+  // The page about what has the focus; in the build tree and where docs are installed.
+  QString page = "desktop.md";
+  for (QWidget* w = QApplication::focusWidget(); w; w = w->parentWidget()) {
+    if (w->objectName() == "sceneTree") page = "reference/scene.md";
+    if (w->objectName() == "raysDock") page = "rays.md";
+    if (w->objectName() == "lightFieldDock") page = "light-fields.md";
+    if (w->objectName() == "designDock") page = "design.md";
+    if (w->objectName() == "flameDock") page = "user/flames.md";
+  }
+  for (const QString& folder : {QCoreApplication::applicationDirPath() + "/" PLENOFLAME_DOC_FOLDER,
+                                QString(PLENOFLAME_SOURCE_DOCS)}) {
+    const QString path = QDir(folder).filePath(page);
+    if (!QFileInfo::exists(path)) continue;
+    QDesktopServices::openUrl(QUrl::fromLocalFile(path));
+    return;
+  }
+  fail(tr("The documentation page %1 is not installed.").arg(page));
+}
+
+}  // namespace plenoflame::desktop

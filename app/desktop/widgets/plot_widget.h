@@ -1,0 +1,45 @@
+#pragma once
+#include <QColor>
+#include <QPointF>
+#include <QString>
+#include <QVector>
+#include <QWidget>
+#include <vector>
+
+namespace plenoflame::desktop {
+
+/// Curves over two axes, linear or logarithmic, with their scales; follows its data live.
+class PlotWidget : public QWidget {
+  Q_OBJECT
+ public:
+  struct Series {
+    QString name;
+    QVector<QPointF> points;  ///< gaps where a coordinate is not finite
+    QColor colour;
+    bool dashed = false, marks = false, bars = false;
+  };
+
+  explicit PlotWidget(QWidget* parent = nullptr);
+
+  void set_axes(const QString& x_label, const QString& y_label, bool log_x, bool log_y);
+  void set_series(std::vector<Series> series);
+  const std::vector<Series>& series() const { return series_; }
+  /// Shown while there is nothing to draw.
+  void set_empty_text(const QString& text);
+
+  QSize sizeHint() const override { return {360, 220}; }
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+
+ private:
+  struct Axis;
+  std::vector<Series> series_;
+  QString x_label_, y_label_, empty_text_;
+  bool log_x_ = false, log_y_ = false;
+  QRectF area_;
+  double x_low_ = 0, x_high_ = 1, y_low_ = 0, y_high_ = 1;
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,168 @@
+#include "widgets/rays_panel.h"
+
+#include <QHBoxLayout>
+#include <QHeaderView>
+#include <QLabel>
+#include <QPushButton>
+#include <QSplitter>
+#include <QTableWidget>
+#include <QVBoxLayout>
+#include <cmath>
+
+#include "plenoflame/base/units.h"
+#include "widgets/section_view.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+QString quantity(double value, Dimension dimension) {
+  return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
+                              : QString::fromUtf8("\xe2\x80\x93");
+}
+
+QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QWidget* parent) {
+  auto* table = new QTableWidget(0, headers.size(), parent);
+  table->setHorizontalHeaderLabels(headers);
+  for (int i = 0; i < tips.size(); ++i) table->horizontalHeaderItem(i)->setToolTip(tips[i]);
+  table->setEditTriggers(QAbstractItemView::NoEditTriggers);
+  table->setSelectionBehavior(QAbstractItemView::SelectRows);
+  table->setSelectionMode(QAbstractItemView::SingleSelection);
+  table->setAlternatingRowColors(true);
+  table->verticalHeader()->setVisible(false);
+  table->verticalHeader()->setDefaultSectionSize(table->fontMetrics().height() + 6);
+  table->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+  table->horizontalHeader()->setStretchLastSection(true);
+  return table;
+}
+
+}  // namespace
+
+RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
+    : QWidget(parent), rays_(rays), title_(new QLabel(this)) {
+  auto* split = new QSplitter(Qt::Horizontal, this);
+  table_ = make_table({tr("Ray"), tr("Ended"), tr("Microlens"), tr("Angle at sensor"),
+                       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance"), tr("Weight")},
+                      {tr("Number of the ray"), tr("How it ended, and where"),
+                       tr("Type and place (q, r) of its microlens"),
+                       tr("Between ray and optical axis at the sensor"),
+                       tr("Between ray and optical axis in front of the camera"),
+                       tr("Of the flames along the ray; 1 takes 63 % of the light from behind"),
+                       tr("That it brings to the camera, first channel [W/(m\302\262 sr)]"),
+                       tr("Share of the pixel's etendue [m\302\262 sr]; times radiance, summed "
+                          "over the rays: the pixel's flux")},
+                      split);
+  table_->setObjectName("raysTable");
+  surfaces_ = make_table({tr("Surface"), tr("Distance"), tr("Height"), tr("Angle"), tr("Index")},
+                         {tr("What it meets, in order"), tr("Along the ray from its start"),
+                          tr("From the optical axis"), tr("With the axis, behind the surface"),
+                          tr("Refractive index behind the surface")},
+                         split);
+  surfaces_->setObjectName("surfacesTable");
+  split->addWidget(table_);
+  split->addWidget(surfaces_);
+  split->setStretchFactor(0, 3);
+  split->setStretchFactor(1, 2);
+  export_ = new QPushButton(tr("Export rays..."), this);
+  export_->setObjectName("exportRays");
+  export_->setToolTip(tr("Write these rays as .vtp (ParaView), .csv or .json"));
+  export_->setEnabled(false);
+  auto* top = new QHBoxLayout;
+  top->addWidget(title_, 1);
+  top->addWidget(export_);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(4, 2, 4, 2);
+  layout->addLayout(top);
+  layout->addWidget(split, 1);
+  connect(&rays_, &RaySelector::rays_changed, this, &RaysPanel::fill);
+  connect(table_, &QTableWidget::currentCellChanged, this, [this](int row) {
+    QTableWidgetItem* const item = row >= 0 ? table_->item(row, 0) : nullptr;
+    const int ray = item ? item->data(Qt::UserRole).toInt() : -1;
+    fill_surfaces(ray);
+    emit ray_chosen(ray);
+  });
+  connect(export_, &QPushButton::clicked, this, &RaysPanel::export_requested);
+  fill();
+}
+
+void RaysPanel::fill() {
+  const auto rays = rays_.rays();
+  export_->setEnabled(rays != nullptr);
+  const bool quiet = table_->blockSignals(true);
+  table_->setRowCount(0);
+  surfaces_->setRowCount(0);
+  if (!rays) {
+    title_->setText(
+        tr("Click a pixel to see its rays; Shift+click for its microlens; a point of the flame for "
+           "the "
+           "pixels that see it."));
+    table_->blockSignals(quiet);
+    return;
+  }
+  const std::vector<RayRow> rows = ray_rows(*rays);
+  double flux = 0;
+  for (const RayRow& row : rows) flux += row.weight * row.radiance;
+  const Selection& selection = rays->selection;
+  switch (selection.kind) {
+    case Selection::Kind::pixel:
+      title_->setText(tr("Pixel %1, %2: %3 rays, flux %4")
+                          .arg(selection.column)
+                          .arg(selection.row)
+                          .arg(rows.size())
+                          .arg(quantity(flux, Dimension::flux)));
+      break;
+    case Selection::Kind::microlens:
+      title_->setText(tr("Microlens (%1, %2): %3 pixels, %4 of its rays")
+                          .arg(selection.lens.q)
+                          .arg(selection.lens.r)
+                          .arg(rays->pixels.size())
+                          .arg(rows.size()));
+      break;
+    default:
+      title_->setText(tr("Point %1, %2, %3: seen by %4 pixels")
+                          .arg(quantity(selection.point.x, Dimension::length),
+                               quantity(selection.point.y, Dimension::length),
+                               quantity(selection.point.z, Dimension::length))
+                          .arg(rays->pixels.size()));
+  }
+  table_->setRowCount(static_cast<int>(rows.size()));
+  const bool dark = palette().color(QPalette::Base).lightness() < 128;
+  for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
+    const RayRow& row = rows[static_cast<std::size_t>(i)];
+    const QStringList texts{QString::number(row.ray + 1),
+                            row.status,
+                            row.microlens,
+                            quantity(row.angle, Dimension::angle),
+                            quantity(row.scene_angle, Dimension::angle),
+                            QString::number(row.optical_thickness, 'g', 4),
+                            QString::number(row.radiance, 'g', 4),
+                            QString::number(row.weight, 'g', 4)};
+    for (int k = 0; k < texts.size(); ++k) {
+      auto* item = new QTableWidgetItem(texts[k]);
+      item->setData(Qt::UserRole, row.ray);
+      if (k == 1)
+        item->setForeground(
+            status_colour(rays->paths.rays[static_cast<std::size_t>(row.ray)].status.status, dark));
+      table_->setItem(i, k, item);
+    }
+  }
+  table_->blockSignals(quiet);
+  if (!rows.empty()) table_->setCurrentCell(0, 0);
+}
+
+void RaysPanel::fill_surfaces(int ray) {
+  const auto rays = rays_.rays();
+  surfaces_->setRowCount(0);
+  if (!rays || ray < 0) return;
+  const auto rows = ray_surfaces(*rays, static_cast<std::size_t>(ray));
+  surfaces_->setRowCount(static_cast<int>(rows.size()));
+  for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
+    const RaySurfaceRow& row = rows[static_cast<std::size_t>(i)];
+    const QStringList texts{row.surface, quantity(row.distance, Dimension::length),
+                            quantity(row.height, Dimension::length),
+                            quantity(row.angle, Dimension::angle),
+                            QString::number(row.index, 'g', 5)};
+    for (int k = 0; k < texts.size(); ++k) surfaces_->setItem(i, k, new QTableWidgetItem(texts[k]));
+  }
+}
+
+}  // namespace plenoflame::desktop

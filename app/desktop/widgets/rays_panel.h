@@ -1,0 +1,33 @@
+#pragma once
+#include <QWidget>
+
+#include "model/ray_selector.h"
+
+class QLabel;
+class QPushButton;
+class QTableWidget;
+
+namespace plenoflame::desktop {
+
+/// The rays of the selection as a table, and the surfaces that the chosen one meets.
+class RaysPanel : public QWidget {
+  Q_OBJECT
+ public:
+  explicit RaysPanel(RaySelector& rays, QWidget* parent = nullptr);
+  QTableWidget& table() { return *table_; }
+
+ signals:
+  void ray_chosen(int ray);
+  void export_requested();
+
+ private:
+  void fill();
+  void fill_surfaces(int ray);
+
+  RaySelector& rays_;
+  QLabel* title_;
+  QTableWidget *table_, *surfaces_;
+  QPushButton* export_;
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,524 @@
+#include "widgets/scene_view.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkCellData.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkDistanceRepresentation2D.h>
+#include <vtkDistanceWidget.h>
+#include <vtkFixedPointVolumeRayCastMapper.h>
+#include <vtkFloatArray.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkImageData.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkMultiBlockDataSet.h>
+#include <vtkNew.h>
+#include <vtkPiecewiseFunction.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextProperty.h>
+#include <vtkVolume.h>
+#include <vtkVolumeProperty.h>
+
+#include <QAction>
+#include <QActionGroup>
+#include <QMouseEvent>
+#include <QToolBar>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "flame_volume.h"
+#include "picture_annotation.h"
+#include "picture_camera.h"
+#include "plenoflame/base/error.h"
+#include "ray_path_data.h"
+#include "scene_props.h"
+#include "vtkPlenoflameCameraSource.h"
+#include "vtkPlenoflameScene.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
+constexpr int kSensorTexture = 640;
+
+/// Temperature and absorption on a lattice over the flames' bounds.
+vtkSmartPointer<vtkImageData> sampled(const Medium& medium, const Execution& execution) {
+  const Box box = medium.bounds();
+  if (box.empty()) return nullptr;
+  const Vec3 size = box.upper - box.lower;
+  const double step = std::max({size.x, size.y, size.z}) / (kFlamePoints - 1);
+  if (!std::isfinite(step) || step <= 0) return nullptr;
+  const auto points = [&](double side) {
+    return std::max(2, static_cast<int>(std::ceil(side / step - 1e-9)) + 1);
+  };
+  const std::array<int, 3> n{points(size.x), points(size.y), points(size.z)};
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(n.data());
+  image->SetSpacing(step, step, step);
+  const Vec3 origin = box.lower - 0.5 * (step * Vec3{n[0] - 1.0, n[1] - 1.0, n[2] - 1.0} - size);
+  image->SetOrigin(origin.x, origin.y, origin.z);
+  vtkNew<vtkFloatArray> temperature, absorption;
+  temperature->SetName("temperature");
+  absorption->SetName("absorption");
+  temperature->SetNumberOfValues(image->GetNumberOfPoints());
+  absorption->SetNumberOfValues(image->GetNumberOfPoints());
+  const bool done =
+      parallel_for(execution, static_cast<std::size_t>(n[2]), [&](std::size_t k, int) {
+        vtkIdType at = static_cast<vtkIdType>(k) * n[0] * n[1];
+        for (int j = 0; j < n[1]; ++j)
+          for (int i = 0; i < n[0]; ++i, ++at) {
+            const MediumSample sample =
+                medium.sample(origin + step * Vec3{static_cast<double>(i), static_cast<double>(j),
+                                                   static_cast<double>(k)});
+            temperature->SetValue(at, static_cast<float>(sample.temperature));
+            absorption->SetValue(at, static_cast<float>(sample.absorption));
+          }
+      });
+  if (!done) throw Cancelled();
+  image->GetPointData()->AddArray(absorption);
+  image->GetPointData()->SetScalars(temperature);
+  return image;
+}
+
+}  // namespace
+
+/// What is built in the background.
+struct SceneView::Geometry {
+  vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
+  vtkSmartPointer<vtkImageData> plate_texture, flame;
+};
+
+struct SceneView::View {
+  QVTKOpenGLNativeWidget* widget = nullptr;
+  vtkNew<vtkGenericOpenGLRenderWindow> window;
+  vtkNew<vtkRenderer> renderer;
+  vtkNew<vtkInteractorStyleTrackballCamera> style;
+  vtkNew<vtkCallbackCommand> before_drawing;
+  vtkNew<vtkDistanceWidget> ruler;
+  std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
+
+  /// Replaces what the layer shows by what add(renderer) adds.
+  template <class Add>
+  void replace(const std::string& layer, Add add) {
+    for (const auto& prop : layers[layer]) renderer->RemoveViewProp(prop);
+    layers[layer].clear();
+    const int before = renderer->GetViewProps()->GetNumberOfItems();
+    add(*renderer);
+    vtkPropCollection* const props = renderer->GetViewProps();
+    for (int i = before; i < props->GetNumberOfItems(); ++i)
+      layers[layer].push_back(vtkProp::SafeDownCast(props->GetItemAsObject(i)));
+  }
+  void show(const std::string& layer, bool on) {
+    for (const auto& prop : layers[layer]) prop->SetVisibility(on);
+  }
+};
+
+SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<View>()) {
+  View& v = *view_;
+  v.widget = new QVTKOpenGLNativeWidget(this);
+  v.widget->setObjectName("scene3d");
+  v.widget->setMinimumSize(160, 140);
+  v.widget->setRenderWindow(v.window);
+  v.window->SetMultiSamples(0);
+  v.window->SetAlphaBitPlanes(1);
+  v.renderer->SetUseDepthPeeling(1);
+  v.renderer->SetMaximumNumberOfPeels(4);
+  v.window->AddRenderer(v.renderer);
+  vtkRenderWindowInteractor* const interactor = v.widget->interactor();
+  interactor->SetInteractorStyle(v.style);
+  interactor->SetDesiredUpdateRate(15);
+  interactor->SetStillUpdateRate(6);
+  // Near and far follow the distance to what is looked at: from the whole scene down to a microlens
+  // nothing is cut off, and the depth buffer's 24 bits tell surfaces apart.
+  v.style->AutoAdjustCameraClippingRangeOff();
+  v.before_drawing->SetClientData(v.renderer.Get());
+  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* renderer, void*) {
+    vtkCamera* const camera = static_cast<vtkRenderer*>(renderer)->GetActiveCamera();
+    const double near = 0.02 * camera->GetDistance();
+    camera->SetClippingRange(near, 2e4 * near);
+  });
+  v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
+  v.ruler->SetInteractor(interactor);
+  v.ruler->CreateDefaultRepresentation();
+  if (auto* shape = vtkDistanceRepresentation2D::SafeDownCast(v.ruler->GetRepresentation()))
+    shape->SetLabelFormat("%.4g m");
+  v.widget->installEventFilter(this);
+
+  tools_ = new QToolBar(this);
+  tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  auto* group = new QActionGroup(this);
+  const std::array<std::array<QString, 2>, 5> parts{
+      {{tr("Scene"), tr("Flame and camera from the side")},
+       {tr("Flame"), tr("The flame as large as it fits")},
+       {tr("Camera"), tr("Main lens to sensor")},
+       {tr("Array"), tr("A few microlenses and the pixels behind them")},
+       {tr("Pixel"), tr("The microlens in front of the selected pixel")}}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    QAction* const action = tools_->addAction(parts[i][0]);
+    action->setObjectName("view" + parts[i][0]);
+    action->setToolTip(parts[i][1]);
+    action->setCheckable(true);
+    action->setChecked(i == 0);
+    group->addAction(action);
+    part_actions_[i] = action;
+    connect(action, &QAction::triggered, this, [this, i] { show_part(static_cast<Part>(i)); });
+  }
+  tools_->addSeparator();
+  measure_ = tools_->addAction(tr("Measure"));
+  measure_->setCheckable(true);
+  measure_->setToolTip(
+      tr("Distance between two clicks, in the plane through the middle of the view [m]"));
+  connect(measure_, &QAction::toggled, this, [this](bool on) {
+    view_->ruler->SetEnabled(on ? 1 : 0);
+    render();
+  });
+  QAction* const save = tools_->addAction(tr("Picture..."));
+  save->setToolTip(tr("Save this view as a picture"));
+  connect(save, &QAction::triggered, this, &SceneView::picture_requested);
+
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
+  layout->addWidget(tools_);
+  layout->addWidget(v.widget, 1);
+  set_dark(false);
+}
+
+SceneView::~SceneView() {
+  task_.cancel();
+  view_->ruler->SetInteractor(nullptr);
+}
+
+void SceneView::render() {
+  view_->widget->update();
+  view_->window->Render();
+}
+
+void SceneView::set_dark(bool dark) {
+  dark_ = dark;
+  if (dark)
+    view_->renderer->SetBackground(0.11, 0.12, 0.14);
+  else
+    view_->renderer->SetBackground(0.97, 0.97, 0.98);
+  if (geometry_) add_flame();
+  render();
+}
+
+void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes) {
+  scene_ = std::move(scene);
+  if (!changes.compiled() && geometry_) return;
+  build_geometry();
+}
+
+void SceneView::build_geometry() {
+  if (!scene_) return;
+  const unsigned number = ++newest_;
+  std::array<int, 2> pixel{scene_->scene.camera.sensor.columns / 2,
+                           scene_->scene.camera.sensor.rows / 2};
+  if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
+    pixel = {rays_->selection.column, rays_->selection.row};
+  task_.request([this, scene = scene_, number, pixel](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    try {
+      auto built = std::make_shared<Geometry>();
+      vtkNew<vtkPlenoflameScene> holder;
+      holder->SetScene(scene->scene);
+      vtkNew<vtkPlenoflameCameraSource> source;
+      source->SetInputDataObject(holder);
+      source->Update();
+      built->camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+      built->camera->ShallowCopy(source->GetOutput());
+      built->plate_texture = vtkSmartPointer<vtkImageData>::New();
+      built->plate_texture->DeepCopy(source->GetPlateTexture());
+      const CameraSpec& spec = scene->scene.camera;
+      if (spec.array.present) {
+        vtkNew<vtkPlenoflameCameraSource> close;
+        close->SetInputDataObject(holder);
+        close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
+        const int span =
+            std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
+        close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
+        close->SetMicrolensResolution(28);
+        close->Update();
+        built->detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+        built->detail->ShallowCopy(close->GetOutput());
+      }
+      if (scene->medium) built->flame = sampled(*scene->medium, execution);
+      post(this, [this, number, built] {
+        if (number != newest_) return;
+        geometry_ = built;
+        add_geometry();
+      });
+    } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
+    }
+  });
+}
+
+void SceneView::add_geometry() {
+  temperatures_ = {0, 0};
+  if (geometry_->flame) {
+    const auto colours = views::temperature_colours(*geometry_->flame);
+    temperatures_ = {colours->GetRange()[0], colours->GetRange()[1]};
+  }
+  add_camera();
+  add_flame();
+  add_rays();
+  if (!aimed_) aim();
+  render();
+  emit geometry_shown();
+}
+
+void SceneView::add_camera() {
+  if (!geometry_) return;
+  const bool close = (part_ == Part::array || part_ == Part::pixel) && geometry_->detail;
+  vtkSmartPointer<vtkImageData> texture;
+  if (image_ && !image_->empty()) {
+    const Image& level = image_->level(image_->level_within(kSensorTexture));
+    texture = vtkSmartPointer<vtkImageData>::New();
+    texture->SetDimensions(level.width, level.height, 1);
+    vtkNew<vtkFloatArray> flux;
+    flux->SetNumberOfValues(static_cast<vtkIdType>(level.pixels.size()));
+    for (int row = 0; row < level.height; ++row)  // rows run upwards in VTK
+      for (int column = 0; column < level.width; ++column)
+        flux->SetValue(static_cast<vtkIdType>(level.height - 1 - row) * level.width + column,
+                       level.at(column, row));
+    texture->GetPointData()->SetScalars(flux);
+  }
+  view_->replace("camera", [&](vtkRenderer& renderer) {
+    views::add_camera(close ? *geometry_->detail : *geometry_->camera, geometry_->plate_texture,
+                      texture, close ? 0.45 : 0.4, renderer);
+  });
+}
+
+void SceneView::add_flame() {
+  if (!geometry_) return;
+  vtkImageData* const flame = geometry_->flame;
+  view_->replace("flame", [&](vtkRenderer& renderer) {
+    if (!flame || !look_.visible) return;
+    auto colours = views::temperature_colours(*flame);
+    const double cold = look_.automatic ? temperatures_[0] : look_.cold,
+                 hot = look_.automatic ? temperatures_[1] : look_.hot;
+    colours->RemoveAllPoints();
+    constexpr int kStops = 17;
+    for (int i = 0; i < kStops; ++i) {
+      const double t = static_cast<double>(i) / (kStops - 1);
+      // The darkest fifth of the map is left out: it would look like a hole in the flame.
+      const Rgb c = colour(look_.map, look_.map == ColourMap::inferno ? 0.25 + 0.75 * t : t);
+      colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
+    }
+    const auto volume = views::flame_volume(*flame, colours);
+    if (look_.opacity != 1) {
+      vtkPiecewiseFunction* const old = volume->GetProperty()->GetScalarOpacity();
+      vtkNew<vtkPiecewiseFunction> opacity;
+      for (int i = 0; i < old->GetSize(); ++i) {
+        std::array<double, 4> node{};
+        old->GetNodeValue(i, node.data());
+        // Optical thickness is what scales.
+        opacity->AddPoint(node[0], 1 - std::pow(std::max(0.0, 1 - node[1]), look_.opacity));
+      }
+      volume->GetProperty()->SetScalarOpacity(opacity);
+    }
+    if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+      mapper->SetAutoAdjustSampleDistances(1);
+      mapper->SetMinimumImageSampleDistance(1);
+      mapper->SetMaximumImageSampleDistance(8);
+    }
+    renderer.AddVolume(volume);
+    views::add_temperature_bar(colours, renderer);
+  });
+  for (const auto& prop : view_->layers["flame"])
+    if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) {
+      const double ink = dark_ ? 0.9 : 0.1;
+      bar->GetTitleTextProperty()->SetColor(ink, ink, ink);
+      bar->GetLabelTextProperty()->SetColor(ink, ink, ink);
+      bar->SetPosition(0.56, 0.02);
+      bar->SetWidth(0.42);
+      bar->SetHeight(0.12);
+      bar->GetTitleTextProperty()->SetFontSize(12);
+      bar->GetLabelTextProperty()->SetFontSize(12);
+    }
+  view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+}
+
+void SceneView::add_rays() {
+  view_->replace("rays", [&](vtkRenderer& renderer) {
+    if (!rays_ || rays_->paths.rays.empty()) return;
+    vtkNew<vtkPolyData> lines;
+    pipeline::ray_paths_to_polydata(rays_->paths, *lines);
+    views::add_rays(*lines, true, renderer);
+  });
+}
+
+void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays) {
+  const bool moved = rays && rays->selection.kind == Selection::Kind::pixel &&
+                     !(rays_ && rays_->selection == rays->selection);
+  rays_ = std::move(rays);
+  add_rays();
+  if (moved && geometry_) build_geometry();  // the microlenses near the pixel
+  if (part_ == Part::pixel || part_ == Part::array) aim();
+  render();
+}
+
+void SceneView::set_image(const std::shared_ptr<const ImagePyramid>& image) {
+  image_ = image;
+  if (!geometry_) return;
+  add_camera();
+  render();
+}
+
+void SceneView::set_flame_look(const FlameLook& look) {
+  look_ = look;
+  add_flame();
+  render();
+}
+
+void SceneView::show_part(Part part) {
+  part_ = part;
+  part_actions_[static_cast<std::size_t>(part)]->setChecked(true);
+  add_camera();
+  view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+  aim();
+  render();
+}
+
+void SceneView::aim() {
+  if (!scene_ || !geometry_) return;
+  const CameraSpec& spec = scene_->scene.camera;
+  const RigidTransform& to_world = scene_->camera.to_world();
+  const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
+             up = cross(right, axis);
+  const auto camera_corners = [&] {
+    const double half = 0.5 * std::max(scene_->camera.lens_first_order().entrance_pupil_diameter,
+                                       spec.sensor.columns * spec.sensor.pixel_pitch);
+    std::vector<Vec3> points;
+    for (const double x : {-half, half})
+      for (const double y : {-half, half})
+        for (const double z : {0.0, scene_->camera.sensor()})
+          points.push_back(to_world.point({x, y, z}));
+    return points;
+  };
+  std::array<double, 6> flame{};
+  if (geometry_->flame) geometry_->flame->GetBounds(flame.data());
+  std::vector<Vec3> points;
+  Vec3 from;
+  switch (part_) {
+    case Part::scene:
+      points = camera_corners();
+      if (geometry_->flame)
+        for (const Vec3 p : views::corners(flame)) points.push_back(p);
+      from = 0.3 * axis - 1.0 * right + 0.35 * up;
+      break;
+    case Part::flame:
+      points = geometry_->flame ? views::corners(flame) : camera_corners();
+      from = -0.55 * axis - 0.8 * right + 0.2 * up;
+      break;
+    case Part::camera:
+      points = camera_corners();
+      from = 0.35 * axis - 1.0 * right + 0.35 * up;
+      break;
+    case Part::array:
+    case Part::pixel: {
+      std::array<double, 2> pixel{0.5 * spec.sensor.columns, 0.5 * spec.sensor.rows};
+      if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
+        pixel = {rays_->selection.column + 0.5, rays_->selection.row + 0.5};
+      const Vec2 place = scene_->camera.sensor_point(pixel[0], pixel[1]);
+      const double pitch = spec.array.present ? spec.array.pitch : 10 * spec.sensor.pixel_pitch;
+      const double half = (part_ == Part::array ? 2.5 : 0.75) * pitch;
+      const double depth =
+          spec.array.present ? scene_->camera.array_front() - scene_->camera.sensor() : 4 * half;
+      for (const double x : {-half, half})
+        for (const double y : {-half, half})
+          for (const double z : {0.0, depth})
+            points.push_back(
+                to_world.point({place.x + x, place.y + y, scene_->camera.sensor() + z}));
+      from = 0.75 * axis - 0.8 * right + 0.55 * up;
+      break;
+    }
+  }
+  const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
+                        std::max(1, view_->widget->height());
+  views::look_at(points, -from, up, aspect, 10, *view_->renderer);
+  aimed_ = true;
+}
+
+double SceneView::view_height() const {
+  vtkCamera* const camera = view_->renderer->GetActiveCamera();
+  return 2 * camera->GetDistance() *
+         std::tan(0.5 * camera->GetViewAngle() * 3.14159265358979 / 180);
+}
+
+std::array<double, 2> SceneView::clipping_range() const {
+  std::array<double, 2> range{};
+  view_->renderer->GetActiveCamera()->GetClippingRange(range.data());
+  return range;
+}
+
+QImage SceneView::picture() {
+  render();
+  return view_->widget->grabFramebuffer();
+}
+
+bool SceneView::eventFilter(QObject* object, QEvent* event) {
+  if (object == view_->widget && !measure_->isChecked()) {
+    if (event->type() == QEvent::MouseButtonPress)
+      pressed_ = static_cast<QMouseEvent*>(event)->pos();
+    if (event->type() == QEvent::MouseButtonRelease) {
+      const auto* const mouse = static_cast<QMouseEvent*>(event);
+      if (mouse->button() == Qt::LeftButton &&
+          (QPointF(mouse->pos()) - pressed_).manhattanLength() < 4)
+        pick(mouse->pos());
+    }
+  }
+  return QWidget::eventFilter(object, event);
+}
+
+void SceneView::pick(const QPointF& place) {
+  if (!scene_) return;
+  const double ratio = view_->widget->devicePixelRatioF();
+  const int* const size = view_->renderer->GetSize();
+  const auto world_at = [&](double depth) {
+    view_->renderer->SetDisplayPoint(place.x() * ratio, size[1] - 1 - place.y() * ratio, depth);
+    view_->renderer->DisplayToWorld();
+    const double* const p = view_->renderer->GetWorldPoint();
+    return Vec3{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
+  };
+  const Vec3 near = world_at(0), far = world_at(0.5);
+  const Ray ray{near, normalize(far - near)};
+  const bool close = part_ == Part::array || part_ == Part::pixel;
+  Vec3 point;
+  if (!close && look_.visible && scene_->medium && flame_point(*scene_->medium, ray, point)) {
+    emit point_picked(point);
+    return;
+  }
+  const RigidTransform inverse = scene_->camera.to_world().inverse();
+  const Ray local{inverse.point(ray.origin), inverse.direction(ray.direction)};
+  if (local.direction.z == 0) return;
+  const CameraSpec& spec = scene_->scene.camera;
+  if (close && spec.array.present) {
+    const double t = (scene_->camera.array_front() - local.origin.z) / local.direction.z;
+    if (t <= 0) return;
+    const Vec3 p = local.at(t);
+    emit lens_picked(scene_->camera.lattice().nearest({p.x, p.y}));
+    return;
+  }
+  const double t = (scene_->camera.sensor() - local.origin.z) / local.direction.z;
+  if (t <= 0) return;
+  const Vec3 p = local.at(t);
+  const double column = 0.5 * spec.sensor.columns - p.x / spec.sensor.pixel_pitch,
+               row = 0.5 * spec.sensor.rows - p.y / spec.sensor.pixel_pitch;
+  if (column < 0 || row < 0 || column >= spec.sensor.columns || row >= spec.sensor.rows) return;
+  emit pixel_picked(static_cast<int>(column), static_cast<int>(row));
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,97 @@
+#pragma once
+#include <QWidget>
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "model/image_display.h"
+#include "model/latest_task.h"
+#include "model/ray_selector.h"
+#include "model/scene_changes.h"
+#include "plenoflame/scene/compile.h"
+
+class QAction;
+class QLabel;
+class QToolBar;
+
+namespace plenoflame::desktop {
+
+/// How the flame is drawn in three dimensions.
+struct FlameLook {
+  bool visible = true;
+  ColourMap map = ColourMap::inferno;
+  bool automatic = true;     ///< temperatures from the flame itself
+  double cold = 0, hot = 0;  ///< [K] ends of the colours otherwise
+  double opacity = 1;        ///< times what makes the thickest way nearly opaque
+};
+
+/// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
+///
+/// Drag turns, wheel zooms, middle drag moves. A click on the flame, the sensor or the array
+/// selects.
+class SceneView : public QWidget {
+  Q_OBJECT
+ public:
+  enum class Part { scene, flame, camera, array, pixel };
+
+  explicit SceneView(QWidget* parent = nullptr);
+  ~SceneView() override;
+
+  /// Geometry follows in the background. @param changes since the scene before
+  void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes);
+  void set_rays(std::shared_ptr<const SelectedRays> rays);
+  void set_image(const std::shared_ptr<const ImagePyramid>& image);
+  void set_flame_look(const FlameLook& look);
+  const FlameLook& flame_look() const { return look_; }
+  void show_part(Part part);
+  Part part() const { return part_; }
+  void set_dark(bool dark);
+  /// What is seen now, without the window around it.
+  QImage picture();
+  /// Temperatures [K] that the flame has where it absorbs; 0, 0: there is none.
+  std::array<double, 2> flame_temperatures() const { return temperatures_; }
+  /// Width and height of what the camera sees at its focus [m].
+  double view_height() const;
+  std::array<double, 2> clipping_range() const;
+
+ signals:
+  void pixel_picked(int column, int row);
+  void lens_picked(const plenoflame::LensIndex& lens);
+  void point_picked(const plenoflame::Vec3& point);
+  void picture_requested();
+  /// Geometry of the scene is on display.
+  void geometry_shown();
+
+ protected:
+  bool eventFilter(QObject* object, QEvent* event) override;
+
+ private:
+  struct Geometry;
+  struct View;
+  void build_geometry();
+  void add_geometry();
+  void add_flame();
+  void add_rays();
+  void add_camera();
+  void aim();
+  void pick(const QPointF& place);
+  void render();
+
+  std::unique_ptr<View> view_;
+  std::shared_ptr<const CompiledScene> scene_;
+  std::shared_ptr<const SelectedRays> rays_;
+  std::shared_ptr<const ImagePyramid> image_;
+  std::shared_ptr<Geometry> geometry_;
+  FlameLook look_;
+  Part part_ = Part::scene;
+  std::array<double, 2> temperatures_{0, 0};
+  bool aimed_ = false, dark_ = false;
+  QToolBar* tools_ = nullptr;
+  std::array<QAction*, 5> part_actions_{};
+  QAction* measure_ = nullptr;
+  QPointF pressed_;
+  unsigned newest_ = 0;
+  LatestTask task_;  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

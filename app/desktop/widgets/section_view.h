@@ -1,0 +1,72 @@
+#pragma once
+#include <QImage>
+#include <QPointF>
+#include <QWidget>
+#include <memory>
+#include <vector>
+
+#include "model/ray_selector.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame::desktop {
+
+/// Section through the optical axis, the scene on the left, the sensor on the right: surfaces with
+/// their true shape, stop, microlenses, the flame's temperature in the plane, and the rays as they
+/// look from the side.
+class SectionView : public QWidget {
+  Q_OBJECT
+ public:
+  enum class Part { scene, camera, array };
+
+  explicit SectionView(QWidget* parent = nullptr);
+
+  void set_scene(std::shared_ptr<const CompiledScene> scene);
+  void set_rays(std::shared_ptr<const SelectedRays> rays);
+  void show_part(Part part);
+  /// The ray that stands out; -1: none.
+  void set_highlighted(int ray);
+  /// The plane: up and down as the picture, or across.
+  void set_horizontal(bool on);
+
+  QSize sizeHint() const override { return {640, 220}; }
+
+ signals:
+  void lens_clicked(const plenoflame::LensIndex& lens);
+  void point_clicked(const plenoflame::Vec3& point);
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void wheelEvent(QWheelEvent* event) override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  void mouseReleaseEvent(QMouseEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
+
+ private:
+  QPointF to_widget(double z, double height) const;  ///< camera z and height in the plane [m]
+  QPointF from_widget(QPointF place) const;          ///< x: camera z, y: height
+  QPointF project(Vec3 world) const;                 ///< the same of a point
+  void draw_flame(QPainter& painter);
+  void draw_lens(QPainter& painter);
+  void draw_array(QPainter& painter);
+  void draw_rays(QPainter& painter);
+  void draw_scale(QPainter& painter);
+  void aim();
+  void sample_flame();
+
+  std::shared_ptr<const CompiledScene> scene_;
+  std::shared_ptr<const SelectedRays> rays_;
+  Part part_ = Part::scene;
+  bool horizontal_ = false, dragging_ = false;
+  int highlighted_ = -1;
+  double scale_ = 1000;   ///< screen pixels per metre
+  QPointF centre_{0, 0};  ///< camera z, height
+  QPointF pressed_, last_;
+  QImage flame_;
+  QRectF flame_place_;  ///< left: largest z; in metres
+};
+
+/// Colour of a ray by how it ended, the same in all views.
+QColor status_colour(RayStatus status, bool dark_background);
+
+}  // namespace plenoflame::desktop

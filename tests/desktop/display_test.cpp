@@ -1,0 +1,167 @@
+// How values become colours. References: closed forms, and the published ends of the colour maps.
+#include "model/image_display.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/approx.h"
+
+namespace plenoflame::desktop::test {
+namespace {
+
+using plenoflame::test::relative;
+
+/// CIE lightness of an sRGB colour.
+double lightness(Rgb c) {
+  const auto linear = [](unsigned char v) {
+    const double x = v / 255.0;
+    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  };
+  const double y = 0.2126 * linear(c.red) + 0.7152 * linear(c.green) + 0.0722 * linear(c.blue);
+  return y > 0.008856 ? 116 * std::cbrt(y) - 16 : 903.3 * y;
+}
+
+TEST(ColourMap, HasThePublishedEnds) {
+  const auto is = [](Rgb c, int red, int green, int blue) {
+    return c.red == red && c.green == green && c.blue == blue;
+  };
+  EXPECT_TRUE(is(colour(ColourMap::viridis, 0), 0x44, 0x01, 0x54));
+  EXPECT_TRUE(is(colour(ColourMap::viridis, 1), 0xfd, 0xe7, 0x25));
+  EXPECT_TRUE(is(colour(ColourMap::cividis, 0), 0x00, 0x22, 0x4e));
+  EXPECT_TRUE(is(colour(ColourMap::cividis, 1), 0xfe, 0xe8, 0x38));
+  EXPECT_TRUE(is(colour(ColourMap::inferno, 1), 0xfc, 0xff, 0xa4));
+  EXPECT_TRUE(is(colour(ColourMap::grey, 2), 255, 255, 255));
+}
+
+TEST(ColourMap, LightnessRisesEvenly) {
+  for (const ColourMap map : {ColourMap::viridis, ColourMap::cividis, ColourMap::inferno}) {
+    const double whole = lightness(colour(map, 1)) - lightness(colour(map, 0));
+    for (int i = 0; i < 16; ++i) {
+      const double step = lightness(colour(map, (i + 1) / 16.0)) - lightness(colour(map, i / 16.0));
+      EXPECT_GT(step, 0.5 * whole / 16) << i;
+      EXPECT_LT(step, 1.6 * whole / 16) << i;
+    }
+  }
+}
+
+TEST(ToneTable, AgreesWithTheFormula) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> exponent(-7, 0.5);
+  for (const ToneScale scale : {ToneScale::linear, ToneScale::gamma, ToneScale::logarithmic}) {
+    ToneSettings settings;
+    settings.scale = scale;
+    settings.white = 3e-9;
+    const ToneTable table(settings);
+    for (int i = 0; i < 20000; ++i) {
+      const double share = std::pow(10.0, exponent(random)), value = settings.white * share;
+      // The scales once more, from their definitions.
+      double expected = std::min(share, 1.0);
+      if (scale == ToneScale::gamma)
+        expected =
+            expected <= 0.0031308 ? 12.92 * expected : 1.055 * std::pow(expected, 1 / 2.4) - 0.055;
+      if (scale == ToneScale::logarithmic) expected = std::max(0.0, 1 + std::log10(expected) / 3);
+      const int grey = static_cast<int>(table(static_cast<float>(value)) & 0xff);
+      // Half a step of rounding, and what 1/512 of the value makes of it.
+      EXPECT_LE(std::fabs(grey - 255 * expected), 1.01) << share;
+    }
+    EXPECT_EQ(table(0.0F) & 0xffffffU, 0U);
+    EXPECT_EQ(table(-1.0F) & 0xffffffU, 0U);
+    EXPECT_EQ(table(std::numeric_limits<float>::quiet_NaN()) & 0xffffffU, 0U);
+    EXPECT_EQ(table(1e20F) & 0xffffffU, 0xffffffU);
+  }
+}
+
+TEST(ToneTable, MarksSaturatedPixels) {
+  ToneSettings settings;
+  settings.white = 1;
+  settings.saturation = 2;
+  const ToneTable table(settings);
+  EXPECT_EQ(table(1.9F) & 0xffffffU, 0xffffffU);
+  const std::uint32_t marked = table(2.1F);
+  EXPECT_NE((marked >> 16) & 0xff, marked & 0xff);  // no grey
+  EXPECT_EQ(table(1e9F), marked);
+}
+
+TEST(ToneTable, SignedValuesMeetInTheMiddle) {
+  ToneSettings settings;
+  settings.is_signed = true;
+  settings.map = ColourMap::diverging;
+  settings.white = 2;
+  const ToneTable table(settings);
+  EXPECT_EQ(table(0.0F) & 0xffffffU, 0xf5f5f5U);
+  EXPECT_EQ(table(-2.0F) & 0xffffffU, 0x21509eU);
+  EXPECT_EQ(table(2.0F) & 0xffffffU, 0x9e4214U);
+}
+
+TEST(ImagePyramid, EveryLevelHasTheMeanOfTheImage) {
+  auto image = std::make_shared<Image>(512, 256);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> value(0, 4);
+  double sum = 0;
+  for (float& pixel : image->pixels) {
+    pixel = value(random);
+    sum += static_cast<double>(pixel);
+  }
+  const double mean = sum / static_cast<double>(image->pixels.size());
+  const ImagePyramid pyramid(image, {});
+  ASSERT_EQ(pyramid.level_count(), 4U);
+  for (std::size_t i = 0; i < pyramid.level_count(); ++i) {
+    const Image& level = pyramid.level(i);
+    EXPECT_EQ(level.width, 512 >> i);
+    double total = 0;
+    for (const float pixel : level.pixels) total += static_cast<double>(pixel);
+    EXPECT_TRUE(relative(total / static_cast<double>(level.pixels.size()), mean, 1e-6));
+  }
+  EXPECT_EQ(pyramid.level_for(1), 0U);
+  EXPECT_EQ(pyramid.level_for(0.51), 0U);
+  EXPECT_EQ(pyramid.level_for(0.5), 1U);
+  EXPECT_EQ(pyramid.level_for(0.2), 2U);
+  EXPECT_EQ(pyramid.level_for(0.001), 3U);
+}
+
+TEST(ImagePyramid, OddSizesKeepTheirLastRowAndColumn) {
+  auto image = std::make_shared<Image>(131, 67, 2.0F);
+  image->at(130, 66) = 10;
+  const ImagePyramid pyramid(image, {});
+  ASSERT_EQ(pyramid.level_count(), 3U);
+  EXPECT_EQ(pyramid.level(1).width, 66);
+  EXPECT_EQ(pyramid.level(1).height, 34);
+  EXPECT_EQ(pyramid.level(1).at(65, 33), 10.0F);
+  EXPECT_EQ(pyramid.level(1).at(0, 0), 2.0F);
+  EXPECT_EQ(pyramid.largest(), 10.0F);
+}
+
+TEST(Histogram, CountsEveryPixelOnce) {
+  Image image(100, 100);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = static_cast<float>(i % 10);
+  const Histogram linear = histogram(image, 9, false);
+  double sum = linear.below;
+  for (const double count : linear.counts) sum += count;
+  EXPECT_EQ(sum, 10000);
+  EXPECT_EQ(linear.counts.front(), 1000);
+  EXPECT_EQ(linear.counts.back(), 2000);  // 8, and 9 itself
+  const Histogram logarithmic = histogram(image, 4, true, 1);
+  EXPECT_EQ(logarithmic.below, 1000);  // zeros; 1 is above 0.9
+  EXPECT_EQ(logarithmic.upper, 9);
+}
+
+TEST(LineProfile, FollowsTheLine) {
+  Image image(40, 30);
+  for (int row = 0; row < 30; ++row)
+    for (int column = 0; column < 40; ++column)
+      image.at(column, row) = static_cast<float>(column + 100 * row);
+  const auto along = line_profile(image, 2.5, 3.5, 12.5, 3.5);
+  ASSERT_EQ(along.size(), 11U);
+  for (std::size_t i = 0; i < along.size(); ++i) EXPECT_EQ(along[i], 302 + static_cast<double>(i));
+  const auto down = line_profile(image, 5.5, 27.5, 5.5, 32.5);
+  ASSERT_EQ(down.size(), 6U);
+  EXPECT_EQ(down[2], 2905);
+  EXPECT_TRUE(std::isnan(down[3]));
+}
+
+}  // namespace
+}  // namespace plenoflame::desktop::test
