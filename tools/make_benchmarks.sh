@@ -3,7 +3,7 @@
 #
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
-# PARTS="lenslets-30 paper-flame-1m whole memory" says what to measure, all of it unless set; the other
+# PARTS="lenslets-30 paper-flame-1m whole skipping memory" says what to measure, all of it unless set; the other
 # sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
@@ -16,7 +16,7 @@ if [ -z "$command" ]; then
   command=build/release/app/cli/plenoflame
 fi
 
-parts=" ${PARTS:-lenslets-30 paper-flame-1m whole memory} "
+parts=" ${PARTS:-lenslets-30 paper-flame-1m whole skipping memory} "
 wanted() { [[ "$parts" == *" $1 "* ]]; }
 
 results=()
@@ -55,6 +55,53 @@ if wanted whole; then
   whole "grid, 16 samples, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1
   whole "grid, 16 samples, every ray integrated, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1 --no-control-variate
   whole "grid, to 1 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 1% --threads 2
+fi
+# What skipping gains: each scene with and without, NAME SCENE OPTION ...
+skipping() {
+  local name=$1 scene=$2
+  shift 2
+  for run in 1 2 3; do
+    "$command" render "$scene" -o out/benchmarks/skipped.exr --seed "$run" --quiet --samples 16 --threads 1 \
+      --stats "out/benchmarks/skipping-$name-with-$run.json" "$@"
+    "$command" render "$scene" -o out/benchmarks/all.exr --seed "$run" --quiet --samples 16 --threads 1 --no-skip \
+      --stats "out/benchmarks/skipping-$name-without-$run.json" "$@"
+    "$command" compare out/benchmarks/skipped.exr out/benchmarks/all.exr --json \
+      >"out/benchmarks/skipping-$name-difference-$run.json"
+  done
+}
+if wanted skipping; then
+  rm -f out/benchmarks/skipping-*.json
+  camera='camera.preset = "paper-plenoptic2"
+camera.focus = { mode = "best", object_distance = "1 m", conjugate = "type2" }'
+  for radius in 3 60; do
+    cat >"out/benchmarks/sphere-$radius.toml" <<END
+$camera
+[[flames]]
+kind = "layered"
+position = ["1 m", "0 m", "0 m"]
+[[flames.layers]]
+semi_axes = ["$radius mm", "$radius mm", "$radius mm"]
+temperature = "1800 K"
+absorption = "20 1/m"
+END
+  done
+  skipping "beams: a sphere that fills 0.8 % of the sensor" out/benchmarks/sphere-3.toml
+  skipping "beams: a sphere that fills all of the sensor" out/benchmarks/sphere-60.toml
+  "$command" flame candle -o out/benchmarks/candle.vdb --voxel-size "0.25 mm"
+  "$command" flame layered -o out/benchmarks/layered.vdb --voxel-size "0.234 mm"
+  "$command" flame cylinder -o out/benchmarks/cylinder.vdb --voxel-size "2 mm"
+  for flame in candle layered cylinder; do
+    printf '%s\n[[flames]]\nkind = "vdb"\nfile = "%s.vdb"\nposition = ["1 m", "0 m", "-29 mm"]\n' \
+      "$camera" "$flame" >"out/benchmarks/$flame.toml"
+  done
+  # A thousand times as much soot: black from outside.
+  printf 'absorption.scale = 1000.0\n' >>out/benchmarks/cylinder.toml
+  skipping "empty bricks: candle, every ray integrated" out/benchmarks/candle.toml \
+    --no-control-variate --window 1300,1300,400,400
+  skipping "constant bricks: layers as a grid, every ray integrated" out/benchmarks/layered.toml \
+    --no-control-variate --window 1300,1300,400,400
+  skipping "opaque tails: sooty cylinder, every ray integrated" out/benchmarks/cylinder.toml \
+    --no-control-variate --window 1300,1300,400,400
 fi
 # Largest resident memory of a process of its own: NAME SCENE SAMPLES
 memory() {
