@@ -83,10 +83,11 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   if (!(squares > 0)) return stated;
   // For normal errors of variances v_i the sums of (image - truth)^2 and of the squared standard
   // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
-  // freedom (Welch-Satterthwaite); the expectation of e^4 is v^2 (R + 1)/(R - 1).
+  // freedom (Welch-Satterthwaite); the expectation of e^4 is v^2 (R + 1)/(R - 1). There are no more
+  // than there are pixels, which an estimate from few pixels may say.
   const double r = replicates;
-  const double freedom =
-      std::clamp(squares * squares * (r + 1) / ((r - 1) * fourth), 1.0, kMostFreedom);
+  const double freedom = std::clamp(squares * squares * (r + 1) / ((r - 1) * fourth), 1.0,
+                                    std::min(kMostFreedom, lit));
   stated.bound =
       std::sqrt(squares * lit_at_most * f_quantile(kErrorConfidence, freedom, freedom * (r - 1))) /
       total;

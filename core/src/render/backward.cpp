@@ -11,8 +11,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kLevels = 5;       ///< of fewer points, each half of the one before
-constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
+constexpr int kLevels = 5;         ///< of fewer points, each half of the one before
+constexpr int kLeastPoints = 1;    ///< of a replicate on the last level
+constexpr int kPartEntries = 256;  ///< of a pool whose sequences others go on with
 
 /// How far from its microlens' centre any micro-image reaches [m].
 double micro_image_reach(const PupilSampling& pupils) {
@@ -25,8 +26,9 @@ double micro_image_reach(const PupilSampling& pupils) {
 
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
-                             const RenderSettings& settings, std::uint32_t first, int points,
+                             const RenderSettings& settings, const PointRange& range,
                              const Execution& execution) {
+  const auto [first, points, part] = range;
   BackwardPlan<Real> plan;
   plan.scene = &scene;
   plan.medium = &medium;
@@ -46,9 +48,8 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   }
   for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
-                            mix64(settings.seed + static_cast<std::uint64_t>(level)));
-  if (plan.pools.empty())
-    plan.pools.emplace_back(settings.replicates, points, first, settings.seed);
+                            mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
+                            part ? kPartEntries : 0);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   if (scene.surfaces || !scene.lights.environment.empty())
     plan.surfaces = std::make_unique<BackwardSurfacePlan>(scene, settings, first, plan.pools,
@@ -158,7 +159,7 @@ template BackwardKernels<double> backward_kernels<double>(Isa);
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, std::uint32_t first,
                                       int points) {
-  return make_plan<double>(scene, medium, settings, first, points, {});
+  return make_plan<double>(scene, medium, settings, {first, points}, {});
 }
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
@@ -215,19 +216,19 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
       table(make_radiance_table(scene, settings)) {}
 
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           std::uint32_t first, int points, const BackwardShared& shared,
+                           const PointRange& range, const BackwardShared& shared,
                            const Execution& execution)
-    : medium_(std::make_unique<SceneMedium>(scene)), points_(points) {
+    : medium_(std::make_unique<SceneMedium>(scene)), points_(range.points) {
   const bool single = in_single_precision(scene, settings);
   if (single) {
     auto plan = std::make_unique<BackwardPlan<float>>(
-        make_plan<float>(scene, medium_->get(), settings, first, points, execution));
+        make_plan<float>(scene, medium_->get(), settings, range, execution));
     plan->table = shared.table.get();
     plan->beams = shared.beams.get();
     single_ = std::move(plan);
   } else {
     auto plan = std::make_unique<BackwardPlan<double>>(
-        make_plan<double>(scene, medium_->get(), settings, first, points, execution));
+        make_plan<double>(scene, medium_->get(), settings, range, execution));
     plan->beams = shared.beams.get();
     double_ = std::move(plan);
   }

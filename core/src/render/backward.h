@@ -22,13 +22,21 @@ struct BackwardShared {
   std::unique_ptr<RadianceTable> table;
 };
 
-/// Points [first, first + points) of each replicate's sequence: what is the same for all tiles is
-/// made once, in the constructor. Keeps references to scene and settings.
+/// A part of each replicate's sequence of points.
+struct PointRange {
+  std::uint32_t first = 0;
+  int points = 0;
+  /// One of several that go on with one another, rather than all there will be.
+  bool part = false;
+};
+
+/// What is the same for all tiles is made once, in the constructor. Keeps references to scene and
+/// settings.
 class BackwardPass {
  public:
   /// @param shared kept, must live as long
-  BackwardPass(const CompiledScene& scene, const RenderSettings& settings, std::uint32_t first,
-               int points, const BackwardShared& shared, const Execution& execution = {});
+  BackwardPass(const CompiledScene& scene, const RenderSettings& settings, const PointRange& range,
+               const BackwardShared& shared, const Execution& execution = {});
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;

@@ -32,7 +32,8 @@ BackwardSurfacePlan::BackwardSurfacePlan(const CompiledScene& scene, const Rende
   if (!light.random()) return;
   for (std::size_t level = 0; level < camera_pools.size(); ++level)
     pools.emplace_back(settings.replicates, camera_pools[level].points(), first >> level,
-                       mix64(settings.seed + kLightSeed + level), SobolPool::kDimensions);
+                       mix64(settings.seed + kLightSeed + level), SobolPool::kDimensions,
+                       camera_pools[level].entries());
 }
 
 template <class Real>

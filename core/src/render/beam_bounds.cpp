@@ -62,7 +62,7 @@ bool BeamBounds::may_meet(int table, Vec2 place) const {
   double radius = 0;
   for (int k = 0; k < 2; ++k) {
     centre[k] = (a.centre[k] + t * (b.centre[k] - a.centre[k])) * outwards;
-    // Half of what the centre moves between nodes covers its curvature.
+    // A pixel without array is as wide as its diagonal; what it sees moves with the centre.
     const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
     const double across = h > 0 ? length(centre[k]) / h : along;
     radius = std::max(radius, std::max(a.radius[k], b.radius[k]) +

@@ -11,7 +11,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kFirstPoints = 8;       ///< of each replicate in the first round
+constexpr int kFirstPoints = 8;    ///< of each replicate in the first round
+constexpr int kMostPoints = 2048;  ///< of each replicate in one pass: their pools take 16 MB
+constexpr int kDarkPoints = 64;    ///< of each replicate, until what shows no light is called dark
 constexpr double kGoalMargin = 0.97;  ///< on the mean square: a last round of its own costs more
 constexpr int kCheckpointBatches = 16;
 
@@ -36,7 +38,8 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
       for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width;
            ++column) {
         if (!(flux.at(column, row) > limit)) continue;
-        const double e = static_cast<double>(error.at(column, row));
+        // One replicate has no scatter.
+        const double e = error.empty() ? 0 : static_cast<double>(error.at(column, row));
         tile_squares += e * e;
         total += static_cast<double>(flux.at(column, row));
         tile_lit += 1;
@@ -61,7 +64,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
       settings.checkpoint
           ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
           : std::max<std::size_t>(1, tiles.size());
-  const BackwardPass pass(scene, settings, 0, points, shared, execution);
+  const BackwardPass pass(scene, settings, {0, points}, shared, execution);
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<int> part(
@@ -69,6 +72,21 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
     statistics.complete = pass.run(part, execution, film, statistics);
     checkpoints.offer(film);
   }
+}
+
+bool is_started(const Film& film) {
+  return std::all_of(film.all_tile_samples().begin(), film.all_tile_samples().end(),
+                     [](double s) { return s > 0; });
+}
+
+/// Whether the target is met. Of a picture that has been dark so far nothing is known: it is dark
+/// where no ray was sent, or after kDarkPoints.
+bool is_met(const Film& film, const TileErrors& errors, const RenderSettings& settings) {
+  if (!(settings.target_error > 0) || errors.stated.bound > settings.target_error) return false;
+  if (errors.mean_flux > 0) return true;
+  for (int t = 0; t < film.tile_count(); ++t)
+    if (!film.tile_sums(t).empty() && film.tile_samples(t) < kDarkPoints) return false;
+  return true;
 }
 
 /// Mean square error at one sample per replicate, as kErrorSlope foresees it.
@@ -140,10 +158,9 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   bool finished = true;
   while (finished) {
     const TileErrors errors = measure_errors(film, execution);
-    const bool started = std::all_of(film.all_tile_samples().begin(), film.all_tile_samples().end(),
-                                     [](double s) { return s > 0; });
+    const bool started = is_started(film);
     if (started) statistics.relative_error = errors.stated.relative_rmse;
-    if (started && settings.target_error > 0 && errors.stated.bound <= settings.target_error) break;
+    if (started && is_met(film, errors, settings)) break;
     const std::vector<int> planned = plan_round(film, settings, errors, limit);
     // Each tile goes on where its own sequence stands.
     std::map<std::pair<int, int>, std::vector<int>> groups;
@@ -154,15 +171,20 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     }
     if (groups.empty()) break;
     for (const auto& [part, tiles] : groups)
-      finished = finished && BackwardPass(scene, settings, static_cast<std::uint32_t>(part.first),
-                                          part.second, shared, inner)
-                                 .run(tiles, inner, film, statistics);
+      for (int points = 0; points < part.second && finished; points += kMostPoints) {
+        const PointRange range{static_cast<std::uint32_t>(part.first + points),
+                               std::min(kMostPoints, part.second - points), true};
+        finished =
+            BackwardPass(scene, settings, range, shared, inner).run(tiles, inner, film, statistics);
+      }
     if (finished) checkpoints.offer(film);
   }
-  // A time limit that ran out is no interruption: what is there is what was asked for.
-  statistics.complete = !execution.stop.stop_requested();
-  statistics.target_reached = settings.target_error <= 0 ||
-                              measure_errors(film, execution).stated.bound <= settings.target_error;
+  // A time limit that ran out is no interruption: what is there is what was asked for, unless some
+  // of the picture has had no ray yet.
+  statistics.complete = !execution.stop.stop_requested() && is_started(film);
+  statistics.target_reached =
+      settings.target_error <= 0 ||
+      (is_started(film) && is_met(film, measure_errors(film, execution), settings));
 }
 
 }  // namespace

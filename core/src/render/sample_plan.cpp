@@ -8,6 +8,8 @@ namespace {
 
 constexpr int kMostGrowth = 16;  ///< in one round: what is foreseen may be wrong
 constexpr double kLeastGrowth = 1.125;
+/// Fewer points in a round weigh unevenly where dim pixels get a part of them only.
+constexpr int kLeastStep = 8;
 
 double wanted(const TileNeed& tile, double price) {
   if (!(tile.difficulty > 0)) return tile.samples;
@@ -33,7 +35,8 @@ int grown(double samples, double want, int limit) {
   if (growth >= 1.875)
     n = samples * std::exp2(std::round(std::log2(growth)));
   else if (growth >= kLeastGrowth)
-    n = samples + std::max(1.0, std::floor(samples / 4) * std::round(4 * (growth - 1)));
+    n = samples +
+        std::max<double>(kLeastStep, std::floor(samples / 4) * std::round(4 * (growth - 1)));
   return static_cast<int>(std::min<double>(n, limit));
 }
 

@@ -49,6 +49,16 @@ constexpr Directions make_directions() {
 
 constexpr Directions kDirections = make_directions();
 constexpr int kPoolWords = 1 << 16;  // 256 kB: stays in a second-level cache
+// Some scrambles are better than others: with few of them in a picture its error varies from seed
+// to seed by more than its pixels say. As long as a pool takes no more than 16 MB:
+constexpr int kLeastEntries = 128, kMostWords = 1 << 22;
+
+int automatic_entries(int replicates, int points) {
+  const std::int64_t words =
+      std::int64_t{SobolPool::kDimensions} * std::int64_t{replicates} * std::int64_t{points};
+  const auto least = std::clamp<std::int64_t>(kMostWords / words, 16, kLeastEntries);
+  return static_cast<int>(std::clamp<std::int64_t>(kPoolWords / words, least, 4096));
+}
 
 }  // namespace
 
@@ -81,8 +91,8 @@ std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
 }
 
 SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
-                     int first_dimension)
-    : entries_(std::clamp(kPoolWords / (kDimensions * replicates * points), 16, 4096)),
+                     int first_dimension, int entries)
+    : entries_(entries > 0 ? entries : automatic_entries(replicates, points)),
       replicates_(replicates),
       points_(points),
       stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points) + 16) {

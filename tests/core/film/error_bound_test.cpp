@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
 #include "plenoflame/film/film.h"
 #include "support/approx.h"
@@ -27,13 +29,13 @@ TEST(ErrorBound, QuantilesOfFisher) {
 
 TEST(ErrorBound, OfEqualPixels) {
   // n pixels with the same standard error from R replicates: sum e^4 = n e^4, hence n (R + 1)/(R -
-  // 1) degrees of freedom.
+  // 1) degrees of freedom if they were not more than there are pixels.
   Image flux(10, 5), error(10, 5);
   for (float& f : flux.pixels) f = 100;
   for (float& e : error.pixels) e = 3;
   const StatedError stated = stated_error(flux, error, 3);
   EXPECT_TRUE(relative(stated.relative_rmse, 0.03, 1e-7));
-  EXPECT_TRUE(relative(stated.bound, 0.03 * std::sqrt(f_quantile(0.95, 100, 200)), 1e-7));
+  EXPECT_TRUE(relative(stated.bound, 0.03 * std::sqrt(f_quantile(0.95, 50, 100)), 1e-7));
 }
 
 TEST(ErrorBound, PixelsThatMayBeLitCount) {
@@ -45,9 +47,41 @@ TEST(ErrorBound, PixelsThatMayBeLitCount) {
   }
   const StatedError stated = stated_error(flux, error, 2);
   EXPECT_TRUE(relative(stated.relative_rmse, std::sqrt(12.5) / 75, 1e-7));
-  const double freedom = 3 * 25.0 * 25 / (81 + 256);
+  const double freedom = 2;  // 3 * 25 * 25 / (81 + 256) would be 5.6 of two pixels
   EXPECT_TRUE(
       relative(stated.bound, std::sqrt(25 * 3 * f_quantile(0.95, freedom, freedom)) / 150, 1e-7));
+}
+
+TEST(ErrorBound, OfFewNormalPixels) {
+  // Normal errors of known size: the true error is below the bound in 95 % of all cases.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  constexpr int kRuns = 20000;
+  for (const int pixels : {1, 2, 4, 16})
+    for (const int replicates : {2, 4}) {
+      int below = 0;
+      for (int run = 0; run < kRuns; ++run) {
+        Image flux(pixels, 1), error(pixels, 1);
+        double squares = 0, total = 0;
+        for (int i = 0; i < pixels; ++i) {
+          double mean = 0, scatter = 0;
+          std::vector<double> values(static_cast<std::size_t>(replicates));
+          for (double& v : values) mean += (v = 1000 + normal(random)) / replicates;
+          for (const double v : values) scatter += (v - mean) * (v - mean);
+          flux.at(i, 0) = static_cast<float>(mean);
+          error.at(i, 0) =
+              static_cast<float>(std::sqrt(scatter / (replicates * (replicates - 1.0))));
+          squares += (mean - 1000) * (mean - 1000);
+          total += mean;
+        }
+        const double truth = std::sqrt(squares * pixels) / total;
+        below += truth <= stated_error(flux, error, replicates).bound;
+      }
+      const double share = below / static_cast<double>(kRuns);
+      const double sigma = std::sqrt(0.95 * 0.05 / kRuns);
+      EXPECT_GT(share, 0.95 - 4 * sigma) << pixels << " pixels, " << replicates << " replicates";
+      EXPECT_LT(share, 0.975) << pixels << " pixels, " << replicates << " replicates";
+    }
 }
 
 TEST(ErrorBound, WhatIsNotKnown) {

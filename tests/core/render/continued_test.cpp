@@ -2,7 +2,9 @@
 #include <optional>
 #include <stop_token>
 
+#include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
+#include "render/backward.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
@@ -47,6 +49,72 @@ TEST(Continued, BackwardWithFixedSamples) {
   RenderSettings settings;
   settings.samples = 8;
   expect_same(compile(paper_flame(200, 170, 0.004)), settings, 3);
+}
+
+TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {
+  // A pixel's points in [0, 16) and [16, 48) are those in [0, 48), on all levels.
+  const CompiledScene scene = compile(paper_flame(64, 64, 0.001));
+  RenderSettings settings;
+  settings.precision = Precision::double_precision;
+  const BackwardShared shared(scene, settings);
+  const PixelWindow window{0, 0, 64, 64};
+  const auto film_of = [&](const std::vector<PointRange>& ranges) {
+    Film film(window, 1, settings.replicates);
+    RenderStatistics statistics;
+    for (const PointRange& range : ranges)
+      EXPECT_TRUE(
+          BackwardPass(scene, settings, range, shared).run({0}, one_thread(), film, statistics));
+    return film;
+  };
+  const Film whole = film_of({{0, 48, true}}), parts = film_of({{0, 16, true}, {16, 32, true}});
+  const Film other = film_of({{0, 16, true}, {64, 32, true}});
+  int lit = 0, different = 0;
+  for (int row = 0; row < 64; ++row)
+    for (int column = 0; column < 64; ++column)
+      for (int r = 0; r < settings.replicates; ++r) {
+        const double sum = whole.sum(0, r, column, row);
+        lit += sum > 0;
+        different += other.sum(0, r, column, row) != sum;
+        ASSERT_TRUE(relative(parts.sum(0, r, column, row), sum, 1e-12)) << column << "," << row;
+      }
+  EXPECT_GT(lit, 1000);
+  EXPECT_GT(different, lit / 2);
+}
+
+TEST(Continued, ATimeLimitInTheFirstRoundLeavesThePictureIncomplete) {
+  const CompiledScene scene = compile(paper_flame(1500, 1500));
+  RenderSettings settings;
+  settings.samples = 1 << 20;
+  settings.time_limit = 1e-6;
+  settings.target_error = 0.5;
+  const RenderResult result = render(scene, settings, one_thread());
+  EXPECT_FALSE(result.statistics.complete);
+  EXPECT_FALSE(result.statistics.target_reached);
+}
+
+TEST(Continued, OneReplicateWithinATimeLimit) {
+  const CompiledScene scene = compile(paper_flame(64, 64));
+  RenderSettings settings;
+  settings.samples = 64;
+  settings.replicates = 1;
+  settings.time_limit = 1e3;
+  const RenderResult result = render(scene, settings, one_thread());
+  EXPECT_TRUE(result.statistics.complete);
+  EXPECT_GT(result.statistics.flux, 0);
+}
+
+TEST(Continued, ADarkPictureIsNotCalledSoAfterAFewRays) {
+  // Nothing glows in the box, but rays must be sent to see that.
+  const CompiledScene scene = scene_of(
+      paper_flame(64, 64).camera, make_layered_medium({{{1, 0, 0}, {0.01, 0.01, 0.03}, 0, 20}},
+                                                      RigidTransform{}, {SourceFunction::total()}));
+  RenderSettings settings;
+  settings.samples = 1 << 16;
+  settings.target_error = 0.01;
+  const RenderResult dark = render(scene, settings, one_thread());
+  EXPECT_TRUE(dark.statistics.target_reached);
+  EXPECT_EQ(dark.statistics.flux, 0);
+  EXPECT_EQ(dark.light_field.samples, 64 * settings.replicates);
 }
 
 TEST(Continued, BackwardToATarget) {

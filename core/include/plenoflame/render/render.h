@@ -60,7 +60,6 @@ struct RenderStatistics {
   double rays_reached = 0;    ///< of these, left the camera towards the scene (forward: arrived on
                               ///< the sensor)
   double pixels = 0;          ///< in the window
-  double pixels_sampled = 0;  ///< that some microlens could light
   double pairs = 0;           ///< pixels x microlenses that cover them
   double lenses = 0;          ///< microlenses whose micro-images meet the window
   double lenses_skipped = 0;  ///< of these, whose beams miss the flame

@@ -33,8 +33,10 @@ class SobolPool {
   /// @param replicates independent randomisations per entry   @param points of each
   /// @param first index of the first point in the sequence (to continue an earlier run)
   /// @param first_dimension of the sequence, at most kSobolDimensions - kDimensions
+  /// @param entries 0: as many as a second-level cache holds, at least 16. Which entry a pixel
+  /// takes depends on their number: pools that go on with one another need the same.
   SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
-            int first_dimension = 0);
+            int first_dimension = 0, int entries = 0);
 
   int entries() const { return entries_; }
   int replicates() const { return replicates_; }
