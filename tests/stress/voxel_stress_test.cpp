@@ -51,6 +51,10 @@ struct Fields {
   Strength strength;
   explicit Fields(const AffineTransform& place, const Strength& noise_of = kMild,
                   const VoxelMediumOptions& options = {})
+      : Fields(place, place, noise_of, options) {}
+  /// @param temperature_place lattice of the temperature, of its own
+  Fields(const AffineTransform& temperature_place, const AffineTransform& place,
+         const Strength& noise_of, const VoxelMediumOptions& options)
       : strength(noise_of) {
     // Absorption per metre such that a step of one index is 0 to per_voxel optically.
     const double step = std::cbrt(
@@ -60,8 +64,8 @@ struct Fields {
     const auto span = static_cast<float>(strength.hottest - strength.coldest);
     const std::array<int, 3> low{0, 0, 0}, high{kSide, kSide, kSide};
     temperature = test::make_field(
-        low, high, [=](int i, int j, int k) { return coldest + span * noise(i, j, k); }, place,
-        coldest);
+        low, high, [=](int i, int j, int k) { return coldest + span * noise(i, j, k); },
+        temperature_place, coldest);
     absorption = test::make_field(
         low, high, [=](int i, int j, int k) { return scale * noise(k + 31, i, j); }, place);
     medium = make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear,
@@ -144,6 +148,19 @@ void harsh(const std::string& precision, double tolerance, double bound) {
   check<Real>(radiance, fields, special_rays(test::scaled(0.5)), "noise");
 }
 
+/// The same with temperatures on a lattice that is turned and shifted against that of absorption.
+void harsh_apart(double tolerance, double bound) {
+  StressCase radiance(kArea,
+                      "the same noise, temperature on a turned lattice, " +
+                          text("tolerance", tolerance) + ", double [radiance]",
+                      kReference, bound);
+  AffineTransform turned = test::scaled(0.5);
+  turned.linear = rotation_xyz({0.1, -0.2, 0.15}) * turned.linear;
+  turned.translation = {0.13, -0.21, 0.07};
+  const Fields fields(turned, test::scaled(0.5), kHarsh, {tolerance});
+  check<double>(radiance, fields, special_rays(test::scaled(0.5)), "noise");
+}
+
 TEST(VoxelStress, HarshNoise) {
   // The method's own error, which follows VoxelMediumOptions::tolerance: that is a share of the
   // emission of the brightest of 8^3 cells, and a ray may stay in dim ones.
@@ -151,6 +168,7 @@ TEST(VoxelStress, HarshNoise) {
   harsh<double>("double", 3e-4, 4e-3);
   harsh<double>("double", 3e-5, 6e-4);
   harsh<double>("double", 1e-7, 3e-5);
+  harsh_apart(3e-4, 4e-3);
 }
 
 template <class Real>
