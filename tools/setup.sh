@@ -17,6 +17,7 @@ core          ccache                   compiles nothing twice across the build c
 core          libopenexr-dev           light-field images (EXR)
 core          libimath-dev             half floats and boxes of OpenEXR
 core          libpng-dev               developed pictures
+core          libtiff-dev              sensor frames (TIFF)
 core          zlib1g-dev               compression of PNG and EXR, npz exports
 core          libpugixml-dev           exports as XML
 core          libhdf5-dev              exports as HDF5

@@ -15,6 +15,7 @@ POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|sys/\w+
 LIBRARIES = {
     "OpenEXR": re.compile(r"(OpenEXR/|Imath/|Imf|Iex|IlmThread|Imath|half\.h)"),
     "libpng": re.compile(r"png\.h$"),
+    "libtiff": re.compile(r"tiffio\.h$"),
     "zlib": re.compile(r"zlib\.h$"),
     "pugixml": re.compile(r"pugixml\.hpp$"),
     "HDF5": re.compile(r"hdf5\.h$"),
@@ -38,7 +39,7 @@ LIBRARIES = {
 }
 STANDARD = re.compile(r"[a-z_0-9]+$")
 
-CORE_SRC = {"OpenEXR", "libpng", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
+CORE_SRC = {"OpenEXR", "libpng", "libtiff", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
 CLI = {"CLI11", "Cairo", "NLopt", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}

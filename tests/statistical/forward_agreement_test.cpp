@@ -93,6 +93,15 @@ TEST(ForwardAgreement, TwoChannels) {
   expect_agreement(scene);
 }
 
+// Soot, for which several wavelengths stand for each channel of a colour camera.
+TEST(ForwardAgreement, SootInColour) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::square, LensModel::real));
+  scene.flames[0].spectrum.kind = SpectrumKind::soot;
+  scene.channels = {{"red", ChannelKind::named, 0, 0, "nikon_d5100_red"},
+                    {"blue", ChannelKind::named, 0, 0, "nikon_d5100_blue"}};
+  expect_agreement(scene);
+}
+
 /// A smooth, optically thick ball of hot gas around (1 m, 0, 0), on a grid that is turned.
 std::unique_ptr<Medium> ball(const std::vector<SourceFunction>& channels,
                              VoxelInterpolation interpolation) {

@@ -66,7 +66,7 @@ TEST(SurfaceAgreement, ManyLightsAndReflections) {
 }
 
 // A flame that lights what stands around it, hides and is hidden: in front of it, in it, behind it.
-TEST(SurfaceAgreement, FlameAndObjects) {
+Scene flame_and_objects() {
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
   scene.surfaces = {placed(SurfaceShape::cylinder, 1.5e-3, {1, 1e-3, -14e-3}, 0.9),
                     placed(SurfaceShape::sphere, 2e-3, {0.985, 4e-3, 2e-3}, 0.7),
@@ -78,6 +78,21 @@ TEST(SurfaceAgreement, FlameAndObjects) {
   scene.lights = {lamp()};
   scene.lights[0].power = 20;
   scene.render.reflections = 2;
+  return scene;
+}
+
+TEST(SurfaceAgreement, FlameAndObjects) {
+  expect_agreement(flame_and_objects(), load_core_medium, 3 * kBundles);
+}
+
+// Soot, which dims what is behind it and what it lights more in the blue.
+TEST(SurfaceAgreement, SootAndObjects) {
+  Scene scene = flame_and_objects();
+  scene.flames[0].spectrum.kind = SpectrumKind::power;
+  scene.flames[0].spectrum.exponent = 2;
+  scene.channels = {{"red", ChannelKind::band, 650e-9, 20e-9},
+                    {"blue", ChannelKind::band, 450e-9, 120e-9}};
+  scene.lights[0].power = 1e-3;
   expect_agreement(scene, load_core_medium, 3 * kBundles);
 }
 

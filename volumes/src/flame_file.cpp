@@ -10,6 +10,7 @@
 
 #include "field.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/spectral.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/vdb_info.h"
 
@@ -24,6 +25,7 @@ struct Unit {
   std::string_view name;
   double factor;
   double shift;
+  bool fraction = false;  ///< a volume fraction of soot
 };
 
 // The first of each list is what the scene file documents; the others occur in files.
@@ -35,9 +37,10 @@ constexpr Unit kTemperatureUnits[] = {{"k", 1, 0},
                                       {"\xc2\xb0"
                                        "c",
                                        1, kZeroCelsius}};
-constexpr Unit kAbsorptionUnits[] = {{"1/m", 1, 0},  {"1/cm", 100, 0},  {"1/mm", 1000, 0},
-                                     {"m^-1", 1, 0}, {"cm^-1", 100, 0}, {"mm^-1", 1000, 0},
-                                     {"m-1", 1, 0},  {"cm-1", 100, 0},  {"mm-1", 1000, 0}};
+constexpr Unit kAbsorptionUnits[] = {{"1/m", 1, 0},     {"1/cm", 100, 0},      {"1/mm", 1000, 0},
+                                     {"m^-1", 1, 0},    {"cm^-1", 100, 0},     {"mm^-1", 1000, 0},
+                                     {"m-1", 1, 0},     {"cm-1", 100, 0},      {"mm-1", 1000, 0},
+                                     {"1", 1, 0, true}, {"ppm", 1e-6, 0, true}};
 
 constexpr std::string_view kTemperatureNames[] = {"temperature",     "temp",           "t", "heat",
                                                   "temperaturegrid", "gas_temperature"};
@@ -63,7 +66,8 @@ Quantity temperature() {
   return {"temperature", "K", "K or degC", kTemperatureUnits, kTemperatureNames};
 }
 Quantity absorption() {
-  return {"absorption", "1/m", "1/m, 1/cm or 1/mm", kAbsorptionUnits, kAbsorptionNames};
+  return {"absorption", "1/m", "1/m, 1/cm or 1/mm, or 1 or ppm of soot", kAbsorptionUnits,
+          kAbsorptionNames};
 }
 
 const GridInfo* choose(const std::vector<GridInfo>& grids, std::span<const std::string_view> names,
@@ -135,7 +139,7 @@ void convert(const std::string& path, VoxelField& field, const GridSpec& spec, c
 
 /// Index of a name with several grids: the name that read_voxel_field takes for this very grid.
 VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, const GridSpec& spec,
-                const Quantity& quantity) {
+                const Quantity& quantity, double per_fraction = 0) {
   if (!std::isfinite(spec.scale) || spec.scale == 0 || !std::isfinite(spec.offset))
     throw InputError(
         fmt::format("{}: {}.scale must be a finite number other than 0, and {}.offset a "
@@ -152,7 +156,16 @@ VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, con
   VoxelField field = read_voxel_field(path, name);
   const auto info = std::find_if(grids.begin(), grids.end(),
                                  [&](const GridInfo& grid) { return grid.name == field.name; });
-  convert(path, field, spec, unit_of(path, spec, *info, quantity), quantity);
+  Unit unit = unit_of(path, spec, *info, quantity);
+  if (unit.fraction) {
+    if (!(per_fraction > 0))
+      throw InputError(fmt::format(
+          "{}: grid \"{}\" is a volume fraction, of which only soot makes an absorption; set "
+          "spectrum.kind = \"soot\" for this flame",
+          path, field.name));
+    unit.factor *= per_fraction;
+  }
+  convert(path, field, spec, unit, quantity);
   return field;
 }
 
@@ -173,7 +186,8 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
   const std::string path = file.string();
   const std::vector<GridInfo> grids = list_grids(path, /*statistics=*/false);
   FlameFields flame{read(path, grids, spec.temperature, temperature()),
-                    read(path, grids, spec.absorption, absorption())};
+                    read(path, grids, spec.absorption, absorption(),
+                         absorption_spectrum(spec.spectrum).per_volume_fraction())};
   if (flame.absorption.background != 0)
     throw InputError(fmt::format(
         "{}: grid \"{}\" has the background {:g} 1/m; it must be 0, or all of space would absorb",

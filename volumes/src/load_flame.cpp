@@ -3,6 +3,7 @@
 
 #include "field.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/spectral.h"
 #include "plenoflame/volumes/flame_file.h"
 
 namespace plenoflame {
@@ -12,6 +13,7 @@ std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& sce
                                    const Execution& execution) {
   if (!(spec.scale > 0) || !std::isfinite(spec.scale))
     throw InputError("flame \"" + spec.name + "\" has a scale that is not a positive number");
+  std::vector<double> factors = absorption_factors(spec.spectrum, channels);
   FlameFields flame = read_flame(spec, scene_folder, execution);
   const RigidTransform placement{rotation_xyz(spec.rotation), spec.position};
   for (VoxelField* field : {&flame.temperature, &flame.absorption}) {
@@ -24,7 +26,7 @@ std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& sce
                            spec.interpolation == Interpolation::trilinear
                                ? VoxelInterpolation::trilinear
                                : VoxelInterpolation::constant,
-                           std::move(channels));
+                           std::move(channels), {}, std::move(factors));
 }
 
 }  // namespace plenoflame

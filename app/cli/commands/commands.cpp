@@ -10,6 +10,7 @@ void register_commands(const Registry& registry) {
   register_design(registry);
   register_optimize(registry);
   register_develop(registry);
+  register_pyrometry(registry);
   register_truth(registry);
   register_views(registry);
   register_refocus(registry);

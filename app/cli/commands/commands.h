@@ -10,6 +10,7 @@ void register_corners(const Registry& registry);
 void register_bench(const Registry& registry);
 void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
+void register_pyrometry(const Registry& registry);
 void register_flame(const Registry& registry);    ///< only with PLENOFLAME_HAS_VOLUMES
 void register_picture(const Registry& registry);  ///< only with PLENOFLAME_HAS_VTK
 void register_optimize(const Registry& registry);

@@ -6,6 +6,8 @@
 #include <memory>
 
 #include "commands/commands.h"
+#include "commands/develop_colour.h"
+#include "commands/develop_sensor.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -24,8 +26,17 @@ struct Settings {
   int bits = 0;
   std::string curve;
   std::string channel;
+  bool colour = false;
+  SensorOptions sensor;
   bool json = false;
 };
+
+/// The scene that a sensor or a colour picture needs.
+Scene needed_scene(const std::string& path, const LightField& light_field) {
+  if (light_field.scene_text.empty())
+    throw InputError(path + " does not say what its channels are: it holds no scene");
+  return parse_scene(light_field.scene_text, "scene of " + path).scene;
+}
 
 /// What the light field's scene says; the defaults when it has no scene.
 DevelopSpec scene_spec(const std::string& path, const LightField& light_field) {
@@ -61,8 +72,20 @@ int run_develop(const Settings& settings) {
           : settings.output;
   check_not_overwritten("--output", output, settings.input);
   static_cast<void>(effective_spec(settings, {}));  // bad use is found before bad files
+  const bool frames = settings.sensor.any() || output.ends_with(".exr") ||
+                      output.ends_with(".tif") || output.ends_with(".tiff");
+  if (frames && settings.colour)
+    throw UsageError("--colour makes a picture to look at, not a frame of the sensor");
   check_writable(output);
   const LightField light_field = read_light_field(settings.input);
+  if (frames)
+    return develop_sensor(settings.sensor, light_field, needed_scene(settings.input, light_field),
+                          settings.channel, output, settings.json);
+  if (settings.colour)
+    return develop_colour(
+        light_field, needed_scene(settings.input, light_field),
+        effective_spec(settings, scene_spec(settings.input, light_field)).saturation, output,
+        settings.json);
   const DevelopSpec requested = effective_spec(settings, scene_spec(settings.input, light_field));
   DevelopedImage image = develop(light_field, requested, settings.channel);
   const std::string& channel = find_channel(light_field, settings.channel).name;
@@ -129,6 +152,34 @@ void register_develop(const Registry& registry) {
       ->option_text("CURVE");
   command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
       ->option_text("NAME");
+  command.add_flag("--colour", settings->colour,
+                   "A colour picture: of channels with the responses cie_x, cie_y, cie_z, or else "
+                   "of the first three as red, green, blue; 8 bits, sRGB");
+  command.add_flag("--sensor", settings->sensor.sensor,
+                   "Frames as the scene's camera.sensor records them: .png and .tif hold digital "
+                   "numbers as they are, .exr electrons of all channels");
+  command
+      .add_option("--exposure", settings->sensor.exposures,
+                  "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the "
+                  "pixels with light below the full well")
+      ->delimiter(',')
+      ->option_text("TIME");
+  command
+      .add_option("--noise", settings->sensor.noise,
+                  "Noise that is kept, of shot, read, dark, defects; none: none of it")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"shot", "read", "dark", "defects", "none"}))
+      ->option_text("LIST");
+  command.add_option("--noise-seed", settings->sensor.noise_seed, "Of noise and defects")
+      ->option_text("N");
+  command.add_option("--frames", settings->sensor.frames, "Frames, each with noise of its own (1)")
+      ->check(CLI::Range(1, 10000))
+      ->option_text("N");
+  command.add_flag("--dark", settings->sensor.dark, "Dark frames: no light");
+  command
+      .add_option("--threads", settings->sensor.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_develop(*settings); });
 }

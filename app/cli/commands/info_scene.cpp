@@ -45,8 +45,14 @@ std::string flame_text(const FlameSpec& flame) {
 
 std::string channel_text(const ChannelSpec& channel) {
   if (channel.kind == ChannelKind::total) return "all wavelengths";
-  return readable(channel.width, Dimension::length) + " around " +
-         readable(channel.wavelength, Dimension::length);
+  const std::string quantum = channel.photons ? ", counting photons" : "";
+  if (channel.kind == ChannelKind::named) return "response " + channel.response + quantum;
+  if (channel.kind == ChannelKind::curve)
+    return (channel.file.empty() ? std::string("curve") : "curve of '" + channel.file + "'") +
+           quantum;
+  return readable(channel.width, Dimension::length) +
+         (channel.kind == ChannelKind::line ? " wide line at " : " around ") +
+         readable(channel.wavelength, Dimension::length) + quantum;
 }
 
 }  // namespace
@@ -106,9 +112,12 @@ void describe_scene(const std::string& path, Report& report) {
   report.add_json("lights", lights);
   nlohmann::json channels = nlohmann::json::array();
   for (const ChannelSpec& channel : scene.channels) {
+    const std::string kind =
+        get_text(scene, "channels[" + std::to_string(channels.size()) + "].kind");
     report.add_text("channel " + channel.name, channel_text(channel));
     channels.push_back({{"name", channel.name},
-                        {"kind", channel.kind == ChannelKind::total ? "total" : "band"},
+                        {"kind", kind},
+                        {"response", channel.response},
                         {"wavelength_m", channel.wavelength},
                         {"width_m", channel.width}});
   }

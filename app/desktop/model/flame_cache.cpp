@@ -14,7 +14,10 @@ class SharedMedium : public Medium {
  public:
   explicit SharedMedium(std::shared_ptr<const Medium> medium) : medium_(std::move(medium)) {}
   int channel_count() const override { return medium_->channel_count(); }
+  bool is_grey() const override { return medium_->is_grey(); }
+  void absorptions(Vec3 world, double* each) const override { medium_->absorptions(world, each); }
   Box bounds() const override { return medium_->bounds(); }
+  std::vector<Box> occupied() const override { return medium_->occupied(); }
   bool is_costly() const override { return medium_->is_costly(); }
   double feature_size() const override { return medium_->feature_size(); }
   void integrate(const RayBatch<float>& rays, const MediumOptions& options,
@@ -52,11 +55,6 @@ long long modified_time(const FlameSpec& flame, const std::string& folder) {
 
 }  // namespace
 
-void FlameCache::set_channels(const std::vector<ChannelSpec>& channels) {
-  const std::lock_guard lock(mutex_);
-  channels_ = channels;
-}
-
 void FlameCache::next_generation() {
   const std::lock_guard lock(mutex_);
   ++generation_;
@@ -76,12 +74,10 @@ std::unique_ptr<Medium> FlameCache::load(const FlameSpec& flame, const std::stri
   unnamed.name.clear();
   for (EllipsoidSpec& layer : unnamed.layers) layer.name.clear();
   const long long modified = modified_time(flame, folder);
-  std::vector<ChannelSpec> specs;
   {
     const std::lock_guard lock(mutex_);
-    specs = channels_;
     for (Entry& entry : entries_)
-      if (entry.flame == unnamed && entry.folder == folder && entry.channels == specs &&
+      if (entry.flame == unnamed && entry.folder == folder && entry.channels == channels &&
           entry.modified == modified) {
         entry.generation = generation_;
         return std::make_unique<SharedMedium>(entry.medium);
@@ -92,7 +88,7 @@ std::unique_ptr<Medium> FlameCache::load(const FlameSpec& flame, const std::stri
                                              : load_core_medium(flame, folder, channels, execution);
   const std::lock_guard lock(mutex_);
   ++loads_;
-  entries_.push_back({unnamed, folder, specs, modified, medium, generation_});
+  entries_.push_back({unnamed, folder, channels, modified, medium, generation_});
   return std::make_unique<SharedMedium>(medium);
 }
 

@@ -24,7 +24,7 @@ class FlameCache {
   struct Entry {
     FlameSpec flame;
     std::string folder;
-    std::vector<ChannelSpec> channels;
+    std::vector<SourceFunction> channels;  ///< with the wavelengths that stand for them
     long long modified = 0;
     std::shared_ptr<const Medium> medium;
     int generation = 0;
@@ -34,12 +34,7 @@ class FlameCache {
                                const Execution& execution);
   std::mutex mutex_;
   std::vector<Entry> entries_;
-  std::vector<ChannelSpec> channels_;
   int generation_ = 0, loads_ = 0;
-
- public:
-  /// What the source functions of the next compilation are made from.
-  void set_channels(const std::vector<ChannelSpec>& channels);
 };
 
 }  // namespace plenoflame::desktop

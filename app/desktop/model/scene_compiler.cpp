@@ -49,7 +49,6 @@ void SceneCompiler::request(const SceneChanges& changes) {
       post(this, [this, text] { emit warned(QString::fromStdString(text)); });
     };
     try {
-      flames_.set_channels(state.scene.channels);
       flames_.next_generation();
       auto compiled = std::make_shared<const CompiledScene>(
           compile(state.scene, flames_.loader(), execution, state.positions));

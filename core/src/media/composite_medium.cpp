@@ -27,6 +27,10 @@ class CompositeMedium final : public Medium {
       for (const Box& box : medium->occupied()) boxes.push_back(box);
     return boxes;
   }
+  bool is_grey() const override {
+    return std::all_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_grey(); });
+  }
+  void absorptions(Vec3 world, double* each) const override;
   double feature_size() const override;
   bool is_costly() const override {
     return std::any_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_costly(); });
@@ -64,6 +68,10 @@ class CompositeMedium final : public Medium {
   void tighten(const Ray& ray, std::vector<Extent>& extents) const;
   TransferResult merge(const Ray& ray, const Extent* first, const Extent* last,
                        double tolerance) const;
+  /// The same where channels differ in absorption: optical thickness per channel, too.
+  void merge_each(const Ray& ray, const Extent* first, const Extent* last, double tolerance,
+                  std::vector<double>& radiance, std::vector<double>& thickness) const;
+  std::vector<double> limits_of(const Ray& ray, const Extent* first, const Extent* last) const;
 
   std::vector<std::unique_ptr<Medium>> media_;
 };
@@ -141,9 +149,18 @@ void CompositeMedium::tighten(const Ray& ray, std::vector<Extent>& extents) cons
   }
 }
 
-/// Media that overlap on this ray, integrated together.
-TransferResult CompositeMedium::merge(const Ray& ray, const Extent* first, const Extent* last,
-                                      double tolerance) const {
+void CompositeMedium::absorptions(Vec3 world, double* each) const {
+  const auto channels = static_cast<std::size_t>(channel_count());
+  std::vector<double> one(channels);
+  std::fill_n(each, channels, 0.0);
+  for (const auto& medium : media_) {
+    medium->absorptions(world, one.data());
+    for (std::size_t c = 0; c < channels; ++c) each[c] += one[c];
+  }
+}
+
+std::vector<double> CompositeMedium::limits_of(const Ray& ray, const Extent* first,
+                                               const Extent* last) const {
   RaySpan span = first->span;
   std::vector<double> all;
   for (const Extent* e = first; e != last; ++e) {
@@ -157,6 +174,39 @@ TransferResult CompositeMedium::merge(const Ray& ray, const Extent* first, const
   for (const double t : all)
     if (t > limits.back() && t < span.far) limits.push_back(t);
   limits.push_back(span.far);
+  return limits;
+}
+
+void CompositeMedium::merge_each(const Ray& ray, const Extent* first, const Extent* last,
+                                 double tolerance, std::vector<double>& radiance,
+                                 std::vector<double>& thickness) const {
+  const std::vector<double> limits = limits_of(ray, first, last);
+  const auto channels = static_cast<std::size_t>(channel_count());
+  std::vector<double> one(channels);
+  for (std::size_t c = 0; c < channels; ++c) {
+    const TransferResult result = integrate_transfer(
+        [&](double t, double* emission) {
+          double absorption = 0;
+          *emission = 0;
+          for (const Extent* e = first; e != last; ++e) {
+            if (t < e->span.near || t > e->span.far) continue;
+            media_[e->medium]->coefficients(ray.at(t), one.data());
+            *emission += one[c];
+            media_[e->medium]->absorptions(ray.at(t), one.data());
+            absorption += one[c];
+          }
+          return absorption;
+        },
+        1, limits, tolerance);
+    radiance[c] = result.radiance[0];
+    thickness[c] = result.optical_thickness;
+  }
+}
+
+/// Media that overlap on this ray, integrated together.
+TransferResult CompositeMedium::merge(const Ray& ray, const Extent* first, const Extent* last,
+                                      double tolerance) const {
+  const std::vector<double> limits = limits_of(ray, first, last);
   const auto channels = static_cast<std::size_t>(channel_count());
   std::vector<double> one(channels);
   return integrate_transfer(
@@ -185,23 +235,27 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
   // Every medium alone, as vector code; then per ray whatever they make together. Rows are padded
   // like the batch and aligned like its arrays.
   const std::size_t row = (size + 15) / 16 * 16;
-  std::vector<Real> storage(media_.size() * (channels + 1) * row + 16);
+  const bool grey = is_grey();
+  const std::size_t passes = grey ? 1 : channels, rows = channels + passes;
+  std::vector<Real> storage(media_.size() * rows * row + 16);
   void* start = storage.data();
   std::size_t space = storage.size() * sizeof(Real);
   Real* alone = static_cast<Real*>(std::align(64, space - 15 * sizeof(Real), start, space));
   const auto radiance_of = [&](std::size_t medium, std::size_t channel) {
-    return alone + (medium * (channels + 1) + channel) * row;
+    return alone + (medium * rows + channel) * row;
   };
   MediumCounters parts;
   for (std::size_t m = 0; m < media_.size(); ++m)
     media_[m]->integrate(
         rays, options,
-        RadianceBatch<Real>{radiance_of(m, 0), static_cast<int>(row), radiance_of(m, channels)},
+        RadianceBatch<Real>{radiance_of(m, 0), static_cast<int>(row), radiance_of(m, channels),
+                            grey ? 0 : static_cast<int>(row)},
         parts);
   parts.rays = 0;
 
   std::vector<Extent> extents;
-  std::vector<double> radiance(channels);
+  std::vector<double> radiance(channels), transmittance(passes);
+  std::vector<double> merged_radiance(channels), merged_thickness(channels);
   for (std::size_t i = 0; i < size; ++i) {
     const Ray ray{rays.anchor + Vec3{rays.x[i], rays.y[i], rays.z[i]},
                   {rays.dx[i], rays.dy[i], rays.dz[i]}};
@@ -209,7 +263,9 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
     const double far = rays.t_far ? static_cast<double>(rays.t_far[i]) : infinity;
     extents.clear();
     for (std::size_t m = 0; m < media_.size(); ++m) {
-      bool dark = radiance_of(m, channels)[i] == Real(1);
+      bool dark = true;
+      for (std::size_t p = 0; p < passes; ++p)
+        dark = dark && radiance_of(m, channels + p)[i] == Real(1);
       for (std::size_t c = 0; c < channels; ++c) dark = dark && radiance_of(m, c)[i] == Real(0);
       const RaySpan span = clip_to_box(media_[m]->bounds(), ray, near, far);
       if (!dark && !span.empty()) extents.push_back({span, m});
@@ -231,7 +287,7 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
     }
 
     std::fill(radiance.begin(), radiance.end(), 0.0);
-    double transmittance = 1;
+    std::fill(transmittance.begin(), transmittance.end(), 1.0);
     for (std::size_t e = 0; e < extents.size();) {
       RaySpan reached = extents[e].span;
       std::size_t end = e + 1;
@@ -240,20 +296,31 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
       if (end == e + 1) {
         const std::size_t m = extents[e].medium;
         for (std::size_t c = 0; c < channels; ++c)
-          radiance[c] += transmittance * static_cast<double>(radiance_of(m, c)[i]);
-        transmittance *= static_cast<double>(radiance_of(m, channels)[i]);
+          radiance[c] += transmittance[grey ? 0 : c] * static_cast<double>(radiance_of(m, c)[i]);
+        for (std::size_t p = 0; p < passes; ++p)
+          transmittance[p] *= static_cast<double>(radiance_of(m, channels + p)[i]);
+      } else if (!grey) {
+        merge_each(ray, &extents[e], &extents[e] + (end - e), tolerance, merged_radiance,
+                   merged_thickness);
+        for (std::size_t c = 0; c < channels; ++c) {
+          radiance[c] += transmittance[c] * merged_radiance[c];
+          transmittance[c] *= std::exp(-merged_thickness[c]);
+        }
+        parts.cells += 1;
       } else {
         const TransferResult merged = merge(ray, &extents[e], &extents[e] + (end - e), tolerance);
         for (std::size_t c = 0; c < channels; ++c)
-          radiance[c] += transmittance * merged.radiance[c];
-        transmittance *= std::exp(-merged.optical_thickness);
+          radiance[c] += transmittance[0] * merged.radiance[c];
+        transmittance[0] *= std::exp(-merged.optical_thickness);
         parts.cells += 1;
       }
       e = end;
     }
     for (std::size_t c = 0; c < channels; ++c)
       out.radiance[c * stride + i] = static_cast<Real>(radiance[c]);
-    out.transmittance[i] = static_cast<Real>(transmittance);
+    for (std::size_t c = 0; c < (out.transmittance_stride ? channels : 1); ++c)
+      out.transmittance[c * static_cast<std::size_t>(out.transmittance_stride) + i] =
+          static_cast<Real>(transmittance[grey ? 0 : c]);
   }
   counters.rays += parts.rays;
   counters.cells += parts.cells;

@@ -15,7 +15,8 @@ struct LayeredTask {
   bool skip = true;       ///< blocks of rays that miss everything end early
   Real rotation[9] = {};  ///< world to local, row major
   const Real* geometry = nullptr;    ///< per layer centre/semi-axis x, y, z, 1/semi-axis [1/m]
-  const Real* absorption = nullptr;  ///< per layer [1/m]
+  const Real* absorption = nullptr;  ///< per layer [1/m]; not grey: [channel * layers + layer]
+  bool grey = true;                  ///< one absorption for all channels
   const Real* sources = nullptr;     ///< [channel * layers + layer], W/(m^2 sr)
 
   // The batch, as in RayBatch; `anchor` is its anchor in the medium's local frame.
@@ -30,15 +31,16 @@ struct LayeredTask {
   Real* radiance = nullptr;
   int stride = 0;
   Real* transmittance = nullptr;
-  long hits = 0;       ///< rays that met a layer
-  long intervals = 0;  ///< closed forms evaluated
+  int transmittance_stride = 0;  ///< of the channels; 0: the first one's is kept
+  long hits = 0;                 ///< rays that met a layer
+  long intervals = 0;            ///< closed forms evaluated
 
   Real* scratch = nullptr;  ///< layered_scratch(layers) values, 64-byte aligned
 };
 
 /// Number of values of scratch memory for a medium of so many layers.
 constexpr int layered_scratch(int layers) {
-  return kLayeredBlock * (8 + 5 * layers + 3);
+  return kLayeredBlock * (8 + 5 * layers + 4);
 }
 
 namespace baseline {

@@ -15,6 +15,7 @@ struct LayeredScratch {
   Real* weight;  // layers arrays: transmittance in front times emissivity, summed over a layer
   Real* ends;    // 2 * layers arrays, sorted (overlapping layers only)
   Real *shift, *kappa, *winner;
+  Real* passed;  // transmittance of a channel that nobody asks for
 };
 
 template <class Real>
@@ -26,7 +27,7 @@ PLENOFLAME_INLINE LayeredScratch<Real> make_scratch(Real* p, int layers) {
   p += 8 * n;
   s.entry = p, s.exit = p + layers * n, s.weight = p + 2 * layers * n, s.ends = p + 3 * layers * n;
   p += 5 * layers * n;
-  s.shift = p, s.kappa = p + n, s.winner = p + 2 * n;
+  s.shift = p, s.kappa = p + n, s.winner = p + 2 * n, s.passed = p + 3 * n;
   return s;
 }
 
@@ -143,15 +144,15 @@ PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
 
 /// Layers of which each lies inside the next: from the outermost inwards, and out again.
 template <class Real>
-PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, int count,
+PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, const Real* absorption, int count,
                                    const LayeredScratch<Real>& s, Real* transmittance) {
   constexpr int n = kLayeredBlock;
   for (int k = task.layers - 1; k > 0; --k)
-    pass(count, task.absorption[k], s.entry + k * n, s.entry + (k - 1) * n, transmittance,
+    pass(count, absorption[k], s.entry + k * n, s.entry + (k - 1) * n, transmittance,
          s.weight + k * n);
-  pass(count, task.absorption[0], s.entry, s.exit, transmittance, s.weight);
+  pass(count, absorption[0], s.entry, s.exit, transmittance, s.weight);
   for (int k = 1; k < task.layers; ++k)
-    pass(count, task.absorption[k], s.exit + (k - 1) * n, s.exit + k * n, transmittance,
+    pass(count, absorption[k], s.exit + (k - 1) * n, s.exit + k * n, transmittance,
          s.weight + k * n);
 }
 
@@ -191,13 +192,13 @@ PLENOFLAME_INLINE void sort_ends(int layers, int count, const LayeredScratch<Rea
 /// Layer `k` into the running choice for the interval between two ends: it counts when it holds the
 /// middle. Layers come last to first, so that the first listed wins.
 template <bool kFirstChoice, class Real>
-PLENOFLAME_INLINE void choose(const LayeredTask<Real>& task, int k, int count,
+PLENOFLAME_INLINE void choose(const Real* absorptions, int k, int count,
                               const LayeredScratch<Real>& s, const Real* __restrict from,
                               const Real* __restrict to) {
   Real* __restrict kappa = s.kappa, * __restrict winner = s.winner;
   const Real* __restrict entry = s.entry + k * kLayeredBlock;
   const Real* __restrict exit = s.exit + k * kLayeredBlock;
-  const Real absorption = task.absorption[k], number = Real(k);
+  const Real absorption = absorptions[k], number = Real(k);
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
     // Loads before the choices: a conditional load would be a branch where there are no masks.
@@ -212,17 +213,16 @@ PLENOFLAME_INLINE void choose(const LayeredTask<Real>& task, int k, int count,
 
 /// Any layers: between neighbouring ends the first listed layer that holds the middle counts.
 template <class Real>
-PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, int count,
-                                        const LayeredScratch<Real>& s,
+PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, const Real* absorption,
+                                        int count, const LayeredScratch<Real>& s,
                                         Real* __restrict transmittance) {
   constexpr int n = kLayeredBlock;
-  sort_ends(task.layers, count, s);
   Real* __restrict kappa = s.kappa, * __restrict winner = s.winner;
   for (int segment = 0; segment + 1 < 2 * task.layers; ++segment) {
     const Real* __restrict from = s.ends + segment * n;
     const Real* __restrict to = from + n;
-    choose<true>(task, task.layers - 1, count, s, from, to);
-    for (int k = task.layers - 2; k >= 0; --k) choose<false>(task, k, count, s, from, to);
+    choose<true>(absorption, task.layers - 1, count, s, from, to);
+    for (int k = task.layers - 2; k >= 0; --k) choose<false>(absorption, k, count, s, from, to);
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
       const Attenuation<Real> a = attenuation(kappa[i] * (to[i] - from[i]));
@@ -241,11 +241,11 @@ PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, int count
   }
 }
 
-/// Channels differ in what the layers emit only: the weights are shared.
+/// Channels with the same absorption differ in what the layers emit only: they share the weights.
 template <class Real>
-PLENOFLAME_INLINE void emit(const LayeredTask<Real>& task, int first, int count,
-                            const LayeredScratch<Real>& s) {
-  for (int channel = 0; channel < task.channels; ++channel) {
+PLENOFLAME_INLINE void emit(const LayeredTask<Real>& task, int from, int until, int first,
+                            int count, const LayeredScratch<Real>& s) {
+  for (int channel = from; channel < until; ++channel) {
     Real* __restrict radiance = task.radiance + channel * task.stride + first;
     const Real* sources = task.sources + channel * task.layers;
     const Real source = sources[0];
@@ -289,16 +289,33 @@ PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int c
   }
   fill(transmittance, count, Real(1));
   if (hits == 0 && task.skip) {
-    for (int c = 0; c < task.channels; ++c)
+    for (int c = 0; c < task.channels; ++c) {
       fill(task.radiance + c * task.stride + first, count, Real(0));
+      if (task.transmittance_stride)
+        fill(transmittance + c * task.transmittance_stride, count, Real(1));
+    }
     return;
   }
-  for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
-  if (task.nested)
-    pass_nested(task, count, s, transmittance);
-  else
-    pass_overlapping(task, count, s, transmittance);
-  emit(task, first, count, s);
+  if (!task.nested) sort_ends(task.layers, count, s);
+  const int passes = task.grey ? 1 : task.channels;
+  for (int c = 0; c < passes; ++c) {
+    Real* passed = transmittance;
+    if (c > 0) {
+      passed = task.transmittance_stride ? transmittance + c * task.transmittance_stride : s.passed;
+      fill(passed, count, Real(1));
+    }
+    const Real* absorption = task.absorption + c * task.layers;
+    for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
+    if (task.nested)
+      pass_nested(task, absorption, count, s, passed);
+    else
+      pass_overlapping(task, absorption, count, s, passed);
+    emit(task, c, task.grey ? task.channels : c + 1, first, count, s);
+  }
+  if (task.grey && task.transmittance_stride)
+    for (int c = 1; c < task.channels; ++c)
+      for (int i = 0; i < count; ++i)
+        transmittance[c * task.transmittance_stride + i] = transmittance[i];
   task.hits += hits;
   task.intervals += static_cast<long>(count) * (2 * task.layers - 1);
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "media/absorption_factors.h"
 #include "media/layered_kernel.h"
 #include "plenoflame/base/error.h"
 
@@ -53,9 +54,10 @@ struct CompiledLayers {
 class LayeredMedium final : public Medium {
  public:
   LayeredMedium(std::vector<EllipsoidLayer> layers, const RigidTransform& to_world,
-                std::vector<SourceFunction> channels);
+                std::vector<SourceFunction> channels, std::vector<double> absorption_factors);
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
+  bool is_grey() const override { return factors_.empty(); }
   Box bounds() const override { return bounds_; }
   std::vector<Box> occupied() const override;
   double feature_size() const override;
@@ -73,6 +75,11 @@ class LayeredMedium final : public Medium {
   double source(int channel, double temperature) const override {
     return channels_[static_cast<std::size_t>(channel)](temperature);
   }
+  void absorptions(Vec3 world, double* each) const override {
+    const double absorption = sample(world).absorption;
+    for (std::size_t c = 0; c < channels_.size(); ++c)
+      each[c] = absorption * (factors_.empty() ? 1 : factors_[c]);
+  }
   void append_breakpoints(const Ray& ray, std::vector<double>& t) const override;
   std::string description() const override;
 
@@ -86,7 +93,8 @@ class LayeredMedium final : public Medium {
   std::vector<EllipsoidLayer> layers_;
   RigidTransform to_world_, to_local_;
   std::vector<SourceFunction> channels_;
-  Vec3 middle_;  ///< local; the kernel's origin
+  std::vector<double> factors_;  ///< on the absorption, per channel; empty: grey
+  Vec3 middle_;                  ///< local; the kernel's origin
   Box bounds_;
   bool nested_ = false;
   CompiledLayers<float> single_;
@@ -118,11 +126,13 @@ void check(const std::vector<EllipsoidLayer>& layers, const std::vector<SourceFu
 }
 
 LayeredMedium::LayeredMedium(std::vector<EllipsoidLayer> layers, const RigidTransform& to_world,
-                             std::vector<SourceFunction> channels)
+                             std::vector<SourceFunction> channels,
+                             std::vector<double> absorption_factors)
     : layers_(std::move(layers)),
       to_world_(to_world),
       to_local_(to_world.inverse()),
-      channels_(std::move(channels)) {
+      channels_(std::move(channels)),
+      factors_(grey_or_checked(std::move(absorption_factors), channels_.size())) {
   check(layers_, channels_);
   Box local;
   for (const EllipsoidLayer& layer : layers_) {
@@ -159,8 +169,11 @@ CompiledLayers<Real> LayeredMedium::compile() const {
     const Vec3 p = layer.centre - middle_, a = layer.semi_axes;
     for (const double v : {p.x / a.x, p.y / a.y, p.z / a.z, 1 / a.x, 1 / a.y, 1 / a.z})
       c.geometry.push_back(static_cast<Real>(v));
-    c.absorption.push_back(static_cast<Real>(layer.absorption));
   }
+  for (std::size_t i = 0; i < (factors_.empty() ? 1 : channels_.size()); ++i)
+    for (const EllipsoidLayer& layer : layers_)
+      c.absorption.push_back(
+          static_cast<Real>(factors_.empty() ? layer.absorption : factors_[i] * layer.absorption));
   for (const SourceFunction& channel : channels_)
     for (const EllipsoidLayer& layer : layers_)
       c.sources.push_back(static_cast<Real>(channel(layer.temperature)));
@@ -239,6 +252,8 @@ void LayeredMedium::run(const CompiledLayers<Real>& compiled, const RayBatch<Rea
   task.channels = channel_count();
   task.nested = nested_;
   task.skip = options.skip;
+  task.grey = factors_.empty();
+  task.transmittance_stride = out.transmittance_stride;
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 row = to_local_.rotation.rows[i];
     task.rotation[3 * i] = static_cast<Real>(row.x);
@@ -313,8 +328,10 @@ std::string LayeredMedium::description() const {
 
 std::unique_ptr<Medium> make_layered_medium(std::vector<EllipsoidLayer> layers,
                                             const RigidTransform& to_world,
-                                            std::vector<SourceFunction> channels) {
-  return std::make_unique<LayeredMedium>(std::move(layers), to_world, std::move(channels));
+                                            std::vector<SourceFunction> channels,
+                                            std::vector<double> absorption_factors) {
+  return std::make_unique<LayeredMedium>(std::move(layers), to_world, std::move(channels),
+                                         std::move(absorption_factors));
 }
 
 }  // namespace plenoflame

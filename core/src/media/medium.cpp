@@ -8,9 +8,19 @@ namespace plenoflame {
 
 double Medium::coefficients(Vec3 world, double* emission) const {
   const MediumSample here = sample(world);
-  for (int c = 0; c < channel_count(); ++c)
-    emission[c] = here.absorption * source(c, here.temperature);
-  return here.absorption;
+  if (is_grey()) {
+    for (int c = 0; c < channel_count(); ++c)
+      emission[c] = here.absorption * source(c, here.temperature);
+    return here.absorption;
+  }
+  absorptions(world, emission);
+  const double first = emission[0];
+  for (int c = 0; c < channel_count(); ++c) emission[c] *= source(c, here.temperature);
+  return first;
+}
+
+void Medium::absorptions(Vec3 world, double* each) const {
+  std::fill_n(each, channel_count(), sample(world).absorption);
 }
 
 std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, double t_near,
@@ -28,6 +38,19 @@ std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, do
     result = integrate_transfer(
         [&](double t, double* emission) { return medium.coefficients(ray.at(t), emission); },
         medium.channel_count(), limits, relative_tolerance);
+    // Where channels differ in absorption each has a transfer of its own.
+    const auto channels = static_cast<std::size_t>(medium.channel_count());
+    std::vector<double> emissions(channels), each(channels);
+    for (std::size_t c = 1; c < channels && !medium.is_grey(); ++c)
+      result.radiance[c] = integrate_transfer(
+                               [&](double t, double* emission) {
+                                 medium.coefficients(ray.at(t), emissions.data());
+                                 medium.absorptions(ray.at(t), each.data());
+                                 *emission = emissions[c];
+                                 return each[c];
+                               },
+                               1, limits, relative_tolerance)
+                               .radiance[0];
   }
   result.radiance.push_back(result.optical_thickness);
   return result.radiance;

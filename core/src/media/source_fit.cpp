@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plenoflame/base/constants.h"
+#include "radiometry/gauss_rule.h"
 
 namespace plenoflame::voxel {
 namespace {
@@ -85,6 +86,34 @@ SourceFit fit_source(const SourceFunction& source, double coldest, double hottes
     return fit;
   }
   return fit;
+}
+
+std::vector<SourceFunction::Node> fewer_nodes(const SourceFunction& source, double coldest,
+                                              double hottest, double tolerance) {
+  const auto count = static_cast<int>(source.nodes().size());
+  MeasurePoints measure;
+  for (const auto& node : source.nodes()) {
+    measure.places.push_back(node.exponent);
+    measure.weights.push_back(node.weight / std::expm1(node.exponent / hottest));
+  }
+  for (int order = 1; order < count; ++order) {
+    const MeasurePoints rule = gauss_rule(measure, order);
+    std::vector<SourceFunction::Node> nodes;
+    for (std::size_t i = 0; i < rule.places.size(); ++i)
+      nodes.push_back({rule.places[i], rule.weights[i] * std::expm1(rule.places[i] / hottest)});
+    double worst = 0;
+    for (int i = 0; i <= 64; ++i) {
+      const double inverse = 1 / hottest + (1 / coldest - 1 / hottest) * i / 64;
+      double sum = 0;
+      for (const auto& node : nodes) sum += node.weight / std::expm1(node.exponent * inverse);
+      const double expected = source(1 / inverse);
+      // As of the fit: where S has fallen far, its exponent costs as much.
+      const double fall = std::log(source(hottest) / expected);
+      worst = std::max(worst, std::fabs(sum / expected - 1) / (1 + fall));
+    }
+    if (worst <= tolerance) return nodes;
+  }
+  return source.nodes();
 }
 
 }  // namespace plenoflame::voxel

@@ -26,4 +26,10 @@ struct SourceFit {
 SourceFit fit_source(const SourceFunction& source, double coldest, double hottest, double tolerance,
                      int most_terms);
 
+/// Where there is no such fit (wide responses of several lobes): the fewest nodes whose sum is as
+/// accurate, from the Gauss rule of the source's own nodes under Planck's function at `hottest`.
+/// @param tolerance relative, from `coldest` on
+std::vector<SourceFunction::Node> fewer_nodes(const SourceFunction& source, double coldest,
+                                              double hottest, double tolerance);
+
 }  // namespace plenoflame::voxel

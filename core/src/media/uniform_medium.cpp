@@ -35,7 +35,9 @@ class UniformMedium : public Medium {
       for (int i = 0; i < rays.size; ++i)
         out.radiance[c * out.stride + i] = static_cast<Real>(radiance_);
     if (out.transmittance)
-      for (int i = 0; i < rays.size; ++i) out.transmittance[i] = Real(0);
+      for (int c = 0; c < (out.transmittance_stride ? channels_ : 1); ++c)
+        for (int i = 0; i < rays.size; ++i)
+          out.transmittance[c * out.transmittance_stride + i] = Real(0);
     counters.rays += rays.size;
   }
   double radiance_;

@@ -59,6 +59,8 @@ struct MediumView {
   int constants;
   const SourceView<Real>* sources;
   int channels;
+  /// On the absorption, per channel; nullptr: grey.
+  const Real* factors;
 };
 
 /// From world to cell coordinates: cell = linear * (offset from the anchor) + origin.
@@ -82,6 +84,7 @@ struct Call {
   Real* radiance;
   int stride;
   Real* transmittance;
+  int transmittance_stride;  ///< of the channels; 0: the first one's is kept
 };
 
 }  // namespace plenoflame::voxel

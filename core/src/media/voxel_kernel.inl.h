@@ -42,7 +42,7 @@ class Packet {
     }
     alignas(64) double origin[3][kLanes], direction[3][kLanes];
     for (int a = 0; a < 3; ++a) {
-      map_to_lattice(call_.to_cells, a, origin[a], direction[a]);
+      map_to_lattice(call_, first_, call_.to_cells, a, origin[a], direction[a]);
       clip(cells_.lower[a], cells_.upper[a], origin[a], direction[a], from, to);
     }
     int met = 0;
@@ -97,43 +97,9 @@ class Packet {
     }
     for (int c = 0; c < channels_; ++c)
       for (int l = 0; l < kLanes; ++l) radiance_[c][l] = 0;
+    for (int c = 0; c < channels_ && medium_.factors; ++c)
+      for (int l = 0; l < kLanes; ++l) passed_[c][l] = 1;
     if (medium_.temperature) start_temperature(from);
-  }
-
-  void map_to_lattice(const voxel::CellMap& map, int axis, double* __restrict origin,
-                      double* __restrict direction) {
-    const double m0 = map.linear[3 * axis], m1 = map.linear[3 * axis + 1],
-                 m2 = map.linear[3 * axis + 2], shift = map.origin[axis];
-    const Real* __restrict x = call_.x + first_;
-    const Real* __restrict y = call_.y + first_;
-    const Real* __restrict z = call_.z + first_;
-    const Real* __restrict dx = call_.dx + first_;
-    const Real* __restrict dy = call_.dy + first_;
-    const Real* __restrict dz = call_.dz + first_;
-#pragma omp simd
-    for (int l = 0; l < kLanes; ++l) {
-      origin[l] = shift + m0 * static_cast<double>(x[l]) + m1 * static_cast<double>(y[l]) +
-                  m2 * static_cast<double>(z[l]);
-      direction[l] = m0 * static_cast<double>(dx[l]) + m1 * static_cast<double>(dy[l]) +
-                     m2 * static_cast<double>(dz[l]);
-    }
-  }
-
-  static void clip(double lower, double upper, const double* __restrict origin,
-                   const double* __restrict direction, double* __restrict from,
-                   double* __restrict to) {
-#pragma omp simd
-    for (int l = 0; l < kLanes; ++l) {
-      const double o = origin[l], d = direction[l];
-      const bool moves = magnitude(d) > 1e-200;
-      const bool inside = (o >= lower) & (o <= upper);
-      const double inverse = 1 / (moves ? d : 1.0);
-      const double t0 = (lower - o) * inverse, t1 = (upper - o) * inverse;
-      const double enter = moves ? least(t0, t1) : inside ? -1e300 : 1e300;
-      const double leave = moves ? greatest(t0, t1) : inside ? 1e300 : -1e300;
-      from[l] = greatest(from[l], enter);
-      to[l] = least(to[l], leave);
-    }
   }
 
   void start_temperature(const double* from) {
@@ -143,7 +109,7 @@ class Packet {
                                  temperature_line_.direction.z};
     alignas(64) double origin[kLanes], direction[kLanes];
     for (int a = 0; a < 3; ++a) {
-      map_to_lattice(call_.to_temperature, a, origin, direction);
+      map_to_lattice(call_, first_, call_.to_temperature, a, origin, direction);
       for (int l = 0; l < kLanes; ++l) {
         origins[a][l] = static_cast<Real>(origin[l] + from[l] * direction[l]);
         directions[a][l] = static_cast<Real>(direction[l]);
@@ -236,28 +202,28 @@ class Packet {
     return any != 0;
   }
 
-  PLENOFLAME_INLINE Real plane(int p, Real inverse, Real offset) {
-    return static_cast<Real>(p) * inverse + offset;
-  }
-
-  PLENOFLAME_INLINE int next_brick(int brick, int low, int rest, bool crosses, bool up, Real p) {
-    const int inside = clamp(static_cast<int>(p * Real(0.125)), low, low + rest);
-    const int stays = rest == 0 ? brick : inside;
-    return crosses ? (up ? low + rest + 1 : low - 1) : stays;
-  }
-
   // @param constant the constant brick that a lane has passed, or -1
   void add_constants(const int* constant) {
     for (int l = 0; l < kLanes; ++l) {
       if (constant[l] < 0) continue;
       const auto a = attenuation(medium_.constant_absorption[constant[l]] *
                                  (segment_end_[l] - segment_begin_[l]));
-      for (int c = 0; c < channels_; ++c) {
+      for (int c = 0; c < channels_ && !medium_.factors; ++c) {
         const long row = static_cast<long>(first_channel_ + c) * medium_.constants;
         radiance_[c][l] +=
             transmittance_[l] * a.emissivity * medium_.constant_source[row + constant[l]];
       }
       transmittance_[l] *= a.transmittance;
+      for (int c = 0; c < channels_ && medium_.factors; ++c) {
+        const long row = static_cast<long>(first_channel_ + c) * medium_.constants;
+        const auto own = attenuation(medium_.factors[first_channel_ + c] *
+                                     medium_.constant_absorption[constant[l]] *
+                                     (segment_end_[l] - segment_begin_[l]));
+        radiance_[c][l] +=
+            passed_[c][l] * own.emissivity * medium_.constant_source[row + constant[l]];
+        passed_[c][l] *= own.transmittance;
+      }
+      if (medium_.factors) transmittance_[l] = clearest(l);
       if (transmittance_[l] < Real(1e-7)) {
         counters_.opaque_tails += searching_[l];
         searching_[l] = 0;
@@ -332,20 +298,6 @@ class Packet {
       }
     }
     return special == 0;
-  }
-
-  static void enter(const Real* __restrict line_origin, const Real* __restrict direction,
-                    const Real* __restrict inverse, const Real* __restrict line_offset,
-                    const int* __restrict brick, const Real* __restrict t, Real* __restrict origin,
-                    Real* __restrict offset, int* __restrict cell, int* __restrict up) {
-#pragma omp simd
-    for (int l = 0; l < kLanes; ++l) {
-      const Real low = static_cast<Real>(8 * brick[l]);
-      offset[l] = line_offset[l] + low * inverse[l];
-      origin[l] = line_origin[l] - low;
-      cell[l] = clamp(static_cast<int>(origin[l] + t[l] * direction[l]), 0, 7);
-      up[l] = direction[l] > 0 ? -1 : 0;
-    }
   }
 
   // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
@@ -438,18 +390,6 @@ class Packet {
   static constexpr Real kNode0 = Real(0.21132486540518711775);
   static constexpr Real kNode1 = Real(0.78867513459481288225);
 
-  PLENOFLAME_INLINE Real within_cell(Real p, int cell) {
-    return clamp(p - static_cast<Real>(cell), Real(0), Real(1));
-  }
-
-  // Where a crossed face leads; elsewhere the cell at p of the block of rest + 1 cells from `low`.
-  template <bool kPlain>
-  PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p) {
-    const int beyond = low - 1 + ((rest + 2) & up);
-    const int stays = kPlain ? low : clamp(static_cast<int>(p), low, low + rest);
-    return crosses ? beyond : stays;
-  }
-
   // Asks for the samples of the next interval.
   PLENOFLAME_INLINE void fetch(const Crossing& at, const Intervals<Real>& next) {
     for (int l = 0; l < kLanes; ++l) {
@@ -505,8 +445,41 @@ class Packet {
     return sizeof(Real) == sizeof(float) && !thick;
   }
 
+  Real clearest(int l) const {
+    Real most = passed_[0][l];
+    for (int c = 1; c < channels_; ++c) most = greatest(most, passed_[c][l]);
+    return most;
+  }
+
+  // The same where each channel has an absorption of its own.
+  void compose_spectral(const Intervals<Real>& now) {
+    alignas(64) Real tau[2][kLanes];
+    alignas(64) Real temperature[2 * kLanes], source[2 * kLanes];
+    const Real* __restrict factors = medium_.factors + first_channel_;
+    Real thickest = 0;
+    for (int c = 0; c < channels_; ++c) thickest = greatest(thickest, factors[c]);
+    int thick = 0;
+#pragma omp simd reduction(+ : thick)
+    for (int l = 0; l < kLanes; ++l) {
+      const Real half = Real(0.5) * now.length[l];
+      temperature[l] = now.fields[0][2 * l];
+      temperature[kLanes + l] = now.fields[1][2 * l];
+      tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
+      tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
+      thick += thickest * (tau[0][l] + tau[1][l]) > Real(kThin);
+    }
+    for (int c = 0; c < channels_; ++c) {
+      source_of(medium_.sources[first_channel_ + c], temperature, source);
+      pass_interval(factors[c], use_thin(thick), tau, source, radiance_[c], passed_[c]);
+    }
+  }
+
   // Adds one interval of every lane behind what was already passed.
   void compose(const Intervals<Real>& now) {
+    if (medium_.factors) {
+      compose_spectral(now);
+      return;
+    }
     alignas(64) Real near[kLanes], far[kLanes], tau[2][kLanes];
     alignas(64) Real temperature[2 * kLanes], source[2 * kLanes];
     int thick = 0;
@@ -547,6 +520,8 @@ class Packet {
 
   void cut_opaque() {
     if (!call_.skip) return;
+    if (medium_.factors)
+      for (int l = 0; l < kLanes; ++l) transmittance_[l] = clearest(l);
     for (int l = 0; l < kLanes; ++l) {
       const int opaque = found_[l] & searching_[l] & (transmittance_[l] < Real(1e-7));
       counters_.opaque_tails += opaque;
@@ -559,7 +534,13 @@ class Packet {
       Real* out = call_.radiance + static_cast<long>(first_channel_ + c) * call_.stride + first_;
       for (int l = 0; l < kLanes; ++l) out[l] = radiance_[c][l];
     }
-    for (int l = 0; l < kLanes; ++l) call_.transmittance[first_ + l] = transmittance_[l];
+    if (!call_.transmittance_stride && first_channel_ > 0) return;
+    for (int c = 0; c < (call_.transmittance_stride ? channels_ : 1); ++c) {
+      const Real* passed = medium_.factors ? passed_[c] : transmittance_;
+      Real* out = call_.transmittance +
+                  static_cast<long>(first_channel_ + c) * call_.transmittance_stride + first_;
+      for (int l = 0; l < kLanes; ++l) out[l] = passed[l];
+    }
   }
 
   const voxel::Call<Real>& call_;
@@ -571,6 +552,7 @@ class Packet {
   Lines<Real> line_, temperature_line_;
   alignas(64) Real t_[kLanes], end_[kLanes], spacing_[kLanes], transmittance_[kLanes];
   alignas(64) Real radiance_[kMaxChannels][kLanes];
+  alignas(64) Real passed_[kMaxChannels][kLanes];  // transmittance of each channel, not grey
   Triple<int> brick_, segment_brick_;
   alignas(64) int searching_[kLanes], found_[kLanes], segment_entry_[kLanes];
   alignas(64) Real segment_begin_[kLanes], segment_end_[kLanes];

@@ -65,6 +65,85 @@ PLENOFLAME_INLINE void set_planes(Lines<Real>& line, const Real* end) {
   set_planes(line.origin.z, line.direction.z, end, line.inverse.z, line.offset.z);
 }
 
+// Narrows [from, to] of sixteen lines to a slab.
+void clip(double lower, double upper, const double* __restrict origin,
+          const double* __restrict direction, double* __restrict from, double* __restrict to) {
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const double o = origin[l], d = direction[l];
+    const bool moves = magnitude(d) > 1e-200;
+    const bool inside = (o >= lower) & (o <= upper);
+    const double inverse = 1 / (moves ? d : 1.0);
+    const double t0 = (lower - o) * inverse, t1 = (upper - o) * inverse;
+    const double enter = moves ? least(t0, t1) : inside ? -1e300 : 1e300;
+    const double leave = moves ? greatest(t0, t1) : inside ? 1e300 : -1e300;
+    from[l] = greatest(from[l], enter);
+    to[l] = least(to[l], leave);
+  }
+}
+
+// Origin, plane offsets and cell in coordinates that count from the lowest cell of a brick.
+template <class Real>
+void enter(const Real* __restrict line_origin, const Real* __restrict direction,
+           const Real* __restrict inverse, const Real* __restrict line_offset,
+           const int* __restrict brick, const Real* __restrict t, Real* __restrict origin,
+           Real* __restrict offset, int* __restrict cell, int* __restrict up) {
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const Real low = static_cast<Real>(8 * brick[l]);
+    offset[l] = line_offset[l] + low * inverse[l];
+    origin[l] = line_origin[l] - low;
+    cell[l] = clamp(static_cast<int>(origin[l] + t[l] * direction[l]), 0, 7);
+    up[l] = direction[l] > 0 ? -1 : 0;
+  }
+}
+
+// Origins and directions of sixteen lines along an axis of a lattice.
+template <class Real>
+void map_to_lattice(const voxel::Call<Real>& call, int first, const voxel::CellMap& map, int axis,
+                    double* __restrict origin, double* __restrict direction) {
+  const double m0 = map.linear[3 * axis], m1 = map.linear[3 * axis + 1],
+               m2 = map.linear[3 * axis + 2], shift = map.origin[axis];
+  const Real* __restrict x = call.x + first;
+  const Real* __restrict y = call.y + first;
+  const Real* __restrict z = call.z + first;
+  const Real* __restrict dx = call.dx + first;
+  const Real* __restrict dy = call.dy + first;
+  const Real* __restrict dz = call.dz + first;
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    origin[l] = shift + m0 * static_cast<double>(x[l]) + m1 * static_cast<double>(y[l]) +
+                m2 * static_cast<double>(z[l]);
+    direction[l] = m0 * static_cast<double>(dx[l]) + m1 * static_cast<double>(dy[l]) +
+                   m2 * static_cast<double>(dz[l]);
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE Real plane(int p, Real inverse, Real offset) {
+  return static_cast<Real>(p) * inverse + offset;
+}
+
+template <class Real>
+PLENOFLAME_INLINE int next_brick(int brick, int low, int rest, bool crosses, bool up, Real p) {
+  const int inside = clamp(static_cast<int>(p * Real(0.125)), low, low + rest);
+  const int stays = rest == 0 ? brick : inside;
+  return crosses ? (up ? low + rest + 1 : low - 1) : stays;
+}
+
+template <class Real>
+PLENOFLAME_INLINE Real within_cell(Real p, int cell) {
+  return clamp(p - static_cast<Real>(cell), Real(0), Real(1));
+}
+
+// Where a crossed face leads; elsewhere the cell at p of the block of rest + 1 cells from `low`.
+template <bool kPlain, class Real>
+PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p) {
+  const int beyond = low - 1 + ((rest + 2) & up);
+  const int stays = kPlain ? low : clamp(static_cast<int>(p), low, low + rest);
+  return crosses ? beyond : stays;
+}
+
 template <class Real>
 PLENOFLAME_INLINE int floor_of(Real x) {
   const int whole = static_cast<int>(x);

@@ -89,5 +89,28 @@ PLENOFLAME_INLINE IntervalWeights<float> thin_interval_weights(float tau0, float
   return {1.0f - emissivity, greatest(emissivity - far, 0.0f), far};
 }
 
+// One interval of every lane for a channel whose absorption is `factor` times that of `tau`.
+template <class Real>
+PLENOFLAME_INLINE void pass_interval(Real factor, bool thin, const Real (&tau)[2][voxel::kLanes],
+                                     const Real* __restrict source, Real* __restrict radiance,
+                                     Real* __restrict passed) {
+  if (thin) {
+#pragma omp simd
+    for (int l = 0; l < voxel::kLanes; ++l) {
+      const auto w = thin_interval_weights(static_cast<float>(factor * tau[0][l]),
+                                           static_cast<float>(factor * tau[1][l]));
+      radiance[l] += passed[l] * (w.near * source[l] + w.far * source[voxel::kLanes + l]);
+      passed[l] *= w.transmittance;
+    }
+  } else {
+#pragma omp simd
+    for (int l = 0; l < voxel::kLanes; ++l) {
+      const auto w = interval_weights(factor * tau[0][l], factor * tau[1][l]);
+      radiance[l] += passed[l] * (w.near * source[l] + w.far * source[voxel::kLanes + l]);
+      passed[l] *= w.transmittance;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plenoflame::PLENOFLAME_ISA

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "media/absorption_factors.h"
 #include "media/source_fit.h"
 #include "media/voxel_lattice.h"
 #include "plenoflame/base/error.h"
@@ -60,11 +61,12 @@ template <class Real>
 struct Tables {
   std::vector<std::vector<Real>> exponents, weights;
   std::vector<voxel::SourceView<Real>> sources;
-  std::vector<Real> constant_absorption, constant_source;
+  std::vector<Real> constant_absorption, constant_source, factors;
 
   // @param temperatures lowest and highest that occur [K]
-  Tables(const std::vector<SourceFunction>& channels, const Lattice& cells,
-         std::array<float, 2> temperatures) {
+  Tables(const std::vector<SourceFunction>& channels, const std::vector<double>& given_factors,
+         const Lattice& cells, std::array<float, 2> temperatures) {
+    for (const double factor : given_factors) factors.push_back(static_cast<Real>(factor));
     for (const SourceFunction& channel : channels) {
       auto& e = exponents.emplace_back();
       auto& w = weights.emplace_back();
@@ -77,9 +79,6 @@ struct Tables {
     }
     for (std::size_t c = 0; c < channels.size(); ++c) {
       voxel::SourceView<Real>& view = sources.emplace_back();
-      view.exponents = exponents[c].data();
-      view.weights = weights[c].data();
-      view.count = static_cast<int>(exponents[c].size());
       // In double the sum over the band itself: the reference.
       if constexpr (sizeof(Real) == sizeof(float)) {
         const voxel::SourceFit fit = voxel::fit_source(channels[c], temperatures[0],
@@ -91,7 +90,18 @@ struct Tables {
         view.occupation = static_cast<float>(fit.occupation);
         view.hottest = static_cast<float>(fit.hottest);
         view.coldest = static_cast<float>(fit.coldest);
+        if (fit.terms.empty() && fit.coldest > 0 && !channels[c].is_total()) {
+          exponents[c].clear();
+          weights[c].clear();
+          for (const auto& node : voxel::fewer_nodes(channels[c], fit.coldest, fit.hottest, 1e-7)) {
+            exponents[c].push_back(static_cast<Real>(node.exponent));
+            weights[c].push_back(static_cast<Real>(node.weight));
+          }
+        }
       }
+      view.exponents = exponents[c].data();
+      view.weights = weights[c].data();
+      view.count = static_cast<int>(exponents[c].size());
     }
     for (const auto& constant : cells.constants())
       constant_absorption.push_back(constant.absorption);
@@ -102,9 +112,9 @@ class VoxelMedium final : public Medium {
  public:
   VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options)
+              const VoxelMediumOptions& options, std::vector<double> factors)
       : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
-                    std::move(channels), options) {}
+                    std::move(channels), options, std::move(factors)) {}
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
 
@@ -112,6 +122,12 @@ class VoxelMedium final : public Medium {
   std::vector<Box> occupied() const override;
 
   bool is_costly() const override { return true; }
+  bool is_grey() const override { return factors_.empty(); }
+  void absorptions(Vec3 world, double* each) const override {
+    const double absorption = sample(world).absorption;
+    for (std::size_t c = 0; c < channels_.size(); ++c)
+      each[c] = absorption * (factors_.empty() ? 1 : factors_[c]);
+  }
   double feature_size() const override {
     return temperature_ ? std::min(cells_.spacing(), temperature_->spacing()) : cells_.spacing();
   }
@@ -150,23 +166,26 @@ class VoxelMedium final : public Medium {
  private:
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options)
+              const VoxelMediumOptions& options, std::vector<double> factors)
       : VoxelMedium(temperature, absorption, interpolation, std::move(channels), options,
+                    std::move(factors),
                     shift_between(temperature.field().index_to_world,
                                   absorption.field().index_to_world, temperature.field().name)) {}
 
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, const std::optional<Index>& shift)
+              const VoxelMediumOptions& options, std::vector<double> factors,
+              const std::optional<Index>& shift)
       : channels_(std::move(channels)),
+        factors_(grey_or_checked(std::move(factors), channels_.size())),
         constant_(interpolation == VoxelInterpolation::constant),
         cells_(Lattice::of_absorption(absorption, shift ? &temperature : nullptr,
                                       shift.value_or(Index{}), interpolation,
                                       voxel::StepPlanner(channels_, options.tolerance))),
         temperature_(shift ? std::nullopt
                            : std::optional(Lattice::of_temperature(temperature, interpolation))),
-        single_(channels_, cells_, (shift ? cells_ : *temperature_).temperature_range()),
-        double_(channels_, cells_, (shift ? cells_ : *temperature_).temperature_range()) {
+        single_(channels_, factors_, cells_, (shift ? cells_ : *temperature_).temperature_range()),
+        double_(channels_, factors_, cells_, (shift ? cells_ : *temperature_).temperature_range()) {
     if (!cells_.empty()) set_bounds();
   }
 
@@ -190,6 +209,7 @@ class VoxelMedium final : public Medium {
                        MediumCounters& counters) const;
 
   std::vector<SourceFunction> channels_;
+  std::vector<double> factors_;  ///< on the absorption, per channel; empty: grey
   bool constant_;
   Lattice cells_;
   std::optional<Lattice> temperature_;
@@ -231,7 +251,9 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   if (cells_.empty()) {
     for (int c = 0; c < channel_count(); ++c)
       std::fill_n(out.radiance + static_cast<std::ptrdiff_t>(c) * out.stride, rays.size, Real(0));
-    std::fill_n(out.transmittance, rays.size, Real(1));
+    for (int c = 0; c < (out.transmittance_stride ? channel_count() : 1); ++c)
+      std::fill_n(out.transmittance + static_cast<std::ptrdiff_t>(c) * out.transmittance_stride,
+                  rays.size, Real(1));
     return;
   }
   voxel::MediumView<Real> medium{};
@@ -246,6 +268,7 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   medium.constants = static_cast<int>(tables.constant_absorption.size());
   medium.sources = tables.sources.data();
   medium.channels = channel_count();
+  medium.factors = tables.factors.empty() ? nullptr : tables.factors.data();
 
   voxel::Call<Real> call{};
   call.medium = &medium;
@@ -264,6 +287,7 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   call.radiance = out.radiance;
   call.stride = out.stride;
   call.transmittance = out.transmittance;
+  call.transmittance_stride = out.transmittance_stride;
 
   voxel::Counters counted{};
   switch (options.isa) {
@@ -341,7 +365,8 @@ void VoxelMedium::append_breakpoints(const Ray& ray, std::vector<double>& t) con
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
-                                          const VoxelMediumOptions& options) {
+                                          const VoxelMediumOptions& options,
+                                          std::vector<double> absorption_factors) {
   if (!(options.tolerance >= 0 && options.tolerance < 1))
     throw InputError("the voxel medium's tolerance must be at least 0 and below 1");
   if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
@@ -350,7 +375,7 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
         "field '{}': absorption's background is {} 1/m; it must be 0, or the flame has no end",
         absorption.name, absorption.background));
   return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels),
-                                       options);
+                                       options, std::move(absorption_factors));
 }
 
 }  // namespace plenoflame

@@ -3,10 +3,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "radiometry/gauss_legendre.h"
+#include "radiometry/gauss_rule.h"
 
 namespace plenoflame {
 namespace {
@@ -112,6 +114,52 @@ SourceFunction SourceFunction::band(double wavelength, double width) {
   const double extent = std::fmin(width / (shortest * longest), negligible);
   SourceFunction source;
   source.nodes_ = fewest_nodes(first, extent);
+  source.wavelength_ = wavelength;
+  return source;
+}
+
+SourceFunction SourceFunction::of(const SpectralResponse& response) {
+  // A rule that is exact for polynomials of the wavenumber under the weight R(s) s^3 needs few
+  // nodes: what is left, 1 / expm1(hc s/(kT)), is smooth. Its many points are the reference, too.
+  const MeasurePoints points = wavenumber_points(response, 12);
+  constexpr std::array<double, 11> temperatures{200,  300,  500, 900,   1600, 2800,
+                                                5000, 9000, 2e4, 4.5e4, 1e5};
+  constexpr double tolerance = 3e-13;
+  constexpr int most = 48;
+  const auto nodes_of = [](const MeasurePoints& rule) {
+    std::vector<Node> nodes;
+    for (std::size_t i = 0; i < rule.places.size(); ++i)
+      nodes.push_back({constants::second_radiation * rule.places[i],
+                       constants::first_radiation * rule.weights[i]});
+    return nodes;
+  };
+  MeasurePoints cubed = points;
+  for (std::size_t i = 0; i < cubed.places.size(); ++i)
+    cubed.weights[i] *= cubed.places[i] * cubed.places[i] * cubed.places[i];
+  const std::vector<Node> all = nodes_of(cubed);
+  std::array<double, temperatures.size()> expected{};
+  for (std::size_t i = 0; i < temperatures.size(); ++i)
+    expected[i] = evaluate(all, temperatures[i]);
+  SourceFunction source;
+  source.nodes_ = all;
+  source.wavelength_ = response.centroid();
+  for (int order = 1; order <= most && order < static_cast<int>(all.size()); ++order) {
+    std::vector<Node> nodes = nodes_of(gauss_rule(cubed, order));
+    bool good = true;
+    for (std::size_t i = 0; good && i < temperatures.size(); ++i)
+      good = std::fabs(evaluate(nodes, temperatures[i]) - expected[i]) <= tolerance * expected[i];
+    if (!good) continue;
+    source.nodes_ = std::move(nodes);
+    break;
+  }
+  return source;
+}
+
+SourceFunction SourceFunction::node(const Node& node, double wavelength, double share) {
+  SourceFunction source;
+  source.nodes_ = {node};
+  source.wavelength_ = wavelength;
+  source.share_ = share;
   return source;
 }
 

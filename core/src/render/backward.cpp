@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include "plenoflame/base/error.h"
 #include "render/backward_tile.h"
+#include "render/channel_sum.h"
 #include "render/scene_medium.h"
 
 namespace plenoflame {
@@ -206,7 +208,14 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   MediumOptions options;
   options.isa = settings.isa;
   options.skip = settings.skip;
-  return RadianceTable::make(scene.camera, *scene.medium, 0.5 * (box.lower + box.upper), options);
+  const Vec3 anchor = 0.5 * (box.lower + box.upper);
+  if (scene.channel_of_node.empty())
+    return RadianceTable::make(scene.camera, *scene.medium, anchor, options);
+  // It holds channels, whatever stands for them.
+  auto sum = std::make_unique<ChannelSum>(*scene.medium, scene.channel_of_node);
+  std::unique_ptr<RadianceTable> table = RadianceTable::make(scene.camera, *sum, anchor, options);
+  if (table) table->keep(std::move(sum));
+  return table;
 }
 
 }  // namespace

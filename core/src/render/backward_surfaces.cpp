@@ -113,8 +113,9 @@ void SurfaceBlock<Real>::trace(const KernelBlock<Real>& block, const std::vector
 }
 
 template <class Real>
-void SurfaceBlock<Real>::add(const Real* transmittance, Real* radiance, int stride) const {
-  for (std::size_t c = 0; c < radiance_.size(); ++c) {
+void SurfaceBlock<Real>::add(const Real* transmittance, int transmittance_stride, Real* radiance,
+                             int stride) const {
+  for (std::size_t c = 0; c < radiance_.size(); ++c, transmittance += transmittance_stride) {
     Real* out = radiance + static_cast<std::ptrdiff_t>(c) * stride;
     for (int i = 0; i < count_; ++i)
       out[i] += transmittance[i] * static_cast<Real>(radiance_[c][static_cast<std::size_t>(i)]);

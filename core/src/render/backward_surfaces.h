@@ -43,7 +43,7 @@ class SurfaceBlock {
   /// Where each ray ends, in the block's own measure [m]; aligned to 64 bytes.
   const Real* t_far() const { return t_far_; }
   /// Adds transmittance * radiance of the surfaces to `radiance`, channel c at c * stride.
-  void add(const Real* transmittance, Real* radiance, int stride) const;
+  void add(const Real* transmittance, int transmittance_stride, Real* radiance, int stride) const;
   double rays() const { return light_.rays(); }
 
  private:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "render/channel_sum.h"
+
 namespace plenoflame {
 namespace {
 
@@ -30,9 +32,11 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 template <class Real>
 TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     : plan_(plan), film_(film) {
-  const auto channels = static_cast<std::size_t>(film.channels());
+  const auto nodes = static_cast<std::size_t>(plan.scene->node_count());
+  // What is behind a medium needs the transmittance of every node.
+  const std::size_t passes = plan.surfaces && !plan.medium->is_grey() ? nodes : 1;
   constexpr std::size_t alignment = 64 / sizeof(Real);
-  storage_.resize((11 + channels) * kPadding + alignment);
+  storage_.resize((10 + passes + nodes) * kPadding + alignment);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -45,9 +49,13 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   transmittance_ = base;
   fair_factor_ = base + kPadding;
   radiance_ = base + 2 * kPadding;
+  if (passes > 1) {
+    transmittance_ = radiance_ + nodes * kPadding;
+    transmittance_stride_ = kPadding;
+  }
   block_.code = codes_.data();
   if (plan.surfaces)
-    surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, film.channels());
+    surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, plan.scene->node_count());
 }
 
 template <class Real>
@@ -303,9 +311,11 @@ void TileTracer<Real>::integrate(int padded) {
   out.radiance = radiance_;
   out.stride = kPadding;
   out.transmittance = transmittance_;
+  out.transmittance_stride = transmittance_stride_;
   if (surfaces_) batch.t_far = surfaces_->t_far();
   plan_.medium->integrate(batch, options, out, counters_.medium);
-  if (surfaces_) surfaces_->add(transmittance_, radiance_, kPadding);
+  if (surfaces_) surfaces_->add(transmittance_, transmittance_stride_, radiance_, kPadding);
+  sum_channels(plan_.scene->channel_of_node, radiance_, kPadding, padded);
 }
 
 /// Of each replicate's points in a pixel the first few, well spread by themselves, correct the

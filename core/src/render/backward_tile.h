@@ -129,6 +129,7 @@ class TileTracer {
   std::vector<RayGroup> groups_;                  ///< for the surfaces: what is pending
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
+  int transmittance_stride_ = 0;  ///< of the nodes; 0: one for all
   Real* fair_factor_ = nullptr;
   std::unique_ptr<RadianceTable::Worker> table_worker_;
   TileCounters counters_;

@@ -90,7 +90,7 @@ void BundleTracer::attenuate(const Hit* hits, int count, ForwardChunk& chunk) co
   const Medium& medium = *scene_.medium;
   const Box box = medium.bounds();
   const int padded = (count + kRayPadding - 1) / kRayPadding * kRayPadding;
-  constexpr int kArrays = 9;
+  constexpr int kArrays = 8;
   struct alignas(64) Arrays {
     double value[kArrays][kMaxBatch];
   };
@@ -113,27 +113,31 @@ void BundleTracer::attenuate(const Hit* hits, int count, ForwardChunk& chunk) co
   const auto channels = static_cast<std::size_t>(medium.channel_count());
   std::vector<double> emission(channels);
   // The integrator gives the radiance of the way as well; only the transmittance is wanted.
-  const std::size_t stride = kMaxBatch;
-  std::vector<double> radiance(channels * stride + 8);
+  const std::size_t stride = kMaxBatch, passes = medium.is_grey() ? 1 : channels;
+  std::vector<double> results((channels + passes) * stride + 8);
   RadianceBatch<double> out;
-  void* aligned = radiance.data();
-  std::size_t space = radiance.size() * sizeof(double);
-  out.radiance =
-      static_cast<double*>(std::align(64, channels * stride * sizeof(double), aligned, space));
+  void* aligned = results.data();
+  std::size_t space = results.size() * sizeof(double);
+  out.radiance = static_cast<double*>(
+      std::align(64, (channels + passes) * stride * sizeof(double), aligned, space));
   out.stride = kMaxBatch;
-  out.transmittance = v[8];
+  out.transmittance = out.radiance + channels * stride;
+  out.transmittance_stride = passes > 1 ? kMaxBatch : 0;
   MediumOptions options;
   options.isa = settings_.isa;
   options.skip = settings_.skip;
   medium.integrate(rays, options, out, chunk.medium);
   for (int i = 0; i < count; ++i) {
     medium.coefficients(hits[i].origin, emission.data());
-    const double factor = hits[i].weight * v[8][i];
     bool any = false;
-    for (const double e : emission) any = any || e * factor > 0;
+    for (std::size_t c = 0; c < channels; ++c) {
+      emission[c] *= hits[i].weight *
+                     out.transmittance[(passes > 1 ? c * stride : 0) + static_cast<std::size_t>(i)];
+      any = any || emission[c] > 0;
+    }
     if (!any) continue;
     chunk.deposits.push_back({hits[i].column, hits[i].row, hits[i].replicate});
-    for (const double e : emission) chunk.flux.push_back(e * factor);
+    append_channels(scene_, emission.data(), chunk.flux);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "plenoflame/media/medium.h"
+#include "plenoflame/scene/compile.h"
 
 namespace plenoflame {
 
@@ -18,6 +19,19 @@ struct ForwardChunk {
   MediumCounters medium;
   bool done = false;
 };
+
+/// Appends the scene's channels, summed from what stands for each of them.
+inline void append_channels(const CompiledScene& scene, const double* nodes,
+                            std::vector<double>& flux) {
+  const std::size_t first = flux.size();
+  if (scene.channel_of_node.empty()) {
+    flux.insert(flux.end(), nodes, nodes + scene.node_count());
+    return;
+  }
+  flux.resize(first + scene.scene.channels.size());
+  for (std::size_t n = 0; n < scene.channel_of_node.size(); ++n)
+    flux[first + static_cast<std::size_t>(scene.channel_of_node[n])] += nodes[n];
+}
 
 /// Traces numbered energy bundles; immutable.
 class BundleSource {

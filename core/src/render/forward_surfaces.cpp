@@ -283,7 +283,17 @@ void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
   }
   bundles.resize(kept);
   work.segments.integrate(false, chunk.medium);
-  for (std::size_t i = 0; i < kept; ++i) bundles[i].weight *= work.segments.transmittance(i);
+  for (std::size_t i = 0; i < kept; ++i) {
+    if (work.segments.is_grey()) {
+      bundles[i].weight *= work.segments.transmittance(i);
+      continue;
+    }
+    // A spectrum of its own from here on: what has arrived before keeps the old one.
+    const std::size_t before = bundles[i].spectrum;
+    bundles[i].spectrum = work.spectra.size();
+    for (std::size_t c = 0; c < work.channels; ++c)
+      work.spectra.push_back(work.spectra[before + c] * work.segments.transmittance(i, c));
+  }
 }
 
 void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
@@ -293,17 +303,22 @@ void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
   work.segments.integrate(false, chunk.medium);
   for (std::size_t i = 0; i < work.arrived.size(); ++i) {
     const Arrived& a = work.arrived[i];
-    const double factor = a.weight * work.segments.transmittance(i);
-    if (!(factor > 0)) continue;
+    if (!(a.weight > 0)) continue;
+    bool any = false;
+    for (std::size_t c = 0; c < work.channels; ++c) {
+      work.emission[c] =
+          a.weight * work.segments.transmittance(i, c) * work.spectra[a.spectrum + c];
+      any = any || work.emission[c] > 0;
+    }
+    if (!any) continue;
     chunk.deposits.push_back({a.column, a.row, a.replicate});
-    for (std::size_t c = 0; c < work.channels; ++c)
-      chunk.flux.push_back(factor * work.spectra[a.spectrum + c]);
+    append_channels(scene_, work.emission.data(), chunk.flux);
   }
 }
 
 void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const {
   const auto begin = std::chrono::steady_clock::now();
-  Work work(scene_.medium.get(), options_, scene_.scene.channels.size());
+  Work work(scene_.medium.get(), options_, static_cast<std::size_t>(scene_.node_count()));
   std::vector<Bundle> on_their_way;
   Bundle bundle;
   for (std::int64_t i = first; i < end; ++i) {

@@ -12,6 +12,7 @@ MediumSegments::MediumSegments(const Medium* medium, const MediumOptions& option
   if (!medium) return;
   bounds_ = medium->bounds();
   channels_ = static_cast<std::size_t>(medium->channel_count());
+  passes_ = medium->is_grey() ? 1 : channels_;
 }
 
 /// Whether a stretch touches the medium's bounds.
@@ -34,7 +35,7 @@ bool MediumSegments::meets(const Ray& ray, double t_far) const {
 }
 
 void MediumSegments::integrate(bool with_radiance, MediumCounters& counters) {
-  transmittance_.assign(rays_.size(), 1.0);
+  transmittance_.assign(rays_.size() * passes_, 1.0);
   if (with_radiance) radiance_.assign(rays_.size() * channels_, 0.0);
   if (!medium_ || bounds_.empty()) return;
   inside_.clear();
@@ -47,8 +48,8 @@ void MediumSegments::integrate(bool with_radiance, MediumCounters& counters) {
 
 void MediumSegments::integrate_batch(std::size_t first, std::size_t count, bool with_radiance,
                                      MediumCounters& counters) {
-  constexpr std::size_t kArrays = 9, kAlignment = 64 / sizeof(double);
-  storage_.resize((kArrays + channels_) * kMaxBatch + kAlignment);
+  constexpr std::size_t kArrays = 8, kAlignment = 64 / sizeof(double);
+  storage_.resize((kArrays + passes_ + channels_) * kMaxBatch + kAlignment);
   double* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
   double* array[kArrays];
@@ -74,13 +75,17 @@ void MediumSegments::integrate_batch(std::size_t first, std::size_t count, bool 
   batch.dx = array[3], batch.dy = array[4], batch.dz = array[5];
   batch.t_near = array[6], batch.t_far = array[7];
   RadianceBatch<double> out;
+  double* const passed = base;
+  base += passes_ * kMaxBatch;
   out.radiance = base;
   out.stride = kMaxBatch;
-  out.transmittance = array[8];
+  out.transmittance = passed;
+  if (passes_ > 1) out.transmittance_stride = kMaxBatch;
   medium_->integrate(batch, options_, out, counters);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t segment = inside_[first + i];
-    transmittance_[segment] = array[8][i];
+    for (std::size_t p = 0; p < passes_; ++p)
+      transmittance_[segment * passes_ + p] = passed[p * kMaxBatch + i];
     if (!with_radiance) continue;
     for (std::size_t c = 0; c < channels_; ++c)
       radiance_[segment * channels_ + c] = base[c * kMaxBatch + i];

@@ -22,7 +22,13 @@ class MediumSegments {
   /// Integrates what was added. @param with_radiance otherwise only the transmittance is kept
   void integrate(bool with_radiance, MediumCounters& counters);
 
-  double transmittance(std::size_t segment) const { return transmittance_[segment]; }
+  /// Of the first channel, or of all of them when the medium is grey.
+  double transmittance(std::size_t segment) const { return transmittance_[segment * passes_]; }
+  double transmittance(std::size_t segment, std::size_t channel) const {
+    return transmittance_[segment * passes_ + (passes_ > 1 ? channel : 0)];
+  }
+  /// Whether it is the same in all channels.
+  bool is_grey() const { return passes_ == 1; }
   /// [W/(m^2 sr)] that arrives at t = 0.
   double radiance(std::size_t segment, int channel) const {
     return radiance_[segment * channels_ + static_cast<std::size_t>(channel)];
@@ -36,7 +42,7 @@ class MediumSegments {
   const Medium* medium_;
   MediumOptions options_;
   Box bounds_;
-  std::size_t channels_ = 0;
+  std::size_t channels_ = 0, passes_ = 1;  ///< passes_: different transmittances
   std::vector<Ray> rays_;
   std::vector<double> far_, transmittance_, radiance_;
   std::vector<std::size_t> inside_;  ///< segments that meet the medium's bounds

@@ -33,6 +33,9 @@ class RadianceTable {
   static std::unique_ptr<RadianceTable> make(const Camera& camera, const Medium& medium,
                                              Vec3 anchor, const MediumOptions& options);
 
+  /// Keeps a medium that was made for this table.
+  void keep(std::unique_ptr<const Medium> medium) { kept_ = std::move(medium); }
+
   /// Rays of a block (KernelBlock), relative to the anchor.
   struct Request {
     const KernelBlock<float>* rays;
@@ -74,6 +77,7 @@ class RadianceTable {
   void need(int block, RadianceTableCounters& counters, MediumCounters& medium);
   void fill(int block, RadianceTableCounters& counters, MediumCounters& medium);
 
+  std::unique_ptr<const Medium> kept_;
   const Medium& medium_;
   Vec3 anchor_;
   MediumOptions options_;

@@ -10,6 +10,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_tile.h"
+#include "render/channel_sum.h"
 #include "render/ray_path_tracer.h"
 #include "render/scene_medium.h"
 
@@ -78,6 +79,14 @@ class PathSink : public RaySink<double> {
   std::vector<Drawn> drawn_;
 };
 
+/// Radiance of what stands for the channels, then the optical thickness: of the channels.
+void to_channels(const CompiledScene& scene, std::vector<double>& carried) {
+  if (scene.channel_of_node.empty()) return;
+  sum_channels(scene.channel_of_node, carried.data(), 1, 1);
+  carried[scene.scene.channels.size()] = carried.back();
+  carried.resize(scene.scene.channels.size() + 1);
+}
+
 /// Leaves out what does not go through this microlens.
 void keep_lens(LensIndex lens, RayPaths& paths) {
   RayPaths kept;
@@ -126,7 +135,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
   // Rays that pass beside the flames are wanted, too: no beams.
-  const PathTracer tracer(scene.camera, medium.get(), scene.surfaces.get());
+  const PathTracer tracer(scene.camera, medium.get());
   const double samples = static_cast<double>(points) * settings.replicates;
   const int channels = static_cast<int>(paths.channels.size());
   // A few pixels at a time, each with paths of its own; joined in the order of the pixels.
@@ -217,7 +226,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
     throw InputError("the object point is " + std::to_string(at.z) +
                      " m in front of the camera's first vertex; it must lie in front of it");
   const SceneMedium medium(scene);
-  const PathTracer tracer(camera, medium.get(), scene.surfaces.get());
+  const PathTracer tracer(camera, medium.get());
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
     // Vogel's spiral: equal areas, no direction preferred.
@@ -234,6 +243,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
       while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
       const Vec3 front = paths.vertices[k].position;
       carried = carried_by(medium.get(), {front, -ray.direction}, 0, length(point - front));
+      to_channels(scene, carried);
     }
     paths.rays.back().optical_thickness = carried.back();
     paths.radiance.insert(paths.radiance.end(), carried.begin(), carried.end() - 1);
@@ -245,7 +255,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   if (!camera.has_array())
     throw InputError("the camera has no microlens array, and so no chief rays of microlenses");
   const SceneMedium medium(scene);
-  const PathTracer tracer(camera, medium.get(), scene.surfaces.get());
+  const PathTracer tracer(camera, medium.get());
   const SensorSpec& sensor = camera.spec().sensor;
   const double half_x = 0.5 * sensor.columns * sensor.pixel_pitch;
   const double half_y = 0.5 * sensor.rows * sensor.pixel_pitch;
@@ -272,10 +282,10 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     if (added.status.status != RayStatus::reached || added.count < 2) continue;
     const RayVertex& last = paths.vertices[added.first + added.count - 1];
     const RayVertex& before = paths.vertices[added.first + added.count - 2];
-    const std::vector<double> carried =
-        carried_by(medium.get(), {last.position, normalize(last.position - before.position)},
-                   -std::numeric_limits<double>::infinity(),
-                   last.surface == kSolidVertex ? 0 : std::numeric_limits<double>::infinity());
+    std::vector<double> carried = carried_by(
+        medium.get(), {last.position, normalize(last.position - before.position)},
+        -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+    to_channels(scene, carried);
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,
               paths.radiance.end() - static_cast<std::ptrdiff_t>(paths.channels.size()));

@@ -30,7 +30,8 @@ class EmptyMedium : public Medium {
   template <class Real>
   void fill(int count, RadianceBatch<Real> out) const {
     for (int c = 0; c < channels_; ++c) std::fill_n(out.radiance + c * out.stride, count, Real(0));
-    std::fill_n(out.transmittance, count, Real(1));
+    for (int c = 0; c < (out.transmittance_stride ? channels_ : 1); ++c)
+      std::fill_n(out.transmittance + c * out.transmittance_stride, count, Real(1));
   }
   int channels_;
   Box box_;
@@ -47,7 +48,7 @@ Box box_ahead(const Camera& camera) {
 std::unique_ptr<Medium> empty_medium(const CompiledScene& scene) {
   if (scene.medium) return nullptr;
   const bool ends = scene.surfaces && !scene.surfaces->bounds().empty();
-  return std::make_unique<EmptyMedium>(static_cast<int>(scene.scene.channels.size()),
+  return std::make_unique<EmptyMedium>(scene.node_count(),
                                        ends ? scene.surfaces->bounds() : box_ahead(scene.camera));
 }
 

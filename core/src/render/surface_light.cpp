@@ -32,7 +32,7 @@ Vec3 cosine_direction(Vec3 normal, double u, double v) {
 SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSettings& settings,
                                    const Execution& execution)
     : scene(&compiled),
-      channels(static_cast<int>(compiled.scene.channels.size())),
+      channels(compiled.node_count()),
       reflections(compiled.scene.render.reflections) {
   options.isa = settings.isa;
   options.skip = settings.skip;
@@ -79,7 +79,7 @@ void SurfaceLight::add_emission(const std::vector<SurfacePath>& paths,
         plan_.scene->surfaces->emission(path.hit.where.surface, path.hit.front);
     if (!emission) continue;
     for (std::size_t c = 0; c < radiance.size(); ++c)
-      radiance[c][static_cast<std::size_t>(path.ray)] += path.throughput * emission[c];
+      radiance[c][static_cast<std::size_t>(path.ray)] += path.share(c) * emission[c];
   }
 }
 
@@ -90,7 +90,8 @@ void SurfaceLight::add_delta_lights(const std::vector<SurfacePath>& paths,
   if (lights.empty()) return;
   segments_.clear();
   samples_.clear();
-  for (const SurfacePath& path : paths) {
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    const SurfacePath& path = paths[p];
     if (!(path.hit.reflectivity > 0)) continue;
     for (std::size_t l = 0; l < lights.size(); ++l) {
       const DeltaLight& light = lights[l];
@@ -111,17 +112,20 @@ void SurfaceLight::add_delta_lights(const std::vector<SurfacePath>& paths,
       rays_ += 1;
       if (plan_.scene->surfaces->occluded(ray, 0, distance, path.hit.where)) continue;
       segments_.add(ray, distance);
-      samples_.push_back(
-          {path.ray, path.throughput * path.hit.reflectivity / constants::pi * cosine * fall, l});
+      samples_.push_back({path.ray, p,
+                          path.throughput * path.hit.reflectivity / constants::pi * cosine * fall,
+                          l});
     }
   }
   segments_.integrate(false, counters);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const Sample& sample = samples_[i];
-    const double weight = sample.weight * segments_.transmittance(i);
-    for (std::size_t c = 0; c < radiance.size(); ++c)
+    const std::vector<double>& passed = paths[sample.path].passed;
+    for (std::size_t c = 0; c < radiance.size(); ++c) {
+      const double weight = sample.weight * segments_.transmittance(i, c);
       radiance[c][static_cast<std::size_t>(sample.ray)] +=
-          weight * lights[sample.light].strength[c];
+          (passed.empty() ? weight : weight * passed[c]) * lights[sample.light].strength[c];
+    }
   }
 }
 
@@ -151,14 +155,19 @@ void SurfaceLight::add_flame(const std::vector<SurfacePath>& paths,
     rays_ += 1;
     const bool ends = plan_.scene->surfaces->intersect(ray, 0, kInf, path.hit.where, behind);
     segments_.add(ray, ends ? behind.t : kInf);
-    samples_.push_back(
-        {path.ray, path.throughput * path.hit.reflectivity / constants::pi * cosine / density, 0});
+    samples_.push_back({path.ray, i,
+                        path.throughput * path.hit.reflectivity / constants::pi * cosine / density,
+                        0});
   }
   segments_.integrate(true, counters);
-  for (std::size_t i = 0; i < samples_.size(); ++i)
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    const std::vector<double>& passed = paths[sample.path].passed;
     for (std::size_t c = 0; c < radiance.size(); ++c)
-      radiance[c][static_cast<std::size_t>(samples_[i].ray)] +=
-          samples_[i].weight * segments_.radiance(i, static_cast<int>(c));
+      radiance[c][static_cast<std::size_t>(sample.ray)] +=
+          (passed.empty() ? sample.weight : sample.weight * passed[c]) *
+          segments_.radiance(i, static_cast<int>(c));
+  }
 }
 
 void SurfaceLight::go_on(std::vector<SurfacePath>& paths, const std::vector<First>& random,
@@ -184,13 +193,19 @@ void SurfaceLight::go_on(std::vector<SurfacePath>& paths, const std::vector<Firs
   paths.clear();
   for (std::size_t i = 0; i < next_.size(); ++i) {
     SurfacePath& path = next_[i];
-    path.throughput *= segments_.transmittance(i);
+    if (segments_.is_grey()) {
+      path.throughput *= segments_.transmittance(i);
+    } else {
+      path.passed.resize(radiance.size(), 1.0);
+      for (std::size_t c = 0; c < path.passed.size(); ++c)
+        path.passed[c] *= segments_.transmittance(i, c);
+    }
     if (path.hit.where.surface >= 0) {
       paths.push_back(path);
       continue;
     }
     for (std::size_t c = 0; c < radiance.size(); ++c)
-      radiance[c][static_cast<std::size_t>(path.ray)] += path.throughput * environment[c];
+      radiance[c][static_cast<std::size_t>(path.ray)] += path.share(c) * environment[c];
   }
 }
 

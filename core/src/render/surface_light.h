@@ -13,8 +13,13 @@ namespace plenoflame {
 struct SurfacePath {
   int ray = 0;  ///< number of the camera's ray
   SurfaceHit hit;
-  double throughput = 1;  ///< of reflections and media on the way
-  std::uint64_t key = 0;  ///< of its random numbers
+  double throughput = 1;            ///< of reflections and, when they are grey, media on the way
+  std::uint64_t key = 0;            ///< of its random numbers
+  std::vector<double> passed = {};  ///< per channel through media that are not grey; empty: all
+
+  double share(std::size_t channel) const {
+    return passed.empty() ? throughput : throughput * passed[channel];
+  }
 };
 
 /// Everything about the light on surfaces that is the same for all rays; immutable.
@@ -67,7 +72,8 @@ class SurfaceLight {
 
   struct Sample {
     int ray;
-    double weight;
+    std::size_t path;
+    double weight;      ///< without what the path has passed
     std::size_t light;  ///< of the delta lights
   };
   const SurfaceLightPlan& plan_;

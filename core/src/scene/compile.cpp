@@ -8,6 +8,11 @@
 namespace plenoflame {
 namespace {
 
+std::string folder_of(const Scene& scene) {
+  const auto slash = scene.file.find_last_of('/');
+  return slash == std::string::npos ? "" : scene.file.substr(0, slash);
+}
+
 void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
                             const Execution& execution) {
   const auto check = [&](Vec3 place, const std::string& what) {
@@ -27,12 +32,6 @@ void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
 
 }  // namespace
 
-SourceFunction source_function(const ChannelSpec& channel) {
-  return channel.kind == ChannelKind::total
-             ? SourceFunction::total()
-             : SourceFunction::band(channel.wavelength, channel.width);
-}
-
 std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::string&,
                                          const std::vector<SourceFunction>& channels,
                                          const Execution&) {
@@ -42,9 +41,9 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
   std::vector<EllipsoidLayer> layers;
   for (const EllipsoidSpec& layer : flame.layers)
     layers.push_back({flame.scale * layer.centre, flame.scale * layer.semi_axes, layer.temperature,
-                      layer.absorption});
+                      layer_absorption(layer, flame.spectrum)});
   return make_layered_medium(std::move(layers), {rotation_xyz(flame.rotation), flame.position},
-                             channels);
+                             channels, absorption_factors(flame.spectrum, channels));
 }
 
 namespace {
@@ -54,8 +53,7 @@ std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const Medium
                              const std::vector<SourceFunction>& channels,
                              const Execution& execution, const PositionMap& positions) {
   const FlameSpec& flame = scene.flames[index];
-  const auto slash = scene.file.find_last_of('/');
-  const std::string folder = slash == std::string::npos ? "" : scene.file.substr(0, slash);
+  const std::string folder = folder_of(scene);
   const std::string path = "flames[" + std::to_string(index) + "]";
   const SourcePosition position = positions.find(path + ".file");
   const std::string where = to_string(position);
@@ -90,12 +88,13 @@ std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const Medium
 CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
                       const PositionMap& positions) {
   Scene scene = given;
+  read_curves(scene, folder_of(scene), positions);
   set_indices(scene, positions);
   for (const SceneIssue& issue : validate(scene, positions)) execution.warn(to_string(issue));
   Camera camera(scene.camera);  // its warnings are among those of validate()
   PupilSampling pupils(camera, execution);
-  std::vector<SourceFunction> channels;
-  for (const ChannelSpec& channel : scene.channels) channels.push_back(source_function(channel));
+  const SpectralNodes nodes = spectral_nodes(scene, positions);
+  const std::vector<SourceFunction>& channels = nodes.sources;
   std::vector<std::unique_ptr<Medium>> media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
     media.push_back(load(scene, i, loader, channels, execution, positions));
@@ -104,11 +103,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   if (media.size() > 1) medium = make_composite_medium(std::move(media));
   std::unique_ptr<SurfaceScene> surfaces;
   if (!scene.surfaces.empty()) {
-    const auto slash = scene.file.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "" : scene.file.substr(0, slash);
-    surfaces = make_surface_scene(scene.surfaces, folder, channels, execution, [&](int surface) {
-      return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
-    });
+    surfaces =
+        make_surface_scene(scene.surfaces, folder_of(scene), channels, execution, [&](int surface) {
+          return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
+        });
     warn_of_what_is_inside(scene, *surfaces, execution);
   }
   return {scene,
@@ -116,7 +114,9 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
           std::move(pupils),
           std::move(medium),
           std::move(surfaces),
-          compile_lights(scene.lights, channels)};
+          compile_lights(scene.lights, channels),
+          channels.size() > scene.channels.size() ? nodes.channel : std::vector<int>{},
+          nodes.error};
 }
 
 }  // namespace plenoflame

@@ -19,7 +19,9 @@ void set_index(const std::string& glass, double wavelength, double& index, const
 
 double design_wavelength(const Scene& scene) {
   for (const ChannelSpec& channel : scene.channels)
-    if (channel.kind == ChannelKind::band && channel.wavelength > 0) return channel.wavelength;
+    if ((channel.kind == ChannelKind::band || channel.kind == ChannelKind::line) &&
+        channel.wavelength > 0)
+      return channel.wavelength;
   return kLineD;
 }
 

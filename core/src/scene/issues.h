@@ -47,6 +47,7 @@ void check_camera(const CameraSpec& camera, Issues& issues);
 void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues);
 /// Surfaces and lights.
 void check_surfaces(const Scene& scene, Issues& issues);
+/// Channels, spectra of flames, and the sensor's electronics.
 void check_channels(const Scene& scene, Issues& issues);
 
 /// Distance along the axis from a surface's vertex to its point at height h, positive towards the

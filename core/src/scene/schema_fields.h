@@ -63,7 +63,19 @@ struct Words<LightKind> {
 };
 template <>
 struct Words<ChannelKind> {
-  static constexpr std::string_view list[] = {"total", "band"};
+  static constexpr std::string_view list[] = {"total", "band", "line", "curve", "named"};
+};
+template <>
+struct Words<SpectrumKind> {
+  static constexpr std::string_view list[] = {"grey", "power", "soot", "table"};
+};
+template <>
+struct Words<SootIndexSource> {
+  static constexpr std::string_view list[] = {"constant", "chang", "dalzell"};
+};
+template <>
+struct Words<MosaicPattern> {
+  static constexpr std::string_view list[] = {"none", "rggb", "bggr", "grbg", "gbrg"};
 };
 template <>
 struct Words<Estimator> {

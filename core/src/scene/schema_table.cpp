@@ -44,6 +44,7 @@ constexpr Dimension kPure = Dimension::none;
 #define LAYER FLAME, &FlameSpec::layers
 #define TEMPERATURE FLAME, &FlameSpec::temperature
 #define ABSORPTION FLAME, &FlameSpec::absorption
+#define SPECTRUM FLAME, &FlameSpec::spectrum
 #define SOLID &Scene::surfaces
 #define MATERIAL SOLID, &SolidSurfaceSpec::material
 #define TEXTURE MATERIAL, &MaterialSpec::texture
@@ -198,6 +199,54 @@ constexpr SchemaKey kKeys[] = {
     key<SENSOR, &SensorSpec::pixel_pitch>("camera.sensor.pixel_pitch",
                                           "Side of the square pixels, which leave no gaps.",
                                           kLength, above_zero(0.1)),
+    key<SENSOR, &SensorSpec::mosaic>(
+        "camera.sensor.mosaic",
+        "Colour filters over the pixels; R, G and B are the first three channels."),
+    key<SENSOR, &SensorSpec::exposure_time>(
+        "camera.sensor.exposure_time",
+        "How long light is gathered; 0 s: until the brightest pixels fill 95 % of the full well.",
+        Dimension::time, from_zero(1e6)),
+    key<SENSOR, &SensorSpec::quantum_efficiency>(
+        "camera.sensor.quantum_efficiency",
+        "Electrons per photon; 1 where the channels' responses have it in them.", kPure,
+        above_zero(1)),
+    key<SENSOR, &SensorSpec::fill_factor>("camera.sensor.fill_factor",
+                                          "Share of a pixel's area that is sensitive.", kPure,
+                                          above_zero(1)),
+    key<SENSOR, &SensorSpec::full_well>(
+        "camera.sensor.full_well",
+        "Electrons that a pixel can hold; more are lost, and none spill over.", kPure,
+        above_zero(1e12)),
+    key<SENSOR, &SensorSpec::read_noise>("camera.sensor.read_noise",
+                                         "RMS noise of reading a pixel, in electrons.", kPure,
+                                         from_zero(1e6)),
+    key<SENSOR, &SensorSpec::dark_current>("camera.sensor.dark_current",
+                                           "Electrons per second and pixel without light.", kPure,
+                                           from_zero(1e12)),
+    key<SENSOR, &SensorSpec::gain>(
+        "camera.sensor.gain",
+        "Electrons per digital number; 0: the full well is the largest number.", kPure,
+        from_zero(1e9)),
+    key<SENSOR, &SensorSpec::bits>("camera.sensor.bits", "Bit depth of the sensor's converter.",
+                                   kPure, {1, 16, false, false}),
+    key<SENSOR, &SensorSpec::black_level>("camera.sensor.black_level",
+                                          "Digital number that stands for no light.", kPure,
+                                          from_zero(65535)),
+    key<SENSOR, &SensorSpec::shot_noise>("camera.sensor.shot_noise",
+                                         "Whether electrons arrive at random, by Poisson's law."),
+    key<SENSOR, &SensorSpec::hot_pixels>(
+        "camera.sensor.hot_pixels",
+        "Share of the pixels, chosen at random, that have `hot_current` for their dark current.",
+        kPure, from_zero(1)),
+    key<SENSOR, &SensorSpec::hot_current>("camera.sensor.hot_current",
+                                          "Dark current of the hot pixels, electrons per second.",
+                                          kPure, from_zero(1e12)),
+    key<SENSOR, &SensorSpec::dead_pixels>(
+        "camera.sensor.dead_pixels", "Share of the pixels, chosen at random, that see nothing.",
+        kPure, from_zero(1)),
+    key<SENSOR, &SensorSpec::noise_seed>(
+        "camera.sensor.noise_seed",
+        "The same seed gives the same noise and the same defects, pixel by pixel."),
 
     key<FOCUS, &FocusSpec::mode>("camera.focus.mode",
                                  "`distance`: as given by `lens_distance`; `paraxial`: the object "
@@ -251,6 +300,10 @@ constexpr SchemaKey kKeys[] = {
     key<LAYER, &EllipsoidSpec::absorption>("flames[].layers[].absorption",
                                            "Absorption coefficient of the layer.",
                                            Dimension::absorption, from_zero(1e12)),
+    key<LAYER, &EllipsoidSpec::volume_fraction>(
+        "flames[].layers[].volume_fraction",
+        "Volume fraction of soot, in place of the absorption; the flame's spectrum must be `soot`.",
+        kPure, from_zero(1)),
 
     key<TEMPERATURE, &GridSpec::grid>(
         "flames[].temperature.grid",
@@ -268,11 +321,34 @@ constexpr SchemaKey kKeys[] = {
         "Name of the grid in the file; empty: `absorption` and its known aliases."),
     key<ABSORPTION, &GridSpec::unit>(
         "flames[].absorption.unit",
-        "Unit of scale * stored + offset (1/m, 1/cm, 1/mm); empty: the file's metadata, else 1/m."),
+        "Unit of scale * stored + offset (1/m, 1/cm, 1/mm), or `1` or `ppm` for a volume fraction "
+        "of soot; empty: the file's metadata, else 1/m."),
     key<ABSORPTION, &GridSpec::scale>("flames[].absorption.scale", "Factor on the stored values.",
                                       kPure, kNonzero),
     key<ABSORPTION, &GridSpec::offset>("flames[].absorption.offset", "Added after the factor.",
                                        kPure, within(1e12)),
+
+    key<SPECTRUM, &SpectrumSpec::kind>(
+        "flames[].spectrum.kind",
+        "`grey`: absorption is the same at all wavelengths; `power`: proportional to (reference / "
+        "wavelength)^exponent; `soot`: 6 pi E(m) f_v / wavelength; `table`: points."),
+    key<SPECTRUM, &SpectrumSpec::reference>("flames[].spectrum.reference",
+                                            "Wavelength at which the flame's absorption holds.",
+                                            kLength, above_zero(1e-3)),
+    key<SPECTRUM, &SpectrumSpec::exponent>(
+        "flames[].spectrum.exponent", "Kind `power`: soot has about 1 to 1.4.", kPure, within(20)),
+    key<SPECTRUM, &SpectrumSpec::index>(
+        "flames[].spectrum.index",
+        "Kind `soot`: refractive index; `constant` E(m), `chang` (Chang and Charalampopoulos 1990, "
+        "from 0.4 um) or `dalzell` (Dalzell and Sarofim 1969, 436 to 806 nm)."),
+    key<SPECTRUM, &SpectrumSpec::absorption_function>(
+        "flames[].spectrum.absorption_function",
+        "Kind `soot` with a constant index: E(m); published values are 0.2 to 0.4.", kPure,
+        above_zero(10)),
+    key<SPECTRUM, &SpectrumSpec::table>(
+        "flames[].spectrum.table",
+        "Kind `table`: relative absorption, straight lines between the points: `450 nm 1.4, 650 nm "
+        "1`."),
 
     key<SOLID, &SolidSurfaceSpec::shape>(
         "surfaces[].shape",
@@ -383,11 +459,31 @@ constexpr SchemaKey kKeys[] = {
                                      "Name of the image channel: letters, digits, _ and -."),
     key<CHANNEL, &ChannelSpec::kind>(
         "channels[].kind",
-        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band."),
-    key<CHANNEL, &ChannelSpec::wavelength>(
-        "channels[].wavelength", "Kind `band`: its centre, in vacuum.", kLength, from_zero(1e-3)),
-    key<CHANNEL, &ChannelSpec::width>("channels[].width", "Kind `band`: its full width.", kLength,
-                                      from_zero(1e-3)),
+        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: times "
+        "a Gaussian filter; `curve`: times a response given by points; `named`: times one that has "
+        "a "
+        "name."),
+    key<CHANNEL, &ChannelSpec::wavelength>("channels[].wavelength",
+                                           "Kinds `band` and `line`: the centre, in vacuum.",
+                                           kLength, from_zero(1e-3)),
+    key<CHANNEL, &ChannelSpec::width>(
+        "channels[].width", "Kind `band`: its full width; `line`: full width at half the maximum.",
+        kLength, from_zero(1e-3)),
+    key<CHANNEL, &ChannelSpec::response>(
+        "channels[].response",
+        "Kind `named`: `cie_x`, `cie_y`, `cie_z`, or a sensor's colour (docs/radiometry.md)."),
+    key<CHANNEL, &ChannelSpec::file>(
+        "channels[].file",
+        "Kind `curve`: CSV file of wavelength in nm (or as its header says) and response, relative "
+        "to the scene file."),
+    key<CHANNEL, &ChannelSpec::curve>(
+        "channels[].curve",
+        "Kind `curve`: the points themselves, `450 nm 0.2, 460 nm 0.35`, joined by straight lines; "
+        "without them they are read from `file`."),
+    key<CHANNEL, &ChannelSpec::photons>(
+        "channels[].photons",
+        "Whether the response is a quantum efficiency: light then counts in proportion to its "
+        "wavelength, which makes electrons of flux exactly."),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",
                                         "`backward`: rays from the sensor to the flame; `forward`: "
@@ -456,6 +552,7 @@ constexpr SchemaTable kTables[] = {
      "Kind `vdb`: how a grid becomes the absorption coefficient.",
      false,
      {}},
+    {"flames[].spectrum", "How the absorption depends on wavelength.", false, {}},
     {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
     {"surfaces[].material", "What the surface is made of.", false, {}},
     {"surfaces[].material.texture",

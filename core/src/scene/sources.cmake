@@ -12,9 +12,11 @@ list(APPEND core_sources
   src/scene/scene_writer.cpp
   src/scene/schema_markdown.cpp
   src/scene/schema_table.cpp
+  src/scene/spectral.cpp
   src/scene/toml_guard.cpp
   src/scene/validate.cpp
   src/scene/validate_camera.cpp
+  src/scene/validate_channels.cpp
   src/scene/validate_flames.cpp
   src/scene/validate_surfaces.cpp)
 

@@ -91,18 +91,13 @@ void check_unit(const GridSpec& grid, Dimension dimension, const std::string& pa
   if (grid.unit.empty()) return;
   const auto units = accepted_units(dimension);
   if (std::find(units.begin(), units.end(), grid.unit) != units.end()) return;
+  const bool fraction = dimension == Dimension::absorption;
+  if (fraction && (grid.unit == "1" || grid.unit == "ppm")) return;  // a volume fraction
   std::string list;
   for (const std::string& unit : units) list.append(list.empty() ? "" : ", ").append(unit);
-  issues.error(path, fmt::format("{} is {}; it must be one of {}", path,
-                                 quote_for_message(grid.unit), list));
-}
-
-bool is_channel_name(const std::string& name) {
-  const auto good = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-           c == '-';
-  };
-  return !name.empty() && std::all_of(name.begin(), name.end(), good);
+  issues.error(path,
+               fmt::format("{} is {}; it must be one of {}", path, quote_for_message(grid.unit),
+                           fraction ? list + ", or 1 or ppm for soot" : list));
 }
 
 }  // namespace
@@ -128,42 +123,6 @@ void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues) {
       issues.error(path, what + " is of kind \"vdb\" and needs a file; set file = \"NAME.vdb\"");
     if (!flame.layers.empty())
       issues.warning(path + ".layers", what + " comes from a file, so its layers are not used");
-  }
-}
-
-void check_channels(const Scene& scene, Issues& issues) {
-  for (std::size_t i = 0; i < scene.channels.size(); ++i) {
-    const ChannelSpec& channel = scene.channels[i];
-    const std::string path = fmt::format("channels[{}]", i);
-    if (!is_channel_name(channel.name))
-      issues.error(path + ".name",
-                   fmt::format("the channel name {} is not made of letters, digits, _ and -",
-                               quote_for_message(channel.name)));
-    for (std::size_t k = 0; k < i; ++k)
-      if (scene.channels[k].name == channel.name)
-        issues.error(path + ".name",
-                     fmt::format("channels {} and {} are both named {}; names must differ", k, i,
-                                 quote_for_message(channel.name)));
-    if (channel.kind == ChannelKind::total) {
-      if (channel.wavelength != 0 || channel.width != 0)
-        issues.warning(
-            path,
-            fmt::format(
-                "channel {} measures all wavelengths, so its wavelength and width are not used; "
-                "set kind = \"band\" for a band",
-                quote_for_message(channel.name)));
-      continue;
-    }
-    if (channel.wavelength <= 0)
-      issues.error(path + ".wavelength", fmt::format("channel {} is a band and needs a wavelength",
-                                                     quote_for_message(channel.name)));
-    if (channel.width <= 0)
-      issues.error(path + ".width", fmt::format("channel {} is a band and needs a width",
-                                                quote_for_message(channel.name)));
-    if (channel.wavelength > 0 && channel.width >= 2 * channel.wavelength)
-      issues.error(path + ".width",
-                   fmt::format("channel {} has a band that begins at or below a wavelength of 0",
-                               quote_for_message(channel.name)));
   }
 }
 

@@ -16,7 +16,8 @@ Lights compile_lights(const std::vector<LightSpec>& specs,
   const SourceFunction all = SourceFunction::total();
   for (const LightSpec& spec : specs) {
     const auto share = [&](const SourceFunction& channel) {
-      return spec.temperature > 0 ? channel(spec.temperature) / all(spec.temperature) : 1.0;
+      return spec.temperature > 0 ? channel(spec.temperature) / all(spec.temperature)
+                                  : channel.share();
     };
     if (spec.kind == LightKind::environment) {
       lights.environment.resize(channels.size());

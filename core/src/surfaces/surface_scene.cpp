@@ -163,7 +163,8 @@ void EmbreeScene::load(const SolidSurfaceSpec& spec, const std::string& what,
     feature_size_ = std::min(feature_size_, surface.texture.feature_size());
   }
   if (material.kind == MaterialKind::emitter)
-    surface.emission.assign(channels.size(), material.radiance);
+    for (const SourceFunction& channel : channels)
+      surface.emission.push_back(material.radiance * channel.share());
   if (material.kind == MaterialKind::blackbody)
     for (const SourceFunction& channel : channels)
       surface.emission.push_back(channel(material.temperature));

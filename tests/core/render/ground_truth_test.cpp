@@ -73,6 +73,7 @@ void check(const LightField& field, int column, int row, const Chord& expected) 
   EXPECT_TRUE(relative(value(truth::kOpticalDepth), expected.depth, 1e-5)) << column << ' ' << row;
   EXPECT_TRUE(relative(value(truth::kFirstHit), expected.first, 1e-6)) << column << ' ' << row;
   EXPECT_TRUE(relative(value(truth::kLastHit), expected.last, 1e-6)) << column << ' ' << row;
+  EXPECT_TRUE(relative(value(truth::kTemperature), expected.depth > 0 ? 1500 : 0, 1e-6));
   // To 1e-4 of the sphere, not of its distance.
   EXPECT_TRUE(within(value(truth::kDistance), expected.mean, 1e-4, kRadius))
       << column << ' ' << row;
@@ -125,7 +126,7 @@ TEST(GroundTruth, NothingIsZero) {
   LightField field;
   field.window = {0, 0, 8, 8};
   add_ground_truth(scene, field);
-  ASSERT_EQ(field.layers.size(), 4U);
+  ASSERT_EQ(field.layers.size(), 5U);
   for (const auto& [name, image] : field.layers)
     for (const float value : image.pixels) EXPECT_EQ(value, 0.0F) << name;
 }

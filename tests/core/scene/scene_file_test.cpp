@@ -123,9 +123,9 @@ TEST(ParseScene, SaysWhereAndWhatIsWrong) {
             "s.toml:1:10: camera is a whole number, but it is a table of keys: write [camera]");
   EXPECT_EQ(error_of("[camera.sensor]\nrwos = 3\n"),
             "s.toml:2:1: unknown key \"rwos\" in camera.sensor; did you mean \"rows\"?");
-  EXPECT_EQ(
-      error_of("[camera.sensor]\nzzzzzz = 3\n"),
-      "s.toml:2:1: unknown key \"zzzzzz\" in camera.sensor; known are columns, rows, pixel_pitch");
+  EXPECT_EQ(error_of("[camera.focus]\nzzzzzz = 3\n"),
+            "s.toml:2:1: unknown key \"zzzzzz\" in camera.focus; known are mode, lens_distance, "
+            "object_distance, conjugate");
   EXPECT_EQ(error_of("[renderer]\n"),
             "s.toml:1:2: unknown key \"renderer\"; did you mean \"render\"?");
   EXPECT_EQ(error_of("channels = []\n"),

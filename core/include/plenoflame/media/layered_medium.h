@@ -17,9 +17,12 @@ struct EllipsoidLayer {
 };
 
 /// Stratified flame of homogeneous ellipsoids: exact. Where several overlap the first listed wins.
-/// @param to_world places the local frame. @throws InputError without layers or channels.
+/// @param to_world places the local frame
+/// @param absorption_factors per channel, on the layers' absorption; empty: grey
+/// @throws InputError without layers or channels.
 std::unique_ptr<Medium> make_layered_medium(std::vector<EllipsoidLayer> layers,
                                             const RigidTransform& to_world,
-                                            std::vector<SourceFunction> channels);
+                                            std::vector<SourceFunction> channels,
+                                            std::vector<double> absorption_factors = {});
 
 }  // namespace plenoflame

@@ -16,6 +16,9 @@ struct RadianceBatch {
   Real* radiance = nullptr;
   int stride = 0;
   Real* transmittance = nullptr;  ///< exp(-optical thickness) of the whole segment
+  /// That of channel c at transmittance + c * transmittance_stride. 0: one for all; of a medium
+  /// that is not grey, the first channel's.
+  int transmittance_stride = 0;
 };
 
 /// What a participating medium is at a point.
@@ -39,8 +42,9 @@ struct MediumOptions {
 };
 
 /// An emitting and absorbing medium, compiled and immutable; safe to use from many threads.
-/// Emission and absorption follow dL/ds = -kappa L + kappa S_c(T) for each channel c with which it
-/// was compiled, and are integrated deterministically.
+/// Emission and absorption follow dL/ds = -kappa_c L + kappa_c S_c(T) for each channel c with which
+/// it was compiled, and are integrated deterministically. The channels of a medium are those of the
+/// scene or, where absorption depends on wavelength, the wavelengths that stand for them.
 class Medium {
  public:
   virtual ~Medium() = default;
@@ -54,6 +58,8 @@ class Medium {
   /// Whether integrating a ray takes so much longer than tracing it through a camera that a table
   /// of radiance may pay.
   virtual bool is_costly() const { return false; }
+  /// Whether absorption is the same in all channels.
+  virtual bool is_grey() const { return true; }
   /// Smallest length over which the medium varies (a voxel, a semi-axis) [m].
   virtual double feature_size() const = 0;
 
@@ -67,9 +73,12 @@ class Medium {
   /// Source function of a channel [W/(m^2 sr)].
   virtual double source(int channel, double temperature) const = 0;
   /// Coefficients at a point. @param emission receives channel_count() values, absorption times
-  /// source function [W/(m^3 sr)]. @return absorption [1/m]. Made from sample() and source() unless
-  /// a medium knows better: several in one place have no common temperature.
+  /// source function [W/(m^3 sr)]. @return absorption in the first channel [1/m]. Made from
+  /// sample(), absorptions() and source() unless a medium knows better: several in one place have
+  /// no common temperature.
   virtual double coefficients(Vec3 world, double* emission) const;
+  /// Absorption at a point in every channel [1/m]; that of sample() in all of them when grey.
+  virtual void absorptions(Vec3 world, double* each) const;
   /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
   /// surfaces, cell faces), unsorted: between neighbouring values all fields are smooth.
   virtual void append_breakpoints(const Ray& ray, std::vector<double>& t) const = 0;
@@ -79,7 +88,8 @@ class Medium {
 
 /// Reference integrator for any medium: adaptive Gauss-Kronrod between the breakpoints, in double.
 /// Slow; for tests, and for media that overlap.
-/// @return radiance per channel [W/(m^2 sr)], then the optical thickness as the last entry.
+/// @return radiance per channel [W/(m^2 sr)], then the optical thickness (of the first channel) as
+///         the last entry.
 std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, double t_near,
                                         double t_far, double relative_tolerance = 1e-10);
 

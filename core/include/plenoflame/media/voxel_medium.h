@@ -44,11 +44,13 @@ struct VoxelMediumOptions {
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
 /// `trilinear` (docs/theory.md), stable for any optical thickness.
+/// @param absorption_factors per channel, on the grid's absorption; empty: grey
 /// @throws InputError for a background other than 0, a singular transform, or NaN or negative
 ///         values (names field and index), or a tolerance outside of [0, 1).
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
-                                          const VoxelMediumOptions& options = {});
+                                          const VoxelMediumOptions& options = {},
+                                          std::vector<double> absorption_factors = {});
 
 }  // namespace plenoflame

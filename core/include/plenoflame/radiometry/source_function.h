@@ -1,6 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "plenoflame/radiometry/spectral_response.h"
+
 namespace plenoflame {
 
 /// Spectral radiance of a blackbody, B = 2hc^2 / (lambda^5 (exp(hc/(lambda k T)) - 1)).
@@ -8,29 +10,50 @@ namespace plenoflame {
 /// @return [W/(m^3 sr)], per metre of wavelength   Source: Planck's law; physics as in any text.
 double planck_radiance(double wavelength, double temperature);
 
-/// Source function S(T) of one channel [W/(m^2 sr)]: what a volume in local thermal equilibrium
-/// emits into it, per unit of absorption.
+/// Source function S(T) of one channel, or of one of the wavelengths that stand for it
+/// [W/(m^2 sr)]: what a volume in local thermal equilibrium emits into it, per unit of absorption.
 class SourceFunction {
  public:
+  /// Quadrature nodes: S(T) = sum weight / expm1(exponent / T).
+  struct Node {
+    double exponent;  ///< hc/(lambda k) [K]
+    double weight;    ///< quadrature weight * 2hc^2 / lambda^5 [W/(m^2 sr)]
+    friend bool operator==(const Node&, const Node&) = default;
+  };
+
   /// sigma T^4 / pi.
   static SourceFunction total();
   /// Planck's function integrated over [wavelength - width/2, wavelength + width/2] by
   /// Gauss-Legendre quadrature with as many nodes as a relative error of 1e-12 between 200 K and
   /// 1e5 K needs. @throws InputError unless 0 < width < 2 * wavelength.
   static SourceFunction band(double wavelength, double width);
+  /// Planck's function times the response, integrated over wavelength, by the Gauss rule that
+  /// belongs to the response itself, with as many nodes as the same error needs.
+  static SourceFunction of(const SpectralResponse& response);
+  /// One wavelength [m]; `share` of a channel's light is its (see spectral_nodes.h).
+  static SourceFunction node(const Node& node, double wavelength, double share);
+
+  /// The same, with optical properties taken at another wavelength [m].
+  SourceFunction at(double wavelength) const {
+    SourceFunction source = *this;
+    source.wavelength_ = wavelength;
+    return source;
+  }
 
   double operator()(double temperature) const;
 
   bool is_total() const { return nodes_.empty(); }
-  /// Quadrature nodes: S(T) = sum weight / expm1(exponent / T); empty for total().
-  struct Node {
-    double exponent;  ///< hc/(lambda k) [K]
-    double weight;    ///< quadrature weight * 2hc^2 / lambda^5 [W/(m^2 sr)]
-  };
+  /// Empty for total().
   const std::vector<Node>& nodes() const { return nodes_; }
+  /// Where optical properties are taken [m]: the centroid of the response; 0 for total().
+  double wavelength() const { return wavelength_; }
+  /// Of the light of its channel, where that does not follow Planck's law.
+  double share() const { return share_; }
+  friend bool operator==(const SourceFunction&, const SourceFunction&) = default;
 
  private:
   std::vector<Node> nodes_;
+  double wavelength_ = 0, share_ = 1;
 };
 
 }  // namespace plenoflame

@@ -11,13 +11,15 @@
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
 #include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/spectral.h"
 #include "plenoflame/surfaces/lights.h"
 #include "plenoflame/surfaces/surface_scene.h"
 
 namespace plenoflame {
 
-/// Makes the medium of one flame. Core itself knows the closed-form kinds; flames in OpenVDB files
-/// come from plenoflame::volumes, whose loader the caller passes in.
+/// Makes the medium of one flame, with its spectrum at the channels' wavelengths. Core itself knows
+/// the closed-form kinds; flames in OpenVDB files come from plenoflame::volumes, whose loader the
+/// caller passes in.
 using MediumLoader = std::function<std::unique_ptr<Medium>(
     const FlameSpec& flame, const std::string& scene_folder,
     const std::vector<SourceFunction>& channels, const Execution& execution)>;
@@ -30,10 +32,15 @@ struct CompiledScene {
   std::unique_ptr<Medium> medium;               ///< all flames; nullptr when there is none
   std::unique_ptr<SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
+  /// Of each channel of the medium, the surfaces and the lights: the scene's channel that it is a
+  /// part of, ascending. Empty: they are the scene's.
+  std::vector<int> channel_of_node = {};
+  double spectral_error = 0;  ///< of standing for a channel by a few wavelengths
+  int node_count() const {
+    return static_cast<int>(channel_of_node.empty() ? scene.channels.size()
+                                                    : channel_of_node.size());
+  }
 };
-
-/// The source function of a channel.
-SourceFunction source_function(const ChannelSpec& channel);
 
 /// Loads flames of the kinds that core knows (layered). @throws InputError for other kinds, naming
 /// what is missing in this build.

@@ -87,10 +87,30 @@ struct ArraySpec {
   friend bool operator==(const ArraySpec&, const ArraySpec&) = default;
 };
 
+/// Colour filters over the pixels: the first letters are those of the top left pixels. R, G and B
+/// are the scene's first three channels.
+enum class MosaicPattern { none, rggb, bggr, grbg, gbrg };
+
 struct SensorSpec {
   int columns = 0;
   int rows = 0;
   double pixel_pitch = 0;  ///< [m] square pixels
+  // What turns light into numbers (lightfield/sensor.h); nothing here changes what is rendered.
+  MosaicPattern mosaic = MosaicPattern::none;
+  double exposure_time = 0;       ///< [s]; 0: until the brightest pixels are nearly full
+  double quantum_efficiency = 1;  ///< electrons per photon
+  double fill_factor = 1;         ///< share of a pixel that is sensitive
+  double full_well = 20000;       ///< electrons that a pixel holds; what is more is lost
+  double read_noise = 0;          ///< RMS electrons
+  double dark_current = 0;        ///< electrons per second
+  double gain = 0;         ///< electrons per digital number; 0: the full well fills the range
+  int bits = 14;           ///< of the converter
+  double black_level = 0;  ///< digital number of no light
+  bool shot_noise = true;
+  double hot_pixels = 0;         ///< share of pixels with hot_current instead of the dark current
+  double hot_current = 0;        ///< electrons per second
+  double dead_pixels = 0;        ///< share of pixels that see nothing
+  std::uint64_t noise_seed = 1;  ///< of noise and defects
   friend bool operator==(const SensorSpec&, const SensorSpec&) = default;
 };
 
@@ -124,13 +144,35 @@ struct CameraSpec {
   friend bool operator==(const CameraSpec&, const CameraSpec&) = default;
 };
 
+/// How a flame's absorption depends on wavelength.
+enum class SpectrumKind {
+  grey,   ///< not at all
+  power,  ///< (reference / wavelength)^exponent
+  soot,   ///< 6 pi E(m) f_v / wavelength
+  table,  ///< points
+};
+
+/// From where the refractive index m of soot comes (radiometry/absorption_spectrum.h).
+enum class SootIndexSource { constant, chang, dalzell };
+
+struct SpectrumSpec {
+  SpectrumKind kind = SpectrumKind::grey;
+  double reference = 650e-9;  ///< [m] at which the flame's absorption holds
+  double exponent = 1;        ///< power
+  SootIndexSource index = SootIndexSource::constant;
+  double absorption_function = 0.26;  ///< E(m) of soot with a constant index
+  std::string table;                  ///< "450 nm 1.4, 650 nm 1": relative absorption
+  friend bool operator==(const SpectrumSpec&, const SpectrumSpec&) = default;
+};
+
 /// One layer of a stratified flame: an ellipsoid with axes along the flame's x, y, z.
 struct EllipsoidSpec {
   std::string name;
-  Vec3 centre;             ///< [m] flame frame
-  Vec3 semi_axes;          ///< [m]
-  double temperature = 0;  ///< [K]
-  double absorption = 0;   ///< [1/m]
+  Vec3 centre;                 ///< [m] flame frame
+  Vec3 semi_axes;              ///< [m]
+  double temperature = 0;      ///< [K]
+  double absorption = 0;       ///< [1/m]
+  double volume_fraction = 0;  ///< of soot, in place of the absorption
   friend bool operator==(const EllipsoidSpec&, const EllipsoidSpec&) = default;
 };
 
@@ -156,6 +198,7 @@ struct FlameSpec {
   std::string file;                   ///< vdb: path as in the scene file, relative to it
   GridSpec temperature;
   GridSpec absorption;
+  SpectrumSpec spectrum = {};
   Interpolation interpolation = Interpolation::trilinear;
   friend bool operator==(const FlameSpec&, const FlameSpec&) = default;
 };
@@ -249,13 +292,22 @@ struct LightSpec {
 enum class ChannelKind {
   total,  ///< all wavelengths: source function sigma T^4 / pi
   band,   ///< `width` around `wavelength`: the Planck function integrated over the band
+  line,   ///< a line filter: Gaussian around `wavelength`, `width` at half its maximum
+  curve,  ///< points of a response
+  named,  ///< a response that is known by a name
 };
 
 struct ChannelSpec {
   std::string name = "total";
   ChannelKind kind = ChannelKind::total;
-  double wavelength = 0;  ///< [m] centre, vacuum
-  double width = 0;       ///< [m] full width
+  double wavelength = 0;      ///< [m] centre, vacuum
+  double width = 0;           ///< [m] full width
+  std::string response = {};  ///< named
+  std::string file = {};      ///< curve: CSV file, relative to the scene file
+  std::string curve = {};     ///< curve: "450 nm 0.2, 460 nm 0.35, ..."; from the file when empty
+  /// The response is a quantum efficiency: it counts photons, and light counts in proportion to its
+  /// wavelength.
+  bool photons = false;
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 

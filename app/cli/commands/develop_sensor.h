@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame::cli {
+
+/// Options of `develop` that are about the sensor.
+struct SensorOptions {
+  bool sensor = false;                 ///< digital numbers of the scene's sensor
+  std::vector<std::string> exposures;  ///< times, or "auto"
+  std::vector<std::string> noise;      ///< sources that are kept; empty: all
+  std::string noise_seed;
+  int frames = 1;
+  bool dark = false;
+  int threads = 0;
+
+  bool any() const {
+    return sensor || !exposures.empty() || !noise.empty() || !noise_seed.empty() || frames > 1 ||
+           dark;
+  }
+};
+
+/// Frames as the sensor would give them away: .png and .tif hold digital numbers of one channel
+/// (or of the mosaic), .exr electrons of all channels.
+int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
+                   const std::string& channel, const std::string& output, bool json);
+
+/// Wavelengths [m] of the photons of the scene's channels; 0: all.
+std::vector<double> channel_wavelengths(const Scene& scene);
+
+}  // namespace plenoflame::cli

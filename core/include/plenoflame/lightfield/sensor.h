@@ -1,0 +1,65 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/image/image.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/scene.h"
+
+/// From radiant flux to electrons and digital numbers (docs/radiometry.md).
+namespace plenoflame {
+
+/// A frame as a sensor gives it away.
+struct SensorFrame {
+  PixelWindow window;
+  double exposure_time = 0;            ///< [s]
+  double gain = 0;                     ///< electrons per digital number
+  Image electrons;                     ///< as read: clipped at the full well, with read noise
+  std::vector<std::uint16_t> numbers;  ///< digital numbers
+  std::size_t saturated = 0;           ///< pixels at the full well or the largest number
+};
+
+/// How a frame is taken.
+struct FrameSettings {
+  double exposure_time = 0;  ///< [s]; 0: automatic_exposure()
+  bool light = true;         ///< false: a dark frame
+  std::uint64_t number = 0;  ///< frames of other numbers have other noise
+};
+
+/// A channel as the sensor sees it.
+struct SensorChannel {
+  const Image* flux = nullptr;  ///< [W]
+  double wavelength = 0;        ///< [m] of its photons
+};
+
+/// Electrons per joule of radiant flux on a pixel: QE times fill factor times lambda / (hc).
+double electrons_per_joule(const SensorSpec& sensor, double wavelength);
+
+/// Of the full well that automatic exposure fills.
+inline constexpr double kAutomaticFill = 0.95;
+
+/// Exposure [s] after which all but 0.1 % of the pixels with light hold at most kAutomaticFill of
+/// the full well; 0 when nothing is lit. @param channels as of expose()
+double automatic_exposure(const std::vector<SensorChannel>& channels, const SensorSpec& sensor);
+
+/// One frame: mean electrons = flux * time * electrons_per_joule + dark current * time; Poisson's
+/// law; the full well; read noise; digital number = round(electrons / gain + black level), limited
+/// to the converter's range. The noise of a pixel depends on the seed, the frame's number and the
+/// pixel's place on the sensor only.
+/// @param channels one, or three for a mosaic   @param sensor_width columns of the whole sensor
+/// @throws InputError: images of different sizes, a value that is not finite, a full well of 0
+SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow window, int sensor_width,
+                   const SensorSpec& sensor, const FrameSettings& settings,
+                   const Execution& execution = {});
+
+/// Which of red (0), green (1) and blue (2) a pixel of the whole sensor sees; 0 without a mosaic.
+int mosaic_colour(MosaicPattern pattern, int column, int row);
+
+/// Red, green and blue at every pixel: what it has not recorded is the mean of those of its eight
+/// neighbours that have. For display; edges get coloured fringes.
+/// @param window place of the image on the sensor @throws InputError without a mosaic
+std::vector<Image> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow window);
+
+}  // namespace plenoflame

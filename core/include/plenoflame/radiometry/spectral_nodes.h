@@ -1,0 +1,30 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "plenoflame/radiometry/absorption_spectrum.h"
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame {
+
+/// Wavelengths that stand for a channel whose light is absorbed differently at each of them.
+struct ChannelNodes {
+  std::vector<SourceFunction> nodes;
+  /// Largest relative error of the radiance that leaves a homogeneous path, over its temperature
+  /// (1000 to 2600 K) and its optical thickness at the reference (0 to 10), found by comparing with
+  /// hundreds of wavelengths.
+  double error = 0;
+};
+
+/// Of that error.
+inline constexpr double kSpectralTolerance = 5e-4;
+
+/// The fewest wavelengths that keep it below kSpectralTolerance: the Gauss rule of the channel's
+/// response times Planck's function (docs/radiometry.md). One wavelength means the whole channel at
+/// its effective wavelength.
+/// @param response nothing: all wavelengths (0.15 to 300 um)
+/// @param spectra of everything that absorbs
+ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
+                           const std::vector<AbsorptionSpectrum>& spectra);
+
+}  // namespace plenoflame

@@ -1,0 +1,46 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/radiometry/absorption_spectrum.h"
+#include "plenoflame/radiometry/source_function.h"
+#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/scene_file.h"
+
+/// From what a scene says about wavelengths to what computes with them.
+namespace plenoflame {
+
+/// The response of a channel; nothing for all wavelengths. A curve must have its points.
+/// @throws InputError for what is impossible
+std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
+
+/// The source function of a channel as a whole. @throws as spectral_response
+SourceFunction source_function(const ChannelSpec& channel);
+
+/// Reads the curves that are in files, so that the scene is complete. @param folder of the scene
+/// file; empty: the current one @throws FileError, InputError with the place of the file's name
+void read_curves(Scene& scene, const std::string& folder, const PositionMap& positions = {});
+
+/// How a flame's absorption depends on wavelength. @throws InputError
+AbsorptionSpectrum absorption_spectrum(const SpectrumSpec& spec);
+
+/// On a flame's absorption in each channel of its medium; empty when it is grey.
+/// @throws InputError where the spectrum is not known, or a channel has all wavelengths
+std::vector<double> absorption_factors(const SpectrumSpec& spec,
+                                       const std::vector<SourceFunction>& channels);
+
+/// Absorption of a layer [1/m], from its soot where it is given by that.
+double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
+
+/// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
+/// it otherwise.
+struct SpectralNodes {
+  std::vector<SourceFunction> sources;
+  std::vector<int> channel;  ///< of each node, ascending
+  double error = 0;          ///< stated error of the quadrature (radiometry/spectral_nodes.h)
+};
+/// @throws InputError naming the channel
+SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions = {});
+
+}  // namespace plenoflame

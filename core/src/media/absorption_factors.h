@@ -1,0 +1,10 @@
+#pragma once
+#include <vector>
+
+namespace plenoflame {
+
+/// What a medium keeps of the factors on its absorption, one per channel: nothing when all are 1.
+/// @throws InputError for another number of them, or one that is not a number of at least 0
+std::vector<double> grey_or_checked(std::vector<double> factors, std::size_t channels);
+
+}  // namespace plenoflame

@@ -1,0 +1,139 @@
+// Channels, spectra of the flames, and what the sensor makes of light.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/units.h"
+#include "plenoflame/scene/spectral.h"
+#include "scene/issues.h"
+#include "scene/nearest.h"
+
+namespace plenoflame {
+namespace {
+
+bool is_channel_name(const std::string& name) {
+  const auto good = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  };
+  return !name.empty() && std::all_of(name.begin(), name.end(), good);
+}
+
+/// Hands what a function throws over as an error at a key.
+template <class Try>
+void expect(Issues& issues, const std::string& key, const std::string& what, Try attempt) {
+  try {
+    attempt();
+  } catch (const InputError& error) {
+    issues.error(key, what + ": " + error.what());
+  }
+}
+
+void check_band(const ChannelSpec& channel, const std::string& path, Issues& issues) {
+  const bool line = channel.kind == ChannelKind::line;
+  const std::string name = quote_for_message(channel.name);
+  const std::string what = line ? "line filter" : "band";
+  if (channel.wavelength <= 0)
+    issues.error(path + ".wavelength",
+                 fmt::format("channel {} is a {} and needs a wavelength", name, what));
+  if (channel.width <= 0)
+    issues.error(path + ".width", fmt::format("channel {} is a {} and needs a width", name, what));
+  if (channel.wavelength > 0 && channel.width >= (line ? 1 : 2) * channel.wavelength)
+    issues.error(
+        path + ".width",
+        fmt::format("channel {} has a {} that begins at or below a wavelength of 0", name, what));
+}
+
+void check_response(const ChannelSpec& channel, const std::string& path, Issues& issues) {
+  const std::string what = "channel " + quote_for_message(channel.name);
+  switch (channel.kind) {
+    case ChannelKind::total:
+      if (channel.wavelength != 0 || channel.width != 0)
+        issues.warning(
+            path,
+            fmt::format("channel {} measures all wavelengths, so its wavelength and width are not "
+                        "used; set kind = \"band\" for a band",
+                        quote_for_message(channel.name)));
+      break;
+    case ChannelKind::band:
+    case ChannelKind::line:
+      check_band(channel, path, issues);
+      break;
+    case ChannelKind::named:
+      expect(issues, path + ".response", what,
+             [&] { static_cast<void>(spectral_response(channel)); });
+      break;
+    case ChannelKind::curve:
+      if (!channel.curve.empty())
+        expect(issues, path + ".curve", what,
+               [&] { static_cast<void>(spectral_response(channel)); });
+      else if (channel.file.empty())
+        issues.error(path, what + " is a curve and needs a file, or points in curve");
+      break;
+  }
+}
+
+void check_spectrum(const FlameSpec& flame, const std::string& path, Issues& issues) {
+  const SpectrumSpec& spectrum = flame.spectrum;
+  if (spectrum.kind == SpectrumKind::table && spectrum.table.empty())
+    issues.error(path + ".spectrum.table",
+                 path + ".spectrum is a table and needs points, like \"450 nm 1.4, 650 nm 1\"");
+  else
+    expect(issues, path + ".spectrum.kind", path + ".spectrum",
+           [&] { static_cast<void>(absorption_spectrum(spectrum)); });
+  for (std::size_t i = 0; i < flame.layers.size(); ++i) {
+    const EllipsoidSpec& layer = flame.layers[i];
+    const std::string key = fmt::format("{}.layers[{}].volume_fraction", path, i);
+    if (layer.volume_fraction == 0) continue;
+    if (spectrum.kind != SpectrumKind::soot)
+      issues.error(key, fmt::format("{} is a volume fraction of soot, which needs the flame's "
+                                    "spectrum.kind = \"soot\"",
+                                    key));
+    if (layer.absorption != 0)
+      issues.error(key, fmt::format("{} and the absorption of the same layer are both given; keep "
+                                    "one of them",
+                                    key));
+  }
+}
+
+void check_sensor(const Scene& scene, Issues& issues) {
+  const SensorSpec& sensor = scene.camera.sensor;
+  if (sensor.black_level >= std::ldexp(1.0, sensor.bits) - 1)
+    issues.error("camera.sensor.black_level",
+                 fmt::format("camera.sensor.black_level is {:g}, but the largest number of {} bits "
+                             "is {}; lower it",
+                             sensor.black_level, sensor.bits, (1 << sensor.bits) - 1));
+  if (sensor.hot_pixels + sensor.dead_pixels > 1)
+    issues.error("camera.sensor.dead_pixels",
+                 "camera.sensor.hot_pixels and dead_pixels are together more than all pixels");
+  if (sensor.mosaic != MosaicPattern::none && scene.channels.size() < 3)
+    issues.error("camera.sensor.mosaic",
+                 fmt::format("camera.sensor.mosaic needs three channels, red, green and blue; the "
+                             "scene has {}",
+                             scene.channels.size()));
+}
+
+}  // namespace
+
+void check_channels(const Scene& scene, Issues& issues) {
+  for (std::size_t i = 0; i < scene.channels.size(); ++i) {
+    const ChannelSpec& channel = scene.channels[i];
+    const std::string path = fmt::format("channels[{}]", i);
+    if (!is_channel_name(channel.name))
+      issues.error(path + ".name",
+                   fmt::format("the channel name {} is not made of letters, digits, _ and -",
+                               quote_for_message(channel.name)));
+    for (std::size_t k = 0; k < i; ++k)
+      if (scene.channels[k].name == channel.name)
+        issues.error(path + ".name",
+                     fmt::format("channels {} and {} are both named {}; names must differ", k, i,
+                                 quote_for_message(channel.name)));
+    check_response(channel, path, issues);
+  }
+  for (std::size_t i = 0; i < scene.flames.size(); ++i)
+    check_spectrum(scene.flames[i], fmt::format("flames[{}]", i), issues);
+  check_sensor(scene, issues);
+}
+
+}  // namespace plenoflame

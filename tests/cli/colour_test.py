@@ -1,0 +1,236 @@
+"""Colour from the flame to numbers: channels, soot, the sensor's frames, colour pictures, two-colour temperatures."""
+
+import math
+import struct
+
+from command import CommandTest, main
+from exr import read_exr, read_png
+
+H, C, K = 6.62607015e-34, 299792458.0, 1.380649e-23
+TEMPERATURE = 1700
+
+
+def planck(wavelength, temperature):
+    return 2 * H * C * C / wavelength ** 5 / math.expm1(H * C / (wavelength * K * temperature))
+
+
+def mean_planck(wavelength, width, temperature):
+    """Over a band, by Simpson's rule."""
+    n = 40
+    f = [planck(wavelength + width * (i / n - 0.5), temperature) for i in range(n + 1)]
+    return (f[0] + f[n] + 4 * sum(f[1:n:2]) + 2 * sum(f[2:n:2])) / (3 * n)
+
+
+CAMERA = """[camera.lens]
+model = "ideal"
+focal_length = "100 mm"
+diameter = "20 mm"
+[camera.sensor]
+columns = 40
+rows = 30
+pixel_pitch = "20 um"
+%s
+[camera.focus]
+object_distance = "1 m"
+conjugate = "sensor"
+"""
+# Two ellipsoids, 8 mm wide: every pixel sees the flame; of one temperature.
+FLAME = """[[flames]]
+position = ["1 m", "0 m", "0 m"]
+[flames.spectrum]
+%s
+[[flames.layers]]
+centre = ["0 m", "0 m", "0 m"]
+semi_axes = ["20 mm", "20 mm", "20 mm"]
+temperature = "1700 K"
+%s
+"""
+SOOT = 'kind = "soot"\nreference = "650 nm"'
+THIN = 'absorption = "0.1 1/m"'
+RED = '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "10 nm"\n'
+INFRARED = '[[channels]]\nname = "ir"\nkind = "band"\nwavelength = "850 nm"\nwidth = "10 nm"\n'
+XYZ = "".join('[[channels]]\nname = "%s"\nkind = "named"\nresponse = "cie_%s"\n' % (n, n.lower()) for n in "XYZ")
+
+
+class Colour(CommandTest):
+    def render(self, scene, *options):
+        self.write("a.toml", scene)
+        self.succeeds("render", "a.toml", "--samples", "16", "--quiet", "-o", "raw.exr", *options)
+        return read_exr(self.path("raw.exr"))[1]
+
+    def scene(self, channels, sensor="", spectrum=SOOT, layer=THIN):
+        return CAMERA % sensor + FLAME % (spectrum, layer) + channels
+
+    # ---- channels ----
+
+    def test_flux_is_that_of_soot(self):
+        images = self.render(self.scene(RED + INFRARED))
+        # On the axis, through the middle of the lens.
+        ratio = images["red"][15][20] / images["ir"][15][20]
+        tau = 0.1 * 40e-3
+        expected = mean_planck(650e-9, 10e-9, TEMPERATURE) / mean_planck(850e-9, 10e-9, TEMPERATURE) \
+            * math.expm1(-tau) / math.expm1(-tau * 650 / 850)
+        # Within the stated error of standing for a band by one wavelength, and far from the thin limit.
+        self.assertLess(abs(ratio / expected - 1), 2e-4)
+
+    def test_a_volume_fraction_is_an_absorption(self):
+        ppm = self.render(self.scene(RED, layer="volume_fraction = 4e-6"))["red"]
+        kappa = 6 * math.pi * 0.26 * 4e-6 / 650e-9
+        given = self.render(self.scene(RED, layer='absorption = "%r 1/m"' % kappa))["red"]
+        self.assertLess(abs(ppm[15][20] / given[15][20] - 1), 1e-6)
+
+    def test_a_curve_comes_with_the_image(self):
+        self.write("curve.csv", "wavelength_nm,response\n640,0\n645,1\n655,1\n660,0\n")
+        curve = '[[channels]]\nname = "curve"\nkind = "curve"\nfile = "curve.csv"\n'
+        images = self.render(self.scene(RED + curve))
+        # A trapezium of 15 nm.
+        self.assertLess(abs(images["curve"][15][20] / images["red"][15][20] / 1.5 - 1), 2e-3)
+        self.assertIn("645 nm 1", self.succeeds("info", "raw.exr", "--scene"))
+
+    # ---- the sensor ----
+
+    SENSOR = 'exposure_time = "0.5 ms"\nquantum_efficiency = 0.5\nfull_well = 30000\nread_noise = 5\n' \
+             'dark_current = 1000\nbits = 12\nblack_level = 50\ngain = 10'
+
+    def electrons(self, image, column, row, seconds):
+        return image[row][column] * seconds * 0.5 * 650e-9 / (H * C)
+
+    def test_digital_numbers_and_electrons(self):
+        images = self.render(self.scene(RED + INFRARED, self.SENSOR))
+        self.succeeds("develop", "raw.exr", "--noise", "dark", "-o", "a.png")
+        rows = read_png(self.path("a.png"))[4]
+        for column, row in ((20, 15), (3, 7)):
+            mean = self.electrons(images["red"], column, row, 0.5e-3) + 0.5
+            self.assertLessEqual(abs(rows[row][column] - (mean / 10 + 50)), 0.5001)
+        self.succeeds("develop", "raw.exr", "--noise", "none", "-o", "e.exr")
+        counted = read_exr(self.path("e.exr"))[1]
+        self.assertLess(abs(counted["red"][15][20] / self.electrons(images["red"], 20, 15, 0.5e-3) - 1), 1e-5)
+        self.assertLess(abs(counted["red.error"][15][20] - 0.0), 1e-30)
+        infrared = images["ir"][15][20] * 0.5e-3 * 0.5 * 850e-9 / (H * C)
+        self.assertLess(abs(counted["ir"][15][20] / min(infrared, 30000) - 1), 1e-5)
+
+    def test_tiff_holds_the_same_numbers(self):
+        self.render(self.scene(RED, self.SENSOR))
+        self.succeeds("develop", "raw.exr", "--sensor", "-o", "a.png")
+        self.succeeds("develop", "raw.exr", "--sensor", "-o", "a.tif", "--threads", "3")
+        rows = read_png(self.path("a.png"))[4]
+        data = self.read("a.tif")
+        self.assertEqual(data[:4], b"II*\0")
+        numbers = struct.pack("<1200H", *[n for row in rows for n in row])
+        self.assertIn(numbers, data)
+        self.assertIn(b"exposure 500 us", data)
+
+    def test_series_and_dark_frames(self):
+        self.render(self.scene(RED, self.SENSOR))
+        figures = self.json_of("develop", "raw.exr", "--exposure", "0.2 ms,0.4 ms", "--frames", "2", "-o", "f.png")
+        self.assertEqual([f["file"] for f in figures["frames"]],
+                         ["f-200us-1.png", "f-200us-2.png", "f-400us-1.png", "f-400us-2.png"])
+        means = [f["mean_electrons"] for f in figures["frames"]]
+        self.assertLess(abs(means[2] / means[0] - 2), 0.02)
+        self.assertNotEqual(self.read("f-200us-1.png"), self.read("f-200us-2.png"))
+        dark = self.json_of("develop", "raw.exr", "--dark", "--exposure", "100 ms", "-o", "d.png")["frames"][0]
+        self.assertLess(abs(dark["mean_electrons"] - 100), 4 * math.sqrt(125 / 1200))
+        auto = self.json_of("develop", "raw.exr", "--exposure", "auto", "--noise", "none", "-o", "g.png")["frames"][0]
+        self.assertEqual(auto["saturated_share"], 0)
+        self.assertGreater(auto["mean_electrons"], 20000)
+
+    def test_mosaic(self):
+        names = "".join('[[channels]]\nname = "%s"\nkind = "named"\nresponse = "nikon_d5100_%s"\nphotons = true\n'
+                        % (n, n) for n in ("red", "green", "blue"))
+        images = self.render(self.scene(names, 'mosaic = "grbg"\nfull_well = 1e9\nexposure_time = "1 ms"'))
+        self.succeeds("develop", "raw.exr", "--noise", "none", "-o", "e.exr")
+        seen = read_exr(self.path("e.exr"))[1]
+        raw = seen["sensor.raw"]
+        # Green and red in the first row, blue and green in the second.
+        for name, column, row in (("green", 10, 10), ("red", 11, 10), ("blue", 10, 11), ("green", 11, 11)):
+            self.assertEqual(raw[row][column], seen[name][row][column])
+            share = raw[row][column] / images[name][row][column]
+            self.assertLess(abs(share / (raw[row + 2][column] / images[name][row + 2][column]) - 1), 1e-6)
+        between = (raw[10][11] + raw[10][13]) / 2
+        self.assertLess(abs(seen["red"][10][12] / between - 1), 1e-6)
+
+    # ---- pictures ----
+
+    def test_colour_picture(self):
+        images = self.render(self.scene(XYZ))
+        self.assertEqual(self.json_of("develop", "raw.exr", "--colour", "-o", "c.png")["colour"], "xyz")
+        width, height, bits, channels, rows, _ = read_png(self.path("c.png"))
+        self.assertEqual((width, height, bits, channels), (40, 30, 8, 3))
+        white = sorted(v for row in images["Y"] for v in row)[-2]
+        x, y, z = (images[n][15][20] / white for n in "XYZ")
+        linear = (3.2406 * x - 1.5372 * y - 0.4986 * z, -0.9689 * x + 1.8758 * y + 0.0415 * z,
+                  0.0557 * x - 0.2040 * y + 1.0570 * z)
+        for c, value in enumerate(linear):
+            v = min(max(value, 0), 1)
+            v = 12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055
+            self.assertLessEqual(abs(rows[15][3 * 20 + c] - 255 * v), 1.01)
+        red, green, blue = rows[15][60:63]
+        self.assertTrue(red > green > blue)
+
+    # ---- temperatures ----
+
+    def test_a_uniform_flame_has_its_temperature(self):
+        for spectrum, law in ((SOOT, "as the scene's flames"), ('kind = "grey"', "grey, as the scene's flames")):
+            self.render(self.scene(RED + INFRARED, spectrum=spectrum))
+            figures = self.json_of("pyrometry", "raw.exr", "-o", "t.exr", "--picture", "t.png")
+            self.assertEqual(figures["law"], law)
+            self.assertEqual(figures["pixels"], 1200)
+            for key in ("mean_K", "lowest_K", "highest_K"):
+                self.assertLess(abs(figures[key] / TEMPERATURE - 1), 1e-3)
+            self.assertLess(abs(read_exr(self.path("t.exr"))[1]["temperature"][3][5] / TEMPERATURE - 1), 1e-3)
+            self.assertEqual(read_png(self.path("t.png"))[:4], (56, 30, 8, 3))
+        # The wrong law gives the wrong temperature: kappa too large by 850/650 in the red.
+        wrong = self.json_of("pyrometry", "raw.exr", "--law", "soot")["mean_K"]
+        c2 = H * C / K
+        expected = 1 / (1 / TEMPERATURE + math.log(850 / 650) / (c2 * (1 / 650e-9 - 1 / 850e-9)))
+        self.assertLess(abs(wrong / expected - 1), 1e-3)
+
+    def test_noise_is_propagated(self):
+        sensor = 'full_well = 1e9\nexposure_time = "1 ms"\nread_noise = 10\nquantum_efficiency = 0.02'
+        self.render(self.scene(RED + INFRARED, sensor))
+        self.succeeds("develop", "raw.exr", "--sensor", "-o", "e.exr")
+        figures = self.json_of("pyrometry", "e.exr")
+        # The standard deviation of 1200 pixels is known to 2 %.
+        self.assertLess(abs(figures["deviation_K"] / figures["expected_deviation_K"] - 1), 0.08)
+        self.assertGreater(figures["deviation_K"], 0.5)
+        self.assertLess(abs(figures["mean_K"] - TEMPERATURE), 4 * figures["deviation_K"] / math.sqrt(1200) + 0.2)
+
+    # ---- what is refused ----
+
+    def test_bad_curves(self):
+        curve = '[[channels]]\nname = "c"\nkind = "curve"\nfile = "c.csv"\n'
+        for text, mentions in (("650,1\n640,1\n", ["c.csv:2", "ascend"]), ("640,1\n650,-1\n", ["c.csv:2", "negative"]),
+                               ("0.64,1\n0.65,1\n", ["c.csv:1", "is in um, it seems"]),
+                               ("wavelength_um,r\n640,1\n650,1\n", ["c.csv:2", "is in nm, it seems"])):
+            self.write("c.csv", text)
+            self.write("a.toml", self.scene(curve))
+            self.fails(1, "render", "a.toml", "-o", "a.exr", mentions=mentions)
+        self.assertEqual(self.files(), ["a.toml", "c.csv"])
+
+    def refused(self, scene, *mentions):
+        self.write("a.toml", scene)
+        self.fails(1, "info", "a.toml", mentions=["a.toml:", *mentions])
+
+    def test_bad_values(self):
+        self.refused(self.scene(RED, "full_well = 0"), "full_well", "above 0")
+        self.refused(self.scene(RED, "black_level = 16383"), "black_level", "16383")
+        self.refused(self.scene(RED, 'mosaic = "rggb"'), "three channels")
+        self.refused(self.scene(RED, spectrum='kind = "soot"\nindex = "dalzell"\nreference = "900 nm"'),
+                     "Dalzell", "435.8 nm")
+        self.refused(self.scene(RED, spectrum='kind = "table"\ntable = "500 nm 1, 450 nm 2"'), "ascend")
+        self.refused(self.scene(RED, spectrum='kind = "grey"', layer="volume_fraction = 1e-6"), "soot")
+        self.refused(self.scene('[[channels]]\nname = "a"\nkind = "named"\nresponse = "kodak"\n'), "nikon_d5100_red")
+        self.refused(self.scene(RED.replace("band", "line").replace("10 nm", "700 nm")), "line filter")
+
+    def test_bad_use(self):
+        self.render(self.scene(RED))
+        self.fails(1, "pyrometry", "raw.exr", mentions="two channels")
+        self.fails(2, "develop", "raw.exr", "--colour", "--sensor", mentions="--colour")
+        self.fails(2, "develop", "raw.exr", "--exposure", "5", mentions=["--exposure", "ms"])
+        self.fails(1, "develop", "raw.exr", "--colour", mentions="three channels")
+        self.render(self.scene('[[channels]]\nname = "total"\n', spectrum='kind = "grey"'))
+        self.fails(1, "develop", "raw.exr", "--sensor", "-o", "a.tif", mentions="photon energy")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+#include "plenoflame/radiometry/spectral_nodes.h"
+
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/base/error.h"
+#include "support/approx.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+
+// E(m) of published indices, mpmath; Dalzell and Sarofim's own values and those of the fit.
+TEST(SootIndex, AbsorptionFunctions) {
+  EXPECT_TRUE(relative(soot_absorption_function({1.57, -0.56}), 0.259539086636, 1e-11));
+  EXPECT_TRUE(relative(soot_absorption_function({1.57, -0.46}), 0.21476095212, 1e-10));
+  EXPECT_TRUE(relative(soot_absorption_function({1.75, -1.03}), 0.372817549335, 1e-11));
+  const auto e = [](double nm) {
+    return soot_absorption_function(soot_refractive_index(SootIndex::chang, 1e-9 * nm));
+  };
+  // To the three digits to which they are tabulated.
+  const double table[][2] = {{450, .261}, {532, .241}, {610, .230},
+                             {650, .226}, {700, .223}, {850, .218}};
+  for (const auto& row : table) EXPECT_TRUE(relative(e(row[0]), row[1], 3e-3)) << row[0];
+  EXPECT_EQ(soot_refractive_index(SootIndex::dalzell, 650e-9), std::complex<double>(1.57, -0.44));
+  EXPECT_TRUE(relative(soot_refractive_index(SootIndex::dalzell, 600e-9).real(), 1.565, 1e-14));
+  EXPECT_THROW(soot_refractive_index(SootIndex::dalzell, 900e-9), InputError);
+  EXPECT_THROW(soot_refractive_index(SootIndex::chang, 300e-9), InputError);
+}
+
+// 7.54 1/m and 10.73 1/m per ppm at 650 nm, 9.21 1/m at 532 nm.
+TEST(AbsorptionSpectrum, SootPerVolumeFraction) {
+  const auto per_ppm = [](double wavelength, double e) {
+    return 1e-6 *
+           AbsorptionSpectrum::soot(wavelength, SootIndex::constant, e).per_volume_fraction();
+  };
+  EXPECT_TRUE(relative(per_ppm(650e-9, 0.26), 7.54, 1e-3));
+  EXPECT_TRUE(relative(per_ppm(650e-9, 0.37), 10.73, 1e-3));
+  EXPECT_TRUE(relative(per_ppm(532e-9, 0.26), 9.21, 1e-3));
+}
+
+TEST(AbsorptionSpectrum, Factors) {
+  EXPECT_EQ(AbsorptionSpectrum().factor(500e-9), 1);
+  const auto power = AbsorptionSpectrum::power(650e-9, 1.39);
+  EXPECT_TRUE(relative(power.factor(450e-9), std::pow(650.0 / 450, 1.39), 1e-14));
+  const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.3);
+  EXPECT_TRUE(relative(soot.factor(450e-9), 650.0 / 450, 1e-14));
+  const auto table = AbsorptionSpectrum::table(650e-9, {{500e-9, 3}, {600e-9, 1}, {700e-9, 2}});
+  EXPECT_TRUE(relative(table.factor(550e-9), 2 / 1.5, 1e-13));
+  EXPECT_TRUE(relative(table.factor(900e-9), 2 / 1.5, 1e-13));
+  EXPECT_EQ(table.per_volume_fraction(), 0);
+  EXPECT_THROW(AbsorptionSpectrum::table(500e-9, {{500e-9, 0}, {600e-9, 1}}), InputError);
+}
+
+double path(const ChannelNodes& nodes, const AbsorptionSpectrum& spectrum, double temperature,
+            double depth) {
+  double sum = 0;
+  for (const SourceFunction& node : nodes.nodes)
+    sum += node(temperature) * -std::expm1(-depth * spectrum.factor(node.wavelength()));
+  return sum;
+}
+
+// What leaves a homogeneous path of soot, mpmath: a curve, and all wavelengths.
+TEST(ChannelNodes, StandForTheirChannel) {
+  const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
+  const ChannelNodes curve = channel_nodes(
+      SpectralResponse::curve({{400e-9, 0}, {450e-9, 0.5}, {600e-9, 0.25}, {700e-9, 1}}), {soot});
+  EXPECT_LE(curve.error, kSpectralTolerance);
+  EXPECT_LE(curve.nodes.size(), 4u);
+  const double expected[][3] = {{0.5, 1200, 0.3427561956226781},
+                                {0.5, 1800, 150.0424831049015},
+                                {3, 1200, 0.8407598448446091},
+                                {3, 1800, 361.9287270768072}};
+  for (const auto& row : expected)
+    EXPECT_TRUE(relative(path(curve, soot, row[1], row[0]), row[2], curve.error)) << row[1];
+  double share = 0;
+  for (const SourceFunction& node : curve.nodes) share += node.share();
+  EXPECT_TRUE(relative(share, 1, 1e-13));
+
+  const ChannelNodes all = channel_nodes(std::nullopt, {soot});
+  EXPECT_LE(all.error, kSpectralTolerance);
+  EXPECT_TRUE(relative(path(all, soot, 1200, 0.5), 3642.623132270309, all.error));
+  EXPECT_TRUE(relative(path(all, soot, 2000, 0.5), 44917.52958756914, all.error));
+}
+
+TEST(ChannelNodes, NarrowAndGreyChannelsNeedOne) {
+  const auto soot = AbsorptionSpectrum::power(650e-9, 1);
+  EXPECT_EQ(channel_nodes(SpectralResponse::band(650e-9, 10e-9), {soot}).nodes.size(), 1u);
+  const ChannelNodes grey = channel_nodes(SpectralResponse::named("cie_y"), {{}});
+  ASSERT_EQ(grey.nodes.size(), 1u);
+  EXPECT_EQ(grey.error, 0);
+  EXPECT_TRUE(channel_nodes(std::nullopt, {{}}).nodes[0].is_total());
+}
+
+}  // namespace
+}  // namespace plenoflame
