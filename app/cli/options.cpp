@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -67,6 +68,56 @@ PixelWindow window_option(std::string_view option, const std::string& text) {
     throw UsageError(std::string(option) + ": X and Y start at 0, W and H at 1, not '" + text +
                      "'");
   return {x, y, width, height};
+}
+
+template <class Number>
+Number whole_number_option(std::string_view option, const std::string& text, Number least,
+                           Number greatest) {
+  const char* const end = text.data() + text.size();
+  Number value{};
+  const auto plain = std::from_chars(text.data(), end, value);
+  bool good = plain.ec == std::errc() && plain.ptr == end;
+  if (!good) {
+    double real = 0;
+    const auto scientific = std::from_chars(text.data(), end, real);
+    // Whole numbers below 2^53 are exact in a double.
+    good = scientific.ec == std::errc() && scientific.ptr == end && real >= 0 &&
+           real < 9007199254740992.0 && real == std::floor(real) &&
+           real <= static_cast<double>(std::numeric_limits<Number>::max());
+    if (good) value = static_cast<Number>(real);
+  }
+  if (!good || value < least || value > greatest)
+    throw UsageError(std::string(option) + " takes a whole number from " + std::to_string(least) +
+                     " to " + std::to_string(greatest) + ", not '" + text + "'");
+  return value;
+}
+template int whole_number_option(std::string_view, const std::string&, int, int);
+template std::uint64_t whole_number_option(std::string_view, const std::string&, std::uint64_t,
+                                           std::uint64_t);
+
+std::array<int, 2> pair_option(std::string_view option, const std::string& text,
+                               std::string_view form, char separator) {
+  std::array<int, 2> values{};
+  const char* const end = text.data() + text.size();
+  const auto [middle, first] = std::from_chars(text.data(), end, values[0]);
+  if (first == std::errc{} && middle != end && *middle == separator) {
+    const auto [stop, second] = std::from_chars(middle + 1, end, values[1]);
+    if (second == std::errc{} && stop == end) return values;
+  }
+  throw UsageError(std::string(option) + ": '" + text + "' is not of the form " +
+                   std::string(form) + ": two whole numbers");
+}
+
+std::array<double, 3> point_option(std::string_view option, const std::string& text) {
+  const std::size_t first = text.find(',');
+  const std::size_t second = first == std::string::npos ? first : text.find(',', first + 1);
+  if (second == std::string::npos)
+    throw UsageError(std::string(option) + ": '" + text +
+                     "' is not of the form X,Y,Z: three lengths");
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    return quantity_option(option, text.substr(begin, end - begin), Dimension::length);
+  };
+  return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
 }
 
 void check_not_overwritten(std::string_view option, const std::string& output,

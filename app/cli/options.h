@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,20 @@ double quantity_option(std::string_view option, const std::string& text, Dimensi
 
 /// Reads "X,Y,W,H": whole numbers, X and Y not negative, W and H at least 1. @throws UsageError
 PixelWindow window_option(std::string_view option, const std::string& text);
+
+/// A whole number in [least, greatest], written plainly or as 1e6. For int and std::uint64_t.
+/// @throws UsageError
+template <class Number>
+Number whole_number_option(std::string_view option, const std::string& text, Number least,
+                           Number greatest = std::numeric_limits<Number>::max());
+
+/// Two whole numbers with a separator between: "3,-4". @param form what is asked for, e.g. "X,Y"
+/// @throws UsageError
+std::array<int, 2> pair_option(std::string_view option, const std::string& text,
+                               std::string_view form, char separator = ',');
+
+/// A point of the world [m]: three lengths, "1 m, 0 m, -29 mm". @throws UsageError
+std::array<double, 3> point_option(std::string_view option, const std::string& text);
 
 /// Refuses to write over a file that is read. @throws UsageError when both are the same file
 void check_not_overwritten(std::string_view option, const std::string& output,

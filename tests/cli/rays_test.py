@@ -77,6 +77,29 @@ class Rays(CommandTest):
         self.assertEqual([float(row["radiance.total"]) for row in rows],
                          [ray["radiance"][0] for ray in rays for _ in ray["vertices"]])
 
+    def test_info_says_what_rays_said(self):
+        for ending in ("csv", "json"):
+            name = "r." + ending
+            figures = self.json_of("rays", "a.toml", *PIXELS, "--rays", "8", "--flame-samples", "3", "-o", name)
+            self.assertGreater(figures["vignetted"], 0)
+            info = self.json_of("info", name)
+            self.assertEqual((info.pop("file"), info.pop("type")), (name, "ray paths"))
+            flux = figures.pop("flux.total")
+            self.assertGreater(flux, 0)
+            self.assertLess(abs(info.pop("flux.total") / flux - 1), 1e-12)
+            self.assertEqual(info, figures)
+        lines = self.read("r.csv").split(b"\n")
+        self.write("cut.csv", b"\n".join(lines[:7] + [lines[7][:30]]))
+        self.fails(1, "info", "cut.csv", mentions=["cut.csv:8", "cells"])
+        self.write("word.csv", b"\n".join([lines[0], lines[1].replace(b"reached", b"lost").replace(b"vignetted", b"lost")]))
+        self.fails(1, "info", "word.csv", mentions=["word.csv:2", "'lost'"])
+        self.write("few.csv", b"ray,column,row,q\n1,2,3,4\n")
+        self.fails(1, "info", "few.csv", mentions=["few.csv:1", "'status'"])
+        self.write("cut.json", self.read("r.json")[:-200])
+        self.fails(1, "info", "cut.json", mentions=["cut.json", "no file of ray paths"])
+        self.write("other.json", b'{"channels": []}')
+        self.fails(1, "info", "other.json", mentions=["other.json", "no file of ray paths"])
+
     def test_make_the_pixel_of_render(self):
         figures = self.json_of("rays", "a.toml", "--pixel", "1500,1490", "--rays", "64", "--seed", "3", "-o", "r.json")
         rays = json.loads(self.read("r.json"))["rays"]

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <iostream>
 #include <memory>
 #include <set>
@@ -26,18 +25,8 @@ struct Settings {
   bool json = false;
 };
 
-int rays_option(const std::string& text) {
-  if (text.empty()) return kRays;
-  int value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || value < 1)
-    throw UsageError("--rays: '" + text + "' is not a whole number from 1 on");
-  return value;
-}
-
 int run_corners(const Settings& settings) {
-  const int rays = rays_option(settings.rays);
+  const int rays = settings.rays.empty() ? kRays : whole_number_option("--rays", settings.rays, 1);
   if (!settings.output.ends_with(".csv"))
     throw UsageError("-o: '" + settings.output + "' must end in .csv");
   check_not_overwritten("-o", settings.output, settings.scene);

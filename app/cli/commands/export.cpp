@@ -17,10 +17,10 @@ namespace plenoflame::cli {
 namespace {
 
 struct Settings {
-  std::string input, output, format, name, scene, resampling = "barycentric", channel, saturation;
-  int grid = 0, threads = 0;
-  double spread = 0.7;
-  bool force = false, json = false;
+  RawArguments raw;
+  ViewArguments views;
+  std::string format, name, saturation;
+  int grid = 0;
 };
 
 const ExportName& format_of(const std::string& name) {
@@ -33,37 +33,37 @@ int run_export(const Settings& settings) {
   const ExportName& format = format_of(settings.format);
   if (settings.grid > 0 && format.grid == 0)
     throw UsageError("--grid: the format '" + settings.format + "' holds no views");
-  const RawLightField raw = read_raw(settings.input, settings.scene);
+  const RawLightField raw = read_raw(settings.raw);
   ExportSettings how;
   how.format = format.format;
-  how.name =
-      settings.name.empty() ? std::filesystem::path(settings.input).stem().string() : settings.name;
+  how.name = settings.name.empty() ? std::filesystem::path(settings.raw.input).stem().string()
+                                   : settings.name;
   if (how.name.find('/') != std::string::npos)
     throw UsageError("--name: a name without folders; the folder is given with --output");
   how.grid = settings.grid;
-  how.views.spread = settings.spread;
-  how.views.resampling = view_resamplings().at(settings.resampling);
-  how.views.channel = find_channel(raw.field, settings.channel).name;
+  how.views = settings.views.settings();
+  how.views.channel = find_channel(raw.field, settings.raw.channel).name;
   if (!settings.saturation.empty()) {
     how.saturation = quantity_option("--saturation", settings.saturation, Dimension::flux);
     if (!(how.saturation > 0)) throw UsageError("--saturation: a flux above 0 W");
   }
   Execution execution;
-  execution.threads = settings.threads;
+  execution.threads = settings.raw.threads;
   const Camera camera(raw.camera);
   check_export(camera, how.format);
   const MicroImages micro(camera, true, execution);
-  prepare_folder(settings.output, settings.force);
-  const ExportResult result = export_light_field(raw.field, micro, how, settings.output, execution);
+  prepare_folder(settings.raw.output, settings.raw.force);
+  const ExportResult result =
+      export_light_field(raw.field, micro, how, settings.raw.output, execution);
 
   Report report;
-  report.add("folder", settings.output, "folder", settings.output);
+  report.add("folder", settings.raw.output, "folder", settings.raw.output);
   report.add("format", settings.format, "format", settings.format);
   report.add("files", std::to_string(result.files.size()), "files", result.files);
   report.add("channel", how.views.channel, "channel", how.views.channel);
   for (const std::string& note : result.notes) report.add_text("note", note);
   report.add_json("notes", result.notes);
-  report.print(settings.json);
+  report.print(settings.raw.json);
   return kSuccess;
 }
 
@@ -73,7 +73,7 @@ void register_export(const Registry& registry) {
   auto settings = std::make_shared<Settings>();
   CLI::App& command = add_command(registry, "export", "Files for other light-field tools",
                                   "plenoflame export flame.exr --format hci -o flame-hci");
-  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  add_raw_input(command, settings->raw, "Folder for the files; made when missing");
   std::string about = "Of which tool:";
   std::vector<std::string> names;
   for (const ExportName& format : export_formats()) {
@@ -85,9 +85,6 @@ void register_export(const Registry& registry) {
       ->required()
       ->check(CLI::IsMember(names))
       ->option_text("NAME");
-  command.add_option("-o,--output", settings->output, "Folder for the files; made when missing")
-      ->required()
-      ->option_text("DIR");
   command.add_option("--name", settings->name, "Stem of the files' names; without it, that of RAW")
       ->option_text("STEM");
   command
@@ -96,33 +93,14 @@ void register_export(const Registry& registry) {
                   "expects (hci 9, eslf 14)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");
-  command
-      .add_option("--spread", settings->spread,
-                  "Side of the square that the views cover, in diameters of a micro-image (0.7)")
-      ->check(CLI::Range(0.0, 1.0))
-      ->option_text("S");
-  command
-      .add_option("--resampling", settings->resampling,
-                  "From microlenses to square pixels, as for views (barycentric)")
-      ->check(CLI::IsMember(view_resampling_names()))
-      ->option_text("NAME");
+  add_view_options(command, settings->views);
   command
       .add_option(
           "--saturation", settings->saturation,
           "Flux per pixel that is white in pictures of the raw image; without it, 99.9 % of "
           "the pixels with light are not saturated")
       ->option_text("FLUX");
-  command.add_option("--channel", settings->channel, "Channel; without it, the first")
-      ->option_text("NAME");
-  command
-      .add_option("--scene", settings->scene,
-                  "Scene file that gives the camera, for a light field without its own")
-      ->option_text("SCENE.toml");
-  command.add_flag("--force", settings->force, "Write into a folder that has files in it");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  add_raw_options(command, settings->raw);
   on_chosen(command, registry, [settings] { return run_export(*settings); });
 }
 

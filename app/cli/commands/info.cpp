@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "commands/commands.h"
+#include "commands/ray_counts.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/png_file.h"
@@ -25,7 +26,7 @@ struct Settings {
   bool json = false;
 };
 
-enum class Kind { light_field, png, poly_data, vdb, scene, unknown };
+enum class Kind { light_field, png, poly_data, vdb, scene, ray_csv, ray_json, unknown };
 
 /// By the file's first bytes, and for texts by its name.
 Kind kind_of(const std::string& path) {
@@ -44,7 +45,14 @@ Kind kind_of(const std::string& path) {
   if (bytes.starts_with(" BDV")) return Kind::vdb;
   if (bytes.find("<VTKFile") != std::string_view::npos) return Kind::poly_data;
   if (std::filesystem::path(path).extension() == ".toml") return Kind::scene;
+  if (bytes.starts_with("ray,column,row,")) return Kind::ray_csv;
+  if (bytes.starts_with("{\"channels\":")) return Kind::ray_json;
   return Kind::unknown;
+}
+
+void describe_rays(const RayCounts& counts, Report& report) {
+  report.add("type", "ray paths", "type", "ray paths");
+  report_ray_counts(counts, report);
 }
 
 int run_info(const Settings& settings) {
@@ -74,6 +82,12 @@ int run_info(const Settings& settings) {
     case Kind::scene:
       describe_scene(settings.file, report);
       break;
+    case Kind::ray_csv:
+      describe_rays(count_rays_of_csv(settings.file), report);
+      break;
+    case Kind::ray_json:
+      describe_rays(count_rays_of_json(settings.file), report);
+      break;
     case Kind::vdb:
 #if defined(PLENOFLAME_HAS_VOLUMES)
       describe_vdb(settings.file, report);
@@ -85,7 +99,7 @@ int run_info(const Settings& settings) {
     case Kind::unknown:
       throw InputError("'" + settings.file +
                        "' is none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
-                       "light field (.exr), ray paths (.vtp), picture (.png)");
+                       "light field (.exr), ray paths (.vtp, .csv, .json), picture (.png)");
   }
   report.print(settings.json);
   return kSuccess;
@@ -117,7 +131,7 @@ void register_info(const Registry& registry) {
   command
       .add_option("FILE", settings->file,
                   "Scene (.toml), flame (.vdb), light field (.exr), ray "
-                  "paths (.vtp) or picture (.png)")
+                  "paths (.vtp, .csv, .json) or picture (.png)")
       ->required();
   command.add_flag(
       "--scene", settings->scene,

@@ -1,9 +1,11 @@
 #include "commands/light_field_output.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 #include "plenoflame/base/error.h"
@@ -13,6 +15,65 @@
 #include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame::cli {
+namespace {
+
+/// Names of the kernels on the command line.
+const std::map<std::string, ViewResampling>& view_resamplings() {
+  static const std::map<std::string, ViewResampling> kNames = {
+      {"nearest", ViewResampling::nearest},
+      {"barycentric", ViewResampling::barycentric},
+      {"paper9", ViewResampling::paper9},
+      {"paper10", ViewResampling::paper10}};
+  return kNames;
+}
+
+}  // namespace
+
+void add_raw_input(CLI::App& command, RawArguments& arguments, const std::string& output_text) {
+  command.add_option("RAW", arguments.input, "Light field (.exr) written by render")->required();
+  command.add_option("-o,--output", arguments.output, output_text)->required()->option_text("DIR");
+}
+
+void add_raw_options(CLI::App& command, RawArguments& arguments) {
+  command.add_option("--channel", arguments.channel, "Channel; without it, the first")
+      ->option_text("NAME");
+  command
+      .add_option("--scene", arguments.scene,
+                  "Scene file that gives the camera, for a light field without its own")
+      ->option_text("SCENE.toml");
+  command.add_flag("--force", arguments.force, "Write into a folder that has files in it");
+  command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_flag("--json", arguments.json, "Print the figures as JSON");
+}
+
+ViewSettings ViewArguments::settings() const {
+  ViewSettings settings;
+  settings.spread = spread;
+  settings.resampling = view_resamplings().at(resampling);
+  return settings;
+}
+
+void add_view_options(CLI::App& command, ViewArguments& arguments) {
+  command
+      .add_option("--spread", arguments.spread,
+                  "Side of the square that the views cover, in diameters of a micro-image (0.7)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->option_text("S");
+  std::vector<std::string> names;
+  for (const auto& entry : view_resamplings()) names.push_back(entry.first);
+  command
+      .add_option("--resampling", arguments.resampling,
+                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
+                  "paper9 and paper10, for hexagonal arrays (barycentric)")
+      ->check(CLI::IsMember(names))
+      ->option_text("NAME");
+}
+
+RawLightField read_raw(const RawArguments& arguments) {
+  return read_raw(arguments.input, arguments.scene);
+}
 
 RawLightField read_raw(const std::string& path, const std::string& scene) {
   RawLightField raw;
@@ -53,21 +114,6 @@ void prepare_folder(const std::string& folder, bool force) {
   }
   fs::create_directory(path, error);
   if (error) throw FileError("cannot make the folder '" + folder + "': " + error.message());
-}
-
-const std::map<std::string, ViewResampling>& view_resamplings() {
-  static const std::map<std::string, ViewResampling> kNames = {
-      {"nearest", ViewResampling::nearest},
-      {"barycentric", ViewResampling::barycentric},
-      {"paper9", ViewResampling::paper9},
-      {"paper10", ViewResampling::paper10}};
-  return kNames;
-}
-
-std::vector<std::string> view_resampling_names() {
-  std::vector<std::string> names;
-  for (const auto& entry : view_resamplings()) names.push_back(entry.first);
-  return names;
 }
 
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,

@@ -7,6 +7,10 @@
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/views.h"
 
+namespace CLI {
+class App;
+}
+
 namespace plenoflame::cli {
 
 /// A raw light field with the camera that took it.
@@ -15,6 +19,29 @@ struct RawLightField {
   CameraSpec camera;
 };
 
+/// What every command takes that makes something of a raw light field.
+struct RawArguments {
+  std::string input, output, scene, channel;
+  int threads = 0;
+  bool force = false, json = false;
+};
+
+/// RAW and -o, the first of a command's options.
+void add_raw_input(CLI::App& command, RawArguments& arguments, const std::string& output_text);
+/// --channel, --scene, --force, --threads, --json: the last of them.
+void add_raw_options(CLI::App& command, RawArguments& arguments);
+
+/// How views are made of it: --spread and --resampling.
+struct ViewArguments {
+  double spread = ViewSettings{}.spread;
+  std::string resampling = "barycentric";
+  ViewSettings settings() const;
+};
+void add_view_options(CLI::App& command, ViewArguments& arguments);
+
+/// The light field of the arguments, with its camera.
+RawLightField read_raw(const RawArguments& arguments);
+
 /// @param scene file that gives the camera; empty: the light field's own scene
 /// @throws FileError, InputError
 RawLightField read_raw(const std::string& path, const std::string& scene);
@@ -22,10 +49,6 @@ RawLightField read_raw(const std::string& path, const std::string& scene);
 /// Makes sure that results can go into a folder: it is made when its parent exists, and must be
 /// empty unless `force`. @throws FileError
 void prepare_folder(const std::string& folder, bool force);
-
-/// Names of the kernels on the command line.
-const std::map<std::string, ViewResampling>& view_resamplings();
-std::vector<std::string> view_resampling_names();
 
 /// A picture that was computed from a raw light field, ready to be written.
 struct NamedImage {

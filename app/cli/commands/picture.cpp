@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <map>
 #include <memory>
 
@@ -20,38 +19,15 @@ struct Settings {
   bool no_flame = false, no_insets = false, no_axes = false;
 };
 
-/// "A,B" with a separator: whole numbers. @throws UsageError
-std::array<int, 2> pair_option(const char* option, const std::string& text, char separator) {
-  std::array<int, 2> values{};
-  const char* const end = text.data() + text.size();
-  const auto [middle, first] = std::from_chars(text.data(), end, values[0]);
-  if (first == std::errc{} && middle != end && *middle == separator) {
-    const auto [stop, second] = std::from_chars(middle + 1, end, values[1]);
-    if (second == std::errc{} && stop == end) return values;
-  }
-  throw UsageError(std::string(option) + ": '" + text + "' is not of the form A" + separator +
-                   "B: two whole numbers");
-}
-
-std::array<double, 3> point_option(const std::string& text) {
-  const std::size_t first = text.find(','),
-                    second = first == std::string::npos ? first : text.find(',', first + 1);
-  if (second == std::string::npos)
-    throw UsageError("--point: '" + text + "' is not of the form X,Y,Z: three lengths");
-  const auto part = [&](std::size_t begin, std::size_t end) {
-    return quantity_option("--point", text.substr(begin, end - begin), Dimension::length);
-  };
-  return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
-}
-
 int run_picture(const Settings& settings) {
   PictureRequest request = settings.request;
   for (const std::string& text : settings.pixels)
-    request.pixels.push_back(pair_option("--pixel", text, ','));
+    request.pixels.push_back(pair_option("--pixel", text, "X,Y"));
   for (const std::string& text : settings.microlenses)
-    request.microlenses.push_back(pair_option("--microlens", text, ','));
-  for (const std::string& text : settings.points) request.points.push_back(point_option(text));
-  if (!settings.size.empty()) request.size = pair_option("--size", settings.size, 'x');
+    request.microlenses.push_back(pair_option("--microlens", text, "Q,R"));
+  for (const std::string& text : settings.points)
+    request.points.push_back(point_option("--point", text));
+  if (!settings.size.empty()) request.size = pair_option("--size", settings.size, "WxH", 'x');
   for (const int side : request.size)
     if (side < 100 || side > 8000) throw UsageError("--size: each side must be 100 to 8000 pixels");
   if (!request.output.ends_with(".png"))

@@ -2,12 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 #include <map>
 #include <memory>
 
 #include "commands/commands.h"
+#include "commands/ray_counts.h"
 #include "commands/scene_input.h"
 #include "interrupt.h"
 #include "medium_loader.h"
@@ -30,54 +30,6 @@ struct Settings {
   bool json = false;
 };
 
-/// A whole number from `least` on. @throws UsageError
-template <class Number>
-Number number_option(const char* option, const std::string& text, Number least) {
-  Number value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || value < least)
-    throw UsageError(std::string(option) + ": '" + text + "' is not a whole number from " +
-                     std::to_string(least) + " on");
-  return value;
-}
-
-Pixel pixel_option(const std::string& text) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos)
-    throw UsageError("--pixel: '" + text + "' is not of the form X,Y: two whole numbers");
-  return {number_option("--pixel", text.substr(0, comma), 0),
-          number_option("--pixel", text.substr(comma + 1), 0)};
-}
-
-/// A whole number that may be negative. @throws UsageError
-int signed_number(const std::string& text, const std::string& whole) {
-  int value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end)
-    throw UsageError("--microlens: '" + whole + "' is not of the form Q,R: two whole numbers");
-  return value;
-}
-
-LensIndex microlens_option(const std::string& text) {
-  const std::size_t comma = std::min(text.find(','), text.size());
-  const std::string rest = comma < text.size() ? text.substr(comma + 1) : "";
-  return {signed_number(text.substr(0, comma), text), signed_number(rest, text)};
-}
-
-/// "1 m, 0 m, -29 mm". @throws UsageError
-Vec3 point_option(const std::string& text) {
-  const std::size_t first = text.find(','),
-                    second = first == std::string::npos ? first : text.find(',', first + 1);
-  if (second == std::string::npos)
-    throw UsageError("--point: '" + text + "' is not of the form X,Y,Z: three lengths");
-  const auto part = [&](std::size_t begin, std::size_t end) {
-    return quantity_option("--point", text.substr(begin, end - begin), Dimension::length);
-  };
-  return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
-}
-
 RaySelection selection_of(const Settings& settings, std::uint64_t seed) {
   const std::map<std::string, RayStatus> known{{"reached", RayStatus::reached},
                                                {"vignetted", RayStatus::vignetted},
@@ -87,48 +39,49 @@ RaySelection selection_of(const Settings& settings, std::uint64_t seed) {
   for (const std::string& name : settings.statuses) selection.statuses.push_back(known.at(name));
   selection.types = settings.types;
   if (!settings.most.empty())
-    selection.most = number_option<std::size_t>("--most", settings.most, 1);
+    selection.most = whole_number_option<std::uint64_t>("--most", settings.most, 1);
   selection.seed = seed;
   return selection;
 }
 
-void describe(const RayPaths& paths, Report& report) {
-  std::size_t reached = 0, vignetted = 0, total_reflection = 0, missed = 0;
-  for (const RayPath& ray : paths.rays) {
-    reached += ray.status.status == RayStatus::reached;
-    vignetted += ray.status.status == RayStatus::vignetted;
-    total_reflection += ray.status.status == RayStatus::total_internal_reflection;
-    missed += ray.status.status == RayStatus::missed;
-  }
-  const auto add = [&](const char* label, std::size_t count, const char* key) {
-    report.add(label, std::to_string(count), key, count);
-  };
-  add("rays", paths.rays.size(), "rays");
-  add("reached the scene", reached, "reached");
-  add("vignetted", vignetted, "vignetted");
-  add("totally reflected", total_reflection, "total_internal_reflection");
-  add("missed a surface", missed, "missed");
-  add("vertices", paths.vertices.size(), "vertices");
+RayCounts counts_of(const RayPaths& paths) {
+  RayCounts counts;
+  counts.rays = paths.rays.size();
+  counts.vertices = paths.vertices.size();
+  counts.channels = paths.channels;
+  for (const RayPath& ray : paths.rays)
+    ++counts.by_status[static_cast<std::size_t>(ray.status.status)];
   for (std::size_t c = 0; c < paths.channels.size(); ++c) {
     double flux = 0;
     for (std::size_t i = 0; i < paths.rays.size(); ++i)
       flux += paths.rays[i].weight * paths.radiance_of(i, c);
-    report.add("flux, " + paths.channels[c],
-               readable(flux, Dimension::flux) + " carried by these rays",
-               "flux." + paths.channels[c], flux);
+    counts.flux.push_back(flux);
   }
+  return counts;
 }
 
 int run_rays(const Settings& settings) {
   RenderSettings render;
   std::vector<Pixel> pixels;
-  for (const std::string& text : settings.pixels) pixels.push_back(pixel_option(text));
-  if (!settings.rays.empty()) render.samples = number_option("--rays", settings.rays, 2);
-  const int random = settings.random.empty() ? 0 : number_option("--random", settings.random, 1);
+  for (const std::string& text : settings.pixels) {
+    const auto [column, row] = pair_option("--pixel", text, "X,Y");
+    if (column < 0 || row < 0)
+      throw UsageError("--pixel: columns and rows start at 0, not '" + text + "'");
+    pixels.push_back({column, row});
+  }
+  if (!settings.rays.empty()) render.samples = whole_number_option("--rays", settings.rays, 2);
+  const int random =
+      settings.random.empty() ? 0 : whole_number_option("--random", settings.random, 1);
   std::vector<LensIndex> lenses;
-  for (const std::string& text : settings.microlenses) lenses.push_back(microlens_option(text));
+  for (const std::string& text : settings.microlenses) {
+    const auto [q, r] = pair_option("--microlens", text, "Q,R");
+    lenses.push_back({q, r});
+  }
   std::vector<Vec3> points;
-  for (const std::string& text : settings.points) points.push_back(point_option(text));
+  for (const std::string& text : settings.points) {
+    const auto [x, y, z] = point_option("--point", text);
+    points.push_back({x, y, z});
+  }
   if (pixels.empty() && lenses.empty() && points.empty() && random == 0 && !settings.chief)
     throw UsageError(
         "say which rays: --pixel X,Y, --microlens Q,R, --point X,Y,Z (may be repeated), --random N "
@@ -140,8 +93,9 @@ int run_rays(const Settings& settings) {
   check_writable(settings.output);
 
   const SceneDocument document = read_valid_scene(settings.scene);
-  render.seed = settings.seed.empty() ? document.scene.render.seed
-                                      : number_option<std::uint64_t>("--seed", settings.seed, 0);
+  render.seed = settings.seed.empty()
+                    ? document.scene.render.seed
+                    : whole_number_option<std::uint64_t>("--seed", settings.seed, 0);
   Execution execution;
   execution.message = [](Severity severity, const std::string& text) {
     if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
@@ -153,7 +107,7 @@ int run_rays(const Settings& settings) {
 
   RayPaths paths = empty_ray_paths(scene);
   if (!settings.flame_samples.empty())
-    paths.flame_samples = number_option("--flame-samples", settings.flame_samples, 1);
+    paths.flame_samples = whole_number_option("--flame-samples", settings.flame_samples, 1);
   execution.threads = settings.threads;
   {
     const InterruptHandler interrupt;
@@ -166,7 +120,7 @@ int run_rays(const Settings& settings) {
   select_rays(selection_of(settings, render.seed), paths);
   write_ray_paths(settings.output, paths);
   Report report;
-  describe(paths, report);
+  report_ray_counts(counts_of(paths), report);
   report.print(settings.json);
   return kSuccess;
 }

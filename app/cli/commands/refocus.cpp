@@ -1,7 +1,6 @@
 #include "plenoflame/lightfield/refocus.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cstdio>
 #include <memory>
 
@@ -16,10 +15,11 @@ namespace plenoflame::cli {
 namespace {
 
 struct Settings {
-  std::string input, output, scene, depth, depths, channel;
-  int size = 0, threads = 0;
+  RawArguments raw;
+  std::string depth, depths;
+  int size = 0;
   double aperture = 1;
-  bool all_types = false, all_in_focus = false, exr = false, force = false, json = false;
+  bool all_types = false, all_in_focus = false, exr = false;
 };
 
 /// "0.9m:1.1m:11": first, last, number of them.
@@ -31,14 +31,10 @@ std::vector<double> depths_of(const Settings& settings) {
   const std::string& text = settings.depths;
   const auto first = text.find(':'),
              second = text.find(':', first == std::string::npos ? first : first + 1);
-  int count = 0;
-  if (second != std::string::npos) {
-    const char* const end = text.data() + text.size();
-    const auto [after, error] = std::from_chars(text.data() + second + 1, end, count);
-    if (error != std::errc() || after != end) count = 0;
-  }
-  if (count < 2 || count > 1000)
-    throw UsageError("--depths: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, with 2 to 1000 depths");
+  if (second == std::string::npos)
+    throw UsageError("--depths: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, not '" + text + "'");
+  const int count =
+      whole_number_option("--depths FIRST:LAST:COUNT", text.substr(second + 1), 2, 1000);
   const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
   const double b =
       quantity_option("--depths", text.substr(first + 1, second - first - 1), Dimension::length);
@@ -53,16 +49,16 @@ int run_refocus(const Settings& settings) {
     throw UsageError(
         "--all-in-focus needs at least 3 depths, the nearest first: give them with "
         "--depths, e.g. 0.9m:1.1m:11");
-  const RawLightField raw = read_raw(settings.input, settings.scene);
+  const RawLightField raw = read_raw(settings.raw);
   const Camera camera(raw.camera);
   for (const double depth : depths) check_refocus_depth(camera, depth);
   RefocusSettings how;
   how.width = settings.size;
   how.aperture = settings.aperture;
   how.sharp_types = !settings.all_types;
-  how.channel = find_channel(raw.field, settings.channel).name;
+  how.channel = find_channel(raw.field, settings.raw.channel).name;
   Execution execution;
-  execution.threads = settings.threads;
+  execution.threads = settings.raw.threads;
   const MicroImages micro(camera, true, execution);
   std::vector<RefocusedImage> planes;
   FocusStack stack;
@@ -97,15 +93,15 @@ int run_refocus(const Settings& settings) {
                        {"refocus.corner_y", result.corner.y}}});
   }
   if (settings.all_in_focus) images.push_back({"all_in_focus", std::move(stack.all_in_focus), {}});
-  prepare_folder(settings.output, settings.force);
+  prepare_folder(settings.raw.output, settings.raw.force);
   const double white =
-      write_images(settings.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
+      write_images(settings.raw.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
   if (settings.all_in_focus)
-    write_depth(settings.output, stack.depth, stack.confidence, depths.front(), depths.back(),
+    write_depth(settings.raw.output, stack.depth, stack.confidence, depths.front(), depths.back(),
                 raw.field);
 
   Report report;
-  report.add("folder", settings.output, "folder", settings.output);
+  report.add("folder", settings.raw.output, "folder", settings.raw.output);
   report.add("pictures", std::to_string(images.size()), "pictures", list);
   report.add("size",
              std::to_string(images[0].image.width) + " x " + std::to_string(images[0].image.height),
@@ -114,7 +110,7 @@ int run_refocus(const Settings& settings) {
              "pixel", list[0]["pixel"]);
   report.add("channel", how.channel, "channel", how.channel);
   report.add("white in the pictures", readable(white, Dimension::radiance), "white", white);
-  report.print(settings.json);
+  report.print(settings.raw.json);
   return kSuccess;
 }
 
@@ -125,10 +121,7 @@ void register_refocus(const Registry& registry) {
   CLI::App& command =
       add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
-  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
-  command.add_option("-o,--output", settings->output, "Folder for the pictures; made when missing")
-      ->required()
-      ->option_text("DIR");
+  add_raw_input(command, settings->raw, "Folder for the pictures; made when missing");
   command
       .add_option("--depth", settings->depth,
                   "Distance from the front of the main lens, e.g. \"1 m\"")
@@ -145,12 +138,6 @@ void register_refocus(const Registry& registry) {
                   "Diameter of the synthetic lens in those of the real one, above 0 to 1 (1)")
       ->check(CLI::Range(1e-3, 1.0))
       ->option_text("A");
-  command.add_option("--channel", settings->channel, "Channel; without it, the first")
-      ->option_text("NAME");
-  command
-      .add_option("--scene", settings->scene,
-                  "Scene file that gives the camera, for a light field without its own")
-      ->option_text("SCENE.toml");
   command.add_flag("--all-in-focus", settings->all_in_focus,
                    "With --depths: the picture that is sharp everywhere, all_in_focus.png, and the "
                    "depth map of an opaque scene, depth.exr and depth.png");
@@ -158,11 +145,7 @@ void register_refocus(const Registry& registry) {
                    "Use all types of microlenses alike; without it, each as it is sharp at the "
                    "depth");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
-  command.add_flag("--force", settings->force, "Write into a folder that has files in it");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  add_raw_options(command, settings->raw);
   on_chosen(command, registry, [settings] { return run_refocus(*settings); });
 }
 

@@ -1,10 +1,8 @@
 #include "commands/render_options.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <sstream>
 
 #include "options.h"
@@ -14,28 +12,6 @@
 
 namespace plenoflame::cli {
 namespace {
-
-/// A whole number of type T in [least, greatest], written plainly or as 1e6.
-template <class T>
-T whole_number(const std::string& option, const std::string& text, T least, T greatest) {
-  const char* const end = text.data() + text.size();
-  T value{};
-  const auto plain = std::from_chars(text.data(), end, value);
-  bool good = plain.ec == std::errc() && plain.ptr == end;
-  if (!good) {
-    double real = 0;
-    const auto scientific = std::from_chars(text.data(), end, real);
-    // Whole numbers below 2^53 are exact in a double.
-    good = scientific.ec == std::errc() && scientific.ptr == end && real >= 0 &&
-           real < 9007199254740992.0 && real == std::floor(real) &&
-           real <= static_cast<double>(std::numeric_limits<T>::max());
-    if (good) value = static_cast<T>(real);
-  }
-  if (!good || value < least || value > greatest)
-    throw UsageError(option + " takes a whole number from " + std::to_string(least) + " to " +
-                     std::to_string(greatest) + ", not '" + text + "'");
-  return value;
-}
 
 bool has_extension(const std::string& path, const char* extension) {
   return std::filesystem::path(path).extension() == extension;
@@ -91,10 +67,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--stats", options.stats,
                   "Write times, rays, error and what was skipped to this file (.json)")
       ->option_text("FILE");
-  command.add_flag(
-      "--truth", options.truth,
-      "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
-      "distance and temperature of what is seen, first and last place with absorption");
+  command.add_flag("--truth", options.truth,
+                   "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
+                   "distance and temperature of what is seen, first and last place with "
+                   "absorption, solid surface "
+                   "and its distance");
   command.add_flag("--no-skip{false}", options.skip,
                    "Do all work, also what the scene does not need (for comparison)");
   command.add_flag(
@@ -139,10 +116,9 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     check_not_overwritten("--stats", options.stats, options.output);
   }
   if (!arguments.samples.empty())
-    options.samples = whole_number("--samples", arguments.samples, 1, 1 << 30);
+    options.samples = whole_number_option("--samples", arguments.samples, 1, 1 << 30);
   if (!arguments.seed.empty())
-    options.seed = whole_number<std::uint64_t>("--seed", arguments.seed, 0,
-                                               std::numeric_limits<std::uint64_t>::max());
+    options.seed = whole_number_option<std::uint64_t>("--seed", arguments.seed, 0);
   if (!arguments.target_error.empty()) {
     const double target =
         quantity_option("--target-error", arguments.target_error, Dimension::none);

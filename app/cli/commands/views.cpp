@@ -14,10 +14,11 @@ namespace plenoflame::cli {
 namespace {
 
 struct Settings {
-  std::string input, output, scene, resampling = "barycentric", channel, type;
-  int grid = 7, threads = 0, epipolar_row = -1, epipolar_column = -1;
-  double spread = 0.7;
-  bool raw_flux = false, exr = false, sheet_only = false, force = false, json = false;
+  RawArguments raw;
+  ViewArguments views;
+  std::string type;
+  int grid = ViewSettings{}.grid, epipolar_row = -1, epipolar_column = -1;
+  bool raw_flux = false, exr = false, sheet_only = false;
 };
 
 /// Number of the type of microlens with this name; -1 for an empty one.
@@ -32,16 +33,14 @@ int type_of(const CameraSpec& camera, const std::string& name) {
 }
 
 int run_views(const Settings& settings) {
-  const RawLightField raw = read_raw(settings.input, settings.scene);
-  ViewSettings how;
+  const RawLightField raw = read_raw(settings.raw);
+  ViewSettings how = settings.views.settings();
   how.grid = settings.grid;
-  how.spread = settings.spread;
-  how.resampling = view_resamplings().at(settings.resampling);
   how.white_correction = !settings.raw_flux;
   how.type = type_of(raw.camera, settings.type);
-  how.channel = find_channel(raw.field, settings.channel).name;
+  how.channel = find_channel(raw.field, settings.raw.channel).name;
   Execution execution;
-  execution.threads = settings.threads;
+  execution.threads = settings.raw.threads;
   const MicroImages micro(Camera(raw.camera), how.white_correction, execution);
   const Views views = extract_views(raw.field, micro, how, execution);
   std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
@@ -63,19 +62,19 @@ int run_views(const Settings& settings) {
   };
   add_slice("epipolar_row", settings.epipolar_row, false);
   add_slice("epipolar_column", settings.epipolar_column, true);
-  prepare_folder(settings.output, settings.force);
+  prepare_folder(settings.raw.output, settings.raw.force);
   const double white =
-      write_images(settings.output, images, views.unit, how.channel, settings.exr, raw.field);
+      write_images(settings.raw.output, images, views.unit, how.channel, settings.exr, raw.field);
 
   const Image& first = views.views.front().image;
   Report report;
-  report.add("folder", settings.output, "folder", settings.output);
+  report.add("folder", settings.raw.output, "folder", settings.raw.output);
   report.add("views", std::to_string(settings.grid) + " x " + std::to_string(settings.grid), "grid",
              settings.grid);
   report.add("size of a view", std::to_string(first.width) + " x " + std::to_string(first.height),
              "size", {first.width, first.height});
   report.add("channel", how.channel, "channel", how.channel);
-  report.add("resampling", settings.resampling, "resampling", settings.resampling);
+  report.add("resampling", settings.views.resampling, "resampling", settings.views.resampling);
   char text[60];
   std::snprintf(text, sizeof text, "%.4g %s", white, views.unit.c_str());
   report.add("white in the pictures", text, "white", white);
@@ -86,7 +85,7 @@ int run_views(const Settings& settings) {
                     {"column", view.column},
                     {"offset_pixels", {view.offset.x, view.offset.y}}});
   report.add_json("views", list);
-  report.print(settings.json);
+  report.print(settings.raw.json);
   return kSuccess;
 }
 
@@ -97,27 +96,11 @@ void register_views(const Registry& registry) {
   CLI::App& command =
       add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
                   "plenoflame views flame.exr -o views --grid 5");
-  command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
-  command
-      .add_option("-o,--output", settings->output,
-                  "Folder for contact.png and the views; made when missing")
-      ->required()
-      ->option_text("DIR");
+  add_raw_input(command, settings->raw, "Folder for contact.png and the views; made when missing");
   command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");
-  command
-      .add_option("--spread", settings->spread,
-                  "Side of the square that the views cover, in diameters of a micro-image (0.7)")
-      ->check(CLI::Range(0.0, 1.0))
-      ->option_text("S");
-  command
-      .add_option("--resampling", settings->resampling,
-                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
-                  "paper9 and "
-                  "paper10, for hexagonal arrays (barycentric)")
-      ->check(CLI::IsMember(view_resampling_names()))
-      ->option_text("NAME");
+  add_view_options(command, settings->views);
   command
       .add_option("--type", settings->type,
                   "Microlenses of this type alone, by its name in the scene; without it, all")
@@ -135,20 +118,10 @@ void register_views(const Registry& registry) {
   command.add_flag(
       "--raw-flux", settings->raw_flux,
       "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
-  command.add_option("--channel", settings->channel, "Channel; without it, the first")
-      ->option_text("NAME");
-  command
-      .add_option("--scene", settings->scene,
-                  "Scene file that gives the camera, for a light field without its own")
-      ->option_text("SCENE.toml");
   command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
   command.add_flag("--sheet-only", settings->sheet_only,
                    "Write the contact sheet, not the single views");
-  command.add_flag("--force", settings->force, "Write into a folder that has files in it");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  add_raw_options(command, settings->raw);
   on_chosen(command, registry, [settings] { return run_views(*settings); });
 }
 

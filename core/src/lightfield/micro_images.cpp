@@ -12,9 +12,7 @@ namespace plenoflame {
 namespace {
 
 constexpr int kDegree = 5;
-constexpr std::size_t kTerms = 21;    ///< (kDegree + 1) (kDegree + 2) / 2
-constexpr int kWhite = 41;            ///< points along the side of a white table
-constexpr int kAperturePoints = 400;  ///< of the quadrature over a microlens' aperture
+constexpr std::size_t kTerms = 21;  ///< (kDegree + 1) (kDegree + 2) / 2
 
 /// The monomials x^i y^j, i + j <= kDegree.
 std::array<double, kTerms> monomials(Vec2 p) {
@@ -160,74 +158,6 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
       node.line[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
 }
 
-void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius) const {
-  const double p = own.spec().sensor.pixel_pitch;
-  const double aperture = 0.5 * own.spec().array.diameter;
-  const double gap = own.aim_plane(0) - own.sensor();
-  const Vec2 lens = own.lattice().centre({0, 0});
-  node.white_half = outer_radius + p;
-  node.reach = outer_radius + 0.71 * p;  // the pixel's corner
-  const double step = 2 * node.white_half / (kWhite - 1);
-  // The light of a pixel is the integral of dA_u gap^2 / d^4 over the aperture. A sunflower of
-  // points of equal area: no two have the same radius, so that a rim that cuts them is found to 1
-  // in 160. A little beyond the aperture, as an oblique ray may cross the aim plane beside the lens
-  // it meets.
-  constexpr double kMargin = 1.03;
-  const double golden = constants::pi * (3 - std::sqrt(5.0));
-  std::vector<Vec2> aims;
-  for (int k = 0; k < kAperturePoints; ++k) {
-    const double radius = kMargin * aperture * std::sqrt((k + 0.5) / kAperturePoints);
-    aims.push_back({radius * std::cos(golden * k), radius * std::sin(golden * k)});
-  }
-  const double area = constants::pi * kMargin * kMargin * aperture * aperture / kAperturePoints;
-  std::vector<double> fine(static_cast<std::size_t>(kWhite) * kWhite, 0.0);
-  for (int j = kWhite / 2; j < kWhite; ++j)
-    for (int i = 0; i < kWhite; ++i) {
-      const Vec2 v{node.centre - node.white_half + i * step, -node.white_half + j * step};
-      if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
-      double total = 0;
-      // Turned by another angle at each point of the table, so that what the rim misses of the
-      // integral averages out over a pixel.
-      const double turn = golden * (j * kWhite + i);
-      const Vec2 axis{std::cos(turn), std::sin(turn)};
-      for (const Vec2 aim : aims) {
-        const Vec2 u = to_camera(aim, axis);
-        if (own.trace(lens + v, LensIndex{0, 0}, lens + u).status.status != RayStatus::reached)
-          continue;
-        const double d2 = dot(u - v, u - v) + gap * gap;
-        total += gap * gap / (d2 * d2);
-      }
-      const double value = p * p * area * total;
-      fine[static_cast<std::size_t>(j * kWhite + i)] = value;
-      fine[static_cast<std::size_t>((kWhite - 1 - j) * kWhite + i)] = value;  // mirror symmetry
-    }
-  const auto sample = [&](double x, double y) {  // bilinear, 0 outside
-    const double fx = std::floor(x), fy = std::floor(y);
-    const int i = static_cast<int>(fx), j = static_cast<int>(fy);
-    const auto get = [&](int a, int b) {
-      return a < 0 || b < 0 || a >= kWhite || b >= kWhite
-                 ? 0.0
-                 : fine[static_cast<std::size_t>(b * kWhite + a)];
-    };
-    const double s = x - fx, t = y - fy;
-    return (1 - t) * ((1 - s) * get(i, j) + s * get(i + 1, j)) +
-           t * ((1 - s) * get(i, j + 1) + s * get(i + 1, j + 1));
-  };
-  // A pixel is the mean over its square (turned with the field's axis, which only the rim feels).
-  constexpr int kBox = 5;
-  node.white.resize(fine.size());
-  for (int j = 0; j < kWhite; ++j)
-    for (int i = 0; i < kWhite; ++i) {
-      double total = 0;
-      for (int b = 0; b < kBox; ++b)
-        for (int a = 0; a < kBox; ++a)
-          total += sample(i + ((a + 0.5) / kBox - 0.5) * p / step,
-                          j + ((b + 0.5) / kBox - 0.5) * p / step);
-      node.white[static_cast<std::size_t>(j * kWhite + i)] =
-          static_cast<float>(total / (kBox * kBox));
-    }
-}
-
 MicroImages::Place MicroImages::place(LensIndex lens) const {
   Place place;
   place.lens = lens;
@@ -280,74 +210,6 @@ Vec2 MicroImages::ToPlane::operator()(Vec2 sensor_point) const {
 MicroImages::Line MicroImages::chief_ray(const Place& place, Vec2 sensor_point) const {
   const Vec2 start = to_plane(place, 0)(sensor_point), end = to_plane(place, 1)(sensor_point);
   return {start, end - start};
-}
-
-double MicroImages::white(const Place& place, Vec2 sensor_point) const {
-  return place.dark ? 0 : WhiteTable(*this, place)(sensor_point);
-}
-
-MicroImages::WhiteTable::WhiteTable(const MicroImages& micro_images, const Place& place)
-    : centre_(place.centre), outwards_(place.outwards) {
-  if (place.dark) return;
-  const std::vector<Node>& nodes = micro_images.nodes_[static_cast<std::size_t>(place.type)];
-  const auto first = static_cast<std::size_t>(place.node);
-  const double t = place.node - static_cast<double>(first);
-  for (std::size_t n = 0; n < 2; ++n) {
-    const Node& node = nodes[first + n];
-    if (node.white.empty()) continue;
-    nodes_[n] = &node;
-    weight_[n] = n == 0 ? 1 - t : t;
-    scale_[n] = (kWhite - 1) / (2 * node.white_half);
-    reach_ = std::max(reach_, node.reach);
-  }
-}
-
-double MicroImages::WhiteTable::operator()(Vec2 sensor_point) const {
-  const Vec2 v = to_local(sensor_point - centre_, outwards_);
-  double total = 0;
-  for (std::size_t n = 0; n < 2; ++n) {
-    if (nodes_[n] == nullptr) continue;
-    const double half = nodes_[n]->white_half;
-    const double x = (v.x + half) * scale_[n], y = (v.y + half) * scale_[n];
-    if (!(x >= 0 && y >= 0 && x < kWhite - 1 && y < kWhite - 1)) continue;
-    const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
-    const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
-    const float* w = nodes_[n]->white.data() + j * kWhite + i;
-    const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
-    total += weight_[n] * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
-                           r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
-  }
-  return total;
-}
-
-MicroImages::LocalWhite::LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius)
-    : own_(micro_images, micro_images.place(lens)), clear_(kInfinity) {
-  const MicrolensLattice& lattice = micro_images.camera().lattice();
-  const Vec2 middle = lattice.centre(lens);
-  const double most = radius + micro_images.reach_ + micro_images.spacing();
-  const Vec2 box{most, most};
-  for (const LensIndex other : lattice.within(middle - box, middle + box)) {
-    if (other == lens) continue;
-    const Place place = micro_images.place(other);
-    if (place.dark) continue;
-    const WhiteTable table(micro_images, place);
-    const double clear = length(place.centre - own_.centre()) - table.reach();
-    if (clear >= radius) continue;
-    clear_ = std::min(clear_, clear);
-    others_.push_back(table);
-  }
-}
-
-MicroImages::White MicroImages::LocalWhite::operator()(Vec2 sensor_point) const {
-  White white;
-  white.own = white.total = own_(sensor_point);
-  const Vec2 v = sensor_point - own_.centre();
-  if (clear_ > 0 && dot(v, v) < clear_ * clear_) return white;
-  for (const WhiteTable& other : others_) {
-    const Vec2 o = sensor_point - other.centre();
-    if (dot(o, o) < other.reach() * other.reach()) white.total += other(sensor_point);
-  }
-  return white;
 }
 
 }  // namespace plenoflame

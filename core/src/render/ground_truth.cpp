@@ -25,12 +25,13 @@ struct MediumTruth {
 constexpr double kDeepest = 0.1;
 constexpr double kMostSteps = 1000;
 
-MediumTruth through_medium(const Medium& medium, const Ray& ray, std::vector<double>& limits,
-                           std::vector<double>& emission) {
+/// @param end where the ray ends: at a solid surface, or kInfinity
+MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
+                           std::vector<double>& limits, std::vector<double>& emission) {
   MediumTruth truth;
   // The part of the ray within the bounds.
   const Box box = medium.bounds();
-  double near = 0, far = kInfinity;
+  double near = 0, far = end;
   const auto clip = [&](double lower, double upper, double o, double d) {
     if (d == 0) {
       if (o < lower || o > upper) far = -1;
@@ -127,9 +128,10 @@ class ChiefRays {
 void add_ground_truth(const CompiledScene& scene, LightField& light_field,
                       const Execution& execution) {
   const PixelWindow window = light_field.window;
-  Image optical_depth(window.width, window.height), distance = optical_depth, first = optical_depth,
-                                                    last = optical_depth,
-                                                    temperature = optical_depth;
+  Image optical_depth(window.width, window.height),
+      distance = optical_depth, first = optical_depth, last = optical_depth,
+      temperature = optical_depth, surface, surface_distance;
+  if (scene.surfaces) surface = surface_distance = optical_depth;
   const ChiefRays rays(scene.camera);
   const RigidTransform& to_world = scene.camera.to_world();
   const bool done =
@@ -137,15 +139,22 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
         const int row = static_cast<int>(line);
         std::vector<double> limits, emission;
         for (int column = 0; column < window.width; ++column) {
-          if (!scene.medium) continue;
           const std::optional<Ray> ray = rays(window.x + column, window.y + row);
           if (!ray) continue;
           const Ray world{to_world.point(ray->origin), to_world.direction(ray->direction)};
-          const MediumTruth truth = through_medium(*scene.medium, world, limits, emission);
-          if (!truth.hit) continue;
           const auto along_axis = [&](double t) {
             return static_cast<float>(ray->origin.z + t * ray->direction.z);
           };
+          SurfaceHit hit;
+          hit.t = kInfinity;
+          if (scene.surfaces && scene.surfaces->intersect(world, 0, kInfinity, {}, hit)) {
+            surface.at(column, row) = static_cast<float>(hit.where.surface + 1);
+            surface_distance.at(column, row) = along_axis(hit.t);
+            distance.at(column, row) = along_axis(hit.t);
+          }
+          if (!scene.medium) continue;
+          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, limits, emission);
+          if (!truth.hit) continue;
           optical_depth.at(column, row) = static_cast<float>(truth.optical_depth);
           first.at(column, row) = along_axis(truth.first);
           last.at(column, row) = along_axis(truth.last);
@@ -160,6 +169,9 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
   light_field.layers[truth::kFirstHit] = std::move(first);
   light_field.layers[truth::kLastHit] = std::move(last);
   light_field.layers[truth::kTemperature] = std::move(temperature);
+  if (!scene.surfaces) return;
+  light_field.layers[truth::kSurface] = std::move(surface);
+  light_field.layers[truth::kSurfaceDistance] = std::move(surface_distance);
 }
 
 }  // namespace plenoflame

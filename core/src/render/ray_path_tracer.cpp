@@ -56,8 +56,8 @@ class PathTracer::Vertices {
   double distance_ = 0;
 };
 
-PathTracer::PathTracer(const Camera& camera, const Medium& medium)
-    : camera_(camera), medium_(medium), box_(medium.bounds()) {
+PathTracer::PathTracer(const Camera& camera, const Medium& medium, const SurfaceScene* surfaces)
+    : camera_(camera), medium_(medium), surfaces_(surfaces), box_(medium.bounds()) {
   steps_.push_back(kSensorVertex);
   lens_surfaces_ =
       camera.surface_count() - (camera.has_array() ? (camera.ideal_array() ? 1 : 2) : 0);
@@ -121,8 +121,11 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
   if (path.status.status == RayStatus::reached) {
     const Ray exit{camera_.to_world().point(path.exit.origin),
                    camera_.to_world().direction(path.exit.direction)};
-    add_flames(exit, 0, std::numeric_limits<double>::infinity(), true, vertices,
-               paths.flame_samples);
+    constexpr double kInf = std::numeric_limits<double>::infinity();
+    SurfaceHit hit;
+    const bool ends = surfaces_ && surfaces_->intersect(exit, 0, kInf, {}, hit);
+    add_flames(exit, 0, ends ? hit.t : kInf, !ends, vertices, paths.flame_samples);
+    if (ends) vertices.push(exit.at(hit.t), kSolidVertex, 1, medium_.sample(exit.at(hit.t)));
   }
   vertices.finish();
 }
@@ -154,10 +157,26 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
     ray.lens = camera_.lattice().nearest({last.x, last.y});
     ray.type = camera_.lattice().type(ray.lens);
   }
-  Vertices vertices(ray, paths);
-  vertices.push(from.origin, kObjectVertex, 1, medium_.sample(from.origin));
   const double front =
       points.empty() ? 0 : length(camera_.to_world().point(points.front()) - from.origin);
+  // The point may lie on a surface itself, which does not hide it from the side that it looks to.
+  SurfaceHit hit;
+  const double clear = 1e-9 * front;
+  const bool hidden = surfaces_ && surfaces_->intersect(from, clear, front - clear, {}, hit);
+  if (hidden) {
+    ray.status = {RayStatus::missed, -1};
+    ray.column = ray.row = -1;
+    ray.lens = {};
+    ray.type = -1;
+  }
+  Vertices vertices(ray, paths);
+  vertices.push(from.origin, kObjectVertex, 1, medium_.sample(from.origin));
+  if (hidden) {
+    add_flames(from, 0, hit.t, false, vertices, paths.flame_samples);
+    vertices.push(from.at(hit.t), kSolidVertex, 1, medium_.sample(from.at(hit.t)));
+    vertices.finish();
+    return;
+  }
   add_flames(from, 0, front, false, vertices, paths.flame_samples);
   // From the scene on, the same steps backwards; one that went past the array skips its surfaces.
   const bool between = !arrivals.empty() && camera_.has_array() && !arrivals.front().lens;

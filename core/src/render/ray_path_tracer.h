@@ -4,13 +4,15 @@
 
 #include "plenoflame/media/medium.h"
 #include "plenoflame/render/ray_paths.h"
+#include "plenoflame/surfaces/surface_scene.h"
 
 namespace plenoflame {
 
 /// Turns rays into vertices.
 class PathTracer {
  public:
-  PathTracer(const Camera& camera, const Medium& medium);
+  /// @param surfaces on which rays end; may be null
+  PathTracer(const Camera& camera, const Medium& medium, const SurfaceScene* surfaces);
 
   /// Adds the ray from a start on the sensor through its microlens towards an aim.
   void add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPath& ray,
@@ -27,6 +29,7 @@ class PathTracer {
 
   const Camera& camera_;
   const Medium& medium_;
+  const SurfaceScene* surfaces_;
   Box box_;
   std::vector<int> steps_;  ///< what paths list from the sensor on, each at most as often as here
   int lens_surfaces_ = 0;

@@ -135,7 +135,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
   // Rays that pass beside the flames are wanted, too: no beams.
-  const PathTracer tracer(scene.camera, medium.get());
+  const PathTracer tracer(scene.camera, medium.get(), scene.surfaces.get());
   const double samples = static_cast<double>(points) * settings.replicates;
   const int channels = static_cast<int>(paths.channels.size());
   // A few pixels at a time, each with paths of its own; joined in the order of the pixels.
@@ -226,7 +226,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
     throw InputError("the object point is " + std::to_string(at.z) +
                      " m in front of the camera's first vertex; it must lie in front of it");
   const SceneMedium medium(scene);
-  const PathTracer tracer(camera, medium.get());
+  const PathTracer tracer(camera, medium.get(), scene.surfaces.get());
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
     // Vogel's spiral: equal areas, no direction preferred.
@@ -255,7 +255,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   if (!camera.has_array())
     throw InputError("the camera has no microlens array, and so no chief rays of microlenses");
   const SceneMedium medium(scene);
-  const PathTracer tracer(camera, medium.get());
+  const PathTracer tracer(camera, medium.get(), scene.surfaces.get());
   const SensorSpec& sensor = camera.spec().sensor;
   const double half_x = 0.5 * sensor.columns * sensor.pixel_pitch;
   const double half_y = 0.5 * sensor.rows * sensor.pixel_pitch;
@@ -282,9 +282,10 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     if (added.status.status != RayStatus::reached || added.count < 2) continue;
     const RayVertex& last = paths.vertices[added.first + added.count - 1];
     const RayVertex& before = paths.vertices[added.first + added.count - 2];
-    std::vector<double> carried = carried_by(
-        medium.get(), {last.position, normalize(last.position - before.position)},
-        -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+    std::vector<double> carried =
+        carried_by(medium.get(), {last.position, normalize(last.position - before.position)},
+                   -std::numeric_limits<double>::infinity(),
+                   last.surface == kSolidVertex ? 0 : std::numeric_limits<double>::infinity());
     to_channels(scene, carried);
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,

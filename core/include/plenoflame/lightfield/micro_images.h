@@ -86,8 +86,13 @@ class MicroImages {
     Vec2 centre() const { return centre_; }
 
    private:
-    std::array<const Node*, 2> nodes_{};
-    std::array<double, 2> weight_{}, scale_{};
+    struct Part {
+      const float* table = nullptr;
+      double weight = 0;
+      double half = 0, scale = 0;  ///< [m] half the table's side; its steps per metre
+    };
+    std::array<Part, 10> parts_{};  ///< two nodes, each for up to five angles of the pixels
+    std::size_t count_ = 0;
     Vec2 centre_, outwards_;
     double reach_ = 0;
   };
@@ -114,9 +119,10 @@ class MicroImages {
     /// Coefficients of the chief ray's x and y at z = 0 and its slopes, over the monomials of
     /// degree up to 5 in (s - centre) / radius.
     std::array<std::array<double, 21>, 4> line{};
-    double white_half = 0;     ///< [m] half the side of the table
-    double reach = 0;          ///< [m] no light farther from the centre
-    std::vector<float> white;  ///< kWhite x kWhite, first axis fastest
+    double white_half = 0;  ///< [m] half the side of the tables
+    double reach = 0;       ///< [m] no light farther from the centre
+    /// kWhite x kWhite, first axis fastest; one, or one for each angle of the pixels' sides.
+    std::vector<std::vector<float>> white;
   };
   void fit_lines(const Camera& open, Node& node) const;
   void fill_white(const Camera& own, Node& node, double outer_radius) const;

@@ -26,6 +26,7 @@ inline constexpr int kSensorVertex = -1;  ///< where the ray starts
 inline constexpr int kSceneVertex = -2;
 inline constexpr int kFlameVertex = -3;   ///< a sample between those two
 inline constexpr int kObjectVertex = -4;  ///< the object point that a ray starts from
+inline constexpr int kSolidVertex = -5;   ///< on a solid surface of the scene, where the ray ends
 
 /// A ray from the sensor to the scene, or to where it ended; one from an object point runs the
 /// other way.
@@ -77,13 +78,15 @@ void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settin
 
 /// Adds `count` rays from a point of the scene towards the camera, spread evenly over the entrance
 /// pupil: the way of light. They arrive at the pixel (column, row), or end inside of the camera.
-/// Weight 0; radiance and optical thickness are those of the flames between point and camera.
+/// Weight 0; radiance and optical thickness are those of the flames between point and camera. Rays
+/// that a solid surface stops before they reach the camera end there, with the status "missed".
 /// @param point [m] world, in front of the camera
 /// @throws InputError for a point that is not in front of the camera; UsageError for count < 1
 void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths& paths);
 
 /// Adds one ray for each microlens whose micro-image has its centre on the sensor: through the
-/// middle of the lens' rear aperture and of the stop's image. Weight 0.
+/// middle of the lens' rear aperture and of the stop's image. Weight 0; radiance is that of the
+/// flames, up to the first solid surface.
 /// @throws InputError without array
 void add_chief_rays(const CompiledScene& scene, RayPaths& paths);
 

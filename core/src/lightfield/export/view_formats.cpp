@@ -114,10 +114,14 @@ void export_hci(const ExportJob& job) {
     }
     job.text("gt_depth_lowres.pfm", pfm(depth));
     job.text("gt_disp_lowres.pfm", pfm(disparity));
-    add("ground_truth", "emission_weighted_mean_distance_of_the_centre_view");
+    const bool solid = job.field.layers.contains("truth.surface_distance");
+    add("ground_truth", solid ? "distance_of_surfaces_or_emission_weighted_of_flames_centre_view"
+                              : "emission_weighted_mean_distance_of_the_centre_view");
     job.result.notes.push_back(
-        "gt_*.pfm hold the emission-weighted mean distance: a flame has no single one; 0 where "
-        "nothing glows");
+        solid ? "gt_*.pfm hold the distance of the surfaces; where a flame glows before them its "
+                "emission-weighted mean distance; 0 where there is nothing"
+              : "gt_*.pfm hold the emission-weighted mean distance: a flame has no single one; 0 "
+                "where nothing glows");
   } else {
     add("ground_truth", "none");
     job.result.notes.push_back("no ground truth: the raw image was rendered without --truth");

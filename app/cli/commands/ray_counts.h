@@ -1,0 +1,26 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "report.h"
+
+namespace plenoflame::cli {
+
+/// What `rays` and `info` say about a set of ray paths.
+struct RayCounts {
+  std::size_t rays = 0, vertices = 0;
+  std::array<std::size_t, 4> by_status{};  ///< in the order of RayStatus
+  std::vector<std::string> channels;
+  std::vector<double> flux;  ///< [W] per channel: sum of weight times radiance
+};
+
+/// Adds a line for each figure.
+void report_ray_counts(const RayCounts& counts, Report& report);
+
+/// Of a file that `rays` wrote as .csv or .json. @throws InputError when it is none, with the line
+RayCounts count_rays_of_csv(const std::string& path);
+RayCounts count_rays_of_json(const std::string& path);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,281 @@
+/// White light: what the pixels of a micro-image get from a scene that is bright everywhere.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/lightfield/micro_images.h"
+
+namespace plenoflame {
+namespace {
+
+/// Points along the side of a square where white light is traced: more where a micro-image has few
+/// pixels, so that one on its rim counts.
+constexpr int kTraced = 41, kTracedFine = 65;
+constexpr double kFewPixels = 20;  ///< along the side of that square
+constexpr int kWhite = 81;         ///< points along the side of the table that is made of them
+/// Angles of the pixels' sides for which there are tables, over the 90 degrees after which a square
+/// is itself again.
+constexpr int kAngles = 5;
+constexpr double kAngleStep = 0.5 * constants::pi / kAngles;
+
+Vec2 to_local(Vec2 v, Vec2 axis) {
+  return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y};
+}
+Vec2 to_camera(Vec2 v, Vec2 axis) {
+  return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x};
+}
+
+constexpr double kGoldenAngle = 2.399963229728653;  ///< pi (3 - sqrt 5)
+
+/// Light that a point of the sensor gets through one microlens from a scene of radiance 1: the
+/// integral of gap^2 / d^4 over the part of the aperture whose rays get through the camera.
+///
+/// That part is where discs meet (the microlens' own, the stop's image, rims of the main lens), and
+/// so convex: in polar coordinates about a point within it, its boundary is a function of the
+/// angle, found by bisection, and the integral over the angle of a periodic function converges
+/// fast. Rays are needed for the boundary only.
+class ApertureLight {
+ public:
+  explicit ApertureLight(const Camera& camera)
+      : camera_(camera),
+        gap_(camera.aim_plane(0) - camera.sensor()),
+        // An oblique ray may cross the aim plane a little beside the lens that it meets.
+        reach_(1.03 * 0.5 * camera.spec().array.diameter) {}
+
+  /// @param lens centre of the microlens; @param v sensor point relative to it; @param turn angle
+  /// at which the directions begin
+  double operator()(Vec2 lens, Vec2 v, double turn) const {
+    const auto lit = [&](Vec2 u) {
+      return camera_.trace(lens + v, LensIndex{0, 0}, lens + u).status.status == RayStatus::reached;
+    };
+    // A sunflower over the aperture: the middle of its points that are lit is within the lit part.
+    // A few points first; more where none of them is lit.
+    Vec2 middle;
+    int count = 0;
+    for (const int points : {kSearch, 4 * kSearch}) {
+      for (int k = 0; k < points; ++k) {
+        const double radius = reach_ * std::sqrt((k + 0.5) / points);
+        const double angle = kGoldenAngle * k + turn;
+        const Vec2 u{radius * std::cos(angle), radius * std::sin(angle)};
+        if (!lit(u)) continue;
+        middle = middle + u;
+        ++count;
+      }
+      if (count > 0) break;
+    }
+    if (count == 0) return 0;
+    middle = (1.0 / count) * middle;
+    // Half of the directions do where only the microlens' own rim cuts, the rest comes in between.
+    bool own_rim = true;
+    const double half = sum_of_directions(lit, middle, v, turn, own_rim);
+    const double step = 2 * constants::pi / kDirections;
+    if (own_rim) return half * step;
+    return 0.5 * step * (half + sum_of_directions(lit, middle, v, turn + 0.5 * step, own_rim));
+  }
+
+ private:
+  static constexpr int kSearch = 24, kDirections = 12, kBisections = 7, kRimBisections = 5;
+
+  /// @param own_rim set to false when something else than the microlens' rim cuts a direction off
+  template <class Lit>
+  double sum_of_directions(const Lit& lit, Vec2 middle, Vec2 v, double turn, bool& own_rim) const {
+    double total = 0;
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2 * constants::pi * k / kDirections + turn;
+      const Vec2 along{std::cos(angle), std::sin(angle)};
+      const double b = dot(middle, along), c = dot(middle, middle);
+      const auto to_circle = [&](double radius) {
+        return -b + std::sqrt(std::max(0.0, b * b + radius * radius - c));
+      };
+      // Nothing is lit beyond the outer circle; the rim lies between the two.
+      double inside = 0, outside = to_circle(reach_);
+      const double before_rim = to_circle(kInner * reach_);
+      const bool rim = before_rim > 0 && lit(middle + before_rim * along);
+      if (rim) inside = before_rim;
+      if (!rim) {
+        outside = std::max(before_rim, 0.0);
+        own_rim = false;
+      }
+      for (int i = 0; i < (rim ? kRimBisections : kBisections); ++i) {
+        const double half = 0.5 * (inside + outside);
+        (lit(middle + half * along) ? inside : outside) = half;
+      }
+      const double rho = 0.5 * (inside + outside);
+      // The integral of r gap^2 / d^4 dr from 0 to rho by Gauss' rule of three points.
+      constexpr double kNode = 0.7745966692414834;
+      for (int g = -1; g <= 1; ++g) {
+        const double r = 0.5 * rho * (1 + g * kNode);
+        const Vec2 u = middle + r * along;
+        const double d2 = dot(u - v, u - v) + gap_ * gap_;
+        total += (g == 0 ? 8.0 : 5.0) / 18 * rho * r * gap_ * gap_ / (d2 * d2);
+      }
+    }
+    return total;
+  }
+
+  static constexpr double kInner = 0.94;  ///< of the outer circle: still within the rim
+  const Camera& camera_;
+  double gap_, reach_;
+};
+
+/// Value of a square table between its points, by Catmull and Rom's cubic; 0 outside.
+double cubic(const std::vector<double>& table, int side, double x, double y) {
+  const double fx = std::floor(x), fy = std::floor(y);
+  const int i = static_cast<int>(fx), j = static_cast<int>(fy);
+  const auto weights = [](double t) {
+    return std::array<double, 4>{0.5 * t * (-1 + t * (2 - t)), 0.5 * (2 + t * t * (-5 + 3 * t)),
+                                 0.5 * t * (1 + t * (4 - 3 * t)), 0.5 * t * t * (t - 1)};
+  };
+  const auto wx = weights(x - fx), wy = weights(y - fy);
+  double total = 0;
+  for (int b = 0; b < 4; ++b)
+    for (int a = 0; a < 4; ++a) {
+      const int column = i + a - 1, row = j + b - 1;
+      if (column < 0 || row < 0 || column >= side || row >= side) continue;
+      total += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
+               table[static_cast<std::size_t>(row * side + column)];
+    }
+  return total;
+}
+
+/// Means of the traced table over squares around the points of the finer one.
+/// @param side of the squares and @param angle of them, in steps of the traced table and [rad]
+/// @param box points along the side
+std::vector<float> box_means(const std::vector<double>& traced, double side, int box,
+                             double angle) {
+  const int points = static_cast<int>(std::lround(std::sqrt(traced.size())));
+  std::vector<float> table(static_cast<std::size_t>(kWhite) * kWhite);
+  const double ratio = static_cast<double>(points - 1) / (kWhite - 1);
+  const Vec2 axis{std::cos(angle), std::sin(angle)};
+  for (int j = 0; j < kWhite; ++j)
+    for (int i = 0; i < kWhite; ++i) {
+      double total = 0;
+      for (int b = 0; b < box; ++b)
+        for (int a = 0; a < box; ++a) {
+          const Vec2 o =
+              to_camera({((a + 0.5) / box - 0.5) * side, ((b + 0.5) / box - 0.5) * side}, axis);
+          total += cubic(traced, points, ratio * i + o.x, ratio * j + o.y);
+        }
+      table[static_cast<std::size_t>(j * kWhite + i)] =
+          static_cast<float>(std::max(0.0, total / (box * box)));
+    }
+  return table;
+}
+
+}  // namespace
+
+void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius) const {
+  const double p = own.spec().sensor.pixel_pitch;
+  const ApertureLight light(own);
+  const Vec2 lens = own.lattice().centre({0, 0});
+  node.white_half = outer_radius + p;
+  node.reach = outer_radius + 0.71 * p;  // the pixel's corner
+  const int side = 2 * node.white_half < kFewPixels * p ? kTracedFine : kTraced;
+  const double step = 2 * node.white_half / (side - 1);
+  std::vector<double> traced(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0.0);
+  for (int j = side / 2; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      const Vec2 v{node.centre - node.white_half + i * step, -node.white_half + j * step};
+      if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
+      // Turned by another angle at each point of the table, so that what is left of the error
+      // averages out over a pixel.
+      const double value = p * p * light(lens, v, (j * side + i) * kGoldenAngle);
+      traced[static_cast<std::size_t>(j * side + i)] = value;
+      traced[static_cast<std::size_t>((side - 1 - j) * side + i)] = value;  // mirror symmetry
+    }
+  // A pixel is the mean over its square, whose sides run along the sensor's: in the table's axes it
+  // is turned. With large pixels before a sharp rim that matters, and there are tables for several
+  // angles; otherwise one does.
+  const double boxes = std::lround(p / step);
+  const int box = static_cast<int>(std::clamp(boxes, 5.0, 12.0));
+  for (int angle = 0; angle < kAngles; ++angle)
+    node.white.push_back(box_means(traced, p / step, box, -angle * kAngleStep));
+  const float largest = *std::max_element(node.white[0].begin(), node.white[0].end());
+  float difference = 0;
+  for (std::size_t k = 0; k < node.white[0].size(); ++k)
+    for (int angle = 1; angle < kAngles; ++angle)
+      difference = std::max(
+          difference, std::fabs(node.white[static_cast<std::size_t>(angle)][k] - node.white[0][k]));
+  if (difference < 1e-3F * largest) node.white.resize(1);
+}
+
+double MicroImages::white(const Place& place, Vec2 sensor_point) const {
+  return place.dark ? 0 : WhiteTable(*this, place)(sensor_point);
+}
+
+MicroImages::WhiteTable::WhiteTable(const MicroImages& micro_images, const Place& place)
+    : centre_(place.centre), outwards_(place.outwards) {
+  if (place.dark) return;
+  const std::vector<Node>& nodes = micro_images.nodes_[static_cast<std::size_t>(place.type)];
+  const auto first = static_cast<std::size_t>(place.node);
+  const double t = place.node - static_cast<double>(first);
+  const double angle = std::atan2(outwards_.y, outwards_.x);
+  for (std::size_t n = 0; n < 2; ++n) {
+    const Node& node = nodes[first + n];
+    if (node.white.empty()) continue;
+    const double weight = n == 0 ? 1 - t : t;
+    const auto add = [&](const std::vector<float>& table, double share) {
+      parts_[count_++] = {table.data(), weight * share, node.white_half,
+                          (kWhite - 1) / (2 * node.white_half)};
+    };
+    if (node.white.size() == 1)
+      add(node.white[0], 1);
+    else  // the two longest waves of period 90 degrees through the values at five angles
+      for (int k = 0; k < kAngles; ++k) {
+        const double wave = 4 * (angle - k * kAngleStep);
+        add(node.white[static_cast<std::size_t>(k)],
+            (1 + 2 * std::cos(wave) + 2 * std::cos(2 * wave)) / kAngles);
+      }
+    reach_ = std::max(reach_, node.reach);
+  }
+}
+
+double MicroImages::WhiteTable::operator()(Vec2 sensor_point) const {
+  const Vec2 v = to_local(sensor_point - centre_, outwards_);
+  double total = 0;
+  for (std::size_t n = 0; n < count_; ++n) {
+    const Part& part = parts_[n];
+    const double x = (v.x + part.half) * part.scale, y = (v.y + part.half) * part.scale;
+    if (!(x >= 0 && y >= 0 && x < kWhite - 1 && y < kWhite - 1)) continue;
+    const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
+    const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
+    const float* w = part.table + j * kWhite + i;
+    const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
+    total += part.weight * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
+                            r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
+  }
+  return std::max(total, 0.0);
+}
+
+MicroImages::LocalWhite::LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius)
+    : own_(micro_images, micro_images.place(lens)), clear_(kInfinity) {
+  const MicrolensLattice& lattice = micro_images.camera().lattice();
+  const Vec2 middle = lattice.centre(lens);
+  const double most = radius + micro_images.reach_ + micro_images.spacing();
+  const Vec2 box{most, most};
+  for (const LensIndex other : lattice.within(middle - box, middle + box)) {
+    if (other == lens) continue;
+    const Place place = micro_images.place(other);
+    if (place.dark) continue;
+    const WhiteTable table(micro_images, place);
+    const double clear = length(place.centre - own_.centre()) - table.reach();
+    if (clear >= radius) continue;
+    clear_ = std::min(clear_, clear);
+    others_.push_back(table);
+  }
+}
+
+MicroImages::White MicroImages::LocalWhite::operator()(Vec2 sensor_point) const {
+  White white;
+  white.own = white.total = own_(sensor_point);
+  const Vec2 v = sensor_point - own_.centre();
+  if (clear_ > 0 && dot(v, v) < clear_ * clear_) return white;
+  for (const WhiteTable& other : others_) {
+    const Vec2 o = sensor_point - other.centre();
+    if (dot(o, o) < other.reach() * other.reach()) white.total += other(sensor_point);
+  }
+  return white;
+}
+
+}  // namespace plenoflame
