@@ -18,6 +18,7 @@ namespace plenoflame {
 namespace {
 
 constexpr double kZeroCelsius = 273.15;     // [K]
+constexpr double kHottest = 1e5;            // [K] as for layers
 constexpr double kSuspiciousMaximum = 200;  // [K] a flame is hotter in any unit but these
 
 /// SI value = factor * value + shift.
@@ -198,6 +199,11 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
   const auto range = detail::range(flame.temperature);
   const double hottest = range ? std::fmax(range->maximum, flame.temperature.background)
                                : flame.temperature.background;
+  if (hottest > kHottest)
+    throw InputError(fmt::format(
+        "{}: grid \"{}\" is {:g} K at most, above {:g} K; if it is in another unit, say so with "
+        "temperature.unit or temperature.scale in the scene",
+        path, flame.temperature.name, hottest, kHottest));
   if (hottest < kSuspiciousMaximum)
     execution.warn(fmt::format(
         "{}: grid \"{}\" is {:g} K at most; if it is in degC or normalised, say so with "

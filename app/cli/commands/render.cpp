@@ -153,6 +153,20 @@ std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
   key["replicates"] = s.replicates;
   key["target_error"] = s.target_error;
   key["isa"] = name(s.isa);
+  // Files that changed under the same name make another picture.
+  const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
+  const auto add_file = [&](const std::string& file) {
+    if (file.empty()) return;
+    std::error_code none;
+    const auto changed = std::filesystem::last_write_time(folder / file, none).time_since_epoch();
+    key["files"].push_back({file, std::filesystem::file_size(folder / file, none),
+                            static_cast<std::int64_t>(changed.count())});
+  };
+  for (const FlameSpec& flame : scene.flames) add_file(flame.file);
+  for (const SolidSurfaceSpec& surface : scene.surfaces) {
+    add_file(surface.file);
+    add_file(surface.material.texture.file);
+  }
   key["window"] = {s.window.x, s.window.y, s.window.width, s.window.height};
   return key.dump();
 }
@@ -186,7 +200,6 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
   }
   const std::string state = state_path(options.output);
   settings.checkpoint = [&](const Film& film) { write_checkpoint(state, film, key); };
-  const bool open_ended = settings.target_error > 0 || settings.time_limit > 0;
   RenderResult result;
   bool interrupted = false;
   {
@@ -204,9 +217,7 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
     add_ground_truth(compiled, result.light_field, rest);
   }
   write_light_field(options.output, result.light_field);
-  // Runs to a target go on from their last whole round, whose state is there already: what the part
-  // of a round would decide is not what the whole one would have decided.
-  if (!result.statistics.complete && !open_ended) write_checkpoint(state, result.film, key);
+  if (!result.statistics.complete) write_checkpoint(state, result.film, key);
   if (result.statistics.complete) std::filesystem::remove(state);
   const Report report = report_of(result.statistics, compile_seconds);
   if (!options.stats.empty()) write_file(options.stats, report.json_text());
@@ -215,9 +226,16 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
     std::cerr << "plenoflame: stopped; " << options.output
               << " holds what was rendered, marked partial; go on with --resume " << options.output
               << '\n';
+  if (!interrupted && !result.statistics.complete)
+    execution.warn("the time limit ended before every part of the picture had a ray; " +
+                   options.output + " is marked partial; go on with --resume " + options.output);
   if (!interrupted && !result.statistics.target_reached)
-    std::cerr << "plenoflame: error: the target error was not reached within the limit of samples "
-                 "or time\n";
+    std::cerr << fmt::format(
+        "plenoflame: error: the target error was not reached within the limit of samples or time: "
+        "{}\n",
+        result.statistics.flux > 0 ? fmt::format("the error is below {:.3g} %",
+                                                 100 * result.statistics.relative_error_bound)
+                                   : "the picture is black");
   return interrupted || !result.statistics.target_reached ? 1 : 0;
 }
 
@@ -268,9 +286,9 @@ int run_render(const RenderArguments& arguments) {
 
 void register_render(const Registry& registry) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App& command = add_command(
-      registry, "render", "Render the light field of a scene",
-      "plenoflame render examples/paper-flame-1m.toml -o out/paper-flame-1m.exr --samples 16");
+  CLI::App& command =
+      add_command(registry, "render", "Render the light field of a scene",
+                  "plenoflame render examples/paper-flame-1m.toml -o flame.exr --samples 16");
   add_render_options(command, *arguments);
   on_chosen(command, registry, [arguments] { return run_render(*arguments); });
 }

@@ -23,8 +23,13 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   RenderOptions& options = arguments.options;
   command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
   command
-      .add_option("-o,--output", options.output,
-                  "Light field to write (.exr); without it, SCENE's name in the current folder")
+      .add_option(
+          "-o,--output", options.output,
+          "Light field to write (.exr); without it, that of --resume, or SCENE's name in the "
+          "current folder")
+      ->check([](const std::string& file) {
+        return file.empty() ? std::string("the name of the file is empty") : std::string();
+      })
       ->option_text("FILE");
   command
       .add_option("--samples", arguments.samples,
@@ -105,6 +110,8 @@ std::vector<double> f_number_list(const std::string& text) {
 
 RenderOptions checked_options(const RenderArguments& arguments) {
   RenderOptions options = arguments.options;
+  // A run that goes on ends where it began.
+  if (options.output.empty()) options.output = options.resume;
   if (options.output.empty())
     options.output = std::filesystem::path(options.scene).stem().string() + ".exr";
   if (!has_extension(options.output, ".exr"))

@@ -11,7 +11,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 2\n";
+constexpr std::string_view kMagic = "plenoflame film 3\n";
 
 /// FNV-1a over the bytes, going on from `hash`: finds damage, not malice.
 std::uint64_t checksum(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u) {
@@ -61,7 +61,9 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   std::string present;
   for (int tile = 0; tile < film.tile_count(); ++tile)
     present += film.tile_sums(tile).empty() ? '\0' : '\1';
-  std::uint64_t sum = checksum(present, checksum(tiles));
+  const std::uint64_t goal_count = film.tile_goals().size();
+  const std::string_view goals = bytes_of(film.tile_goals().data(), film.tile_goals().size());
+  std::uint64_t sum = checksum(present, checksum(goals, checksum(tiles)));
   for (int tile = 0; tile < film.tile_count(); ++tile)
     sum = checksum(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()), sum);
   file.write(kMagic);
@@ -70,6 +72,8 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   file.write(bytes_of(shape.data(), shape.size()));
   file.write(bytes_of(&sum, 1));
   file.write(tiles);
+  file.write(bytes_of(&goal_count, 1));
+  file.write(goals);
   file.write(present);
   for (int tile = 0; tile < film.tile_count(); ++tile)
     file.write(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
@@ -102,8 +106,13 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
   Film film({shape[0], shape[1], shape[2], shape[3]}, shape[4], shape[5]);
   const std::size_t count = film.all_tile_samples().size();
   const std::string_view tiles = reader.take(count * sizeof(double));
+  const auto goal_count = reader.number<std::uint64_t>();
+  if (goal_count != 0 && goal_count != count) throw damaged();
+  const std::string_view goals = reader.take(static_cast<std::size_t>(goal_count) * sizeof(double));
   const std::string_view present = reader.take(count);
-  std::uint64_t found = checksum(present, checksum(tiles));
+  std::uint64_t found = checksum(present, checksum(goals, checksum(tiles)));
+  film.tile_goals().resize(static_cast<std::size_t>(goal_count));
+  if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
   std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
   for (std::size_t i = 0; i < count; ++i) {
     if (present[i] == 0) continue;

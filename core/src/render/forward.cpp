@@ -257,8 +257,13 @@ bool Run::trace_until(std::int64_t points, bool keep_parts) {
 }
 
 void Run::trace_to_target(std::int64_t points) {
-  // The film alone decides how far to go, at the ends of rounds only: a run that goes on from one
-  // of them does what the first would have done.
+  // The film alone decides how far to go, at the ends of rounds only: a run that goes on from there
+  // does what the first would have done.
+  // What a round was to reach is kept with the film: one that was stopped is ended first.
+  const auto goal = [&] {
+    return film_.tile_goals().empty() ? 0 : static_cast<std::int64_t>(film_.tile_goals().front());
+  };
+  if (goal() > done_ && !trace_until(std::min(goal(), points), true)) return;
   while (done_ < points) {
     double growth = 2;
     if (done_ > 0) {
@@ -274,8 +279,9 @@ void Run::trace_to_target(std::int64_t points) {
     const double whole = std::ceil(static_cast<double>(std::max(done_, 2 * per_chunk())) *
                                    std::clamp(growth, 1.1, 2.0) / static_cast<double>(per_chunk()));
     const auto next = static_cast<std::int64_t>(whole) * per_chunk();
-    if (!trace_until(std::min(next, points), false)) return;
-    checkpoints_.offer(film_);
+    film_.tile_goals().assign(static_cast<std::size_t>(film_.tile_count()),
+                              static_cast<double>(std::min(next, points)));
+    if (!trace_until(std::min(next, points), true)) return;
   }
 }
 

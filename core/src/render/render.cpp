@@ -39,6 +39,8 @@ void check(const RenderSettings& settings, const SensorSpec& sensor) {
     throw UsageError("this processor does not support " + std::string(name(settings.isa)));
 }
 
+constexpr double kTellingRays = 1e4;  ///< of fewer it says little that they find no light
+
 /// What a rendering does without, beyond what counters count.
 std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettings& settings) {
   std::vector<std::string> list;
@@ -118,6 +120,16 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     statistics.relative_error_bound = error.bound;
   }
   for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
+  if (statistics.complete && !(statistics.flux > 0) && has_content(scene)) {
+    if (statistics.rays >= kTellingRays)
+      execution.warn(
+          fmt::format("the picture is black: none of {:.3g} rays found light; what is small beside "
+                      "the beams of "
+                      "pixels takes more samples, or the other estimator",
+                      statistics.rays));
+    else if (!(statistics.rays > 0) && window == whole_sensor(sensor))
+      execution.warn("the picture is black: nothing of the scene is in view");
+  }
   field.estimator = forward ? "forward" : "backward";
   field.seed = settings.seed;
   double samples = 0;

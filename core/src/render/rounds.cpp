@@ -79,14 +79,34 @@ bool is_started(const Film& film) {
                      [](double s) { return s > 0; });
 }
 
-/// Whether the target is met. Of a picture that has been dark so far nothing is known: it is dark
-/// where no ray was sent, or after kDarkPoints.
+/// Whether any ray was sent: without, the picture is known to be dark.
+bool is_sent(const Film& film) {
+  for (int t = 0; t < film.tile_count(); ++t)
+    if (!film.tile_sums(t).empty()) return true;
+  return false;
+}
+
+/// Whether the target is met. Of a picture that has been dark so far no relative error is known.
 bool is_met(const Film& film, const TileErrors& errors, const RenderSettings& settings) {
-  if (!(settings.target_error > 0) || errors.stated.bound > settings.target_error) return false;
-  if (errors.mean_flux > 0) return true;
+  return settings.target_error > 0 && errors.stated.bound <= settings.target_error &&
+         (errors.mean_flux > 0 || !is_sent(film));
+}
+
+/// Whether enough rays found no light to give up.
+bool seems_dark(const Film& film, const TileErrors& errors) {
+  if (errors.mean_flux > 0) return false;
   for (int t = 0; t < film.tile_count(); ++t)
     if (!film.tile_sums(t).empty() && film.tile_samples(t) < kDarkPoints) return false;
   return true;
+}
+
+/// Whether a round was decided on and not ended.
+bool in_a_round(const Film& film) {
+  for (int t = 0; t < film.tile_count(); ++t)
+    if (!film.tile_goals().empty() &&
+        film.tile_goals()[static_cast<std::size_t>(t)] > film.tile_samples(t))
+      return true;
+  return false;
 }
 
 /// Mean square error at one sample per replicate, as kErrorSlope foresees it.
@@ -157,27 +177,32 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   Checkpoints checkpoints(settings);
   bool finished = true;
   while (finished) {
-    const TileErrors errors = measure_errors(film, execution);
-    const bool started = is_started(film);
-    if (started) statistics.relative_error = errors.stated.relative_rmse;
-    if (started && is_met(film, errors, settings)) break;
-    const std::vector<int> planned = plan_round(film, settings, errors, limit);
+    if (!in_a_round(film)) {
+      const TileErrors errors = measure_errors(film, execution);
+      if (is_started(film)) {
+        statistics.relative_error = errors.stated.relative_rmse;
+        if (is_met(film, errors, settings)) break;
+        if (settings.target_error > 0 && seems_dark(film, errors)) break;
+      }
+      const std::vector<int> planned = plan_round(film, settings, errors, limit);
+      film.tile_goals().assign(planned.begin(), planned.end());
+      if (!in_a_round(film)) break;
+    }
     // Each tile goes on where its own sequence stands.
     std::map<std::pair<int, int>, std::vector<int>> groups;
     for (int t = 0; t < film.tile_count(); ++t) {
       const int done = static_cast<int>(film.tile_samples(t));
-      const int points = planned[static_cast<std::size_t>(t)] - done;
+      const int points = static_cast<int>(film.tile_goals()[static_cast<std::size_t>(t)]) - done;
       if (points > 0) groups[{done, points}].push_back(t);
     }
-    if (groups.empty()) break;
     for (const auto& [part, tiles] : groups)
       for (int points = 0; points < part.second && finished; points += kMostPoints) {
         const PointRange range{static_cast<std::uint32_t>(part.first + points),
                                std::min(kMostPoints, part.second - points), true};
         finished =
             BackwardPass(scene, settings, range, shared, inner).run(tiles, inner, film, statistics);
+        checkpoints.offer(film);
       }
-    if (finished) checkpoints.offer(film);
   }
   // A time limit that ran out is no interruption: what is there is what was asked for, unless some
   // of the picture has had no ray yet.

@@ -1,5 +1,6 @@
 #include "render/run_control.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <utility>
 
@@ -18,8 +19,10 @@ Deadline::Deadline(std::stop_token outer, double seconds)
 }
 
 void Checkpoints::offer(const Film& film) {
-  if (!settings_.checkpoint || seconds_since(last_) < settings_.checkpoint_seconds) return;
+  const double interval = std::min(interval_, settings_.checkpoint_seconds);
+  if (!settings_.checkpoint || seconds_since(last_) < interval) return;
   settings_.checkpoint(film);
+  interval_ *= 2;
   last_ = std::chrono::steady_clock::now();
 }
 

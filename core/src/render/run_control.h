@@ -29,14 +29,17 @@ class Deadline {
   std::jthread timer_;
 };
 
-/// Calls settings.checkpoint when enough time has passed.
+/// Calls settings.checkpoint when enough time has passed: after kFirstCheckpoint, then at intervals
+/// that double up to settings.checkpoint_seconds.
 class Checkpoints {
  public:
   explicit Checkpoints(const RenderSettings& settings) : settings_(settings) {}
   void offer(const Film& film);
 
  private:
+  static constexpr double kFirstCheckpoint = 5;  ///< [s]
   const RenderSettings& settings_;
+  double interval_ = kFirstCheckpoint;  ///< [s]
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 

@@ -27,6 +27,7 @@ std::string short_length(double value) {
 namespace {
 
 constexpr double kMostPixels = 1e9;
+constexpr double kMostLenses = 1e8;
 /// Faces may touch; this much of the length at hand is rounding.
 constexpr double kTouch = 1e-12;
 
@@ -192,6 +193,13 @@ void check_array(const CameraSpec& camera, Issues& issues) {
             path, fmt::format("microlens types {} and {} are both named {}; names must differ", k,
                               i, quote_for_message(name)));
   }
+  const double per_lens = camera.sensor.pixel_pitch / array.pitch;
+  const double lenses = (camera.sensor.columns * per_lens) * (camera.sensor.rows * per_lens);
+  if (!(lenses < kMostLenses))
+    issues.error("camera.array.pitch",
+                 fmt::format("at a pitch of {} some {:.1g} microlenses stand before the sensor; "
+                             "{:.0e} are the most",
+                             short_length(array.pitch), lenses, kMostLenses));
   if (array.diameter > array.pitch)
     issues.error_among(
         {"camera.array.diameter", "camera.array.pitch"},

@@ -53,6 +53,11 @@ class Film {
   /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
   FilmImages images(int channel, const Execution& execution = {}) const;
 
+  /// Samples per replicate that the round in progress brings each tile to: what has been decided
+  /// goes with what has been gathered. Empty as long as nothing has.
+  const std::vector<double>& tile_goals() const { return tile_goals_; }
+  std::vector<double>& tile_goals() { return tile_goals_; }
+
   /// Samples of all tiles: to keep a film in a file and to continue it.
   const std::vector<double>& all_tile_samples() const { return tile_samples_; }
   std::vector<double>& all_tile_samples() { return tile_samples_; }
@@ -69,7 +74,7 @@ class Film {
   PixelWindow window_;
   int channels_ = 0, replicates_ = 0;
   std::vector<std::vector<double>> sums_;
-  std::vector<double> tile_samples_;
+  std::vector<double> tile_samples_, tile_goals_;
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors

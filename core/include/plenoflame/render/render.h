@@ -49,7 +49,8 @@ struct RenderSettings {
   /// A film of the same scene and settings to go on from; its sums are continued as if there had
   /// been no break.
   const Film* resume = nullptr;
-  /// Called between units of work, at most every checkpoint_seconds, with a consistent film.
+  /// Called between units of work, after 5 s and then at intervals that double up to
+  /// checkpoint_seconds, with a consistent film.
   std::function<void(const Film&)> checkpoint;
   double checkpoint_seconds = 60;
 };
