@@ -120,6 +120,19 @@ if chosen paper-objects-5m; then
     out/panel-paper-objects-5m.png
 fi
 picture paper-objects-r29 0.5,0.5
+if chosen paper-objects-r29; then # views, planes and depth of docs/light-fields.md
+  raw=out/paper-objects-r29.exr
+  rm -rf out/objects-views out/objects-planes out/objects-depth
+  "$plenoflame" views "$raw" -o out/objects-views --grid 3
+  convert out/objects-views/contact.png -filter point -resize 300% -depth 8 -strip docs/images/objects-views.png
+  "$plenoflame" refocus "$raw" -o out/objects-planes --depths 1.3m:1.5m:2 --size 250
+  convert out/objects-planes/*.png -filter point -resize 200% -background gray30 +smush 8 -depth 8 -strip \
+    docs/images/objects-refocus.png
+  "$plenoflame" refocus "$raw" -o out/objects-depth --depths 1.2m:2m:17 --size 250 --all-in-focus
+  convert out/objects-depth/all_in_focus.png out/objects-depth/depth.png -filter point -resize 200% \
+    -background gray30 +smush 8 -depth 8 -strip docs/images/objects-depth.png
+  echo "docs/images/objects-views.png docs/images/objects-refocus.png docs/images/objects-depth.png"
+fi
 if chosen burner; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture burner 0.5,0.45
 picture calibration-plate 0.3,0.3

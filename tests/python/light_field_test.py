@@ -8,6 +8,7 @@ import time
 import numpy
 from package import PackageTest, main
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
 
 import plenoflame
 
@@ -50,6 +51,22 @@ class LightFields(PackageTest):
         read = plenoflame.read_light_field(self.folder / "b.exr")
         numpy.testing.assert_array_equal(read.flux, field.flux)
         self.assertEqual(read.window, (30, 20, 25, 11))
+
+    def test_vti_is_still_a_light_field(self):
+        """Through VTK's own writer and reader, as ParaView does it."""
+        field = self.scene().render(samples=4, window=(10, 12, 60, 50))
+        writer = vtkXMLImageDataWriter()
+        writer.SetFileName(str(self.folder / "a.vti"))
+        writer.SetInputData(field.image)
+        self.assertTrue(writer.Write())
+        reader = vtkXMLImageDataReader()
+        reader.SetFileName(str(self.folder / "a.vti"))
+        reader.Update()
+        read = plenoflame.LightField(reader.GetOutput())
+        numpy.testing.assert_array_equal(read.flux, field.flux)
+        numpy.testing.assert_array_equal(read.error, field.error)
+        self.assertEqual((read.window, read.scene_text), (field.window, field.scene_text))
+        numpy.testing.assert_array_equal(read.refocus(1.0).image, field.refocus(1.0).image)
 
     def test_image_is_upright(self):
         """The flame's foot is at the bottom of the picture, its tip at the top."""

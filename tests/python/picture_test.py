@@ -97,6 +97,8 @@ class Pictures(PackageTest):
     def test_bad_input(self):
         with self.assertRaisesRegex(plenoflame.Error, "view 'moon'"):
             self.drawn(view="moon")
+        with self.assertRaisesRegex(plenoflame.Error, "coloured by 'mood'"):
+            self.drawn(colour_by="mood")
         self.scene(60).save(self.folder / "a.toml")
         self.assertIn("outside of the sensor",
                       self.command("picture", "a.toml", "--pixel", "70,3", "-o", "p.png", status=1))

@@ -17,22 +17,30 @@
 #include <vtkHDFReader.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
+#include <vtkLogger.h>
 #include <vtkMFIXReader.h>
 #include <vtkMultiBlockPLOT3DReader.h>
 #include <vtkNetCDFCFReader.h>
 #include <vtkNew.h>
 #include <vtkOpenFOAMReader.h>
+#include <vtkOutputWindow.h>
 #include <vtkPlot3DMetaReader.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkStringOutputWindow.h>
 #include <vtkTecplotReader.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
 #include <vtkXMLGenericDataObjectReader.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <sstream>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
 #include "raw_bricks.h"
 
 namespace plenoflame::simulation {
@@ -126,10 +134,59 @@ std::vector<Format> formats() {
   };
 }
 
+/// Formats that people try and this VTK has no reader for: what to do instead.
+void refuse_unreadable(const std::string& path) {
+  const auto refuse = [&](const std::string& what) { throw InputError("'" + path + "': " + what); };
+  if (path.ends_with(".xdmf") || path.ends_with(".xmf"))
+    refuse(
+        "VTK is built without a reader of Xdmf here; save the data as .vtu, .vtm or .pvd (in "
+        "ParaView: File, Save Data)");
+  if (path.ends_with(".cas.h5") || path.ends_with(".dat.h5"))
+    refuse(
+        "VTK 9.1 has no reader of Fluent's HDF5 files; export from Fluent as CGNS or EnSight, or "
+        "as "
+        "legacy .cas");
+}
+
+/// The steps of a .pvd file: its files by time, those of one time together.
+std::map<double, std::vector<std::string>> read_series(const std::string& path) {
+  std::istringstream text(read_file(path));
+  vtkNew<vtkXMLDataParser> parser;
+  vtkNew<vtkCallbackCommand> silent;  // what is wrong with the XML is said below
+  silent->SetCallback([](vtkObject*, unsigned long, void*, void*) {});
+  parser->AddObserver(vtkCommand::ErrorEvent, silent);
+  parser->SetStream(&text);
+  vtkXMLDataElement* const root = parser->Parse() ? parser->GetRootElement() : nullptr;
+  vtkXMLDataElement* const collection =
+      root ? root->FindNestedElementWithName("Collection") : nullptr;
+  if (!collection) throw InputError("'" + path + "' is no .pvd file: it has no Collection");
+  std::map<double, std::vector<std::string>> steps;
+  for (int i = 0; i < collection->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const entry = collection->GetNestedElement(i);
+    if (!entry->GetName() || std::string(entry->GetName()) != "DataSet") continue;
+    const char* const file = entry->GetAttribute("file");
+    double time = 0;
+    const bool timed = entry->GetAttribute("timestep");
+    if (!file || (timed && entry->GetScalarAttribute("timestep", time) == 0))
+      throw InputError("'" + path + "': DataSet " + std::to_string(i) +
+                       " of its Collection has no file, or a timestep that is no number");
+    if (std::string(file).ends_with(".pvd"))
+      throw InputError("'" + path + "': its Collection names another one, '" + file + "'");
+    steps[time].push_back((std::filesystem::path(path).parent_path() / file).string());
+  }
+  if (steps.empty()) throw InputError("'" + path + "': its Collection names no files");
+  return steps;
+}
+
 double cell_size(vtkDataSet& data) {
   return data.GetNumberOfCells() > 0
              ? data.GetLength() / std::cbrt(static_cast<double>(data.GetNumberOfCells()))
              : 0;
+}
+
+void sort_by_cell_size(std::vector<vtkSmartPointer<vtkDataSet>>& parts) {
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const auto& a, const auto& b) { return cell_size(*a) < cell_size(*b); });
 }
 
 }  // namespace
@@ -148,6 +205,11 @@ class SimulationReader::ErrorLog {
     reader.AddObserver(vtkCommand::ErrorEvent, callback_);
     reader.GetExecutive()->AddObserver(vtkCommand::ErrorEvent, callback_);
   }
+  /// Note what readers within the reader said, whom nobody watches.
+  void add(const std::string& output) {
+    if (const auto at = output.find("ERROR:"); first_.empty() && at != std::string::npos)
+      first_ = output.substr(at);
+  }
   /// @throws InputError when there was an error
   void check(const std::string& path, const std::string& format) const {
     if (first_.empty()) return;
@@ -162,6 +224,31 @@ class SimulationReader::ErrorLog {
   std::string first_;
 };
 
+namespace {
+
+/// Collects what VTK would print, as long as it lives.
+class CollectedOutput {
+ public:
+  CollectedOutput() {
+    vtkOutputWindow::SetInstance(window_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~CollectedOutput() {
+    vtkLogger::SetStderrVerbosity(verbosity_);
+    vtkOutputWindow::SetInstance(before_);
+  }
+  CollectedOutput(const CollectedOutput&) = delete;
+  CollectedOutput& operator=(const CollectedOutput&) = delete;
+  std::string text() { return window_->GetOutput(); }
+
+ private:
+  vtkSmartPointer<vtkOutputWindow> before_ = vtkOutputWindow::GetInstance();
+  vtkLogger::Verbosity verbosity_ = vtkLogger::GetCurrentVerbosityCutoff();
+  vtkNew<vtkStringOutputWindow> window_;
+};
+
+}  // namespace
+
 SimulationReader::SimulationReader(const std::string& path, const std::string& second)
     : path_(path), errors_(std::make_unique<ErrorLog>()) {
   namespace fs = std::filesystem;
@@ -174,6 +261,17 @@ SimulationReader::SimulationReader(const std::string& path, const std::string& s
     raw_ = read_raw_bricks(path);
     return;
   }
+  if (path.ends_with(".pvd")) {
+    format_ = "ParaView collection";
+    times_.clear();
+    for (auto& [time, files] : read_series(path)) {
+      times_.push_back(time);
+      series_.push_back(std::move(files));
+    }
+    return;
+  }
+  refuse_unreadable(path);
+  CollectedOutput output;
   if (fs::is_directory(path, error)) {
     if (!fs::exists(fs::path(path) / "Header", error))
       throw InputError("'" + path +
@@ -198,10 +296,11 @@ SimulationReader::SimulationReader(const std::string& path, const std::string& s
       }
     if (!reader_)
       throw InputError("'" + path + "': there is no reader for this ending; known are " + known +
-                       ", .json (raw bricks) and the folder of an AMReX plotfile");
+                       ", .pvd (series), .json (raw bricks) and the folder of an AMReX plotfile");
     errors_->watch(*reader_);
   }
   reader_->UpdateInformation();
+  errors_->add(output.text());
   errors_->check(path_, format_);
   vtkInformation* const information = reader_->GetOutputInformation(0);
   if (information->Has(vtkStreamingDemandDrivenPipeline::TIME_STEPS()))
@@ -218,10 +317,20 @@ std::vector<vtkSmartPointer<vtkDataSet>> SimulationReader::read(std::size_t step
                      " time steps; there is no step " + std::to_string(step) + " (counted from 0)");
   std::vector<vtkSmartPointer<vtkDataSet>> parts;
   if (raw_) return {raw_};
-  if (times_.size() > 1)
-    reader_->UpdateTimeStep(times_[step]);
-  else
-    reader_->Update();
+  if (!series_.empty()) {
+    for (const std::string& file : series_[step])
+      for (auto& part : SimulationReader(file, "").read(0)) parts.push_back(std::move(part));
+    sort_by_cell_size(parts);
+    return parts;
+  }
+  {
+    CollectedOutput output;
+    if (times_.size() > 1)
+      reader_->UpdateTimeStep(times_[step]);
+    else
+      reader_->Update();
+    errors_->add(output.text());
+  }
   errors_->check(path_, format_);
   vtkDataObject* const output = reader_->GetOutputDataObject(0);
   if (auto* const single = vtkDataSet::SafeDownCast(output)) {
@@ -233,8 +342,7 @@ std::vector<vtkSmartPointer<vtkDataSet>> SimulationReader::read(std::size_t step
         parts.emplace_back(leaf);
   }
   if (parts.empty()) throw InputError("'" + path_ + "' holds no mesh");
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const auto& a, const auto& b) { return cell_size(*a) < cell_size(*b); });
+  sort_by_cell_size(parts);
   return parts;
 }
 

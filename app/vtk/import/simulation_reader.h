@@ -10,7 +10,7 @@ class vtkDataSet;
 
 namespace plenoflame::simulation {
 
-/// Any file of a simulation that VTK reads.
+/// Any file of a simulation that VTK reads, and series of them in a .pvd file.
 class SimulationReader {
  public:
   /// Chooses the reader by the name's ending; a folder with a file Header is an AMReX plotfile.
@@ -27,9 +27,9 @@ class SimulationReader {
   const std::string& format() const { return format_; }
 
  private:
-  void open();
   std::string path_, format_;
   vtkSmartPointer<vtkAlgorithm> reader_;
+  std::vector<std::vector<std::string>> series_;  ///< files of each step of a .pvd
   vtkSmartPointer<vtkDataSet> raw_;
   std::vector<double> times_;
   class ErrorLog;

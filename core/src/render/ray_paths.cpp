@@ -156,6 +156,17 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
     if (only) keep_lens(*only, own);
   };
   if (!parallel_for(execution, parts.size(), trace)) throw Cancelled();
+  // Room for all at once: a million rays take hundreds of megabytes.
+  std::size_t rays = paths.rays.size(), radiances = paths.radiance.size(),
+              vertices = paths.vertices.size();
+  for (const RayPaths& part : parts) {
+    rays += part.rays.size();
+    radiances += part.radiance.size();
+    vertices += part.vertices.size();
+  }
+  paths.rays.reserve(rays);
+  paths.radiance.reserve(radiances);
+  paths.vertices.reserve(vertices);
   for (RayPaths& part : parts) join(part, paths);
 }
 

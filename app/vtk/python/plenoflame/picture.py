@@ -7,6 +7,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from ._run import Error, errors_of
 
 _VIEWS = ("scene", "camera", "array", "flame")
+_COLOURS = ("type", "status")
 
 
 def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colour_by="type", pixel=None,
@@ -24,6 +25,8 @@ def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colo
     from . import vtkPlenoflameViews as views
     if view not in _VIEWS:
         raise Error(f"there is no view {view!r}; there are {', '.join(_VIEWS)}")
+    if colour_by not in _COLOURS:
+        raise Error(f"rays are not coloured by {colour_by!r}; there are {', '.join(_COLOURS)}")
     drawing = views.vtkPlenoflameScenePicture()
     if not drawing.CanRender():
         raise Error(drawing.GetWhyNot())
@@ -33,7 +36,7 @@ def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colo
         drawing.SetRays(rays.polydata)
     if light_field is not None:
         drawing.SetSensorImage(light_field.image)
-    drawing.SetRayColoring(("type", "status").index(colour_by))
+    drawing.SetRayColoring(_COLOURS.index(colour_by))
     if pixel is not None:
         drawing.SetPixel(*pixel)
     drawing.SetSize(*size)

@@ -1,0 +1,33 @@
+from os import PathLike
+from typing import Any, ClassVar, Union
+
+from numpy import ndarray
+
+class Rays:
+    STATUSES: ClassVar[tuple[str, ...]]
+    polydata: Any
+    pixel: ndarray
+    microlens: ndarray
+    type: ndarray
+    status: ndarray
+    ended_at: ndarray
+    wavelength: ndarray
+    weight: ndarray
+    radiance: ndarray
+    optical_thickness: ndarray
+    surface: ndarray
+    refractive_index: ndarray
+    distance: ndarray
+    temperature: ndarray
+    absorption: ndarray
+    def __init__(self, polydata: Any) -> None: ...
+    def __len__(self) -> int: ...
+    @property
+    def points(self) -> ndarray: ...
+    @property
+    def offsets(self) -> ndarray: ...
+    @property
+    def surfaces(self) -> list[str]: ...
+    def __getattr__(self, name: str) -> ndarray: ...
+    def path(self, i: int) -> ndarray: ...
+    def save(self, path: Union[str, PathLike[str]]) -> None: ...

@@ -1,0 +1,86 @@
+"""The type stubs (.pyi) say what the package has: the same names, parameters and defaults, no more and no fewer."""
+
+import ast
+import importlib
+import inspect
+import pathlib
+
+from package import PackageTest, main
+
+import plenoflame
+
+FOLDER = pathlib.Path(plenoflame.__file__).parent
+
+
+def parameters(function):
+    """[(name, kind, has a default)] of a function in a stub."""
+    arguments = function.args
+    positional = [*arguments.posonlyargs, *arguments.args]
+    defaults = [False] * (len(positional) - len(arguments.defaults)) + [True] * len(arguments.defaults)
+    kinds = inspect.Parameter
+    found = [(a.arg, kinds.POSITIONAL_OR_KEYWORD, d) for a, d in zip(positional, defaults)]
+    if arguments.vararg:
+        found.append((arguments.vararg.arg, kinds.VAR_POSITIONAL, False))
+    found += [(a.arg, kinds.KEYWORD_ONLY, d is not None) for a, d in zip(arguments.kwonlyargs, arguments.kw_defaults)]
+    if arguments.kwarg:
+        found.append((arguments.kwarg.arg, kinds.VAR_KEYWORD, False))
+    return found
+
+
+def own(namespace, module):
+    """Functions and classes that a module or class defines itself."""
+    found = {}
+    for name, value in vars(namespace).items():
+        function = value.fget if isinstance(value, property) else value
+        if (inspect.isfunction(function) or inspect.isclass(function)) and function.__module__ == module:
+            found[name] = function
+    return found
+
+
+class Stubs(PackageTest):
+    def compare(self, body, namespace, module, place):
+        stub = {node.name: node for node in body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+        real = own(namespace, module)
+        public = {name for name in real if not name.startswith("_") or name in stub}
+        self.assertEqual(set(stub), public, place)
+        for name, node in stub.items():
+            if isinstance(node, ast.ClassDef):
+                self.assertTrue(inspect.isclass(real[name]), name)
+                self.compare(node.body, real[name], module, f"{place}.{name}")
+                continue
+            signature = inspect.signature(getattr(real[name], "__wrapped__", real[name]))
+            expected = [(p.name, p.kind, p.default is not p.empty) for p in signature.parameters.values()]
+            self.assertEqual(parameters(node), expected, f"{place}.{name}")
+            self.assertIsNotNone(node.returns, f"{place}.{name} has no result type")
+
+    def test_stubs_are_the_package(self):
+        names = sorted(path.stem for path in FOLDER.glob("*.pyi"))
+        self.assertEqual(names, sorted(path.stem for path in FOLDER.glob("*.py")))
+        for name in names:
+            if name == "__init__":
+                continue
+            tree = ast.parse((FOLDER / (name + ".pyi")).read_text())
+            module = importlib.import_module("plenoflame." + name)
+            self.compare(tree.body, module, module.__name__, name)
+
+    def test_package_names(self):
+        tree = ast.parse((FOLDER / "__init__.pyi").read_text())
+        named = {alias.asname for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names if alias.asname}
+        self.assertEqual(named | {"vtk"}, set(plenoflame.__all__))
+
+    def test_arrays_of_rays(self):
+        """Attributes of Rays are arrays of the data."""
+        tree = ast.parse((FOLDER / "rays.pyi").read_text())
+        (rays,) = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+        named = {node.target.id for node in rays.body if isinstance(node, ast.AnnAssign)} - {"STATUSES", "polydata"}
+        data = self.scene().rays(pixels=[(40, 40)], rays=2).polydata
+        arrays = {group.GetArrayName(i) for group in (data.GetCellData(), data.GetPointData())
+                  for i in range(group.GetNumberOfArrays())}
+        self.assertEqual(named, arrays)
+
+    def test_marked_as_typed(self):
+        self.assertTrue((FOLDER / "py.typed").exists())
+
+
+if __name__ == "__main__":
+    main()
