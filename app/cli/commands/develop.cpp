@@ -80,7 +80,9 @@ int run_develop(const Settings& settings) {
   const LightField light_field = read_light_field(settings.input);
   if (frames)
     return develop_sensor(settings.sensor, light_field, needed_scene(settings.input, light_field),
-                          settings.channel, output, settings.json);
+                          settings.channel, settings.input, output, settings.json);
+  if (settings.colour && light_field.unit == "e-")
+    throw InputError("the light field holds electrons; make the colour picture from the one in W");
   if (settings.colour)
     return develop_colour(
         light_field, needed_scene(settings.input, light_field),

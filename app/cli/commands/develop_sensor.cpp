@@ -10,6 +10,7 @@
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/tiff_file.h"
 #include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/spectral.h"
 #include "report.h"
@@ -88,12 +89,15 @@ void write_numbers(const std::string& path, const SensorFrame& frame, const Sens
 }
 
 /// The standard error of each pixel by its own electrons.
-Image error_of(const Image& electrons, const SensorSpec& sensor) {
+/// @param counts of how many recorded pixels each is the mean; nullptr: of one
+Image error_of(const Image& electrons, const SensorSpec& sensor, const Image* counts = nullptr) {
   Image error(electrons.width, electrons.height);
   for (std::size_t i = 0; i < error.pixels.size(); ++i) {
     const double shot =
         sensor.shot_noise ? std::max(0.0, static_cast<double>(electrons.pixels[i])) : 0.0;
-    error.pixels[i] = static_cast<float>(std::sqrt(shot + sensor.read_noise * sensor.read_noise));
+    const double count = counts ? std::max(1.0, static_cast<double>(counts->pixels[i])) : 1.0;
+    error.pixels[i] =
+        static_cast<float>(std::sqrt((shot + sensor.read_noise * sensor.read_noise) / count));
   }
   return error;
 }
@@ -121,7 +125,7 @@ class Developer {
     }
     // Channels are frames of their own, with noise of their own.
     FrameSettings own = settings;
-    own.number = settings.number * 64 + (mosaic() ? 0 : channel);
+    own.number = mix64(settings.number) + (mosaic() ? 0 : channel);
     return expose(seen, field_.window, field_.sensor_width, sensor_, own, execution_);
   }
 
@@ -134,14 +138,17 @@ class Developer {
     if (mosaic()) {
       last = frame(0, settings);
       std::vector<Image> colours = demosaic(last.electrons, sensor_.mosaic, field_.window);
+      const std::vector<Image> counts = demosaiced_from(sensor_.mosaic, field_.window);
       for (std::size_t c = 0; c < 3; ++c) {
-        Image error = error_of(colours[c], sensor_);
+        Image error = error_of(colours[c], sensor_, &counts[c]);
         out.channels.push_back({field_.channels[c].name, std::move(colours[c]), std::move(error)});
       }
       out.layers["sensor.raw"] = last.electrons;
     } else {
       for (std::size_t c = 0; c < channels_.size(); ++c) {
+        const std::size_t saturated = last.saturated;
         last = frame(c, settings);
+        last.saturated = std::max(last.saturated, saturated);  // of the worst channel
         out.channels.push_back(
             {field_.channels[c].name, last.electrons, error_of(last.electrons, sensor_)});
       }
@@ -194,7 +201,10 @@ std::vector<double> channel_wavelengths(const Scene& scene) {
 }
 
 int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
-                   const std::string& channel, const std::string& output, bool json) {
+                   const std::string& channel, const std::string& input, const std::string& output,
+                   bool json) {
+  if (light_field.unit == "e-")
+    throw InputError("the light field holds electrons already; develop the one in W");
   const SensorSpec sensor = with_noise(scene.camera.sensor, options);
   const std::vector<double> times = times_of(options, sensor);
   Execution execution;
@@ -205,16 +215,23 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
   while (light_field.channels[index].name != name) ++index;
   Report report;
   nlohmann::json list = nlohmann::json::array();
-  for (const double time : times)
+  std::vector<std::string> written;
+  for (std::size_t t = 0; t < times.size(); ++t)
     for (int f = 0; f < options.frames; ++f) {
+      const double time = times[t];
       FrameSettings settings;
       settings.exposure_time = time > 0 ? time : developer.automatic();
       settings.light = !options.dark;
-      settings.number = static_cast<std::uint64_t>(f);
+      settings.number = static_cast<std::uint64_t>(f) << 32 | t;
       std::string path = output;
       if (times.size() > 1)
         path = numbered(path, without_blanks(readable(settings.exposure_time, Dimension::time)));
       if (options.frames > 1) path = numbered(path, std::to_string(f + 1));
+      // Numbered names are new names: neither the input nor each other may be overwritten.
+      check_not_overwritten("--output", path, input);
+      if (std::find(written.begin(), written.end(), path) != written.end())
+        throw UsageError("--exposure: two times have the same name, '" + path + "'");
+      written.push_back(path);
       SensorFrame frame;
       if (path.ends_with(".exr")) {
         write_light_field(path, developer.electrons(settings, frame));

@@ -26,7 +26,8 @@ struct SensorOptions {
 /// Frames as the sensor would give them away: .png and .tif hold digital numbers of one channel
 /// (or of the mosaic), .exr electrons of all channels.
 int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
-                   const std::string& channel, const std::string& output, bool json);
+                   const std::string& channel, const std::string& input, const std::string& output,
+                   bool json);
 
 /// Wavelengths [m] of the photons of the scene's channels; 0: all.
 std::vector<double> channel_wavelengths(const Scene& scene);

@@ -94,7 +94,9 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
   frame.electrons = Image(window.width, window.height);
   frame.numbers.resize(frame.electrons.pixels.size());
   const double time = frame.exposure_time;
-  const std::uint64_t key = mix64(mix64(sensor.noise_seed) + settings.number);
+  // Dark frames are other frames than those with light: their noise must not cancel.
+  const std::uint64_t key =
+      mix64(mix64(mix64(sensor.noise_seed) + settings.number) + (settings.light ? 0u : 1u));
   std::atomic<std::size_t> saturated = 0;
   std::atomic<bool> good = true;
   const auto row_of = [&](std::size_t line, int) {
@@ -153,6 +155,22 @@ std::vector<Image> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow
                      : static_cast<float>(count[c] > 0 ? sum[c] / count[c] : 0);
     }
   return colours;
+}
+
+std::vector<Image> demosaiced_from(MosaicPattern pattern, PixelWindow window) {
+  std::vector<Image> counts(3, Image(window.width, window.height, 1));
+  for (int row = 0; row < window.height; ++row)
+    for (int column = 0; column < window.width; ++column) {
+      int count[3] = {};
+      for (int y = std::max(0, row - 1); y <= std::min(window.height - 1, row + 1); ++y)
+        for (int x = std::max(0, column - 1); x <= std::min(window.width - 1, column + 1); ++x)
+          ++count[mosaic_colour(pattern, window.x + x, window.y + y)];
+      const int own = mosaic_colour(pattern, window.x + column, window.y + row);
+      for (int c = 0; c < 3; ++c)
+        if (c != own)
+          counts[static_cast<std::size_t>(c)].at(column, row) = static_cast<float>(count[c]);
+    }
+  return counts;
 }
 
 }  // namespace plenoflame

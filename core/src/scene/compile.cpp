@@ -1,5 +1,7 @@
 #include "plenoflame/scene/compile.h"
 
+#include <fmt/format.h>
+
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/scene/glass_indices.h"
@@ -94,6 +96,14 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   Camera camera(scene.camera);  // its warnings are among those of validate()
   PupilSampling pupils(camera, execution);
   const SpectralNodes nodes = spectral_nodes(scene, positions);
+  constexpr double kTellingError = 1e-3;
+  if (nodes.error > kTellingError)
+    execution.warn(
+        fmt::format("the channels' radiance is known to {:.2g} % only: responses as narrow or "
+                    "spectra as steep as "
+                    "these need more than the wavelengths that stand for a channel; split the "
+                    "channel into bands",
+                    100 * nodes.error));
   const std::vector<SourceFunction>& channels = nodes.sources;
   std::vector<std::unique_ptr<Medium>> media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i)

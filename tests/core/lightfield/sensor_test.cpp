@@ -125,6 +125,34 @@ TEST(Sensor, NoiseBelongsToThePixel) {
   EXPECT_EQ(c.electrons.at(2, 1), a.electrons.at(7, 7));
 }
 
+TEST(Sensor, ADarkFrameHasNoiseOfItsOwn) {
+  // Without light both see the same; what they scatter by must not cancel when one is subtracted.
+  SensorSpec sensor = quiet();
+  sensor.read_noise = 10;
+  sensor.full_well = 1e6;
+  const Image black(kWindow.width, kWindow.height);
+  const SensorFrame light = one(black, sensor, 1e-3), dark = one(black, sensor, 1e-3, false);
+  double squares = 0;
+  for (std::size_t i = 0; i < light.electrons.pixels.size(); ++i)
+    squares += std::pow(static_cast<double>(light.electrons.pixels[i]) -
+                            static_cast<double>(dark.electrons.pixels[i]),
+                        2);
+  // A sum of n squared deviates of variance 2 * 10^2 scatters by sqrt(2 / n) of itself.
+  const auto n = static_cast<double>(light.electrons.pixels.size());
+  EXPECT_TRUE(test::within_standard_errors(squares / n, 200, 200 * std::sqrt(2 / n), 4));
+}
+
+TEST(Sensor, DemosaicedPixelsAreMeansOfSoMany) {
+  const std::vector<Image> counts = demosaiced_from(MosaicPattern::rggb, {0, 0, 6, 6});
+  // Red at even columns and rows: itself; green there of 4, blue of 4; red at green pixels of 2.
+  EXPECT_EQ(counts[0].at(2, 2), 1);
+  EXPECT_EQ(counts[1].at(2, 2), 4);
+  EXPECT_EQ(counts[2].at(2, 2), 4);
+  EXPECT_EQ(counts[0].at(3, 2), 2);
+  EXPECT_EQ(counts[0].at(3, 3), 4);
+  EXPECT_EQ(counts[2].at(0, 0), 1) << "the corner has one blue neighbour";
+}
+
 TEST(Sensor, DefectsStayWhereTheyAre) {
   SensorSpec sensor = quiet();
   sensor.hot_pixels = 0.1;

@@ -25,7 +25,8 @@ struct SensorFrame {
 struct FrameSettings {
   double exposure_time = 0;  ///< [s]; 0: automatic_exposure()
   bool light = true;         ///< false: a dark frame
-  std::uint64_t number = 0;  ///< frames of other numbers have other noise
+  /// Frames of other numbers have other noise, and so have frames with and without light.
+  std::uint64_t number = 0;
 };
 
 /// A channel as the sensor sees it.
@@ -61,5 +62,8 @@ int mosaic_colour(MosaicPattern pattern, int column, int row);
 /// neighbours that have. For display; edges get coloured fringes.
 /// @param window place of the image on the sensor @throws InputError without a mosaic
 std::vector<Image> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow window);
+
+/// Of how many recorded pixels demosaic() takes the mean, for each colour and pixel.
+std::vector<Image> demosaiced_from(MosaicPattern pattern, PixelWindow window);
 
 }  // namespace plenoflame
