@@ -6,12 +6,14 @@
 #include <cmath>
 #include <memory>
 
+#include "options.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::cli {
 namespace {
 
-constexpr double kImpossible = -1e30;
+constexpr double kImpossible = -1e30, kOverlapping = -1e20;
+constexpr double kTouching = 1e-9;  ///< pixels: the rounding of an overlap of none
 constexpr int kGlobalPerVariable = 1500, kLocalPerVariable = 400, kTracedPerVariable = 60;
 
 struct OptimizerDeleter {
@@ -24,7 +26,6 @@ class Problem {
  public:
   Problem(const CameraSpec& start, const OptimizerTask& task) : start_(start), task_(task) {
     const Camera camera(start);
-    allowed_overlap_ = std::max(0.0, overlap_pixels(camera));
     for (const Microlens& lens : camera.microlenses())
       focal_lengths_.push_back(lens.first_order.focal_length);
     for (const std::string& name : task.vary) {
@@ -33,6 +34,9 @@ class Problem {
       for (std::size_t k = 0; k < count; ++k) variables_.push_back({name, k});
     }
     if (variables_.empty()) throw InputError("nothing is to be varied; choose with --vary");
+    const bool free = std::any_of(variables_.begin(), variables_.end(),
+                                  [](const Variable& v) { return v.name != "focal"; });
+    allowed_overlap_ = task.overlap.value_or(free ? 0.0 : std::max(0.0, overlap_pixels(camera)));
   }
 
   std::size_t size() const { return variables_.size(); }
@@ -58,21 +62,22 @@ class Problem {
     return changed_camera(start_, change);
   }
 
-  /// What is maximised: the merit, less what overlaps; very low for what cannot be.
+  double allowed_overlap() const { return allowed_overlap_; }
+
+  /// What is maximised: the merit; where micro-images overlap, less than any, and the less the more
+  /// they do; very low for what cannot be.
   double value(const double* x) {
     ++evaluations_;
     try {
       const Camera camera(camera_at(x));
-      const double excess = std::max(0.0, overlap_pixels(camera) - allowed_overlap_);
+      const double excess = overlap_pixels(camera) - allowed_overlap_;
+      if (excess > kTouching) return kOverlapping * (1 + excess);
       const double found = merit(camera, task_.merit, traced_);
-      if (!std::isfinite(found)) return kImpossible;
-      // A pixel of overlap costs as much as the whole merit.
-      return found - excess * std::max(scale_, 1e-3);
+      return std::isfinite(found) ? found : kImpossible;
     } catch (const InputError&) {
       return kImpossible;
     }
   }
-  void set_scale(double scale) { scale_ = std::fabs(scale); }
 
  private:
   struct Variable {
@@ -83,7 +88,7 @@ class Problem {
   const OptimizerTask& task_;
   std::vector<Variable> variables_;
   std::vector<double> focal_lengths_;
-  double allowed_overlap_ = 0, scale_ = 1;
+  double allowed_overlap_ = 0;
   bool traced_ = false;
   int evaluations_ = 0;
 };
@@ -118,7 +123,6 @@ void improve(Problem& problem, nlopt_algorithm algorithm, const OptimizerTask& t
 OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& task) {
   Problem problem(start, task);
   std::vector<double> x(problem.size(), 0.0);
-  problem.set_scale(merit(Camera(start), task.merit, false));
   const int n = static_cast<int>(problem.size());
   nlopt_srand(1);
   improve(problem, NLOPT_GN_CRS2_LM, task, kGlobalPerVariable * n, 0, 0.1, x);
@@ -132,6 +136,13 @@ OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& ta
   }
   OptimizerResult result;
   result.camera = problem.camera_at(x.data());
+  const double overlap = overlap_pixels(Camera(result.camera));
+  if (overlap > problem.allowed_overlap() + kTouching)
+    throw InputError("no camera within the bounds has micro-images that overlap by at most " +
+                     readable_number(problem.allowed_overlap()) + " pixels: it would be " +
+                     readable_number(overlap) +
+                     " at least; vary aperture, spacing or pitch, raise --bound, or allow more "
+                     "with --overlap");
   result.merit = merit(Camera(result.camera), task.merit, task.traced);
   result.evaluations = problem.evaluations();
   return result;

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct OptimizerTask {
   MicrolensFreedom freedom = MicrolensFreedom::index;
   MicrolensLimits limits;
   double time_limit = 50;  ///< [s] for the part with rays
+  /// How far micro-images may overlap [pixels]; none: not at all, or, where nothing that is varied
+  /// could change it, as far as at the start.
+  std::optional<double> overlap;
 };
 
 struct OptimizerResult {
@@ -23,10 +27,12 @@ struct OptimizerResult {
 };
 
 /// Maximises the merit. Constraints: microlenses can be made, the camera can exist, micro-images
-/// overlap no more than at the start. First over the whole range by the formulas (controlled random
+/// overlap no more than allowed. First over the whole range by the formulas (controlled random
 /// search with a fixed seed), then locally, by rays where asked for (Nelder-Mead on subspaces),
-/// both of NLopt. The result is never worse than the start.
-/// @throws InputError when the start itself is impossible or nothing is to be varied
+/// both of NLopt. The result is never worse than a start that keeps the constraints.
+/// @throws InputError when the start itself is impossible, nothing is to be varied, or no camera
+/// within
+///         the bounds keeps the constraints
 OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& task);
 
 }  // namespace plenoflame::cli

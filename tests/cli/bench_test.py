@@ -51,6 +51,20 @@ class Bench(CommandTest):
         self.assertTrue(self.read("out.png").startswith(b"\x89PNG\r\n\x1a\n"))
         self.assertIn(b"</svg>", self.read("out.svg"))
 
+    def test_reference_of_changed_surfaces_is_computed_again(self):
+        """The scene's text is the same, its files are not."""
+        mesh = "v 0.9 -1 -1\nv 0.9 1 -1\nv 0.9 0 1\nf 1 2 3\n"
+        self.write("thing.obj", mesh)
+        self.write("s.toml", SCENE + '[[surfaces]]\nshape = "mesh"\nfile = "thing.obj"\nposition = ["0.3 m", "0 m", '
+                   '"0 m"]\n[[lights]]\npower = "1 W"\nposition = ["0 m", "1 m", "0 m"]\n')
+        quick = ("--window", "1480,1490,16,16", "--samples", "4", "--repeat", "1", "--reference-samples", "64",
+                 "--cache", "cache")
+        cached = lambda: self.json_of("bench", "s.toml", *quick)["reference"]["cached"]
+        self.assertFalse(cached())
+        self.assertTrue(cached())
+        self.write("thing.obj", mesh.replace("0.9", "0.95"))
+        self.assertFalse(cached())
+
     def test_forward_estimator_falls_as_monte_carlo_does(self):
         sensor = '[camera.sensor]\ncolumns = 40\nrows = 40\npixel_pitch = "90 um"\n'
         self.write("f.toml", SCENE.replace("[[flames]]", sensor + "[[flames]]", 1))

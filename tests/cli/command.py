@@ -36,14 +36,15 @@ class CommandTest(unittest.TestCase):
         """Names in the folder, hidden ones included, sorted."""
         return sorted(os.listdir(self.folder))
 
-    def run_command(self, *arguments, largest_file=None, stdout=subprocess.PIPE):
+    def run_command(self, *arguments, largest_file=None, stdout=subprocess.PIPE, environment=None):
         """Runs to the end. largest_file: limit in bytes on the files that it writes."""
         def limit():
             if largest_file is not None:
                 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
                 resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
         return subprocess.run([COMMAND, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=stdout,
-                              stderr=subprocess.PIPE, text=True, timeout=120, preexec_fn=limit, check=False)
+                              stderr=subprocess.PIPE, text=True, timeout=120, preexec_fn=limit, check=False,
+                              env=environment)
 
     def succeeds(self, *arguments, stderr=""):
         """Standard output of a run with status 0 and exactly this on standard error."""

@@ -35,10 +35,29 @@ class Optimize(CommandTest):
                                "-o", "b.toml", "--time-limit", "20")
         before, after = figures["before"], figures["after"]
         self.assertGreater(after["merit_traced"], 1.05 * before["merit_traced"])
-        self.assertLess(after["overlap_pixels"], max(0, before["overlap_pixels"]) + 0.1)
+        self.assertLess(after["overlap_pixels"], 1e-6)
         # The scene renders.
         result = self.run_command("render", "b.toml", "--samples", "1", "--window", "3000,2000,32,32", "-o", "b.exr")
         self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_micro_images_do_not_overlap(self):
+        """More light, until the micro-images touch: there the f-numbers match, B/D = (B_L - B)/D_L."""
+        self.write("a.toml", '[camera]\npreset = "paper-plenoptic2"\n')
+        vary = ("a.toml", "--merit", "light", "--vary", "aperture", "--bound", "3")
+        free = self.figures(*vary, "--overlap", "1000", "-o", "wide.toml")
+        self.assertGreater(free["after"]["overlap_pixels"], 1)
+        figures = self.figures(*vary, "-o", "b.toml")
+        self.assertGreater(figures["after"]["merit_paraxial"], figures["before"]["merit_paraxial"])
+        self.assertLess(abs(figures["after"]["overlap_pixels"]), 1e-3)
+        # From a camera whose micro-images overlap: they must not any more, or it is said.
+        narrow = self.figures("wide.toml", "--merit", "light", "--vary", "aperture", "--bound", "3", "-o", "c.toml")
+        self.assertLess(abs(narrow["after"]["overlap_pixels"]), 1e-3)
+        result = self.run_command("optimize", "wide.toml", "--merit", "light", "--vary", "aperture", "--bound", "1.01",
+                                  "-o", "d.toml")
+        self.assertEqual(result.returncode, 1)
+        for words in ("overlap by at most 0 pixels", "--bound", "--overlap"):
+            self.assertIn(words, result.stderr.splitlines()[-1])
+        self.assertNotIn("d.toml", self.files())
 
     def test_messages(self):
         self.write("a.toml", '[camera]\npreset = "raytrix-r29"\n')

@@ -3,6 +3,8 @@
 import csv
 import io
 import math
+import os
+import re
 
 from command import CommandTest, main
 
@@ -40,6 +42,56 @@ class Surfaces(CommandTest):
         self.bad(MESH, "a.toml:6:", "without area")
         self.write("thing.obj", "# nothing\n")
         self.bad(MESH, "a.toml:6:", "thing.obj")
+
+    def test_broken_mesh_files(self):
+        """Every kind of damage is an error with the place in the scene and the file's name; nothing is written."""
+        def mesh(name, content):
+            self.write(name, content)
+            self.bad(MESH.replace("thing.obj", name), "a.toml:6:", name)
+        mesh("thing.obj", b"")
+        mesh("thing.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")  # no faces
+        mesh("thing.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n")  # a corner that is not there
+        mesh("thing.obj", "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n")
+        mesh("thing.obj", "v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n")
+        mesh("thing.obj", bytes(range(256)) * 8)
+        header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
+                 "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        corners = "0 0 0\n1 0 0\n0 1 0\n"
+        mesh("thing.ply", header[:60])
+        mesh("thing.ply", header + "0 0 0\n1 0 0\n")  # cut off
+        mesh("thing.ply", header + corners.replace("1 0", "nan 0", 1) + "3 0 1 2\n")
+        mesh("thing.ply", header + corners + "3 0 1 9\n")
+        mesh("thing.ply", "play" + header[3:] + corners + "3 0 1 2\n")
+        mesh("thing.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n")
+        mesh("thing.stl", b"\0" * 80 + (1000).to_bytes(4, "little") + b"\0" * 50)  # 999 triangles are missing
+        mesh("thing.stl", "solid a\nendsolid a\n")
+        mesh("thing.xyz", TRIANGLE)  # no format of meshes
+        # Not a file, not to be read.
+        os.remove(self.path("thing.obj"))
+        os.mkdir(self.path("thing.obj"))
+        self.bad(MESH, "a.toml:6:", "thing.obj")
+
+    def test_faces_without_area_are_left_out_with_a_warning(self):
+        self.write("thing.obj", TRIANGLE + "v 2 0 0\nf 1 2 4\n")
+        self.assertIn("has 1 faces without area", self.warning_of(MESH + LAMP))
+
+    def calls(self, scene):
+        """Functions of Embree that a rendering calls: with lazy binding each is bound at its first call."""
+        self.write("a.toml", scene)
+        environment = dict(os.environ, LD_DEBUG="bindings")
+        environment.pop("LD_BIND_NOW", None)
+        result = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "2", "--window", "90,90,8,8",
+                                  environment=environment)
+        self.assertEqual(result.returncode, 0, result.stderr[-1000:])
+        return set(re.findall(r"symbol `(rtc\w+)'", result.stderr))
+
+    def test_without_surfaces_nothing_of_embree_is_called(self):
+        flame = '[[flames]]\npreset = "paper-layered"\nposition = ["0.45 m", "0 m", "-29 mm"]\n'
+        with_ball = self.calls(CAMERA + flame + '[[surfaces]]\nshape = "sphere"\nradius = "1 mm"\n'
+                               'position = ["0.45 m", "0 m", "0 m"]\n')
+        if not {"rtcNewDevice", "rtcCommitScene", "rtcIntersect1"} <= with_ball:
+            self.skipTest("symbols of this program are bound before they are called")
+        self.assertEqual(self.calls(CAMERA + flame), set())
 
     def test_values(self):
         ball = "[[surfaces]]\nshape = \"sphere\"\nradius = \"1 cm\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n"

@@ -26,6 +26,40 @@ TEST(ForwardAgreement, ArrayWithTolerances) {
   expect_agreement(scene);
 }
 
+// Nothing is where it should be: a tilted array of lenses with focal lengths of their own behind a
+// main lens that is decentred and tilted.
+TEST(ForwardAgreement, MisalignedCamera) {
+  const auto misalign = [](Scene& scene) {
+    scene.camera.lens.decentre = {0.6e-3, -0.9e-3};
+    scene.camera.lens.tilt = {0.004, 0.006};
+    scene.camera.array.tilt = {0.05, -0.03};
+    scene.camera.array.focal_jitter = 0.08;
+  };
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    Scene scene = small_scene(model == LensModel::real ? singlet() : ideal_singlet(),
+                              large_array(Lattice::hexagonal, model));
+    misalign(scene);
+    expect_agreement(scene);
+  }
+  Scene bare = small_scene(singlet(), {});
+  misalign(bare);
+  expect_agreement(bare);
+  Scene clear = small_scene(singlet(), large_array(Lattice::square, LensModel::real));
+  clear.camera.array.diameter *= 0.7;
+  clear.camera.array.opaque_between = false;
+  misalign(clear);
+  expect_agreement(clear);
+}
+
+// A plano-convex lens with a hyperbolic and an even aspheric face.
+TEST(ForwardAgreement, AsphericLens) {
+  MainLensSpec lens = singlet();
+  lens.surfaces[0].conic = -0.8;
+  lens.surfaces[1].conic = 0.5;
+  lens.surfaces[1].aspheric = {1.2, 0, -900};
+  expect_agreement(small_scene(lens, large_array(Lattice::hexagonal, LensModel::real)));
+}
+
 TEST(ForwardAgreement, SquareArray) {
   expect_agreement(small_scene(singlet(), large_array(Lattice::square, LensModel::real)));
 }

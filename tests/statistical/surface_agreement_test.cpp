@@ -1,6 +1,7 @@
 // Both estimators on surfaces and lights: one follows rays from the camera, the other bundles from
 // the lights. They share the surfaces (which have tests of their own) and no sampling.
 #include "core/surfaces/surface_samples.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
@@ -63,6 +64,67 @@ TEST(SurfaceAgreement, ManyLightsAndReflections) {
   scene.lights = {sun, sky};
   scene.render.reflections = 3;
   expect_agreement(scene, load_core_medium, 5 * kBundles);
+}
+
+// A floor without end under sun and sky, with a ball on it; then a wall without end that shines.
+TEST(SurfaceAgreement, PlanesWithoutEnd) {
+  Scene scene = camera_of(large_array(Lattice::square, LensModel::real));
+  scene.camera.position = {0, 0, 0.15};
+  scene.camera.look_direction = {1, 0, -0.155};
+  scene.surfaces = {placed(SurfaceShape::plane, 1, {0, 0, -5e-3}, 0.8),
+                    placed(SurfaceShape::sphere, 4e-3, {1, 2e-3, -1e-3}, 0.6)};
+  scene.surfaces[0].extent = {kInfinity, kInfinity};
+  LightSpec sun;
+  sun.kind = LightKind::parallel;
+  sun.direction = {0.3, -0.5, -0.8};
+  sun.irradiance = 300;
+  scene.lights = {sun};
+  expect_agreement(scene, load_core_medium, 2 * kBundles);
+  LightSpec sky;
+  sky.kind = LightKind::environment;
+  sky.radiance = 60;
+  scene.lights = {sky};
+  expect_agreement(scene, load_core_medium, 5 * kBundles);
+  SolidSurfaceSpec wall = placed(SurfaceShape::plane, 1, {1.03, 0, 0}, 0);
+  wall.extent = {kInfinity, kInfinity};
+  wall.rotation = {0, -1.5707963267948966, 0};
+  wall.material.kind = MaterialKind::emitter;
+  wall.material.radiance = 40;
+  Scene glow = scene;
+  glow.lights.clear();
+  glow.surfaces = {wall, scene.surfaces[1]};
+  glow.render.reflections = 0;
+  expect_agreement(glow, load_core_medium, kBundles);
+  // What has no finite variance is refused, with what to do about it.
+  RenderSettings settings;
+  settings.estimator = Estimator::forward;
+  const auto refused = [&](const Scene& s) {
+    try {
+      render(compile(s), settings);
+    } catch (const InputError& error) {
+      return std::string(error.what()).find("an extent") != std::string::npos;
+    }
+    return false;
+  };
+  scene.render.reflections = 2;
+  EXPECT_TRUE(refused(scene));
+  glow.render.reflections = 1;
+  EXPECT_TRUE(refused(glow));
+}
+
+// Emitters large and small, near and far, with and without a flame.
+TEST(SurfaceAgreement, HotSurfaces) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::square, LensModel::real));
+  scene.surfaces = {placed(SurfaceShape::plane, 1, {1, 0, -13e-3}, 0.9),
+                    placed(SurfaceShape::sphere, 0.5e-3, {0.99, 5e-3, -8e-3}, 0),
+                    placed(SurfaceShape::cylinder, 2e-3, {1, -5e-3, -13e-3}, 0)};
+  scene.surfaces[0].extent = {0.05, 0.05};
+  for (const std::size_t i : {1u, 2u}) {
+    scene.surfaces[i].material.kind = MaterialKind::blackbody;
+    scene.surfaces[i].material.temperature = i == 1 ? 2200 : 900;
+  }
+  scene.render.reflections = 2;
+  expect_agreement(scene, load_core_medium, 3 * kBundles);
 }
 
 // A flame that lights what stands around it, hides and is hidden: in front of it, in it, behind it.

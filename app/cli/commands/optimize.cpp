@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "camera_optimizer.h"
 #include "commands/commands.h"
@@ -26,6 +27,7 @@ struct Settings {
   std::string freedom = "index";
   double bound = 2, greatest_index = 2;
   double time_limit = 50;
+  std::optional<double> overlap;
   int types = 0;
   bool paraxial = false, json = false;
 };
@@ -137,6 +139,7 @@ int run_optimize(const Settings& settings) {
   task.freedom = freedom_named(settings.freedom);
   task.limits.greatest_index = settings.greatest_index;
   task.time_limit = settings.time_limit;
+  task.overlap = settings.overlap;
   const bool has_rays =
       task.merit.kind == MeritKind::resolution || task.merit.kind == MeritKind::volume;
   task.traced = has_rays && !settings.paraxial;
@@ -225,6 +228,11 @@ void register_optimize(const Registry& registry) {
   command.add_option("--greatest-index", settings->greatest_index, "Of the microlenses")
       ->check(CLI::Range(1.0, 5.0))
       ->capture_default_str();
+  command
+      .add_option("--overlap", settings->overlap,
+                  "Pixels by which neighbouring micro-images may overlap (0; as at the start when "
+                  "only focal lengths vary)")
+      ->check(CLI::Range(0.0, 1e6));
   command.add_flag("--paraxial", settings->paraxial, "Judge by the formulas only, not by rays");
   command.add_option("--time-limit", settings->time_limit, "Seconds for the part with rays")
       ->check(CLI::Range(0.1, 1e5))

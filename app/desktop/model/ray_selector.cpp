@@ -131,6 +131,8 @@ std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ra
       row.surface = QObject::tr("sensor");
     else if (vertex.surface == kObjectVertex)
       row.surface = QObject::tr("object point");
+    else if (vertex.surface == kSolidVertex)
+      row.surface = QObject::tr("solid surface");
     else
       row.surface = QObject::tr("scene");
     row.distance = vertex.distance;

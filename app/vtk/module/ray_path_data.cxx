@@ -78,6 +78,7 @@ void ray_paths_to_polydata(const RayPaths& paths, vtkPolyData& out) {
   whole("type", [](const RayPath& ray) { return ray.type; });
   whole("status", [](const RayPath& ray) { return static_cast<int>(ray.status.status); });
   whole("ended_at", [](const RayPath& ray) { return ray.status.surface; });
+  whole("solid", [](const RayPath& ray) { return ray.solid; });
   add<vtkDoubleArray>(
       cell, "wavelength", n, channels,
       [&](std::size_t, std::size_t k) { return paths.wavelengths[k]; }, paths.channels);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "optics/asphere.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/surface_shape.h"
 
@@ -36,11 +37,6 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
   if (surfaces.size() > kMaxLensSurfaces)
     throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
                      std::to_string(kMaxLensSurfaces) + " are supported");
-  // The vector kernels know spheres and planes.
-  if (std::any_of(surfaces.begin(), surfaces.end(), is_aspheric))
-    throw InputError(
-        "camera.lens has aspheric surfaces, which can be designed with but not rendered yet; use "
-        "camera.lens.model = \"ideal\"");
   double z = reference;
   out.surface_count = static_cast<int>(surfaces.size());
   for (int k = 0; k < out.surface_count; ++k) {
@@ -50,6 +46,8 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
     const double curvature = -1.0 / surfaces[i].radius;
     out.surfaces[k] =
         kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
+    out.aspheric[k] = is_aspheric(surfaces[i]);
+    if (out.aspheric[k]) out.aspheres[k] = kernel_asphere<Real>(surfaces[i], true);
     out.refracts[k] = curvature != 0 || before != behind;
     out.surface_number[k] = static_cast<int>(i);
     z = vertex;
@@ -57,23 +55,66 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
   out.exit_gap = static_cast<Real>(anchor_z - z);
 }
 
+template <class Real>
+void set_matrix(const Mat3& matrix, Real (&out)[9]) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[3 * i] = static_cast<Real>(matrix.rows[i].x);
+    out[3 * i + 1] = static_cast<Real>(matrix.rows[i].y);
+    out[3 * i + 2] = static_cast<Real>(matrix.rows[i].z);
+  }
+}
+
 }  // namespace
 
 template <class Real>
 KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidTransform& axes) {
   KernelCamera<Real> kernel{};
-  set_main_lens(camera, camera.has_array() ? camera.array_front() : camera.aim_plane(0), anchor.z,
-                kernel);
+  const Vec3 reference{0, 0, camera.has_array() ? camera.array_front() : camera.aim_plane(0)};
+  Mat3 out = axes.rotation;
+  if (camera.lens_moved()) {
+    // Rays enter the frame of the lens before it, and leave it together with that of the camera.
+    const RigidTransform to_lens = camera.lens_pose().inverse();
+    kernel.moved = true;
+    set_matrix(to_lens.rotation, kernel.lens_turn);
+    const Vec3 shift = to_lens.point(reference) - reference;
+    kernel.lens_shift[0] = static_cast<Real>(shift.x);
+    kernel.lens_shift[1] = static_cast<Real>(shift.y);
+    kernel.lens_shift[2] = static_cast<Real>(shift.z);
+    anchor = to_lens.point(anchor);
+    out = out * camera.lens_pose().rotation;
+  }
+  set_main_lens(camera, reference.z, anchor.z, kernel);
   kernel.anchor_x = static_cast<Real>(anchor.x);
   kernel.anchor_y = static_cast<Real>(anchor.y);
-  const auto& rows = axes.rotation.rows;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 row = rows[static_cast<std::size_t>(i)];
-    kernel.rotation[3 * i] = static_cast<Real>(row.x);
-    kernel.rotation[3 * i + 1] = static_cast<Real>(row.y);
-    kernel.rotation[3 * i + 2] = static_cast<Real>(row.z);
-  }
+  set_matrix(out, kernel.rotation);
   return kernel;
+}
+
+template <class Real>
+void set_tilt(const Camera& camera, int type, Vec2 place, KernelMicrolens<Real>& kernel) {
+  const Mat3& turn = camera.array_pose().rotation;
+  kernel.tilted = true;
+  set_matrix(transpose(turn), kernel.turn);
+  // The array's aim plane is where turn * (x, y, aim - front) goes, around the front's middle.
+  const double back = camera.aim_plane(type) - camera.array_front();
+  const Vec3 normal{turn.rows[0].z, turn.rows[1].z, turn.rows[2].z};
+  const double depth = (back - normal.x * place.x - normal.y * place.y) / normal.z;
+  kernel.distance = static_cast<Real>(camera.array_front() + depth - camera.sensor());
+  kernel.front = static_cast<Real>(-back);
+  kernel.depth = static_cast<Real>(depth);
+}
+
+template <class Real>
+void set_lens(const Camera& camera, LensIndex lens, KernelMicrolens<Real>& kernel) {
+  const double factor = camera.lattice().focal_factor(lens);
+  if (factor != 1) {
+    const auto power = static_cast<Real>(1 / factor);
+    kernel.ideal.power *= power;
+    for (KernelSurface<Real>& surface : kernel.surfaces) surface.curvature *= power;
+  }
+  const Vec3 place = camera.lens_place(lens);
+  if (camera.array_tilted())
+    set_tilt(camera, camera.lattice().type(lens), {place.x, place.y}, kernel);
 }
 
 template <class Real>
@@ -133,6 +174,10 @@ template CameraKernels<float> camera_kernels<float>(Isa isa);
 template CameraKernels<double> camera_kernels<double>(Isa isa);
 template KernelCamera<float> kernel_camera(const Camera&, Vec3, const RigidTransform&);
 template KernelCamera<double> kernel_camera(const Camera&, Vec3, const RigidTransform&);
+template void set_tilt(const Camera&, int, Vec2, KernelMicrolens<float>&);
+template void set_tilt(const Camera&, int, Vec2, KernelMicrolens<double>&);
+template void set_lens(const Camera&, LensIndex, KernelMicrolens<float>&);
+template void set_lens(const Camera&, LensIndex, KernelMicrolens<double>&);
 template std::vector<KernelMicrolens<float>> kernel_microlenses(const Camera&);
 template std::vector<KernelMicrolens<double>> kernel_microlenses(const Camera&);
 

@@ -25,6 +25,16 @@ CameraKernels<Real> camera_kernels(Isa isa);
 template <class Real>
 KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidTransform& axes);
 
+/// Tilts the kernel of a type with the array. @param place of its middle in the aim plane, camera
+/// x, y
+template <class Real>
+void set_tilt(const Camera& camera, int type, Vec2 place, KernelMicrolens<Real>& kernel);
+
+/// Makes the kernel of a type that of one lens of an array with tolerances: its own focal length,
+/// place and tilt.
+template <class Real>
+void set_lens(const Camera& camera, LensIndex lens, KernelMicrolens<Real>& kernel);
+
 /// One for each type of microlens, or one of kind 0 without array.
 template <class Real>
 std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera);

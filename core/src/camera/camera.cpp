@@ -25,6 +25,109 @@ Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings) : spe
   place_lens();
   solve_focus(warnings);
   place_array();
+  mount();
+}
+
+void Camera::mount() {
+  const MainLensSpec& lens = spec_.lens;
+  lens_moved_ = !(lens.decentre == Vec2{} && lens.tilt == Vec2{});
+  array_tilted_ = has_array() && !(spec_.array.tilt == Vec2{});
+  if (lens_moved_)
+    lens_pose_ = {rotation_xyz({lens.tilt.x, lens.tilt.y, 0}),
+                  {lens.decentre.x, lens.decentre.y, 0}};
+  if (array_tilted_) {
+    const Mat3 turn = rotation_xyz({spec_.array.tilt.x, spec_.array.tilt.y, 0});
+    const Vec3 pivot{0, 0, array_front_};
+    array_pose_ = {turn, pivot - turn * pivot};
+  }
+  if (!lens_moved_) return;
+  const double pupil = exit_pupil();
+  const Vec3 axis = lens_pose_.direction({0, 0, 1}), vertex = lens_pose_.translation;
+  const double along = std::isfinite(pupil) ? pupil : (array_front_ - vertex.z) / axis.z;
+  const Vec3 foot = vertex + along * axis;
+  foot_ = {foot.x, foot.y};
+}
+
+Camera Camera::aligned() const {
+  CameraSpec spec = spec_;
+  spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
+  spec.array.focal_jitter = 0;
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = lens_distance_;
+  if (has_array()) {
+    spec.array.sensor_distance = array_back_ - sensor_;
+    spec.array.measured_from = ArrayReference::vertex;
+  }
+  return Camera(spec);
+}
+
+Vec3 Camera::lens_place(LensIndex lens) const {
+  const Vec2 centre = lattice_.centre(lens);
+  const Vec3 place{centre.x, centre.y, aim_plane(lattice_.type(lens))};
+  return array_tilted_ ? array_pose_.point(place) : place;
+}
+
+const LensSystem& Camera::microlens_system(LensIndex lens, LensSystem& own) const {
+  const auto type = static_cast<std::size_t>(lattice_.type(lens));
+  const double factor = lattice_.focal_factor(lens);
+  if (factor == 1) return microlens_systems_[type];
+  std::vector<SurfaceSpec> surfaces = microlens_systems_[type].surfaces();
+  for (SurfaceSpec& surface : surfaces) surface.radius *= factor;
+  own = LensSystem(std::move(surfaces), array_front_);
+  return own;
+}
+
+double Camera::microlens_power(LensIndex lens) const {
+  const Microlens& type = microlenses_[static_cast<std::size_t>(lattice_.type(lens))];
+  return 1.0 / (type.first_order.focal_length * lattice_.focal_factor(lens));
+}
+
+Ray Camera::to_array(const Ray& ray) const {
+  if (!array_tilted_) return ray;
+  const RigidTransform inverse = array_pose_.inverse();
+  return {inverse.point(ray.origin), inverse.direction(ray.direction)};
+}
+
+Ray Camera::from_array(const Ray& ray) const {
+  if (!array_tilted_) return ray;
+  return {array_pose_.point(ray.origin), array_pose_.direction(ray.direction)};
+}
+
+TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points) const {
+  const std::size_t first = points ? points->size() : 0;
+  if (lens_moved_) {
+    const RigidTransform inverse = lens_pose_.inverse();
+    ray = {inverse.point(ray.origin), inverse.direction(ray.direction)};
+  }
+  const TraceStatus status =
+      ideal_lens() ? trace_ideal(ray, points) : lens_.trace_to_scene(ray, points);
+  if (!lens_moved_) return status;
+  ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
+  if (points)
+    for (std::size_t i = first; i < points->size(); ++i)
+      (*points)[i] = lens_pose_.point((*points)[i]);
+  return status;
+}
+
+std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens) const {
+  const Vec3 place = lens_place(lens);
+  const Path path = trace(sensor_point, lens, {place.x, place.y}, true);
+  if (path.status.status == RayStatus::missed) return std::nullopt;
+  const RigidTransform to_lens = lens_pose_.inverse();
+  if (ideal_lens()) {
+    // From the ray that left: height at the front principal plane, slope by the power.
+    if (path.status.status != RayStatus::reached && path.status.surface != 0) return std::nullopt;
+    const Vec3 p = to_lens.point(path.exit.origin), d = to_lens.direction(path.exit.direction);
+    const Vec2 height{p.x, p.y};
+    const Vec2 slope = Vec2{d.x / d.z, d.y / d.z} + (1.0 / ideal_.focal_length) * height;
+    return ideal_.stop_height * height + ideal_.stop_slope * slope;
+  }
+  const std::size_t before = 1 + (ideal_array() ? 1u : 2u);
+  const std::size_t stop =
+      before + spec_.lens.surfaces.size() - 1 - static_cast<std::size_t>(lens_first_order_.stop);
+  if (path.points.size() <= stop) return std::nullopt;
+  const Vec3 p = to_lens.point(path.points[stop]);
+  return Vec2{p.x, p.y};
 }
 
 void Camera::place_lens() {
@@ -141,20 +244,23 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
   Path path;
   const int type = lens ? lattice_.type(*lens) : 0;
   const Vec3 start{sensor_point.x, sensor_point.y, sensor_};
-  const Vec3 target{aim.x, aim.y, aim_plane(type)};
+  const Vec3 place = lens ? lens_place(*lens) : Vec3{0, 0, aim_plane(type)};
+  const Vec3 target{aim.x, aim.y, place.z};
   Ray ray{start, normalize(target - start)};
   std::vector<Vec3>* points = with_points ? &path.points : nullptr;
   if (points) points->push_back(start);
   const int lens_surfaces = ideal_lens() ? 1 : static_cast<int>(spec_.lens.surfaces.size());
   if (lens) {
     const Vec2 centre = lattice_.centre(*lens);
+    ray = to_array(ray);
     ray.origin.x -= centre.x;
     ray.origin.y -= centre.y;
     const std::size_t first = path.points.size();
     if (ideal_array()) {
       const Microlens& microlens = microlenses_[static_cast<std::size_t>(type)];
-      const Vec3 p{aim.x - centre.x, aim.y - centre.y, microlens.rear_principal};
-      const double k = 1.0 / microlens.first_order.focal_length;
+      Vec3 p{aim.x - centre.x, aim.y - centre.y, microlens.rear_principal};
+      if (array_tilted_) p = ray.at((microlens.rear_principal - ray.origin.z) / ray.direction.z);
+      const double k = microlens_power(*lens);
       if (points) points->push_back(p);
       if (std::hypot(p.x, p.y) > 0.5 * spec_.array.diameter)
         path.status = {RayStatus::vignetted, lens_surfaces};
@@ -162,22 +268,24 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
              normalize({ray.direction.x / ray.direction.z - k * p.x,
                         ray.direction.y / ray.direction.z - k * p.y, 1})};
     } else {
-      path.status = microlens_systems_[static_cast<std::size_t>(type)].trace_to_scene(ray, points);
+      LensSystem own;
+      path.status = microlens_system(*lens, own).trace_to_scene(ray, points);
       if (path.status.status != RayStatus::reached) path.status.surface += lens_surfaces;
     }
     ray.origin.x += centre.x;
     ray.origin.y += centre.y;
+    ray = from_array(ray);
     for (std::size_t i = first; i < path.points.size(); ++i) {
       path.points[i].x += centre.x;
       path.points[i].y += centre.y;
+      if (array_tilted_) path.points[i] = array_pose_.point(path.points[i]);
     }
   }
   if (!lens && has_array() && !passes_between(ray)) {
     path.status = {RayStatus::vignetted, lens_surfaces};
     if (points) points->push_back(ray.at((array_front_ - ray.origin.z) / ray.direction.z));
   }
-  if (path.status.status == RayStatus::reached)
-    path.status = ideal_lens() ? trace_ideal(ray, points) : lens_.trace_to_scene(ray, points);
+  if (path.status.status == RayStatus::reached) path.status = trace_main_lens(ray, points);
   path.exit = ray;
   return path;
 }

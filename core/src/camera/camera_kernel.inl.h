@@ -6,6 +6,31 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
+/// Turns places and directions by a matrix, then moves the places.
+template <class Real>
+PLENOFLAME_INLINE void turn_rays(const Real* matrix, bool back, Real sx, Real sy, Real sz,
+                                 int count, const KernelBlock<Real>& block, int first) {
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  const Real a = matrix[0], b = matrix[back ? 3 : 1], c = matrix[back ? 6 : 2];
+  const Real d = matrix[back ? 1 : 3], e = matrix[4], f = matrix[back ? 7 : 5];
+  const Real g = matrix[back ? 2 : 6], h = matrix[back ? 5 : 7], k = matrix[8];
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+    x[i] = a * px + b * py + c * pz + sx;
+    y[i] = d * px + e * py + f * pz + sy;
+    z[i] = g * px + h * py + k * pz + sz;
+    dx[i] = a * vx + b * vy + c * vz;
+    dy[i] = d * vx + e * vy + f * vz;
+    dz[i] = g * vx + h * vy + k * vz;
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y, int first,
                             int count, const KernelBlock<Real>& block) {
@@ -52,6 +77,24 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
   }
 }
 
+/// The same for a lens of an array that may be tilted: in the axes of the array, about the middle
+/// of the lens in its aim plane.
+template <class Real>
+PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y,
+                                   int first, int count, const KernelBlock<Real>& block) {
+  if (!lens.tilted) {
+    pass(lens, lens_x, lens_y, first, count, block);
+    return;
+  }
+  const int padded = (count + 15) & ~15;
+  turn_rays(lens.turn, false, Real(0), Real(0), Real(0), padded, block, first);
+  pass(lens, Real(0), Real(0), first, count, block);
+  Real* __restrict z = block.z + first;
+  const Real front = lens.front;
+  for (int i = 0; i < padded; ++i) z[i] += front;
+  turn_rays(lens.turn, true, lens_x, lens_y, lens.depth, padded, block, first);
+}
+
 template <class Real, bool kRefracts>
 PLENOFLAME_INLINE void pass_surface(const KernelSurface<Real>& surface, int number, int count,
                                     const KernelBlock<Real>& block) {
@@ -83,6 +126,45 @@ PLENOFLAME_INLINE void pass_surface(const KernelSurface<Real>& surface, int numb
   }
 }
 
+/// The same for an asphere: all rays take one step of Newton's method after the other.
+template <class Real>
+PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
+                                    const KernelAsphere<Real>& asphere, int number, int count,
+                                    const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  int* __restrict code = block.code;
+  const KernelSurface<Real> c = surface;
+  const KernelAsphere<Real> a = asphere;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) go_to_vertex(c.gap, x[i], y[i], z[i], dx[i], dy[i], dz[i]);
+  for (int step = 0; step < kAsphereSteps; ++step) {
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      Real px = x[i], py = y[i], pz = z[i];
+      approach_asphere(c.curvature, a, px, py, pz, dx[i], dy[i], dz[i]);
+      x[i] = px;
+      y[i] = py;
+      z[i] = pz;
+    }
+  }
+  const int base = 4 * number;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real vx = dx[i], vy = dy[i], vz = dz[i];
+    int status = code[i];
+    leave_asphere(c, a, base, x[i], y[i], vx, vy, vz, status);
+    dx[i] = vx;
+    dy[i] = vy;
+    dz[i] = vz;
+    code[i] = status;
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
                              const KernelBlock<Real>& block) {
@@ -94,6 +176,9 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
   Real* __restrict dz = block.dz;
   Real* __restrict weight = block.weight;
   int* __restrict code = block.code;
+  if (camera.moved)
+    turn_rays(camera.lens_turn, false, camera.lens_shift[0], camera.lens_shift[1],
+              camera.lens_shift[2], count, block, 0);
   if (camera.ideal_lens) {
     const KernelIdealLens<Real> c = camera.ideal;
 #pragma omp simd
@@ -111,7 +196,10 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
     }
   } else {
     for (int s = 0; s < camera.surface_count; ++s) {
-      if (camera.refracts[s])
+      if (camera.aspheric[s])
+        pass_asphere(camera.surfaces[s], camera.aspheres[s], camera.surface_number[s], count,
+                     block);
+      else if (camera.refracts[s])
         pass_surface<Real, true>(camera.surfaces[s], camera.surface_number[s], count, block);
       else
         pass_surface<Real, false>(camera.surfaces[s], camera.surface_number[s], count, block);
@@ -153,12 +241,12 @@ PLENOFLAME_INLINE int count_rays(const int* __restrict code, const Real* __restr
 
 void pass_microlens(const KernelMicrolens<float>& lens, float lens_x, float lens_y, int first,
                     int count, const KernelBlock<float>& block) {
-  pass(lens, lens_x, lens_y, first, count, block);
+  pass_turned(lens, lens_x, lens_y, first, count, block);
 }
 
 void pass_microlens(const KernelMicrolens<double>& lens, double lens_x, double lens_y, int first,
                     int count, const KernelBlock<double>& block) {
-  pass(lens, lens_x, lens_y, first, count, block);
+  pass_turned(lens, lens_x, lens_y, first, count, block);
 }
 
 void trace_lens(const KernelCamera<float>& camera, int count, const KernelBlock<float>& block) {

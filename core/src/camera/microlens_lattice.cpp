@@ -6,10 +6,20 @@
 #include "plenoflame/sampling/philox.h"
 
 namespace plenoflame {
+namespace {
+
+/// What is drawn for a lens is the same whatever else is asked for: a counter-based generator.
+std::uint64_t number_of(LensIndex lens) {
+  return (std::uint64_t{static_cast<std::uint32_t>(lens.q)} << 32) |
+         static_cast<std::uint32_t>(lens.r);
+}
+
+}  // namespace
 
 MicrolensLattice::MicrolensLattice(const ArraySpec& array)
     : offset_(array.offset),
       jitter_(array.centre_jitter),
+      focal_jitter_(array.focal_jitter),
       jitter_seed_(array.jitter_seed),
       type_count_(std::max<int>(1, static_cast<int>(array.types.size()))) {
   const bool hexagonal = array.lattice == Lattice::hexagonal;
@@ -29,11 +39,13 @@ Vec2 MicrolensLattice::centre(LensIndex lens) const {
   return jitter_ > 0 && !(lens == LensIndex{}) ? place + displacement(lens) : place;
 }
 
+double MicrolensLattice::focal_factor(LensIndex lens) const {
+  if (focal_jitter_ == 0 || lens == LensIndex{}) return 1;
+  return 1 + focal_jitter_ * (2 * unit_uniform(philox(jitter_seed_, number_of(lens), 1)[0]) - 1);
+}
+
 Vec2 MicrolensLattice::displacement(LensIndex lens) const {
-  // The same for a lens whatever else is asked for: a counter-based generator.
-  const auto lens_number = (std::uint64_t{static_cast<std::uint32_t>(lens.q)} << 32) |
-                           static_cast<std::uint32_t>(lens.r);
-  const auto random = philox(jitter_seed_, lens_number, 0);
+  const auto random = philox(jitter_seed_, number_of(lens), 0);
   const double radius = jitter_ * std::sqrt(unit_uniform(random[0]));
   const double angle = 6.283185307179586 * unit_uniform(random[1]);
   return {radius * std::cos(angle), radius * std::sin(angle)};

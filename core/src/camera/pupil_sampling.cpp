@@ -215,6 +215,14 @@ double field_radius(const Camera& camera) {
   return 0.5 * sensor.pixel_pitch * std::hypot(sensor.columns, sensor.rows);
 }
 
+/// How far a main lens that is moved displaces its field over array and sensor, as the middle of
+/// the stop sees it or along its own axis [m].
+double field_shift(const Camera& camera) {
+  if (!camera.lens_moved()) return 0;
+  const Vec3 middle = camera.lens_pose().inverse().point({0, 0, camera.array_front()});
+  return std::max(length(camera.foot()), length(Vec2{middle.x, middle.y}));
+}
+
 /// Fills in what the cuts say of a whole micro-image.
 void summarise(const PupilCuts& cuts, PupilNode& node) {
   node.outer_radius = node.open_radius = 0;
@@ -226,11 +234,42 @@ void summarise(const PupilCuts& cuts, PupilNode& node) {
   }
 }
 
-PupilTable microlens_table(const Camera& camera, int type) {
+/// Makes room in the discs of the apertures for what a tilt of the array and another focal length
+/// do to them: both move the far face's disc, as seen from s, like another s would.
+void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
+  const ArraySpec& array = camera.spec().array;
+  const double tilt = std::tan(length(array.tilt));
+  const double gap = camera.aim_plane(0) - camera.sensor();
+  const double room = 1.2 * (std::fabs(discs.shift) * (tilt * gap + array.focal_jitter * s_max) +
+                             tilt * array.thickness) +
+                      tilt * tilt * discs.bound;
+  discs.radius += room;
+  discs.bound += room;
+}
+
+/// Widens the table of the aligned camera to hold the rays of the misaligned one, until it does.
+void widen_to_misaligned(const Camera& camera, int type, PupilTable& table,
+                         std::vector<PupilCuts>& cuts) {
+  constexpr int kRounds = 12;
+  MisalignedPupilTracer tracer(camera, type);
+  for (int round = 0; round < kRounds; ++round) {
+    double before = 0, after = 0;
+    for (const PupilNode& node : table.nodes) before = std::max(before, node.outer_radius);
+    widen_to_hold(tracer, table, cuts);
+    for (std::size_t i = 0; i < table.nodes.size(); ++i) {
+      summarise(cuts[i], table.nodes[i]);
+      after = std::max(after, table.nodes[i].outer_radius);
+    }
+    if (round >= 3 && after < 1.001 * before) break;
+  }
+}
+
+PupilTable microlens_table(const Camera& given, int type) {
+  const Camera camera = given.misaligned() ? given.aligned() : given;
   PupilTable table;
   const MicrolensTracer tracer(camera, type);
   // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
-  const double h_max = field_radius(camera) + 2 * camera.spec().array.pitch;
+  const double h_max = field_radius(camera) + 2 * camera.spec().array.pitch + field_shift(given);
   table.field_step = h_max / (kNodes - 1);
   std::vector<ChiefImage> images;
   double s_max = 0;
@@ -240,6 +279,7 @@ PupilTable microlens_table(const Camera& camera, int type) {
       s_max = std::max(s_max, std::fabs(images.back().centre) + images.back().range / kRangeRoom);
   }
   table.discs = fit_aperture(tracer.own_at(0), s_max);
+  if (given.misaligned()) widen_discs(given, s_max, table.discs);
   table.nodes.resize(kNodes);
   table.edges.resize(kNodes);
   PupilTracer open(camera, type, true);
@@ -267,6 +307,7 @@ PupilTable microlens_table(const Camera& camera, int type) {
   extend_into_shadow(table.nodes, all_cuts);
   PupilTracer own(camera, type, false);
   widen_to_hold(own, table, all_cuts);
+  if (given.misaligned()) widen_to_misaligned(given, type, table, all_cuts);
   for (std::size_t i = 0; i < table.nodes.size(); ++i) {
     summarise(all_cuts[i], table.nodes[i]);
     table.nodes[i].cuts = PixelCuts(all_cuts[i]);
@@ -280,12 +321,17 @@ struct Outline {
   std::vector<Ray> rays;
 };
 
-Outline trace_bare_outline(const Camera& camera, double h) {
+/// @param turn the azimuth of the field, for a camera that is not alike all around
+Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
   Outline outline;
+  const auto turned = [turn](Vec2 v) {
+    return Vec2{turn.x * v.x - turn.y * v.y, turn.y * v.x + turn.x * v.y};
+  };
   const double plane = camera.aim_plane(0);
   const FirstOrder& lens = camera.lens_first_order();
   const Passes passes = [&](Vec2 u) {
-    return camera.trace({h, 0}, std::nullopt, u).status.status == RayStatus::reached;
+    return camera.trace(camera.foot() + turned({h, 0}), std::nullopt, camera.foot() + turned(u))
+               .status.status == RayStatus::reached;
   };
   double centre = h, radius = 0.5 * lens.entrance_pupil_diameter;
   if (std::isfinite(camera.exit_pupil())) {
@@ -304,14 +350,17 @@ Outline trace_bare_outline(const Camera& camera, double h) {
     outline.node.aim_radius =
         std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
     outline.edge.push_back(u);
-    outline.rays.push_back(camera.trace({h, 0}, std::nullopt, u).exit);
+    if (!camera.misaligned()) outline.rays.push_back(camera.trace({h, 0}, std::nullopt, u).exit);
   }
   return outline;
 }
 
-PupilTable bare_table(const Camera& camera) {
+PupilTable bare_table(const Camera& given) {
+  constexpr int kTurns = 12;
+  const Camera camera = given.misaligned() ? given.aligned() : given;
   PupilTable table;
-  table.field_step = (field_radius(camera) + camera.spec().sensor.pixel_pitch) / (kNodes - 1);
+  table.field_step =
+      (field_radius(camera) + camera.spec().sensor.pixel_pitch + field_shift(given)) / (kNodes - 1);
   for (int i = 0; i < kNodes; ++i) {
     Outline outline = trace_bare_outline(camera, i * table.field_step);
     table.nodes.push_back(outline.node);
@@ -323,8 +372,16 @@ PupilTable bare_table(const Camera& camera) {
   for (int i = 0; i + 1 < kNodes; ++i) {
     const double h = (i + 0.5) * table.field_step;
     const PupilNode node = table.at(h);
-    for (const Vec2 u : trace_bare_outline(camera, h).edge)
-      margin = std::max(margin, length(u - Vec2{node.aim_centre, 0}) - node.aim_radius);
+    const auto hold = [&](const Outline& outline) {
+      for (const Vec2 u : outline.edge)
+        margin = std::max(margin, length(u - Vec2{node.aim_centre, 0}) - node.aim_radius);
+    };
+    hold(trace_bare_outline(camera, h));
+    if (!given.misaligned()) continue;
+    for (int k = 0; k < kTurns; ++k) {
+      const double angle = 2 * constants::pi * (k + 0.5 * (i % 2)) / kTurns;
+      hold(trace_bare_outline(given, h, {std::cos(angle), std::sin(angle)}));
+    }
   }
   for (PupilNode& node : table.nodes)
     if (node.aim_radius > 0) node.aim_radius += 1.5 * margin + kBareSafety * node.aim_radius;
@@ -366,6 +423,8 @@ PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {
     });
     if (!camera.spec().array.opaque_between) {
       CameraSpec spec = camera.spec();
+      spec.array.tilt = {};
+      spec.array.focal_jitter = 0;
       spec.array.present = false;
       spec.focus.mode = FocusMode::distance;
       spec.focus.lens_distance = camera.rear_vertex() - camera.sensor();

@@ -13,6 +13,7 @@ class PupilTracer {
  public:
   /// @param open the microlens' own apertures stop nothing: only the main lens decides
   PupilTracer(const Camera& camera, int type, bool open);
+  virtual ~PupilTracer() = default;
 
   /// A ray from the sensor point s to the point u of the aim plane, both relative to the centre of
   /// the microlens [m].
@@ -23,15 +24,33 @@ class PupilTracer {
   /// direction in the plane z = 0 of the camera frame if so.
   using Answer = std::function<void(std::size_t index, bool passes, const Ray& ray)>;
   /// @param h distance of the microlens' centre from the optical axis [m]
-  void trace(double h, const std::vector<Request>& requests, const Answer& answer);
+  virtual void trace(double h, const std::vector<Request>& requests, const Answer& answer);
+
+ protected:
+  /// @param place of the lens @param lens its kernel @param turn of the requests' axes
+  void trace_at(Vec2 place, const KernelMicrolens<double>& lens, Vec2 turn,
+                const std::vector<Request>& requests, const Answer& answer);
+  KernelMicrolens<double> lens_;
 
  private:
   KernelCamera<double> camera_;
-  KernelMicrolens<double> lens_;
   CameraKernels<double> kernels_;
   std::vector<double> storage_;
   std::vector<int> codes_;
   KernelBlock<double> block_{};
+};
+
+/// The same through a camera whose microlenses are not alike at the same distance from the axis:
+/// every call takes another azimuth and another focal length. `h` counts from Camera::foot().
+class MisalignedPupilTracer : public PupilTracer {
+ public:
+  MisalignedPupilTracer(const Camera& camera, int type);
+  void trace(double h, const std::vector<Request>& requests, const Answer& answer) override;
+
+ private:
+  const Camera& misaligned_;
+  int type_;
+  double turn_ = 0, factor_ = 0;  ///< of the next call: in [0, 1)
 };
 
 }  // namespace plenoflame

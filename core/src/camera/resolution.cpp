@@ -15,6 +15,8 @@ constexpr double kNearestDepth = 0.25, kFarthestDepth = 20;  // |a| / B of a cur
 /// The same camera with one type everywhere: nothing moves.
 CameraSpec with_one_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
+  spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
+  spec.array.focal_jitter = 0;
   spec.array.types = {spec.array.types[type]};
   spec.array.offset = {};
   spec.array.centre_jitter = 0;

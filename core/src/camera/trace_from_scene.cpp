@@ -40,6 +40,21 @@ double rim_depth(double radius, double height) {
 
 TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
                                             std::vector<Vec3>* points) const {
+  if (lens_moved_) {
+    const RigidTransform inverse = lens_pose_.inverse();
+    ray = {inverse.point(ray.origin), inverse.direction(ray.direction)};
+    const TraceStatus status = trace_aligned_lens_inwards(ray, etendue_ratio, points);
+    ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
+    if (points)
+      for (Vec3& point : *points) point = lens_pose_.point(point);
+    return status;
+  }
+  return trace_aligned_lens_inwards(ray, etendue_ratio, points);
+}
+
+/// In the frame of the main lens.
+TraceStatus Camera::trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
+                                               std::vector<Vec3>* points) const {
   if (!ideal_lens()) return lens_.trace_to_sensor(ray, points);
   const Vec2 height = at_plane(ray, ideal_.front_principal);
   const Vec2 outer = slope(ray);
@@ -68,19 +83,25 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
     const Microlens& microlens = microlenses_[type];
     const Vec2 height = at_plane(ray, microlens.front_principal);
     const Vec2 outer = slope(ray);
-    const Vec2 inner = outer + (1.0 / microlens.first_order.focal_length) * height;
+    const Vec2 inner = outer + microlens_power(lens) * height;
     ray = inwards(height, microlens.rear_principal, inner);
     arrival.etendue_ratio *= cos4(inner) / cos4(outer);
     if (points) points->push_back(ray.origin);
     if (length(height) > 0.5 * spec_.array.diameter) status = {RayStatus::vignetted, 0};
   } else {
-    status = microlens_systems_[type].trace_to_sensor(ray, points);
+    LensSystem own;
+    status = microlens_system(lens, own).trace_to_sensor(ray, points);
   }
   if (points)
-    for (Vec3& point : *points) point = point + Vec3{centre.x, centre.y, 0};
+    for (Vec3& point : *points) point = array_pose_.point(point + Vec3{centre.x, centre.y, 0});
   if (status.status != RayStatus::reached) return status;
   arrival.lens = lens;
-  arrival.sensor_point = at_plane(ray, sensor_) + centre;
+  if (array_tilted_) {
+    ray.origin = ray.origin + Vec3{centre.x, centre.y, 0};
+    arrival.sensor_point = at_plane(from_array(ray), sensor_);
+  } else {
+    arrival.sensor_point = at_plane(ray, sensor_) + centre;
+  }
   if (points) points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
   arrivals.push_back(arrival);
   return status;
@@ -88,15 +109,17 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
 
 /// Takes a ray from the main lens through every microlens that it may meet. @return whether it met
 /// one, even if it ended there; `status` is that of the last one tried
-bool Camera::meet_microlenses(const Ray& ray, const Arrival& arrival,
+bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
                               std::vector<Arrival>& arrivals, TraceStatus& status,
                               std::vector<Vec3>* points) const {
+  const Ray ray = to_array(in_camera);
   // The layer of space in which the front faces (or principal planes) lie.
   const double radius = 0.5 * spec_.array.diameter;
   double high = -kInfinity, low = kInfinity;
   for (const Microlens& lens : microlenses_) {
     const double vertex = ideal_array() ? lens.front_principal : array_front_;
-    const double rim = ideal_array() ? vertex : vertex - rim_depth(lens.radius_front, radius);
+    const double curved = lens.radius_front * (1 - spec_.array.focal_jitter);
+    const double rim = ideal_array() ? vertex : vertex - rim_depth(curved, radius);
     high = std::max({high, vertex, rim});
     low = std::min({low, vertex, rim});
   }

@@ -61,7 +61,13 @@ Footprint footprint(const Camera& camera, Vec3 point) {
   const FirstOrder& lens = camera.lens_first_order();
   const double pupil = 0.65 * lens.entrance_pupil_diameter;
   Footprint result;
-  std::vector<Camera::Arrival> arrivals;
+  // In the frame of the main lens; places on the array are those of the camera.
+  const RigidTransform& pose = camera.lens_pose();
+  point = pose.inverse().point(point);
+  const auto add = [&](const Ray& ray) {
+    result.add(
+        at_plane({pose.point(ray.origin), pose.direction(ray.direction)}, camera.array_front()));
+  };
   for (int ring = 0; ring <= kRings; ++ring)
     for (int spoke = 0; spoke < kSpokes; ++spoke) {
       const double r = pupil * ring / kRings, angle = 6.283185307179586 * spoke / kSpokes;
@@ -73,12 +79,11 @@ Footprint footprint(const Camera& camera, Vec3 point) {
         const Vec2 height = at_plane({point, direction}, ideal.front_principal);
         const Vec2 slope = Vec2{direction.x / direction.z, direction.y / direction.z} +
                            (1 / ideal.focal_length) * height;
-        result.add(height + (camera.array_front() - ideal.rear_principal) * slope);
+        add({{height.x, height.y, ideal.rear_principal}, -normalize({slope.x, slope.y, 1})});
         continue;
       }
       Ray ray{point, direction};
-      if (camera.lens().trace_to_sensor(ray).status == RayStatus::reached)
-        result.add(at_plane(ray, camera.array_front()));
+      if (camera.lens().trace_to_sensor(ray).status == RayStatus::reached) add(ray);
     }
   return result;
 }
@@ -121,7 +126,7 @@ std::vector<PointTruth> project_point(const Camera& camera, Vec3 world) {
     const double exit = camera.exit_pupil(), plane = camera.aim_plane(0);
     const Vec2 middle{0.5 * (beam.lower.x + beam.upper.x), 0.5 * (beam.lower.y + beam.upper.y)};
     const double share = std::isfinite(exit) ? (exit - plane) / (exit - camera.sensor()) : 1;
-    const auto through_pupil = [&](Vec2 s) { return share * s; };
+    const auto through_pupil = [&](Vec2 s) { return camera.foot() + share * (s - camera.foot()); };
     if (const auto s = find_sensor_point(camera, std::nullopt, through_pupil, point, middle))
       add({}, 0, *s);
     return images;
@@ -130,10 +135,12 @@ std::vector<PointTruth> project_point(const Camera& camera, Vec3 world) {
   for (const LensIndex lens :
        camera.lattice().within({beam.lower.x - reach, beam.lower.y - reach},
                                {beam.upper.x + reach, beam.upper.y + reach})) {
-    const Vec2 centre = camera.lattice().centre(lens);
+    const Vec3 place = camera.lens_place(lens);
+    const Vec2 centre{place.x, place.y};
     const double exit = camera.exit_pupil();
     const Vec2 start = std::isfinite(exit)
-                           ? ((exit - camera.sensor()) / (exit - camera.array_back())) * centre
+                           ? camera.foot() + ((exit - camera.sensor()) / (exit - place.z)) *
+                                                 (centre - camera.foot())
                            : centre;
     if (const auto s = find_sensor_point(
             camera, lens, [&](Vec2) { return centre; }, point, start))
@@ -158,14 +165,28 @@ void add_chief_rays(const MicroImages& images, LightField& light_field) {
   for (int row = 0; row < window.height; ++row)
     for (int column = 0; column < window.width; ++column) {
       const Vec2 s = camera.sensor_point(window.x + column + 0.5, window.y + row + 0.5);
-      const MicroImages::Place place = images.place(camera.lattice().nearest(scale * s));
+      const MicroImages::Place place =
+          images.place(camera.lattice().nearest(camera.foot() + scale * (s - camera.foot())));
       float values[6];
       std::fill(values, values + 6, std::numeric_limits<float>::quiet_NaN());
       if (!place.dark && length(s - place.centre) <= place.radius) {
-        const MicroImages::Line line = images.chief_ray(place, s);
-        const Vec3 origin = camera.to_world().point({line.position.x, line.position.y, 0});
-        const Vec3 direction =
-            camera.to_world().direction(normalize({line.slope.x, line.slope.y, 1}));
+        Ray ray;
+        if (camera.misaligned()) {  // by itself: the tables are those of the aligned camera
+          const Vec3 middle = camera.lens_place(place.lens);
+          const Camera::Path path = camera.trace(s, place.lens, {middle.x, middle.y});
+          if (path.status.status != RayStatus::reached) {
+            for (Image* layer : layers)
+              layer->at(column, row) = std::numeric_limits<float>::quiet_NaN();
+            continue;
+          }
+          const Vec2 front = at_plane(path.exit, 0);
+          ray = {{front.x, front.y, 0}, path.exit.direction};
+        } else {
+          const MicroImages::Line line = images.chief_ray(place, s);
+          ray = {{line.position.x, line.position.y, 0}, normalize({line.slope.x, line.slope.y, 1})};
+        }
+        const Vec3 origin = camera.to_world().point(ray.origin);
+        const Vec3 direction = camera.to_world().direction(ray.direction);
         const double exact[] = {origin.x,    origin.y,    origin.z,
                                 direction.x, direction.y, direction.z};
         for (int i = 0; i < 6; ++i) values[i] = static_cast<float>(exact[i]);

@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -46,6 +48,8 @@ Vec2 to_camera(Vec2 v, Vec2 axis) {
 /// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
 CameraSpec single_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
+  spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
+  spec.array.focal_jitter = 0;
   spec.array.types = {spec.array.types[type]};
   spec.array.rotation = 0;
   spec.focus.mode = FocusMode::distance;
@@ -111,13 +115,16 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
       node.centre = pupil.centre;
       node.radius = pupil.image_radius;
       const double h = static_cast<double>(i) * table.field_step;
-      fit_lines(at_distance(open, h), node);
+      const Camera wide = at_distance(open, h);
+      fit_lines(wide, node);
+      if (const auto stop = wide.at_stop({h + node.centre, 0}, LensIndex{})) node.stop = stop->x;
       if (white && !node.dark) fill_white(at_distance(own, h), node, pupil.outer_radius);
     });
     if (!done) throw Cancelled();
   }
   for (const std::vector<Node>& nodes : nodes_)
     for (const Node& node : nodes) reach_ = std::max(reach_, node.reach);
+  if (camera.misaligned()) find_centres(execution);
   const Vec2 here = place({0, 0}).centre;
   spacing_ = std::min(length(place({1, 0}).centre - here), length(place({0, 1}).centre - here));
 }
@@ -158,12 +165,85 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
       node.line[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
 }
 
+/// Where microlenses at the same distance from the axis are not alike: every centre by itself.
+void MicroImages::find_centres(const Execution& execution) {
+  const SensorSpec& sensor = camera_.spec().sensor;
+  const double margin = 4 * camera_.spec().array.pitch + length(camera_.foot());
+  const Vec2 corner = camera_.sensor_point(0, 0);
+  const Vec2 most{corner.x + margin, corner.y + margin};
+  const std::vector<LensIndex> lenses = camera_.lattice().within(-1.0 * most, most);
+  if (lenses.empty()) return;
+  LensIndex low = lenses.front(), high = low;
+  for (const LensIndex lens : lenses) {
+    low = {std::min(low.q, lens.q), std::min(low.r, lens.r)};
+    high = {std::max(high.q, lens.q), std::max(high.r, lens.r)};
+  }
+  Centres centres;
+  centres.low = low;
+  centres.columns = high.q - low.q + 1;
+  centres.rows = high.r - low.r + 1;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  centres.values.assign(
+      static_cast<std::size_t>(centres.columns) * static_cast<std::size_t>(centres.rows),
+      Vec2{none, none});
+  constexpr std::size_t kPart = 256;
+  const std::size_t parts = (lenses.size() + kPart - 1) / kPart;
+  const bool done = parallel_for(execution, parts, [&](std::size_t part, int) {
+    for (std::size_t k = part * kPart; k < std::min(lenses.size(), (part + 1) * kPart); ++k)
+      centres.values[centres.index(lenses[k])] = find_centre(lenses[k], 1e-7 * sensor.pixel_pitch);
+  });
+  if (!done) throw Cancelled();
+  centres_ = std::move(centres);
+}
+
+/// The sensor point from which the ray through the middle of the lens meets the stop where that of
+/// the aligned camera does.
+Vec2 MicroImages::find_centre(LensIndex lens, double accuracy) const {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const Place nominal = aligned_place(lens);
+  if (nominal.dark) return {none, none};
+  const std::vector<Node>& nodes = nodes_[static_cast<std::size_t>(nominal.type)];
+  const auto i = static_cast<std::size_t>(nominal.node);
+  const double t = nominal.node - static_cast<double>(i);
+  const Vec2 target = ((1 - t) * nodes[i].stop + t * nodes[i + 1].stop) * nominal.outwards;
+  const double step = 1e-3 * camera_.spec().sensor.pixel_pitch;
+  Vec2 s = nominal.centre;
+  for (int k = 0; k < 12; ++k) {
+    const auto at = camera_.at_stop(s, lens), right = camera_.at_stop(s + Vec2{step, 0}, lens),
+               up = camera_.at_stop(s + Vec2{0, step}, lens);
+    if (!at || !right || !up) return {none, none};
+    const Vec2 u = (1 / step) * (*right - *at), v = (1 / step) * (*up - *at), miss = *at - target;
+    const double determinant = u.x * v.y - v.x * u.y;
+    if (determinant == 0) return {none, none};
+    const Vec2 change{(v.y * miss.x - v.x * miss.y) / determinant,
+                      (u.x * miss.y - u.y * miss.x) / determinant};
+    s = s - change;
+    if (length(change) < accuracy) return s;
+  }
+  return {none, none};
+}
+
 MicroImages::Place MicroImages::place(LensIndex lens) const {
+  Place place = aligned_place(lens);
+  if (!camera_.misaligned() || place.dark) return place;
+  place.dark = true;
+  if (centres_.values.empty() || !centres_.holds(lens)) return place;
+  place.centre = centres_.values[centres_.index(lens)];
+  place.dark = std::isnan(place.centre.x);
+  return place;
+}
+
+/// As in an aligned camera; in a misaligned one the centre is a first guess.
+MicroImages::Place MicroImages::aligned_place(LensIndex lens) const {
   Place place;
   place.lens = lens;
   place.type = camera_.lattice().type(lens);
   const auto type = static_cast<std::size_t>(place.type);
-  const Vec2 middle = camera_.lattice().centre(lens);
+  const Vec3 lens_place = camera_.lens_place(lens);
+  // Where the lens stands in the field of the main lens.
+  const Vec3 in_lens =
+      camera_.lens_moved() ? camera_.lens_pose().inverse().point(lens_place) : lens_place;
+  const Vec2 middle{in_lens.x, in_lens.y};
   const double h = length(middle);
   place.centre = middle;
   if (h > 0) place.outwards = (1 / h) * middle;
@@ -173,8 +253,15 @@ MicroImages::Place MicroImages::place(LensIndex lens) const {
   if (i + 1 >= nodes.size() || nodes[i].dark || nodes[i + 1].dark) return place;
   const double t = place.node - static_cast<double>(i);
   place.dark = false;
-  place.centre = middle + ((1 - t) * nodes[i].centre + t * nodes[i + 1].centre) * place.outwards;
+  const double shift = (1 - t) * nodes[i].centre + t * nodes[i + 1].centre;
+  place.centre = middle + shift * place.outwards;
   place.radius = (1 - t) * nodes[i].radius + t * nodes[i + 1].radius;
+  if (!camera_.misaligned()) return place;
+  // Straight on from the middle of the exit pupil.
+  const Vec2 from_foot = Vec2{lens_place.x, lens_place.y} - camera_.foot();
+  place.centre = Vec2{lens_place.x, lens_place.y} + (h > 0 ? shift / h : 0.0) * from_foot;
+  place.radius *=
+      (lens_place.z - camera_.sensor()) / (camera_.aim_plane(place.type) - camera_.sensor());
   return place;
 }
 
@@ -191,6 +278,21 @@ std::array<double, 21> MicroImages::mixed(const Place& place, std::size_t which)
 MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) const {
   ToPlane plane;
   plane.place_ = place;
+  if (camera_.lens_moved()) {  // the tables hold lines in the frame of the main lens
+    plane.pose_ = camera_.lens_pose();
+    plane.depth_ = depth;
+    plane.moved_ = true;
+    ToPlane& second = plane.second_.emplace_back();
+    second.place_ = place;
+    set_plane(place, 0, plane);
+    set_plane(place, 1, second);
+    return plane;
+  }
+  set_plane(place, depth, plane);
+  return plane;
+}
+
+void MicroImages::set_plane(const Place& place, double depth, ToPlane& plane) const {
   const auto x0 = mixed(place, 0), y0 = mixed(place, 1), x1 = mixed(place, 2), y1 = mixed(place, 3);
   for (std::size_t k = 0; k < kTerms; ++k) {
     const double along = x0[k] + depth * x1[k], across = y0[k] + depth * y1[k];
@@ -198,13 +300,18 @@ MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) con
     plane.x_[k] = c.x;
     plane.y_[k] = c.y;
   }
-  return plane;
 }
 
 Vec2 MicroImages::ToPlane::operator()(Vec2 sensor_point) const {
   const auto terms =
       monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
-  return {sum(x_, terms), sum(y_, terms)};
+  const Vec2 here{sum(x_, terms), sum(y_, terms)};
+  if (!moved_) return here;
+  const ToPlane& second = second_.front();
+  const Vec3 a = pose_.point({here.x, here.y, 0});
+  const Vec3 b = pose_.point({sum(second.x_, terms), sum(second.y_, terms), 1});
+  const double t = (depth_ - a.z) / (b.z - a.z);
+  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
 MicroImages::Line MicroImages::chief_ray(const Place& place, Vec2 sensor_point) const {

@@ -17,12 +17,16 @@ struct KernelSurface {
 
 inline constexpr int kAsphericTerms = 7;  ///< h^4 to h^16
 
-/// What makes a surface differ from the sphere of its curvature.
+/// What makes a surface differ from the sphere of its curvature. Heights count in units of the
+/// rim's height: coefficients per metre to the 15th would leave the range of single precision.
 template <class Real>
 struct KernelAsphere {
-  Real conic;                  ///< 0: sphere, -1: paraboloid
-  Real terms[kAsphericTerms];  ///< sag along the direction of propagation: terms[i] * h^(4 + 2 i)
+  Real conic;            ///< 0: sphere, -1: paraboloid
+  Real inverse_height2;  ///< 1 / (height of the rim)^2
+  /// Sag along the direction of propagation [m]: terms[i] * (h / rim)^(4 + 2 i).
+  Real terms[kAsphericTerms];
 };
+inline constexpr int kAsphereSteps = 8;  ///< of Newton's method
 
 /// The paraxial transform (camera/camera.h, IdealLens) as the kernels use it.
 template <class Real>

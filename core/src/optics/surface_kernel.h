@@ -42,42 +42,55 @@ PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_b
   code = code != 0 ? code : failure;
 }
 
-/// The same at a conic with even aspheric terms, rotationally symmetric:
-///     sag(h^2) = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2)) + sum of terms[i] h^(4 + 2 i)
-/// The intersection is found by Newton's method along the ray from the vertex plane, with a fixed
-/// number of steps: the error squares with each, so that a surface whose slope at the ray is below
-/// one reaches the rounding of `double` in six.
+/// Sag of a conic with even aspheric terms at the height sqrt(h2), rotationally symmetric, along
+/// the direction of propagation:
+///     sag(h^2) = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2)) + sum of terms[i] (h / rim)^(4 + 2 i)
+/// @param slope d sag / d(h^2) @param inside what is under the root: above 0 where the conic is
 template <class Real>
-PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
-                                          const KernelAsphere<Real>& asphere, int code_base,
-                                          Real& x, Real& y, Real& z, Real& dx, Real& dy, Real& dz,
-                                          int& code) {
-  const Real c = surface.curvature;
-  const Real kc2 = (Real(1) + asphere.conic) * c * c;
-  const Real to_plane = (surface.gap - z) / dz;
+PLENOFLAME_INLINE void asphere_sag(Real c, const KernelAsphere<Real>& asphere, Real h2, Real& sag,
+                                   Real& slope, Real& inside) {
+  inside = Real(1) - (Real(1) + asphere.conic) * c * c * h2;
+  const Real root = square_root(greatest(inside, Real(1e-6)));
+  const Real v = h2 * asphere.inverse_height2;
+  Real sum = Real(0), derivative = Real(0);
+#pragma GCC unroll 7
+  for (int i = kAsphericTerms - 1; i >= 0; --i) {
+    derivative = derivative * v + Real(i + 2) * asphere.terms[i];
+    sum = sum * v + asphere.terms[i];
+  }
+  slope = derivative * v * asphere.inverse_height2 + Real(0.5) * c / root;
+  sag = sum * v * v + c / (Real(1) + root) * h2;
+}
+
+/// Moves the ray from the previous reference plane to the vertex plane.
+template <class Real>
+PLENOFLAME_INLINE void go_to_vertex(Real gap, Real& x, Real& y, Real& z, Real dx, Real dy,
+                                    Real dz) {
+  const Real to_plane = (gap - z) / dz;
   x += to_plane * dx;
   y += to_plane * dy;
   z = Real(0);
-  Real slope = Real(0), inside = Real(1);  // d sag / d(h^2)
-  for (int step = 0; step < 9; ++step) {
-    const Real h2 = x * x + y * y;
-    inside = Real(1) - kc2 * h2;
-    const Real root = square_root(greatest(inside, Real(1e-6)));
-    Real sag = Real(0);
-    slope = Real(0);
-#pragma GCC unroll 7
-    for (int i = kAsphericTerms - 1; i >= 0; --i) {
-      slope = slope * h2 + Real(i + 2) * asphere.terms[i];
-      sag = sag * h2 + asphere.terms[i];
-    }
-    slope = slope * h2 + Real(0.5) * c / root;
-    sag = (sag * h2 + c / (Real(1) + root)) * h2;
-    const Real along = dz - Real(2) * slope * (x * dx + y * dy);
-    const Real t = step < 8 ? (sag - z) / along : Real(0);
-    x += t * dx;
-    y += t * dy;
-    z += t * dz;
-  }
+}
+
+/// A step of Newton's method along the ray towards the surface.
+template <class Real>
+PLENOFLAME_INLINE void approach_asphere(Real c, const KernelAsphere<Real>& asphere, Real& x,
+                                        Real& y, Real& z, Real dx, Real dy, Real dz) {
+  Real sag, slope, inside;
+  asphere_sag(c, asphere, x * x + y * y, sag, slope, inside);
+  const Real t = (sag - z) / (dz - Real(2) * slope * (x * dx + y * dy));
+  x += t * dx;
+  y += t * dy;
+  z += t * dz;
+}
+
+/// Tests aperture and refracts a ray that has arrived.
+template <class Real>
+PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
+                                     const KernelAsphere<Real>& asphere, int code_base, Real x,
+                                     Real y, Real& dx, Real& dy, Real& dz, int& code) {
+  Real sag, slope, inside;
+  asphere_sag(surface.curvature, asphere, x * x + y * y, sag, slope, inside);
   const Real nx = Real(-2) * slope * x, ny = Real(-2) * slope * y;
   const Real normal = Real(1) / square_root(nx * nx + ny * ny + Real(1));
   const Real cos_in = (nx * dx + ny * dy + dz) * normal;
@@ -89,8 +102,22 @@ PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
   dz = surface.mu * dz + along_normal;
   int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
   failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
-  failure = inside > Real(1e-6) && cos_in > Real(0) ? failure : code_base + kCauseMissed;
+  failure = (inside > Real(1e-6)) & (cos_in > Real(0)) ? failure : code_base + kCauseMissed;
   code = code != 0 ? code : failure;
+}
+
+/// refract_at() for an asphere. The intersection is found by Newton's method along the ray from the
+/// vertex plane, with a fixed number of steps: the error squares with each, so that a surface whose
+/// slope at the ray is below one reaches the rounding of `double` in six.
+template <class Real>
+PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
+                                          const KernelAsphere<Real>& asphere, int code_base,
+                                          Real& x, Real& y, Real& z, Real& dx, Real& dy, Real& dz,
+                                          int& code) {
+  go_to_vertex(surface.gap, x, y, z, dx, dy, dz);
+  for (int step = 0; step < kAsphereSteps; ++step)
+    approach_asphere(surface.curvature, asphere, x, y, z, dx, dy, dz);
+  leave_asphere(surface, asphere, code_base, x, y, dx, dy, dz, code);
 }
 
 /// A plane without refraction (the stop): only the aperture is tested.

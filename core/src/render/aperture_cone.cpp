@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plenoflame/base/constants.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -26,16 +27,24 @@ Vec3 around(Vec3 axis, double versine, double v) {
 ApertureCone::ApertureCone(const Camera& camera) {
   if (!camera.ideal_lens()) {
     const SurfaceSpec& first = camera.spec().lens.surfaces.front();
-    const double height = 0.5 * first.diameter, r = std::fabs(first.radius);
-    double depth = 0;  // of the rim behind the vertex
-    if (std::isfinite(r))
-      depth = std::copysign(
-          height * height / (r + std::sqrt(std::max(0.0, (r - height) * (r + height)))),
-          first.radius);
-    // A cap up to a hemisphere lies within the sphere around the middle of its rim.
+    const double height = 0.5 * first.diameter;
+    const double depth = surface_sag(first, height);  // of the rim behind the vertex
+    // A cap up to a hemisphere lies within the sphere around the middle of its rim. Whether one of
+    // an asphere does is looked at.
     centre_ = {0, 0, -depth};
-    radius_ = kMargin * std::max(height, std::fabs(depth));
+    radius_ = std::max(height, std::fabs(depth));
     front_ = std::max(0.0, -depth);
+    if (is_aspheric(first)) {
+      constexpr int kSteps = 256;
+      for (int i = 0; i < kSteps; ++i) {
+        const double h = height * i / kSteps, sag = surface_sag(first, h);
+        radius_ = std::max(radius_, std::hypot(h, sag - depth));
+        front_ = std::max(front_, -sag);
+      }
+      radius_ += height / kSteps;  // the slope is below one where rays get in
+    }
+    radius_ *= kMargin;
+    move_with(camera);
     return;
   }
   pupil_ = true;
@@ -46,10 +55,24 @@ ApertureCone::ApertureCone(const Camera& camera) {
   const double a = lens.stop_height + lens.stop_slope / lens.focal_length, b = lens.stop_slope;
   if (std::fabs(a) * 1e9 * lens.focal_length < std::fabs(b)) {
     telecentric_ = kMargin * lens.stop_radius / std::fabs(b);
+    // Directions are those of the camera: enough of them for a tilted lens.
+    if (camera.lens_moved())
+      telecentric_ = std::tan(std::atan(telecentric_) + length(camera.spec().lens.tilt));
     return;
   }
   centre_ = {0, 0, lens.front_principal + b / a};
   radius_ = kMargin * lens.stop_radius / std::fabs(a);
+  move_with(camera);
+}
+
+/// With a main lens that is decentred or tilted.
+void ApertureCone::move_with(const Camera& camera) {
+  if (!camera.lens_moved()) return;
+  centre_ = camera.lens_pose().point(centre_);
+  if (pupil_) return;
+  // The foremost point of the rim, or of what lies before it.
+  const Vec3 axis = camera.lens_pose().direction({0, 0, 1});
+  front_ = std::max(front_, front_ * axis.z + radius_ * std::hypot(axis.x, axis.y));
 }
 
 ApertureCone::Direction ApertureCone::draw(Vec3 point, double u, double v) const {

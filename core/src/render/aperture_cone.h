@@ -18,6 +18,9 @@ class ApertureCone {
     return (point.z - front_) / -direction.z;
   }
 
+  /// z in front of which the scene begins [m].
+  double front() const { return front_; }
+
   struct Direction {
     Vec3 direction;  ///< towards -z
     double solid_angle =
@@ -27,6 +30,7 @@ class ApertureCone {
   Direction draw(Vec3 point, double u, double v) const;
 
  private:
+  void move_with(const Camera& camera);
   double front_ = 0;   ///< z in front of which the scene begins [m]
   Vec3 centre_;        ///< of the sphere [m]
   double radius_ = 0;  ///< [m]

@@ -26,6 +26,14 @@ double micro_image_reach(const PupilSampling& pupils) {
   return reach;
 }
 
+/// How far, at most, a tilt moves the places of microlenses over the sensor [m].
+double shift_by_tilt(const Camera& camera) {
+  const SensorSpec& sensor = camera.spec().sensor;
+  const double corner = 0.5 * sensor.pixel_pitch * std::hypot(sensor.columns, sensor.rows);
+  const double tilt = length(camera.spec().array.tilt);
+  return 1.5 * tilt * (tilt * corner + camera.array_front() - camera.sensor());
+}
+
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                              const RenderSettings& settings, const PointRange& range,
@@ -53,6 +61,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
                             part ? kPartEntries : 0);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
+  if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
   if (scene.surfaces || !scene.lights.environment.empty())
     plan.surfaces = std::make_unique<BackwardSurfacePlan>(scene, settings, first, plan.pools,
                                                           plan.anchor, execution);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "render/aperture_cone.h"
+
 namespace plenoflame {
 namespace {
 
@@ -13,10 +15,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 /// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
 double camera_front(const Camera& camera) {
   if (camera.spec().lens.surfaces.empty()) return 0;
-  const SurfaceSpec& first = camera.spec().lens.surfaces.front();
-  if (!(first.radius < 0) || !std::isfinite(first.radius)) return 0;
-  const double r = -first.radius, h = 0.5 * first.diameter;
-  return h * h / (r + std::sqrt(std::max(0.0, (r - h) * (r + h))));
+  return ApertureCone(camera).front();
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ void TileTracer<Real>::render(int tile_index) {
 template <class Real>
 void TileTracer<Real>::begin_patch(Vec2 lens, Vec2 centre, double outer_radius) {
   generate_queued();
+  has_own_lens_ = false;
   patch_ = {};
   patch_.outer_x = static_cast<Real>(centre.x);
   patch_.outer_y = static_cast<Real>(centre.y);
@@ -123,17 +124,23 @@ template <class Real>
 void TileTracer<Real>::add_microlens(LensIndex lens) {
   const PixelWindow& tile = tile_;
   const Camera& camera = plan_.scene->camera;
-  const Vec2 place = camera.lattice().centre(lens);
+  const Vec3 lens_place = camera.lens_place(lens);
+  const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
   if (plan_.beams && !plan_.beams->lenses().may_meet(type, place)) return;
-  const double h = length(place);
+  const double h = length(from_foot);
   const PupilNode node = table.at(h);
   if (node.dark()) return;
-  const Vec2 field = h > 0 ? (1.0 / h) * place : Vec2{1, 0};
+  const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
   const Vec2 centre = node.centre * field;
   const double outer = node.outer_radius;
   begin_patch(place, centre, outer);
+  if (camera.misaligned()) {
+    own_lens_ = plan_.microlenses[static_cast<std::size_t>(type)];
+    set_lens(camera, lens, own_lens_);
+    has_own_lens_ = true;
+  }
   patch_.bound_radius = static_cast<Real>(table.discs.bound);
   patch_.aim_radius = static_cast<Real>(table.discs.radius);
   patch_.aim_shift = static_cast<Real>(table.discs.shift);
@@ -177,16 +184,19 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
                                       const BeamBounds* beams, int type) {
   const Camera& camera = plan_.scene->camera;
   const Vec2 centre = camera.sensor_point(column + 0.5, row + 0.5);
-  const PupilNode node = table.at(length(centre));
+  const Vec2 foot =
+      (type == plan_.between_type ? plan_.scene->pupils.between()->camera : camera).foot();
+  const Vec2 from_foot = centre - foot;
+  const PupilNode node = table.at(length(from_foot));
   if (node.dark()) return;
   if (beams && !beams->may_meet(0, centre)) {
     counters_.pixels_skipped += 1;
     return;
   }
-  const double h = length(centre), pitch = camera.spec().sensor.pixel_pitch;
+  const double h = length(from_foot), pitch = camera.spec().sensor.pixel_pitch;
   begin_patch({}, centre, 2 * pitch);
-  const Vec2 field = h > 0 ? (1 / h) * centre : Vec2{1, 0};
-  const Vec2 aim = node.aim_centre * field;
+  const Vec2 field = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
+  const Vec2 aim = foot + node.aim_centre * field;
   // No micro-image: the line that aims go by shall hardly turn within the pixel.
   const Vec2 far = centre - 1e3 * pitch * field;
   patch_.centre_x = static_cast<Real>(far.x);
@@ -264,7 +274,8 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
 template <class Real>
 void TileTracer<Real>::generate_queued() {
   if (queued_.empty()) return;
-  const KernelMicrolens<Real>& lens = plan_.microlenses[static_cast<std::size_t>(type_)];
+  const KernelMicrolens<Real>& lens =
+      has_own_lens_ ? own_lens_ : plan_.microlenses[static_cast<std::size_t>(type_)];
   plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()), lens.distance,
                          block_);
   const int first = queued_.front().first;

@@ -118,7 +118,9 @@ class TileTracer {
   PixelWindow tile_;  ///< that is being rendered
   KernelPatch<Real> patch_{};
   KernelPixel<Real> pixel_{};
-  int type_ = 0;                           ///< of the patch
+  int type_ = 0;                      ///< of the patch
+  KernelMicrolens<Real> own_lens_{};  ///< of the patch, where lenses of a type differ
+  bool has_own_lens_ = false;
   std::vector<KernelPixel<Real>> queued_;  ///< pixels of the patch whose rays are still to be made
   std::vector<Pending> pending_;
   int count_ = 0;  ///< rays in the block

@@ -54,16 +54,21 @@ std::string key_of(const Scene& scene, const PixelWindow& window) {
   Fnv key;
   key.add(write_scene(scene));
   const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
-  for (const FlameSpec& flame : scene.flames) {
-    if (flame.file.empty()) continue;
+  const auto add_file = [&](const std::string& name) {
+    if (name.empty()) return;
     std::error_code none;
-    const std::filesystem::path file = folder / flame.file;
+    const std::filesystem::path file = folder / name;
     const auto size = std::filesystem::file_size(file, none);
     const auto changed = std::filesystem::last_write_time(file, none).time_since_epoch().count();
-    for (const std::string& part : {flame.file, std::to_string(size), std::to_string(changed)}) {
+    for (const std::string& part : {name, std::to_string(size), std::to_string(changed)}) {
       key.add("|");
       key.add(part);
     }
+  };
+  for (const FlameSpec& flame : scene.flames) add_file(flame.file);
+  for (const SolidSurfaceSpec& surface : scene.surfaces) {
+    add_file(surface.file);
+    add_file(surface.material.texture.file);
   }
   for (const int number : {window.x, window.y, window.width, window.height}) {
     key.add("|");

@@ -34,13 +34,15 @@ Vec3 around(Vec3 axis, double versine, double v) {
 
 /// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between
 /// the traced ones.
-double field_versine(const PupilSampling& pupils) {
+double field_versine(const PupilSampling& pupils, const Camera& camera) {
   double tangent = 0;
   for (const PupilTable& table : pupils.tables())
     for (const std::vector<Ray>& rays : table.edges)
       for (const Ray& ray : rays)
         tangent = std::max(tangent, std::hypot(ray.direction.x, ray.direction.y) / ray.direction.z);
   tangent *= 1.1;
+  if (camera.lens_moved())
+    tangent = std::tan(std::min(1.5, std::atan(tangent) + length(camera.spec().lens.tilt)));
   const double secant = std::hypot(1.0, tangent);
   return tangent * tangent / (secant * (1 + secant));
 }
@@ -68,7 +70,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
       window_(film.window()),
       cone_(scene.camera),
       to_camera_(scene.camera.to_world().inverse()),
-      field_versine_(field_versine(scene.pupils)) {
+      field_versine_(field_versine(scene.pupils, scene.camera)) {
   options_.isa = settings.isa;
   options_.skip = settings.skip;
   add_jobs(proposal);
@@ -86,6 +88,16 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
     centre_ = 0.5 * (lit->lower + lit->upper);
     radius_ = 0.5 * length(lit->upper - lit->lower) * (1 + 1e-9);
   }
+  endless_ = std::make_unique<EndlessPlanes>(scene, centre_, radius_, field_versine_);
+}
+
+/// Whether any surface reflects at all.
+bool SurfaceBundles::can_reflect() const {
+  return std::any_of(scene_.scene.surfaces.begin(), scene_.scene.surfaces.end(),
+                     [](const SolidSurfaceSpec& surface) {
+                       return surface.material.kind == MaterialKind::lambertian &&
+                              surface.material.reflectivity > 0;
+                     });
 }
 
 void SurfaceBundles::add_jobs(const EmissionProposal* proposal) {
@@ -94,33 +106,37 @@ void SurfaceBundles::add_jobs(const EmissionProposal* proposal) {
     jobs_.push_back({Origin::flame, 0, true});
     if (reflects && scene_.scene.render.flame_light) jobs_.push_back({Origin::flame, 0, false});
   }
-  const auto endless = [&] {
-    if (scene_.surfaces->has_endless_plane())
+  // A bundle stands for the more light the farther out it starts on a plane without end. Going on
+  // from there it would meet what the camera sees so rarely that no number of bundles were enough.
+  const auto refuse_far_light = [&](bool endless) {
+    if (endless)
       throw InputError(
-          "the forward estimator cannot light a plane without end from surroundings or a parallel "
-          "light; give the plane an extent, or use the backward estimator");
+          "the forward estimator cannot follow light that planes without end send to other "
+          "surfaces: "
+          "give the planes an extent, set render.reflections = 1 (0 where the plane itself "
+          "shines), or "
+          "use the backward estimator");
   };
+  const bool far_light = scene_.surfaces && scene_.surfaces->has_endless_plane() &&
+                         scene_.scene.render.reflections > 1;
   if (reflects)
     for (std::size_t i = 0; i < scene_.lights.delta.size(); ++i) {
-      if (scene_.lights.delta[i].parallel) endless();
+      if (scene_.lights.delta[i].parallel) refuse_far_light(far_light);
       jobs_.push_back({Origin::delta_light, static_cast<int>(i), false});
     }
   if (!scene_.lights.environment.empty()) {
     jobs_.push_back({Origin::environment, 0, true});
     if (reflects) {
-      endless();
+      refuse_far_light(far_light);
       jobs_.push_back({Origin::environment, 0, false});
     }
   }
   if (!scene_.surfaces) return;
   for (int i = 0; i < scene_.surfaces->surface_count(); ++i) {
     if (!scene_.surfaces->emission(i, true)) continue;
-    if (!std::isfinite(scene_.surfaces->area(i)))
-      throw InputError("the forward estimator cannot follow the light of a plane without end (" +
-                       surface_name(scene_.scene.surfaces, i) +
-                       "); give it an extent, or use the backward estimator");
     jobs_.push_back({Origin::surface, i, true});
-    if (reflects) jobs_.push_back({Origin::surface, i, false});
+    if (reflects) refuse_far_light(!std::isfinite(scene_.surfaces->area(i)) && can_reflect());
+    if (reflects && can_reflect()) jobs_.push_back({Origin::surface, i, false});
   }
 }
 
@@ -142,6 +158,35 @@ bool SurfaceBundles::start_at_flame(const Job& job, Bundle& bundle, Work& work) 
   return true;
 }
 
+/// Lines of light from far away are drawn around everything with an end, or through the points of
+/// one of the planes without end: each way as likely as the others.
+/// @param any_direction from the surroundings; otherwise all lines have one direction
+/// @return [1/m^2] of cross section, for surroundings [1/(m^2 sr)], all ways together
+double SurfaceBundles::line_density(const Ray& line, bool any_direction) const {
+  double sum = 0;
+  if (radius_ > 0) {
+    const Vec3 to_centre = centre_ - line.origin;
+    const Vec3 miss = to_centre - dot(to_centre, line.direction) * line.direction;
+    if (dot(miss, miss) <= radius_ * radius_)
+      sum += 1 / (kPi * radius_ * radius_) / (any_direction ? 4 * kPi : 1);
+  }
+  for (std::size_t k = 0; k < endless_->count(); ++k) {
+    double t = 0;
+    if (!endless_->crossing(k, line, t)) continue;
+    const double density = endless_->density(k, line.at(t));
+    // Through a point directions are drawn with the cosine, from both sides.
+    sum += any_direction ? density / (2 * kPi)
+                         : density / std::fabs(dot(line.direction, endless_->normal(k)));
+  }
+  return sum / static_cast<double>(endless_->count() + (radius_ > 0 ? 1 : 0));
+}
+
+/// Moves the origin of a line back before everything that it may meet.
+void SurfaceBundles::start_before(Ray& line) const {
+  const double nearest = dot(centre_ - line.origin, line.direction);
+  line.origin = line.at(endless_->before(line, nearest - 1.01 * radius_));
+}
+
 bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) const {
   const DeltaLight& light = scene_.lights.delta[static_cast<std::size_t>(job.index)];
   work.emission = light.strength;
@@ -151,11 +196,21 @@ bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) 
     bundle.weight *= light.solid_angle();
     return true;
   }
-  // A disc across the light, as wide as all surfaces, before the first of them.
-  const Vec3 place = around(light.direction, 1, v);
-  bundle.ray = {centre_ - radius_ * light.direction + radius_ * std::sqrt(u) * place,
-                light.direction};
-  bundle.weight *= kPi * radius_ * radius_;
+  const std::size_t ways = endless_->count() + (radius_ > 0 ? 1 : 0);
+  if (ways == 0) return false;
+  const auto way = std::min(
+      static_cast<std::size_t>(number(bundle.index, 1, 2) * static_cast<double>(ways)), ways - 1);
+  if (way == endless_->count()) {
+    // A disc across the light, as wide as all surfaces with an end.
+    bundle.ray = {centre_ + radius_ * std::sqrt(u) * around(light.direction, 1, v),
+                  light.direction};
+  } else {
+    const EndlessPlanes::Place place = endless_->draw(way, number(bundle.index, 1, 3), u, v);
+    if (!(place.density > 0) || dot(light.direction, endless_->normal(way)) == 0) return false;
+    bundle.ray = {place.point, light.direction};
+  }
+  bundle.weight /= line_density(bundle.ray, false);
+  start_before(bundle.ray);
   return true;
 }
 
@@ -163,12 +218,24 @@ bool SurfaceBundles::start_in_surroundings(const Job& job, Bundle& bundle, Work&
   work.emission = scene_.lights.environment;
   const double u = number(bundle.index, 1, 0), v = number(bundle.index, 1, 1);
   if (!job.to_camera) {
-    // Any sphere around the surfaces whose inside has the radiance of the surroundings.
-    const Vec3 outwards = around({0, 0, 1}, 2 * u, v);
-    bundle.ray = {
-        centre_ + radius_ * outwards,
-        cosine_direction(-outwards, number(bundle.index, 1, 2), number(bundle.index, 1, 3))};
-    bundle.weight *= 4 * kPi * radius_ * radius_ * kPi;
+    const double p = number(bundle.index, 1, 2), q = number(bundle.index, 1, 3);
+    const std::size_t ways = endless_->count() + (radius_ > 0 ? 1 : 0);
+    if (ways == 0) return false;
+    const auto way = std::min(
+        static_cast<std::size_t>(number(bundle.index, 2, 0) * static_cast<double>(ways)), ways - 1);
+    if (way == endless_->count()) {
+      // Any sphere around the surfaces whose inside has the radiance of the surroundings.
+      const Vec3 outwards = around({0, 0, 1}, 2 * u, v);
+      bundle.ray = {centre_ + radius_ * outwards, cosine_direction(-outwards, p, q)};
+    } else {
+      const EndlessPlanes::Place place = endless_->draw(way, number(bundle.index, 2, 1), u, v);
+      if (!(place.density > 0)) return false;
+      const Vec3 normal = endless_->normal(way);
+      bundle.ray = {place.point,
+                    cosine_direction(number(bundle.index, 2, 2) < 0.5 ? normal : -normal, p, q)};
+    }
+    bundle.weight /= line_density(bundle.ray, true);
+    start_before(bundle.ray);
     return true;
   }
   const Vec3 camera = scene_.camera.to_world().translation;
@@ -186,8 +253,20 @@ bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work
   const SurfaceScene& surfaces = *scene_.surfaces;
   const auto a = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 1);
   const auto b = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 2);
-  const SurfacePoint point = surfaces.point_on(job.index, unit_uniform(a[0], a[1]),
-                                               unit_uniform(b[0]), unit_uniform(b[1]));
+  SurfacePoint point;
+  double area = surfaces.area(job.index);
+  if (std::isfinite(area)) {
+    point = surfaces.point_on(job.index, unit_uniform(a[0], a[1]), unit_uniform(b[0]),
+                              unit_uniform(b[1]));
+  } else {
+    std::size_t plane = 0;
+    while (endless_->surface(plane) != job.index) ++plane;
+    const EndlessPlanes::Place place =
+        endless_->draw(plane, unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]));
+    if (!(place.density > 0)) return false;
+    point = {place.point, endless_->normal(plane), {job.index, 0}};
+    area = 1 / place.density;
+  }
   double sides = 1;
   bundle.normal = point.normal;
   if (surfaces.emission(job.index, false)) {
@@ -198,7 +277,7 @@ bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work
   work.emission.assign(emission, emission + work.channels);
   bundle.ray.origin = point.point;
   bundle.from = point.where;
-  bundle.weight *= sides * surfaces.area(job.index);
+  bundle.weight *= sides * area;
   if (job.to_camera) return true;
   bundle.ray.direction = cosine_direction(bundle.normal, unit_uniform(a[2]), unit_uniform(a[3]));
   bundle.weight *= kPi;

@@ -6,6 +6,7 @@
 #include "plenoflame/render/render.h"
 #include "render/aperture_cone.h"
 #include "render/emission_proposal.h"
+#include "render/endless_planes.h"
 #include "render/forward_chunk.h"
 #include "render/medium_segments.h"
 
@@ -18,8 +19,7 @@ namespace plenoflame {
 class SurfaceBundles : public BundleSource {
  public:
   /// @param proposal where the flames emit; nullptr: there are none, or they are dark
-  /// @throws InputError when surroundings or a parallel light meet a plane without end: bundles of
-  ///         theirs would have to start everywhere
+  /// @throws InputError when planes without end send light from far away to other surfaces
   SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
                  const EmissionProposal* proposal);
 
@@ -54,6 +54,9 @@ class SurfaceBundles : public BundleSource {
   void add_jobs(const EmissionProposal* proposal);
   bool start(std::int64_t index, const Job& job, Bundle& bundle, Work& work) const;
   bool start_at_flame(const Job& job, Bundle& bundle, Work& work) const;
+  double line_density(const Ray& line, bool any_direction) const;
+  void start_before(Ray& line) const;
+  bool can_reflect() const;
   bool start_at_light(const Job& job, Bundle& bundle, Work& work) const;
   bool start_in_surroundings(const Job& job, Bundle& bundle, Work& work) const;
   bool start_at_surface(const Job& job, Bundle& bundle, Work& work) const;
@@ -72,8 +75,9 @@ class SurfaceBundles : public BundleSource {
   RigidTransform to_camera_;
   MediumOptions options_;
   std::vector<Job> jobs_;
-  Vec3 centre_;               ///< of a sphere around everything that surroundings may light
-  double radius_ = 0;         ///< [m]
+  Vec3 centre_;        ///< of a sphere around everything that surroundings may light
+  double radius_ = 0;  ///< [m]
+  std::unique_ptr<EndlessPlanes> endless_;
   double field_versine_ = 0;  ///< 1 - cos of the widest angle at which the camera looks
 };
 

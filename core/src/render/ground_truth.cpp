@@ -106,11 +106,12 @@ class ChiefRays {
   std::optional<Ray> operator()(int column, int row) const {
     const Vec2 s = camera_.sensor_point(column + 0.5, row + 0.5);
     // Seen from the middle of the pupil, the microlens stands before the middle of its micro-image.
-    const Vec2 before = (1 - towards_axis_) * s;
+    const Vec2 before = camera_.foot() + (1 - towards_axis_) * (s - camera_.foot());
     Camera::Path path;
     if (camera_.has_array()) {
       const LensIndex lens = camera_.lattice().nearest(before);
-      path = camera_.trace(s, lens, camera_.lattice().centre(lens));
+      const Vec3 place = camera_.lens_place(lens);
+      path = camera_.trace(s, lens, {place.x, place.y});
     } else {
       path = camera_.trace(s, std::nullopt, before);
     }

@@ -130,6 +130,8 @@ std::vector<DataArray> ray_arrays(const RayPaths& paths) {
           [&](std::size_t i, std::size_t) { return static_cast<int>(rays[i].status.status); }),
       data_array<std::int32_t>("ended_at", n, 1,
                                [&](std::size_t i, std::size_t) { return rays[i].status.surface; }),
+      data_array<std::int32_t>("solid", n, 1,
+                               [&](std::size_t i, std::size_t) { return rays[i].solid; }),
       data_array<double>(
           "wavelength", n, channels,
           [&](std::size_t, std::size_t k) { return paths.wavelengths[k]; }, paths.channels),
@@ -220,7 +222,7 @@ std::string csv_name(const std::string& name) {
 }
 
 void write_csv(Output& out, const RayPaths& paths) {
-  out.text("ray,column,row,q,r,type,status,ended_at,weight,optical_thickness");
+  out.text("ray,column,row,q,r,type,status,ended_at,solid,weight,optical_thickness");
   for (const std::string& name : paths.channels) out.text(",").text(csv_name("wavelength." + name));
   for (const std::string& name : paths.channels) out.text(",").text(csv_name("radiance." + name));
   out.text(",surface,refractive_index,distance,temperature,absorption,x,y,z\n");
@@ -232,7 +234,12 @@ void write_csv(Output& out, const RayPaths& paths) {
       for (const int value : {ray.column, ray.row, ray.lens.q, ray.lens.r, ray.type})
         out.text(",").number(value);
       out.text(",").text(to_string(ray.status.status)).text(",").number(ray.status.surface);
-      out.text(",").number(ray.weight).text(",").number(ray.optical_thickness);
+      out.text(",")
+          .number(ray.solid)
+          .text(",")
+          .number(ray.weight)
+          .text(",")
+          .number(ray.optical_thickness);
       for (const double wavelength : paths.wavelengths) out.text(",").number(wavelength);
       for (std::size_t c = 0; c < paths.channels.size(); ++c)
         out.text(",").number(paths.radiance_of(i, c));
@@ -277,6 +284,8 @@ void write_json(Output& out, const RayPaths& paths) {
         .text(to_string(ray.status.status));
     out.text("\", \"ended_at\": ")
         .number(ray.status.surface)
+        .text(", \"solid\": ")
+        .number(ray.solid)
         .text(", \"weight\": ")
         .number(ray.weight);
     out.text(", \"optical_thickness\": ");

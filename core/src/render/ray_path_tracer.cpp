@@ -125,7 +125,10 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
     SurfaceHit hit;
     const bool ends = surfaces_ && surfaces_->intersect(exit, 0, kInf, {}, hit);
     add_flames(exit, 0, ends ? hit.t : kInf, !ends, vertices, paths.flame_samples);
-    if (ends) vertices.push(exit.at(hit.t), kSolidVertex, 1, medium_.sample(exit.at(hit.t)));
+    if (ends) {
+      ray.solid = hit.where.surface;
+      vertices.push(exit.at(hit.t), kSolidVertex, 1, medium_.sample(exit.at(hit.t)));
+    }
   }
   vertices.finish();
 }
@@ -168,6 +171,7 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
     ray.column = ray.row = -1;
     ray.lens = {};
     ray.type = -1;
+    ray.solid = hit.where.surface;
   }
   Vertices vertices(ray, paths);
   vertices.push(from.origin, kObjectVertex, 1, medium_.sample(from.origin));

@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <utility>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/sampling/philox.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_tile.h"
 #include "render/channel_sum.h"
 #include "render/ray_path_tracer.h"
 #include "render/scene_medium.h"
+#include "render/surface_light.h"
 
 namespace plenoflame {
 namespace {
@@ -29,12 +33,14 @@ class PathSink : public RaySink<double> {
     const bool through_lens = camera.has_array() && type >= 0;
     const Vec2 place{patch.lens_x, patch.lens_y};
     const LensIndex lens = through_lens ? camera.lattice().nearest(place) : LensIndex{};
+    const double plane =
+        through_lens ? camera.lens_place(lens).z : camera.aim_plane(std::max(type, 0));
     const auto& between = scene_.pupils.between();
     // Rays between the lenses are aimed at the main lens; traced ones at the plane of the array.
     const double drawn_gap = camera.has_array() && type < 0
                                  ? between->camera.aim_plane(0) - camera.sensor()
-                                 : camera.aim_plane(std::max(type, 0)) - camera.sensor();
-    const double gap = camera.aim_plane(std::max(type, 0)) - camera.sensor();
+                                 : plane - camera.sensor();
+    const double gap = plane - camera.sensor();
     for (int i = first; i < first + count; ++i) {
       const Vec2 aim = place + Vec2{block.x[i], block.y[i]};
       const Vec2 slope{block.dx[i] / block.dz[i], block.dy[i] / block.dz[i]};
@@ -86,6 +92,50 @@ void to_channels(const CompiledScene& scene, std::vector<double>& carried) {
   carried[scene.scene.channels.size()] = carried.back();
   carried.resize(scene.scene.channels.size() + 1);
 }
+
+/// What surfaces and surroundings send along single rays, behind the flames.
+class LightBehind {
+ public:
+  explicit LightBehind(const CompiledScene& scene)
+      : scene_(scene), nodes_(static_cast<std::size_t>(scene.node_count())) {
+    if (!scene.surfaces) return;
+    plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
+    light_ = std::make_unique<SurfaceLight>(*plan_);
+  }
+
+  /// @param line whose origin is the ray's last vertex @param before a vertex ahead of it
+  /// @param number of the ray @param carried radiance of what stands for the channels, added to;
+  /// then the optical thickness: of the flames in front
+  void add(const Ray& line, Vec3 before, std::size_t number, const RayPath& ray,
+           std::vector<double>& carried) {
+    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
+    if (ray.solid >= 0) {
+      SurfacePath path;
+      path.key = mix64(number);
+      const double back = length(line.origin - before);
+      if (!scene_.surfaces->intersect({before, line.direction}, 0.5 * back, 1.5 * back, {},
+                                      path.hit))
+        return;
+      const auto word = philox(path.key, 0, 0);
+      std::vector<SurfaceLight::First> first(1);
+      for (std::size_t k = 0; k < 4; ++k) first[0].u[k] = unit_uniform(word[k]);
+      std::vector<SurfacePath> paths{path};
+      MediumCounters counters;
+      light_->add(paths, first, radiance, counters);
+    } else {
+      const std::vector<double>& environment = scene_.lights.environment;
+      for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
+    }
+    const double transmittance = std::exp(-carried.back());
+    for (std::size_t n = 0; n < nodes_; ++n) carried[n] += transmittance * radiance[n][0];
+  }
+
+ private:
+  const CompiledScene& scene_;
+  std::size_t nodes_;
+  std::unique_ptr<SurfaceLightPlan> plan_;
+  std::unique_ptr<SurfaceLight> light_;
+};
 
 /// Leaves out what does not go through this microlens.
 void keep_lens(LensIndex lens, RayPaths& paths) {
@@ -193,10 +243,11 @@ void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settin
   const Camera& camera = scene.camera;
   if (!camera.has_array())
     throw InputError("the camera has no microlens array, and so no rays of a microlens");
-  const Vec2 place = camera.lattice().centre(lens);
+  const Vec3 lens_place = camera.lens_place(lens);
+  const Vec2 place{lens_place.x, lens_place.y};
   const PupilNode node =
       scene.pupils.tables()[static_cast<std::size_t>(camera.lattice().type(lens))].at(
-          length(place));
+          length(place - camera.foot()));
   const SensorSpec& sensor = camera.spec().sensor;
   std::vector<Pixel> pixels;
   if (!node.dark()) {
@@ -274,16 +325,27 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   for (const PupilTable& table : scene.pupils.tables())
     for (const PupilNode& node : table.nodes) reach = std::max(reach, std::fabs(node.centre));
   const Vec2 corner{half_x + reach, half_y + reach};
+  LightBehind behind(scene);
+  std::optional<MicroImages> images;
+  if (camera.misaligned()) images.emplace(camera, false);
   for (const LensIndex lens : camera.lattice().within(-1.0 * corner, corner)) {
-    const Vec2 place = camera.lattice().centre(lens);
+    const Vec3 lens_place = camera.lens_place(lens);
+    const Vec2 place{lens_place.x, lens_place.y};
     RayPath ray;
     ray.lens = lens;
     ray.type = camera.lattice().type(lens);
-    const PupilNode node =
-        scene.pupils.tables()[static_cast<std::size_t>(ray.type)].at(length(place));
-    if (node.dark()) continue;
     const double h = length(place);
-    const Vec2 start = place + (h > 0 ? (node.centre / h) * place : Vec2{node.centre, 0});
+    Vec2 start;
+    if (images) {
+      const MicroImages::Place image = images->place(lens);
+      if (image.dark) continue;
+      start = image.centre;
+    } else {
+      const PupilNode node =
+          scene.pupils.tables()[static_cast<std::size_t>(ray.type)].at(length(place));
+      if (node.dark()) continue;
+      start = place + (h > 0 ? (node.centre / h) * place : Vec2{node.centre, 0});
+    }
     if (std::fabs(start.x) >= half_x || std::fabs(start.y) >= half_y) continue;
     ray.column = static_cast<int>(std::floor((half_x - start.x) / sensor.pixel_pitch));
     ray.row = static_cast<int>(std::floor((half_y - start.y) / sensor.pixel_pitch));
@@ -293,10 +355,13 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     if (added.status.status != RayStatus::reached || added.count < 2) continue;
     const RayVertex& last = paths.vertices[added.first + added.count - 1];
     const RayVertex& before = paths.vertices[added.first + added.count - 2];
+    const Ray line{last.position, normalize(last.position - before.position)};
+    const double infinite = std::numeric_limits<double>::infinity();
     std::vector<double> carried =
-        carried_by(medium.get(), {last.position, normalize(last.position - before.position)},
-                   -std::numeric_limits<double>::infinity(),
-                   last.surface == kSolidVertex ? 0 : std::numeric_limits<double>::infinity());
+        carried_by(medium.get(), line, -infinite, added.solid >= 0 ? 0 : infinite);
+    std::size_t front = added.first;  // from the camera's first surface on, far from the hit
+    while (paths.vertices[front].surface != 0 && front + 2 < added.first + added.count) ++front;
+    behind.add(line, paths.vertices[front].position, paths.rays.size() - 1, added, carried);
     to_channels(scene, carried);
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,

@@ -37,14 +37,36 @@ SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSe
   options.isa = settings.isa;
   options.skip = settings.skip;
   if (!compiled.surfaces) return;
-  for (int i = 0; i < compiled.surfaces->surface_count(); ++i)
-    emitters = emitters || compiled.surfaces->emission(i, true) != nullptr;
+  add_emitters();
   follow_last = reflections > 0 && (emitters || !compiled.lights.environment.empty());
   if (reflections > 0 && compiled.medium && compiled.scene.render.flame_light) {
     flame = std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed,
                                                execution, kFlameCells);
     if (flame->dark()) flame.reset();
   }
+}
+
+void SurfaceLightPlan::add_emitters() {
+  const SurfaceScene& surfaces = *scene->surfaces;
+  area_density.assign(static_cast<std::size_t>(surfaces.surface_count()), 0.0);
+  double total = 0;
+  for (int i = 0; i < surfaces.surface_count(); ++i) {
+    const double* emission = surfaces.emission(i, true);
+    if (!emission) continue;
+    emitters = true;
+    if (!std::isfinite(surfaces.area(i))) continue;
+    // In proportion to what it sends out; every channel counts alike.
+    double power = 0;
+    for (int c = 0; c < channels; ++c) power += emission[c];
+    power *= surfaces.area(i) * (surfaces.emission(i, false) ? 2 : 1);
+    if (!(power > 0)) continue;
+    total += power;
+    emitting.push_back({i, total});
+    area_density[static_cast<std::size_t>(i)] = power / surfaces.area(i);
+  }
+  for (Emitter& emitter : emitting) emitter.share /= total;
+  if (total > 0)
+    for (double& density : area_density) density /= total;
 }
 
 SurfaceLight::SurfaceLight(const SurfaceLightPlan& plan)
@@ -66,6 +88,7 @@ void SurfaceLight::add(std::vector<SurfacePath>& paths, const std::vector<First>
       random = &random_;
     }
     if (plan_.flame) add_flame(paths, *random, depth, radiance, counters);
+    if (!plan_.emitting.empty()) add_emitters(paths, *random, depth, radiance, counters);
     if (depth + 1 == plan_.reflections && !plan_.follow_last) return;
     go_on(paths, *random, radiance, counters);
   }
@@ -78,8 +101,66 @@ void SurfaceLight::add_emission(const std::vector<SurfacePath>& paths,
     const double* emission =
         plan_.scene->surfaces->emission(path.hit.where.surface, path.hit.front);
     if (!emission) continue;
+    double weight = 1;
+    if (path.density > 0)  // the other way of finding it has its part
+      weight = path.density / (path.density + plan_.emitter_density(path.hit.where.surface,
+                                                                    path.hit.t, path.cosine));
     for (std::size_t c = 0; c < radiance.size(); ++c)
-      radiance[c][static_cast<std::size_t>(path.ray)] += path.share(c) * emission[c];
+      radiance[c][static_cast<std::size_t>(path.ray)] += weight * path.share(c) * emission[c];
+  }
+}
+
+/// Points of emitting surfaces, drawn evenly over their area.
+void SurfaceLight::add_emitters(const std::vector<SurfacePath>& paths,
+                                const std::vector<First>& random, int depth,
+                                std::vector<std::vector<double>>& radiance,
+                                MediumCounters& counters) {
+  const SurfaceScene& surfaces = *plan_.scene->surfaces;
+  segments_.clear();
+  samples_.clear();
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const SurfacePath& path = paths[i];
+    if (!(path.hit.reflectivity > 0)) continue;
+    const auto word = philox(path.key, static_cast<std::uint64_t>(depth), 2);
+    const double choice = unit_uniform(word[0]);
+    std::size_t k = 0;
+    while (k + 1 < plan_.emitting.size() && choice > plan_.emitting[k].share) ++k;
+    const int surface = plan_.emitting[k].surface;
+    const bool taken = plan_.flame != nullptr;  // the numbers of the first reflection
+    const SurfacePoint point = surfaces.point_on(surface, unit_uniform(word[1]),
+                                                 taken ? unit_uniform(word[2]) : random[i].u[2],
+                                                 taken ? unit_uniform(word[3]) : random[i].u[3]);
+    const Vec3 to_point = point.point - path.hit.point;
+    const double distance = length(to_point);
+    if (!(distance > 0)) continue;
+    const Ray ray{path.hit.point, (1 / distance) * to_point};
+    const double cosine = dot(path.hit.normal, ray.direction);
+    const double leaving = -dot(point.normal, ray.direction);
+    if (!(cosine > 0) || leaving == 0) continue;
+    const bool front = leaving > 0;
+    if (!surfaces.emission(surface, front)) continue;
+    // What the ray meets first must be this side of this part: no distance has to be compared.
+    SurfaceHit hit;
+    rays_ += 1;
+    if (!surfaces.intersect(ray, 0, kInf, path.hit.where, hit)) continue;
+    if (!(hit.where == point.where) || hit.front != front) continue;
+    segments_.add(ray, distance);
+    const double density = plan_.emitter_density(surface, distance, std::fabs(leaving));
+    samples_.push_back({path.ray, i,
+                        path.throughput * path.hit.reflectivity / constants::pi * cosine /
+                            (density + cosine / constants::pi),
+                        static_cast<std::size_t>(surface)});
+  }
+  segments_.integrate(false, counters);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    const double* emission = surfaces.emission(static_cast<int>(sample.light), true);
+    const std::vector<double>& passed = paths[sample.path].passed;
+    for (std::size_t c = 0; c < radiance.size(); ++c) {
+      const double weight = sample.weight * segments_.transmittance(i, c);
+      radiance[c][static_cast<std::size_t>(sample.ray)] +=
+          (passed.empty() ? weight : weight * passed[c]) * emission[c];
+    }
   }
 }
 
@@ -181,9 +262,11 @@ void SurfaceLight::go_on(std::vector<SurfacePath>& paths, const std::vector<Firs
     const Ray ray{path.hit.point,
                   cosine_direction(path.hit.normal, random[i].u[0], random[i].u[1])};
     path.throughput *= path.hit.reflectivity;
+    path.density = dot(path.hit.normal, ray.direction) / constants::pi;
     rays_ += 1;
     const SurfacePart from = path.hit.where;
     const bool ends = plan_.scene->surfaces->intersect(ray, 0, kInf, from, path.hit);
+    path.cosine = std::fabs(dot(path.hit.normal, ray.direction));
     if (!ends) path.hit.where = {};
     if (!ends && environment.empty()) continue;
     segments_.add(ray, ends ? path.hit.t : kInf);

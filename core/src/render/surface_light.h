@@ -16,6 +16,9 @@ struct SurfacePath {
   double throughput = 1;            ///< of reflections and, when they are grey, media on the way
   std::uint64_t key = 0;            ///< of its random numbers
   std::vector<double> passed = {};  ///< per channel through media that are not grey; empty: all
+  /// Density per solid angle with which the last direction was drawn [1/sr], and the cosine at
+  /// which it met the surface; density 0: the camera's ray.
+  double density = 0, cosine = 0;
 
   double share(std::size_t channel) const {
     return passed.empty() ? throughput : throughput * passed[channel];
@@ -27,11 +30,20 @@ struct SurfaceLightPlan {
   SurfaceLightPlan(const CompiledScene& compiled, const RenderSettings& settings,
                    const Execution& execution);
 
+  void add_emitters();
+
   const CompiledScene* scene;
   int channels = 1;
   int reflections = 1;
   MediumOptions options;
   bool emitters = false;  ///< some surface emits
+  /// Emitting surfaces with an end, whose points are drawn by area.
+  struct Emitter {
+    int surface = 0;
+    double share = 0;  ///< of the drawn points, this and all before it
+  };
+  std::vector<Emitter> emitting;
+  std::vector<double> area_density;  ///< [1/m^2] of drawn points, by surface; 0: none are drawn
   /// Draws the flames' light; nullptr: they do not light surfaces.
   std::unique_ptr<EmissionProposal> flame;
   /// What leaves a surface is followed on even after the last reflection: it may come from an
@@ -39,17 +51,23 @@ struct SurfaceLightPlan {
   bool follow_last = false;
   /// Whether the light of a path needs random numbers.
   bool random() const { return flame || follow_last || reflections > 1; }
+  /// The density of a direction in which an emitting surface lies [1/sr].
+  double emitter_density(int surface, double distance, double cosine) const {
+    const double per_area = area_density[static_cast<std::size_t>(surface)];
+    return per_area > 0 ? per_area * distance * distance / cosine : 0;
+  }
 };
 
 /// Radiance that surfaces send towards the camera, by path tracing: point, parallel and flame light
-/// is sampled directly at each reflection; emitters and surroundings are found by the rays that go
-/// on, drawn in proportion to the cosine. One per worker.
+/// and emitting surfaces are sampled directly at each reflection; surroundings are found by the
+/// rays that go on, drawn in proportion to the cosine. These may find emitters, too: both ways
+/// share their light by the balance heuristic (Veach and Guibas, SIGGRAPH 95). One per worker.
 class SurfaceLight {
  public:
   explicit SurfaceLight(const SurfaceLightPlan& plan);
 
   /// Uniform numbers in (0, 1) for the first reflection of a path: [0, 1] for the direction it goes
-  /// on in, [2, 3] for the flame.
+  /// on in, [2, 3] for the flame, or, without one, for the point of an emitting surface.
   struct First {
     double u[4];
   };
@@ -67,6 +85,9 @@ class SurfaceLight {
                         std::vector<std::vector<double>>& radiance, MediumCounters& counters);
   void add_flame(const std::vector<SurfacePath>& paths, const std::vector<First>& random, int depth,
                  std::vector<std::vector<double>>& radiance, MediumCounters& counters);
+  void add_emitters(const std::vector<SurfacePath>& paths, const std::vector<First>& random,
+                    int depth, std::vector<std::vector<double>>& radiance,
+                    MediumCounters& counters);
   void go_on(std::vector<SurfacePath>& paths, const std::vector<First>& random,
              std::vector<std::vector<double>>& radiance, MediumCounters& counters);
 
@@ -74,7 +95,7 @@ class SurfaceLight {
     int ray;
     std::size_t path;
     double weight;      ///< without what the path has passed
-    std::size_t light;  ///< of the delta lights
+    std::size_t light;  ///< of the delta lights; of the surfaces, for emitters
   };
   const SurfaceLightPlan& plan_;
   MediumSegments segments_;

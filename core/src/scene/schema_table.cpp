@@ -95,6 +95,15 @@ constexpr SchemaKey kKeys[] = {
         "camera.lens.diameter",
         "Diameter of that thin lens, which is its stop; used when `surfaces` is empty.", kLength,
         from_zero(kLargestLens)),
+    key<LENS, &MainLensSpec::decentre>(
+        "camera.lens.decentre",
+        "By how much the main lens is mounted beside the axis of array and sensor, camera x and y.",
+        kLength, within(1)),
+    key<LENS, &MainLensSpec::tilt>(
+        "camera.lens.tilt",
+        "Angles by which the main lens is mounted askew, about camera x, then y, around its front "
+        "vertex.",
+        kAngle, within(0.2)),
 
     key<SURFACE, &SurfaceSpec::radius>("camera.lens.surfaces[].radius",
                                        "Radius of curvature, positive when its centre lies on the "
@@ -170,8 +179,17 @@ constexpr SchemaKey kKeys[] = {
         "random "
         "point of a disc of this radius; at most half the gap between neighbours.",
         kLength, from_zero(1)),
+    key<ARRAY, &ArraySpec::focal_jitter>(
+        "camera.array.focal_jitter",
+        "Every microlens but (0, 0) has its radii (an ideal one its focal length) multiplied by a "
+        "random factor between 1 - focal_jitter and 1 + focal_jitter.",
+        kPure, from_zero(0.5)),
     key<ARRAY, &ArraySpec::jitter_seed>("camera.array.jitter_seed",
-                                        "Another seed displaces the microlenses otherwise."),
+                                        "Another seed makes both jitters fall otherwise."),
+    key<ARRAY, &ArraySpec::tilt>(
+        "camera.array.tilt",
+        "Angles by which the array is askew to the sensor, about camera x, then y.", kAngle,
+        within(0.2)),
 
     key<TYPE, &MicrolensSpec::name>(
         "camera.array.types[].name",

@@ -235,6 +235,29 @@ void check_array(const CameraSpec& camera, Issues& issues) {
             "of {} leaves {} to each; make centre_jitter or diameter smaller",
             short_length(array.centre_jitter), short_length(array.pitch),
             short_length(array.diameter), short_length(0.5 * (array.pitch - array.diameter))));
+  const double reach_across =
+      0.5 * camera.sensor.pixel_pitch * std::hypot(camera.sensor.columns, camera.sensor.rows);
+  const double fall = std::tan(length(array.tilt)) * reach_across;
+  if (fall >= gap - reach)
+    issues.error(
+        "camera.array.tilt",
+        fmt::format("the array is {} from the sensor, and its tilt takes it {} nearer at "
+                    "the sensor's corner; make the tilt less than {}",
+                    short_length(gap - reach), short_length(fall),
+                    readable_quantity(std::atan((gap - reach) / reach_across), Dimension::angle)));
+  // The radii that jitter leaves must still hold the clear diameter.
+  if (array.model == LensModel::real && array.focal_jitter > 0)
+    for (std::size_t i = 0; i < array.types.size(); ++i)
+      for (const double radius : {array.types[i].radius_front, array.types[i].radius_back})
+        if (array.diameter > 2 * std::fabs(radius) * (1 - array.focal_jitter)) {
+          issues.error("camera.array.focal_jitter",
+                       fmt::format("with a focal_jitter of {} a radius of microlens type {} may "
+                                   "become {}, too small for the diameter of {}",
+                                   array.focal_jitter, i,
+                                   short_length(std::fabs(radius) * (1 - array.focal_jitter)),
+                                   short_length(array.diameter)));
+          break;
+        }
   if (camera.sensor.pixel_pitch > array.pitch)
     issues.warning(
         "camera.sensor.pixel_pitch",

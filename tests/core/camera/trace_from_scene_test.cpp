@@ -24,7 +24,8 @@ int retrace(const CameraSpec& spec) {
     if (camera.has_array()) {
       lens = camera.lattice().nearest(sensor_point +
                                       Vec2{3e-4 * uniform(random), 3e-4 * uniform(random)});
-      aim = camera.lattice().centre(*lens) +
+      const Vec3 place = camera.lens_place(*lens);
+      aim = Vec2{place.x, place.y} +
             0.5 * spec.array.diameter * Vec2{uniform(random), uniform(random)};
     }
     const Camera::Path path = camera.trace(sensor_point, lens, aim);
@@ -53,6 +54,24 @@ TEST(TraceFromScene, RetracesRealHexagonalArray) {
   EXPECT_GT(
       retrace(small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real)).camera),
       500);
+}
+TEST(TraceFromScene, RetracesMisalignedCameras) {
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    CameraSpec spec = small_scene(model == LensModel::real ? singlet() : ideal_singlet(),
+                                  large_array(Lattice::hexagonal, model))
+                          .camera;
+    spec.lens.decentre = {1e-3, -2e-3};
+    spec.lens.tilt = {0.01, 0.02};
+    spec.array.tilt = {0.04, -0.03};
+    spec.array.focal_jitter = 0.05;
+    EXPECT_GT(retrace(spec), 500);
+  }
+}
+TEST(TraceFromScene, RetracesAnAsphericLens) {
+  CameraSpec spec = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real)).camera;
+  spec.lens.surfaces[0].conic = -0.8;
+  spec.lens.surfaces[1].aspheric = {1.2, 0, -900};
+  EXPECT_GT(retrace(spec), 500);
 }
 TEST(TraceFromScene, RetracesRealSquareArray) {
   EXPECT_GT(retrace(small_scene(singlet(), large_array(Lattice::square, LensModel::real)).camera),

@@ -2,6 +2,7 @@
 // arithmetic, and the vector kernel in single against double precision.
 #include <cmath>
 
+#include "optics/asphere.h"
 #include "optics/surface_kernel.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/first_order.h"
@@ -105,9 +106,7 @@ TEST(Asphere, SinglePrecisionFollowsDouble) {
     const double mu = 1 / 1.6;
     const KernelSurface<Real> kernel{Real(0), Real(1 / 0.08), Real(9e-4), Real(mu),
                                      Real(1 - mu * mu)};
-    KernelAsphere<Real> asphere{Real(surface.conic), {}};
-    for (std::size_t i = 0; i < surface.aspheric.size(); ++i)
-      asphere.terms[i] = static_cast<Real>(surface.aspheric[i]);
+    const KernelAsphere<Real> asphere = kernel_asphere<Real>(surface, false);
     const Vec3 d = normalize(ray.direction);
     Real x = Real(kMm * ray.origin.x), y = Real(kMm * ray.origin.y), z = Real(-kMm * ray.origin.z);
     Real dx = Real(d.x), dy = Real(d.y), dz = Real(-d.z);

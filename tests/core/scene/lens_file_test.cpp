@@ -1,6 +1,7 @@
 // Prescriptions: shipped ones against what their sources print, imports against lenses given twice.
 #include "plenoflame/scene/lens_file.h"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 
@@ -32,13 +33,13 @@ TEST(LensPresets, HaveTheirPublishedFocalLengths) {
     const char* name;
     double focal_length, back_focus, tolerance;
   };
-  // Tolerances: the printed digits; the 100 mm objective's indices have three decimals.
+  // Tolerances: the printed digits.
   const Row rows[] = {{"paper-singlet", 304.0987, 295.9014, 5e-7},
                       {"achromat-100mm", 100.0009, 92.7580, 1e-6},
                       {"double-gauss-100mm", 100.0038, 61.4875, 5e-6},
-                      {"objective-50mm", 49.9989, 36.6820, 2e-6},
-                      {"objective-100mm", 100.4, 55.066, 2e-3}};
-  EXPECT_EQ(preset_names(PresetKind::lens).size(), std::size(rows));
+                      // USP 3,552,829, example 1: f = 1, back focus 0.73 f; radii to 4 decimals.
+                      {"objective-50mm", 50, 36.5, 0.5e-2 / 0.73}};
+  EXPECT_EQ(preset_names(PresetKind::lens).size(), std::size(rows) + 1);
   for (const Row& row : rows) {
     const Scene scene = lens_scene(row.name);
     EXPECT_TRUE(preset_description(PresetKind::lens, row.name).ends_with(".")) << row.name;
@@ -49,6 +50,34 @@ TEST(LensPresets, HaveTheirPublishedFocalLengths) {
     for (const SceneIssue& issue : check_scene(scene))
       EXPECT_FALSE(issue.is_error) << row.name << ": " << issue.message;
   }
+}
+
+/// What rounding of all indices to three decimals may change, at most: by differences.
+double index_rounding(const MainLensSpec& lens, double FirstOrder::*figure) {
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < lens.surfaces.size(); ++i) {
+    if (lens.surfaces[i].index == 1) continue;
+    MainLensSpec changed = lens;
+    changed.surfaces[i].index += 1e-6;
+    sum += 0.5e-3 / 1e-6 * std::fabs(first_order(changed).*figure - first_order(lens).*figure);
+  }
+  return sum;
+}
+
+TEST(LensPresets, Objective100) {
+  // USP 2,601,805 as printed by Smith (1992), p. 305: EFL 100.4, BFL 55.07 mm, from indices of
+  // three decimals.
+  const MainLensSpec lens = lens_scene("objective-100mm").camera.lens;
+  const FirstOrder f = first_order(lens);
+  const double efl = index_rounding(lens, &FirstOrder::focal_length),
+               bfl = index_rounding(lens, &FirstOrder::back_focal_distance);
+  EXPECT_TRUE(within(f.focal_length, 100.4 * kMm, 0.05 * kMm + efl, 1));
+  EXPECT_TRUE(within(f.back_focal_distance, 55.07 * kMm, 0.005 * kMm + bfl, 1));
+  // The bound means something: less than a percent.
+  EXPECT_LT(efl, 1e-2 * f.focal_length);
+  EXPECT_LT(bfl, 1e-2 * f.back_focal_distance);
+  for (const SceneIssue& issue : check_scene(lens_scene("objective-100mm")))
+    EXPECT_FALSE(issue.is_error) << issue.message;
 }
 
 TEST(LensPresets, AchromatFollowsTheWavelength) {

@@ -44,11 +44,24 @@ inline Scene full_scene() {
   camera.lens.surfaces[0].glass = "constant 1.5";
   camera.lens.focal_length = 0.3040987;
   camera.lens.diameter = 0.1;
-  camera.array = {
-      true,          Lattice::square, LensModel::ideal,      1e-4, 9.9e-5, 5e-5, {}, false, 0.3,
-      {1e-6, -2e-6}, 2.534e-4,        ArrayReference::vertex};
+  ArraySpec& array = camera.array;
+  array.present = true;
+  array.lattice = Lattice::square;
+  array.model = LensModel::ideal;
+  array.pitch = 1e-4;
+  array.diameter = 9.9e-5;
+  array.thickness = 5e-5;
+  array.opaque_between = false;
+  array.rotation = 0.3;
+  array.offset = {1e-6, -2e-6};
+  array.sensor_distance = 2.534e-4;
+  array.measured_from = ArrayReference::vertex;
   camera.array.spacing_error = -1.5e-5;
   camera.array.centre_jitter = 4e-7;
+  camera.array.focal_jitter = 0.013;
+  camera.array.tilt = {1e-3, -2e-3};
+  camera.lens.decentre = {1e-4, -3e-4};
+  camera.lens.tilt = {-0.01, 0.02};
   camera.array.jitter_seed = 0xFFFFFFFFFFFFFFF0u;
   camera.array.types = {{"type \"1\"", 2.25e-4, kInfinity, 1.5, 1e-3},
                         {"a\\b\n\t\x7f", 2.25e-4, -3e-4, 1.59, -2e-3},

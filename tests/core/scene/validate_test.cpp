@@ -91,7 +91,9 @@ TEST(Validate, MainLens) {
   EXPECT_EQ(error_after([](Scene& s) { s.camera.lens.surfaces[1].radius = std::nan(""); }),
             "camera.lens.surfaces[1].radius: a length is not a number (NaN)");
   EXPECT_NE(error_after([](Scene& s) {
-              s.camera.lens = {LensModel::ideal, {}, 0, 0.1};
+              s.camera.lens = {};
+              s.camera.lens.model = LensModel::ideal;
+              s.camera.lens.diameter = 0.1;
             }).find("camera.lens.focal_length"),
             std::string::npos);
   EXPECT_NE(warning_after([](Scene& s) { s.camera.lens.focal_length = 0.3; }).find("not used"),

@@ -4,64 +4,14 @@
 
 #include <cmath>
 
-#include "core/surfaces/surface_samples.h"
+#include "core/surfaces/mean_radiance.h"
 #include "plenoflame/media/layered_medium.h"
-#include "render/surface_light.h"
 #include "support/approx.h"
-#include "support/cameras.h"
 
 namespace plenoflame::test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-CompiledScene lit_scene(const std::vector<SolidSurfaceSpec>& surfaces,
-                        const std::vector<LightSpec>& lights, int reflections = 1) {
-  CompiledScene scene = scene_of(preset_camera("r12"), nullptr);
-  scene.scene.surfaces = surfaces;
-  scene.scene.lights = lights;
-  scene.scene.render.reflections = reflections;
-  scene.surfaces = scene_of(surfaces);
-  scene.lights = compile_lights(lights, {SourceFunction::total()});
-  return scene;
-}
-
-struct Mean {
-  double value, error;
-};
-
-/// Radiance that leaves the front of a surface, averaged over points drawn on it.
-Mean mean_radiance(const CompiledScene& scene, int surface, int points, std::uint64_t seed) {
-  const SurfaceLightPlan plan(scene, {}, {});
-  SurfaceLight light(plan);
-  Random random(seed);
-  std::vector<SurfacePath> paths;
-  std::vector<SurfaceLight::First> first;
-  for (int i = 0; i < points; ++i) {
-    const SurfacePoint p = scene.surfaces->point_on(surface, random(), random(), random());
-    SurfacePath path;
-    path.ray = i;
-    path.key = static_cast<std::uint64_t>(i) * 977 + seed;
-    path.hit.point = p.point;
-    path.hit.normal = p.normal;
-    path.hit.where = p.where;
-    path.hit.reflectivity =
-        scene.scene.surfaces[static_cast<std::size_t>(surface)].material.reflectivity;
-    paths.push_back(path);
-    first.push_back({{random(), random(), random(), random()}});
-  }
-  std::vector<std::vector<double>> radiance(1,
-                                            std::vector<double>(static_cast<std::size_t>(points)));
-  MediumCounters counters;
-  light.add(paths, first, radiance, counters);
-  double sum = 0, squares = 0;
-  for (const double r : radiance[0]) {
-    sum += r;
-    squares += r * r;
-  }
-  const double mean = sum / points;
-  return {mean, std::sqrt(std::max(0.0, squares / points - mean * mean) / points)};
-}
 
 SolidSurfaceSpec disc_at(double z, double radius, bool down) {
   SolidSurfaceSpec disc = shaped(SurfaceShape::disc, radius);

@@ -10,7 +10,7 @@ class Rays:
     """Rays from the sensor to the scene. What docs/rays.md says about a .vtp file holds for `polydata`; its arrays are
     attributes, numpy views without a copy:
 
-    per ray: pixel (n, 2), microlens (n, 2), type, status, ended_at, wavelength (n, channels), weight, radiance (n,
+    per ray: pixel (n, 2), microlens (n, 2), type, status, ended_at, solid, wavelength (n, channels), weight, radiance (n,
     channels), optical_thickness; per vertex: points (m, 3), surface, refractive_index, distance, temperature,
     absorption. Ray i has the vertices offsets[i] to offsets[i + 1].
     """

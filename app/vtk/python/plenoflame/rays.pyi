@@ -11,6 +11,7 @@ class Rays:
     type: ndarray
     status: ndarray
     ended_at: ndarray
+    solid: ndarray
     wavelength: ndarray
     weight: ndarray
     radiance: ndarray

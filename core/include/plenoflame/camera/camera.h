@@ -59,6 +59,22 @@ class Camera {
   double exit_pupil() const { return rear_vertex_ - lens_first_order_.exit_pupil; }
   const std::vector<Microlens>& microlenses() const { return microlenses_; }
   const MicrolensLattice& lattice() const { return lattice_; }
+  /// Middle of a lens in its aim plane [m]: its centre in the lattice, turned with the array.
+  Vec3 lens_place(LensIndex lens) const;
+  /// Frames of the main lens and of the array in that of the camera: what decentre and tilts say.
+  const RigidTransform& lens_pose() const { return lens_pose_; }
+  const RigidTransform& array_pose() const { return array_pose_; }
+  bool lens_moved() const { return lens_moved_; }
+  bool array_tilted() const { return array_tilted_; }
+  /// Whether microlenses at the same distance from the axis differ: a decentre, a tilt, or focal
+  /// jitter.
+  bool misaligned() const { return lens_moved_ || array_tilted_ || spec_.array.focal_jitter != 0; }
+  /// The same camera, mounted and made perfectly in this respect; rotation, offset, spacing and
+  /// centre jitter stay.
+  Camera aligned() const;
+  /// Where the light of the main lens falls straight on the array [m], camera x, y: below the exit
+  /// pupil; (0, 0) unless the main lens is moved.
+  Vec2 foot() const { return foot_; }
   double array_front() const { return array_front_; }  ///< z of the front vertices [m]
   double array_back() const { return array_back_; }    ///< z of the rear vertices [m]
   double sensor() const { return sensor_; }            ///< z of the sensor [m]
@@ -72,7 +88,8 @@ class Camera {
 
   /// Plane on which directions are aimed at from a sensor point: the rear vertices (real
   /// microlenses), the rear principal plane of the type (ideal ones), or, without array, the plane
-  /// of the main lens' rear vertex.
+  /// of the main lens' rear vertex. With a tilted array the plane of each lens is parallel to this
+  /// one, through lens_place().
   double aim_plane(int type) const;
 
   struct Path {
@@ -86,6 +103,10 @@ class Camera {
   /// precision.
   Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
              bool with_points = false) const;
+
+  /// Where the ray from a sensor point through the middle of a microlens meets the plane of the
+  /// stop, from its middle [m]; for an ideal main lens up to scale. None: it does not get there.
+  std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens) const;
 
   /// Where a ray from the scene ends.
   struct Arrival {
@@ -118,12 +139,20 @@ class Camera {
  private:
   void place_lens();
   void place_array();
+  void mount();
   void solve_focus(std::vector<std::string>* warnings);
   TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
   TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
                                       std::vector<Vec3>* points) const;
+  TraceStatus trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
+                                         std::vector<Vec3>* points) const;
   TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
                              std::vector<Arrival>& arrivals, std::vector<Vec3>* points) const;
+  TraceStatus trace_main_lens(Ray& ray, std::vector<Vec3>* points) const;
+  const LensSystem& microlens_system(LensIndex lens, LensSystem& own) const;
+  double microlens_power(LensIndex lens) const;
+  Ray to_array(const Ray& ray) const;
+  Ray from_array(const Ray& ray) const;
   bool meet_microlenses(const Ray& ray, const Arrival& arrival, std::vector<Arrival>& arrivals,
                         TraceStatus& status, std::vector<Vec3>* points) const;
 
@@ -137,6 +166,9 @@ class Camera {
   std::vector<Microlens> microlenses_;
   std::vector<LensSystem> microlens_systems_;
   MicrolensLattice lattice_;
+  RigidTransform lens_pose_, array_pose_;
+  bool lens_moved_ = false, array_tilted_ = false;
+  Vec2 foot_;
 };
 
 /// Distance of the main lens' rear vertex from the plane of least RMS spot of the axial point at

@@ -22,6 +22,8 @@ class MicrolensLattice {
   explicit MicrolensLattice(const ArraySpec& array);
 
   Vec2 centre(LensIndex lens) const;
+  /// Factor on the radii (or the focal length) of a lens: ArraySpec::focal_jitter.
+  double focal_factor(LensIndex lens) const;
   /// Type of a lens, 0 based: (q - r) mod the number of types.
   int type(LensIndex lens) const;
   /// The lens whose centre is nearest to a point.
@@ -34,6 +36,7 @@ class MicrolensLattice {
   Vec2 displacement(LensIndex lens) const;
   Vec2 step_q_{1, 0}, step_r_{0, 1}, offset_;
   double jitter_ = 0;  ///< [m] greatest displacement of a lens from its place
+  double focal_jitter_ = 0;
   std::uint64_t jitter_seed_ = 1;
   int type_count_ = 1;
 };

@@ -60,6 +60,11 @@ class MicroImages {
     friend class MicroImages;
     Place place_;
     std::array<double, 21> x_{}, y_{};
+    // With a main lens that is decentred or tilted: its lines at z = 0 and 1 of its own frame.
+    bool moved_ = false;
+    double depth_ = 0;
+    RigidTransform pose_;
+    std::vector<ToPlane> second_;
   };
   ToPlane to_plane(const Place& place, double depth) const;
 
@@ -116,6 +121,7 @@ class MicroImages {
   struct Node {
     bool dark = true;
     double centre = 0, radius = 0;  ///< [m]
+    double stop = 0;  ///< [m] from its middle, where the ray of the centre meets the stop
     /// Coefficients of the chief ray's x and y at z = 0 and its slopes, over the monomials of
     /// degree up to 5 in (s - centre) / radius.
     std::array<std::array<double, 21>, 4> line{};
@@ -124,11 +130,30 @@ class MicroImages {
     /// kWhite x kWhite, first axis fastest; one, or one for each angle of the pixels' sides.
     std::vector<std::vector<float>> white;
   };
+  /// Centres of a misaligned camera, by lens; NaN: dark.
+  struct Centres {
+    LensIndex low;
+    int columns = 0, rows = 0;
+    std::vector<Vec2> values;
+    bool holds(LensIndex lens) const {
+      return lens.q >= low.q && lens.r >= low.r && lens.q < low.q + columns &&
+             lens.r < low.r + rows;
+    }
+    std::size_t index(LensIndex lens) const {
+      return static_cast<std::size_t>(lens.r - low.r) * static_cast<std::size_t>(columns) +
+             static_cast<std::size_t>(lens.q - low.q);
+    }
+  };
+  void find_centres(const Execution& execution);
+  Vec2 find_centre(LensIndex lens, double accuracy) const;
+  Place aligned_place(LensIndex lens) const;
+  void set_plane(const Place& place, double depth, ToPlane& plane) const;
   void fit_lines(const Camera& open, Node& node) const;
   void fill_white(const Camera& own, Node& node, double outer_radius) const;
   std::array<double, 21> mixed(const Place& place, std::size_t which) const;
 
   Camera camera_;
+  Centres centres_;
   double spacing_ = 0, reach_ = 0;
   std::vector<double> step_;              ///< [m] between nodes, per type
   std::vector<std::vector<Node>> nodes_;  ///< per type, over the distance from the axis

@@ -28,19 +28,21 @@ inline constexpr int kFlameVertex = -3;   ///< a sample between those two
 inline constexpr int kObjectVertex = -4;  ///< the object point that a ray starts from
 inline constexpr int kSolidVertex = -5;   ///< on a solid surface of the scene, where the ray ends
 
-/// A ray from the sensor to the scene, or to where it ended; one from an object point runs the
-/// other way.
+/// A ray from the sensor to the first solid surface of the scene, or through it, or to where it
+/// ended in the camera; one from an object point runs the other way.
 struct RayPath {
   int column = 0, row = 0;  ///< pixel; -1, -1: it does not arrive on the sensor
   LensIndex lens;           ///< microlens; (0, 0) without array, or when it reaches none
   int type = -1;            ///< of the microlens; -1: none
   TraceStatus status;
+  int solid = -1;     ///< number of the scene's surface that the ray ends at; -1: none
   double weight = 0;  ///< [m^2 sr] share of the pixel's etendue; 0: not drawn for an image
   double optical_thickness = 0;      ///< of the flames along the ray
   std::size_t first = 0, count = 0;  ///< of RayPaths::vertices
 };
 
-/// Rays with what they carry. Summed over all rays of a pixel, weight * radiance is its flux [W].
+/// Rays with what they carry: the light of flames, solid surfaces and surroundings. Summed over all
+/// rays of a pixel, weight * radiance is its flux [W].
 struct RayPaths {
   std::vector<std::string> channels;  ///< names
   std::vector<double> wavelengths;    ///< [m] per channel; 0: all wavelengths

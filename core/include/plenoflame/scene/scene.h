@@ -40,6 +40,9 @@ struct MainLensSpec {
   std::vector<SurfaceSpec> surfaces;
   double focal_length = 0;  ///< [m] used when there are no surfaces: a thin ideal lens at z = 0
   double diameter = 0;      ///< [m] its stop, at the lens
+  // What mounting adds; array, sensor and the camera's position stay where they are.
+  Vec2 decentre;  ///< [m] camera x, y: by which the lens is moved across the axis
+  Vec2 tilt;      ///< [rad] about camera x, then y, around its front vertex
   friend bool operator==(const MainLensSpec&, const MainLensSpec&) = default;
 };
 
@@ -83,7 +86,11 @@ struct ArraySpec {
   /// [m] every lens but (0, 0), whose place is `offset`, is displaced across the axis to a random
   /// point of a disc of this radius, at most half the gap between neighbours.
   double centre_jitter = 0;
+  /// Every lens but (0, 0) has radii (or an ideal one its focal length) by a factor of its own,
+  /// drawn evenly from 1 - focal_jitter to 1 + focal_jitter.
+  double focal_jitter = 0;
   std::uint64_t jitter_seed = 1;
+  Vec2 tilt;  ///< [rad] about camera x, then y, around the front of the array on the axis
   friend bool operator==(const ArraySpec&, const ArraySpec&) = default;
 };
 

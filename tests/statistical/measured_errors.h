@@ -1,0 +1,137 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+
+/// Measured errors of whole images: how they fall with the number of samples, and how they compare
+/// with what is stated about them.
+namespace plenoflame::test {
+
+#ifdef PLENOFLAME_LONG_TEST
+inline constexpr int kSeeds = 400;
+#else
+inline constexpr int kSeeds = 100;
+#endif
+
+/// Slope of log RMSE over lit pixels against log samples, least squares, double precision.
+inline double convergence_slope(const CompiledScene& scene, PixelWindow window,
+                                int reference_samples = 1 << 15) {
+  RenderSettings settings;
+  settings.window = window;
+  settings.precision = Precision::double_precision;
+  settings.samples = reference_samples;
+  settings.seed = 99;
+  const Image exact = render(scene, settings).light_field.channels[0].flux;
+  float brightest = 0;
+  for (const float p : exact.pixels) brightest = std::max(brightest, p);
+  std::vector<double> x, y;
+  for (int samples = 16; samples <= 1024; samples *= 4) {
+    double squares = 0;
+    int lit = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      settings.samples = samples;
+      settings.seed = seed;
+      const Image flux = render(scene, settings).light_field.channels[0].flux;
+      for (std::size_t i = 0; i < flux.pixels.size(); ++i) {
+        if (exact.pixels[i] < 0.01f * brightest) continue;
+        const double d = static_cast<double>(flux.pixels[i]) - static_cast<double>(exact.pixels[i]);
+        squares += d * d;
+        ++lit;
+      }
+    }
+    x.push_back(std::log(samples));
+    y.push_back(0.5 * std::log(squares / lit));
+  }
+  double mx = 0, my = 0, xy = 0, xx = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mx += x[i] / static_cast<double>(x.size());
+    my += y[i] / static_cast<double>(x.size());
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xy += (x[i] - mx) * (y[i] - my);
+    xx += (x[i] - mx) * (x[i] - mx);
+  }
+  ::testing::Test::RecordProperty("slope", std::to_string(xy / xx));
+  return xy / xx;
+}
+
+/// A converged image and what its own error adds to mean square differences from it.
+struct Truth {
+  LightFieldChannel image;
+  Truth(const CompiledScene& scene, RenderSettings settings, int samples) {
+    settings.estimator = Estimator::backward;
+    settings.target_error = 0;
+    settings.samples = samples;
+    settings.replicates = 4;
+    settings.seed = 0x5eed;
+    image = render(scene, settings).light_field.channels[0];
+  }
+  double own_error() const { return estimated_relative_rmse(image.flux, image.standard_error); }
+  /// Relative RMSE over the pixels that are truly lit.
+  double rmse_of(const Image& flux) const {
+    const std::vector<float>& exact = image.flux.pixels;
+    const float limit =
+        static_cast<float>(kLitShare) * *std::max_element(exact.begin(), exact.end());
+    double squares = 0, own = 0, total = 0, lit = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      if (!(exact[i] > limit)) continue;
+      const double d = static_cast<double>(flux.pixels[i]) - static_cast<double>(exact[i]);
+      squares += d * d;
+      own += std::pow(static_cast<double>(image.standard_error.pixels[i]), 2);
+      total += static_cast<double>(exact[i]);
+      lit += 1;
+    }
+    return std::sqrt(std::max(0.0, squares - own) * lit) / total;
+  }
+};
+
+struct Coverage {
+  double below_bound = 0, below_target = 0;  ///< shares of the runs
+  double median_of_bound = 0;                ///< bound over true error
+  double median_of_estimate = 0;             ///< estimate over true error
+};
+
+inline double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+inline Coverage coverage(const CompiledScene& scene, RenderSettings settings,
+                         int reference_samples) {
+  const Truth truth(scene, settings, reference_samples);
+  Coverage result;
+  std::vector<double> bounds, estimates;
+  double mean_error = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    settings.seed = static_cast<std::uint64_t>(seed);
+    const RenderResult run = render(scene, settings);
+    EXPECT_TRUE(run.statistics.target_reached);
+    const double error = truth.rmse_of(run.light_field.channels[0].flux);
+    result.below_bound += (error <= run.statistics.relative_error_bound ? 1.0 : 0.0) / kSeeds;
+    result.below_target += (error <= settings.target_error ? 1.0 : 0.0) / kSeeds;
+    mean_error += error / kSeeds;
+    bounds.push_back(run.statistics.relative_error_bound / error);
+    estimates.push_back(run.statistics.relative_error / error);
+  }
+  EXPECT_LT(truth.own_error(), 0.25 * mean_error) << "the reference is not good enough";
+  result.median_of_bound = median(bounds);
+  result.median_of_estimate = median(estimates);
+  ::testing::Test::RecordProperty("below_bound", std::to_string(result.below_bound));
+  ::testing::Test::RecordProperty("median_of_bound", std::to_string(result.median_of_bound));
+  ::testing::Test::RecordProperty("median_of_estimate", std::to_string(result.median_of_estimate));
+  return result;
+}
+
+/// A share of 95 % seen in kSeeds runs, less three of its standard errors.
+inline const double kLeastShare =
+    kErrorConfidence - 3 * std::sqrt(kErrorConfidence * (1 - kErrorConfidence) / kSeeds);
+
+}  // namespace plenoflame::test
