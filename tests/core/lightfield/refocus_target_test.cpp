@@ -115,18 +115,18 @@ TEST(RefocusTarget, EdgesAreSharpAtTheirOwnDepth) {
   }
 }
 
-// The paper took 26 for a pitch of 25.98 pixels, and its views were distorted (Fig. 12): over 66
-// rows of microlenses its offsets drift by 1.3 pixels, which moves what stands at 2 m by 0.9 pixels
-// of a view. A straight upright edge must stay straight, on every side
-// of the pupil.
+// The paper took 26 for a pitch of 25.98 pixels between rows, and its views were distorted (Fig.
+// 12): over 40 rows of microlenses its offsets drift by 0.8 pixels, which moves what stands at 2 m
+// by 0.5 pixels of a view up or down. An edge at 45 degrees must stay straight and at 45 degrees,
+// on every side of the pupil.
 TEST(ViewsTarget, StraightEdgesStayStraight) {
   const CameraSpec spec = test::preset_camera("raytrix-r29-reduced");
-  const test::PlaneMedium edge(2, 1, [](double y, double) {
-    return 1 + std::tanh(y / 4e-3);  // as wide as a few pixels of a view
+  const test::PlaneMedium edge(2, 1, [](double y, double z) {
+    return 1 + std::tanh((y + z) / 5e-3);  // as wide as a few pixels of a view
   });
   const SensorSpec& sensor = spec.sensor;
   const LightField field =
-      rendered(spec, edge, {sensor.columns / 2 - 250, 300, 500, sensor.rows - 600}, 16);
+      rendered(spec, edge, {sensor.columns / 2 - 860, sensor.rows / 2 - 600, 1720, 1200}, 24);
   const MicroImages micro(Camera(spec), true, test::threads(2));
   ViewSettings settings;
   settings.grid = 3;
@@ -139,13 +139,14 @@ TEST(ViewsTarget, StraightEdgesStayStraight) {
         const double a = static_cast<double>(view.image.at(column, row));
         const double b = static_cast<double>(view.image.at(column + 1, row));
         if (a >= 1 && b < 1) {
-          places.push_back(column + (a - 1) / (a - b));
+          places.push_back(row + column + (a - 1) / (a - b));  // the same in all rows
           break;
         }
       }
     }
     count = static_cast<double>(places.size());
-    ASSERT_GT(count, 50) << view.column << ' ' << view.row;
+    ASSERT_EQ(places.size() + 6, static_cast<std::size_t>(view.image.height))
+        << view.column << ' ' << view.row;
     for (std::size_t k = 0; k < places.size(); ++k) {
       sum += places[k] / count;
       rows += static_cast<double>(k) * static_cast<double>(k);
@@ -158,7 +159,9 @@ TEST(ViewsTarget, StraightEdgesStayStraight) {
     }
     slope /= rows - count * middle * middle;
     // RMS in pixels of a view, and the drift from the first row to the last.
-    EXPECT_LT(std::sqrt(square), 0.25) << view.column << ' ' << view.row;
+    EXPECT_LT(std::sqrt(square), 0.4) << view.column << ' ' << view.row;
+    RecordProperty("drift_" + std::to_string(view.column) + std::to_string(view.row),
+                   std::to_string(slope * count));
     EXPECT_LT(std::fabs(slope) * count, 0.25) << view.column << ' ' << view.row;
   }
 }

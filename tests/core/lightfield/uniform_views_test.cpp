@@ -1,0 +1,56 @@
+// Views of a scene that is the same everywhere.
+#include <gtest/gtest.h>
+
+#include "plenoflame/lightfield/views.h"
+#include "plenoflame/render/render.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/uniform_medium.h"
+
+namespace plenoflame {
+namespace {
+
+using test::relative;
+
+LightField rendered(const CompiledScene& scene, PixelWindow window, int samples) {
+  RenderSettings settings;
+  settings.samples = samples;
+  settings.window = window;
+  settings.standard_error = false;
+  return render(scene, settings, test::threads(2)).light_field;
+}
+
+// A scene of radiance 1 everywhere has views that are 1 to 1 % everywhere, at the default settings.
+// The corner views look at pixels on the rim of the micro-images; with pixels as large as those of
+// the camera of 60 x 60 microlenses these need many rays to be known to 0.2 %.
+TEST(Views, UniformSceneGivesUniformViews) {
+  struct Case {
+    const char* name;
+    PixelWindow window;
+    int samples;
+  };
+  for (const Case& c : {Case{"raytrix-r29-reduced", {1790, 1180, 150, 150}, 1024},
+                        Case{"raytrix-r29-reduced", {400, 300, 150, 150}, 1024},
+                        Case{"paper-plenoptic2", {1700, 1300, 100, 100}, 1024},
+                        Case{"paper-previous-60x60", {300, 250, 70, 70}, 8192}}) {
+    const CompiledScene scene =
+        test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
+    const LightField field = rendered(scene, c.window, c.samples);
+    const MicroImages micro(scene.camera, true, test::threads(2));
+    const Views views = extract_views(field, micro, {}, test::threads(2));
+    ASSERT_EQ(views.views.size(), 49U);
+    for (const View& view : views.views) {
+      const Image& image = view.image;
+      ASSERT_GE(image.width, 4);
+      // The window cuts the micro-images at its rim.
+      for (int row = 2; row < image.height - 2; ++row)
+        for (int column = 2; column < image.width - 2; ++column)
+          EXPECT_TRUE(relative(static_cast<double>(image.at(column, row)), 1, 0.01))
+              << c.name << " view " << view.column << ',' << view.row << " pixel " << column << ','
+              << row;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame
