@@ -1,16 +1,21 @@
 #include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QCommandLineParser>
+#include <QDockWidget>
 #include <QElapsedTimer>
 #include <QIcon>
 #include <QSettings>
 #include <QStandardPaths>
 #include <QSurfaceFormat>
+#include <QTabWidget>
 #include <QTimer>
 #include <cstdio>
 #include <iostream>
 
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
+#include "widgets/light_field_panel.h"
 #include "widgets/main_window.h"
 
 namespace {
@@ -55,7 +60,8 @@ int main(int argc, char** argv) {
   const QCommandLineOption dock(
       "panel", "Panel to bring to the front: Rendering, Rays, Histogram, ...", "NAME");
   const QCommandLineOption dark("dark", "Dark theme");
-  parser.addOptions({screenshot, size, pixel, part, dock, dark});
+  const QCommandLineOption depth("depth", "Refocus on this distance, with unit", "DEPTH");
+  parser.addOptions({screenshot, size, pixel, part, dock, dark, depth});
   parser.process(application);
   if (parser.positionalArguments().size() > 1)
     return fail(2, "give one file at most (see plenoflame-desktop --help)");
@@ -86,6 +92,17 @@ int main(int argc, char** argv) {
   const QString wrong = window.apply_options(parser.value(pixel), parser.value(part),
                                              parser.value(dock), parser.isSet(dark));
   if (!wrong.isEmpty()) return fail(2, wrong);
+  bool refocus = false;
+  if (parser.isSet(depth)) {
+    try {
+      window.light_field_panel().set_depth(plenoflame::parse_quantity(
+          parser.value(depth).toStdString(), plenoflame::Dimension::length));
+    } catch (const plenoflame::Error& error) {
+      return fail(2, QString("--depth: ") + error.what());
+    }
+    window.light_field_panel().tabs().setCurrentIndex(1);
+    refocus = true;
+  }
   if (!unattended) return QApplication::exec();
 
   QElapsedTimer since;
@@ -93,7 +110,16 @@ int main(int argc, char** argv) {
   QTimer poll;
   int settled = 0, status = 0;
   QObject::connect(&poll, &QTimer::timeout, &window, [&] {
-    settled = window.is_settled() ? settled + 1 : 0;
+    const auto* const views = window.findChild<QDockWidget*>("lightFieldDock");
+    auto& session = window.session();
+    // Where views are on display, and can be made, they are waited for.
+    const bool views_missing =
+        views && views->isVisible() && !session.document().is_empty() &&
+        session.document().scene().camera.array.present && window.last_message().isEmpty() &&
+        (!session.light_field().views() ||
+         (refocus &&
+          (!session.light_field().refocused().image || session.light_field().refocused().preview)));
+    settled = window.is_settled() && !views_missing ? settled + 1 : 0;
     const bool late = since.elapsed() > 1000 * kScreenshotDeadline;
     if (settled < 6 && !late) return;
     poll.stop();

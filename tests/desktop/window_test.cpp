@@ -1,94 +1,27 @@
 // The window, driven by clicks and keys as a person would.
 #include <QVTKOpenGLNativeWidget.h>
-#include <QApplication>
 #include <QFile>
-#include <QFileDialog>
 #include <QLabel>
-#include <QLineEdit>
-#include <QPushButton>
 #include <QSurfaceFormat>
 #include <QTableWidget>
-#include <QTemporaryDir>
-#include <QTest>
-#include <QTimer>
 #include <QTreeView>
-#include <cmath>
 
-#include "plenoflame/image/light_field.h"
-#include "widgets/image_panel.h"
-#include "widgets/image_view.h"
-#include "widgets/main_window.h"
 #include "widgets/rays_panel.h"
 #include "widgets/render_panel.h"
 #include "widgets/scene_panel.h"
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
+#include "window_fixture.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;
+using plenoflame::desktop::test::difference;
 
-namespace {
-
-/// Share of the pixels of two pictures that differ visibly.
-double difference(const QImage& a, const QImage& b) {
-  if (a.size() != b.size() || a.isNull()) return 1;
-  int differing = 0;
-  for (int y = 0; y < a.height(); ++y)
-    for (int x = 0; x < a.width(); ++x) {
-      const QColor p(a.pixel(x, y)), q(b.pixel(x, y));
-      const int distance = std::abs(p.red() - q.red()) + std::abs(p.green() - q.green()) +
-                           std::abs(p.blue() - q.blue());
-      differing += distance > 24 ? 1 : 0;
-    }
-  return static_cast<double>(differing) / (a.width() * a.height());
-}
-
-}  // namespace
-
-class WindowTest : public QObject {
+class WindowTest : public test::WindowFixture {
   Q_OBJECT
 
- private:
-  std::unique_ptr<QTemporaryDir> folder_;
-  std::unique_ptr<MainWindow> window_;
-
-  std::unique_ptr<QSettings> settings() const {
-    return std::make_unique<QSettings>(folder_->filePath("settings.ini"), QSettings::IniFormat);
-  }
-  bool settled() {
-    return QTest::qWaitFor([this] { return window_->is_settled(); }, 60000);
-  }
-  ImageView& image() { return window_->image_panel().view(); }
-  QPoint of_pixel(int column, int row) {
-    return image().to_widget(QPointF(column + 0.5, row + 0.5)).toPoint();
-  }
-  template <class Widget>
-  Widget* child(const char* name) {
-    return window_->findChild<Widget*>(name);
-  }
-  /// Types a name into the file dialog that opens next.
-  void answer_file_dialog(const QString& path) {
-    QTimer::singleShot(300, this, [path] {
-      for (QWidget* widget : QApplication::topLevelWidgets())
-        if (auto* dialog = qobject_cast<QFileDialog*>(widget)) {
-          auto* edit = dialog->findChild<QLineEdit*>("fileNameEdit");
-          edit->setText(path);
-          QTest::keyClick(edit, Qt::Key_Return);
-          return;
-        }
-    });
-  }
-
  private slots:
-  void init() {
-    folder_ = std::make_unique<QTemporaryDir>();
-    window_ = std::make_unique<MainWindow>(settings(), folder_->filePath("recovery").toStdString());
-    window_->set_unattended(true);
-    window_->resize(1400, 900);
-    window_->show();
-    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
-    QApplication::setActiveWindow(window_.get());  // nobody else does: there is no window manager
-  }
+  void init() { begin(); }
   void cleanup() { window_.reset(); }
 
   void welcomeOpensAnExampleInOneClick() {

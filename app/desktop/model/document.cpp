@@ -129,15 +129,10 @@ void Document::recover(const RecoveredScene& recovered) {
 }
 
 void Document::save(const std::string& path) {
-  const Scene moved = moved_to(scene(), path);
-  write_scene_file(path, moved);
-  SceneDocument state = history_.state();
-  const Scene before = state.scene;
+  write_scene_file(path, moved_to(scene(), path));
   file_ = path;
-  if (!(moved == before)) {
-    state.scene = moved;
-    push(std::move(state), "save as " + fs::path(path).filename().string());
-  }
+  // What is undone later names the same files, too.
+  history_.update_all([&](Scene& scene) { scene = moved_to(scene, path); });
   history_.set_saved();
   emit state_changed();
 }

@@ -30,6 +30,12 @@ class UndoHistory {
 
   const SceneDocument& state() const { return states_[at_].state; }
 
+  /// Changes every state alike; nothing becomes a step.
+  template <class Change>
+  void update_all(Change change) {
+    for (Entry& entry : states_) change(entry.state.scene);
+  }
+
   void set_saved() { saved_ = states_[at_].number; }
   bool saved() const { return saved_ == states_[at_].number; }
   /// No state counts as saved (a scene that was recovered).

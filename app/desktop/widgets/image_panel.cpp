@@ -117,6 +117,7 @@ void ImagePanel::request() {
   if (!field || field->channels.empty()) {
     task_.cancel();
     pyramid_ = flux_pyramid_ = nullptr;
+    shown_ = number;
     view_->set_image(nullptr);
     histogram_plot_->set_series({});
     emit pyramid_changed();
@@ -158,6 +159,7 @@ void ImagePanel::request() {
                                : automatic_saturation(shown->level(0));
       post(this, [this, number, flux, shown, white, saturation] {
         if (number != newest_) return;
+        shown_ = number;
         flux_pyramid_ = flux;
         pyramid_ = shown;
         automatic_white_ = white > 0 ? white : 1;

@@ -31,6 +31,8 @@ class ImagePanel : public QWidget {
   /// Of what is shown now; null: nothing yet.
   const std::shared_ptr<const ImagePyramid>& pyramid() const { return pyramid_; }
   const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
+  /// Whether what is shown is the document's image, not an earlier one.
+  bool is_current() const { return shown_ == newest_; }
   QAction* outlines_action() { return outlines_; }
   /// What is at a pixel, for the status bar: "flux 1.2 nW +- 0.1 nW".
   QString describe(int column, int row) const;
@@ -55,7 +57,7 @@ class ImagePanel : public QWidget {
   std::shared_ptr<const ImagePyramid> pyramid_, flux_pyramid_;
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;
-  unsigned newest_ = 0;
+  unsigned newest_ = 0, shown_ = 0;
   LatestTask task_;  ///< last: it ends first
 };
 

@@ -18,8 +18,11 @@
 #include <QUrl>
 
 #include "plenoflame/base/error.h"
+#include "widgets/design_panel.h"
+#include "widgets/flame_panel.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
+#include "widgets/light_field_panel.h"
 #include "widgets/plot_widget.h"
 #include "widgets/rays_panel.h"
 #include "widgets/render_panel.h"
@@ -73,6 +76,7 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
 MainWindow::~MainWindow() {
   // Widgets go before what they show: members would be gone before children are.
   autosave_.stop();
+  file_task_.cancel();
   qDeleteAll(findChildren<QDockWidget*>());
   delete takeCentralWidget();
 }
@@ -116,7 +120,26 @@ void MainWindow::make_docks() {
   scene_ = new ScenePanel(session_.document(), this);
   rays_ = new RaysPanel(session_.rays(), this);
   render_ = new RenderPanel(session_, this);
-  add_dock("sceneDock", tr("Scene"), scene_, Qt::LeftDockWidgetArea);
+  light_field_ = new LightFieldPanel(session_.document(), session_.light_field(), this);
+  design_ = new DesignPanel(session_.design(), this);
+  flame_ = new FlamePanel(session_.document(), session_.compiler(), this);
+  QDockWidget* const scene = add_dock("sceneDock", tr("Scene"), scene_, Qt::LeftDockWidgetArea);
+  QDockWidget* const flame = add_dock("flameDock", tr("Flame"), flame_, Qt::LeftDockWidgetArea);
+  QDockWidget* const design = add_dock("designDock", tr("Design"), design_, Qt::LeftDockWidgetArea);
+  tabifyDockWidget(scene, flame);
+  tabifyDockWidget(flame, design);
+  scene->raise();
+  QDockWidget* const light_field =
+      add_dock("lightFieldDock", tr("Light field"), light_field_, Qt::RightDockWidgetArea);
+  // Views cost time: they are made once somebody looks at them.
+  connect(light_field, &QDockWidget::visibilityChanged, this, [this](bool visible) {
+    if (visible && isVisible()) session_.set_views_wanted(true);
+  });
+  connect(light_field_, &LightFieldPanel::export_requested, this, &MainWindow::export_derived);
+  connect(flame_, &FlamePanel::look_changed, scene_view_, &SceneView::set_flame_look);
+  connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
+  connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
+  connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
   QDockWidget* const render =
       add_dock("renderDock", tr("Rendering"), render_, Qt::BottomDockWidgetArea);
   QDockWidget* const rays = add_dock("raysDock", tr("Rays"), rays_, Qt::BottomDockWidgetArea);
@@ -129,6 +152,7 @@ void MainWindow::make_docks() {
   tabifyDockWidget(histogram, profile);
   render->raise();
   resizeDocks({render}, {230}, Qt::Vertical);
+  resizeDocks({scene, light_field}, {330, 300}, Qt::Horizontal);
   connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
           &QDockWidget::raise);
   connect(rays_, &RaysPanel::ray_chosen, section_, &SectionView::set_highlighted);
@@ -374,8 +398,9 @@ bool MainWindow::is_settled() const {
   auto& mutable_session = const_cast<Session&>(session);
   const RenderJob::State state = mutable_session.render().state();
   return mutable_session.document().is_empty() ||
-         (mutable_session.compiler().is_current() && state != RenderJob::State::running &&
-          mutable_session.document().image() && image_->pyramid());
+         (!file_task_.busy() && mutable_session.compiler().is_current() &&
+          state != RenderJob::State::running && mutable_session.document().image() &&
+          image_->pyramid() && image_->is_current());
 }
 
 QString MainWindow::apply_options(const QString& pixel, const QString& part, const QString& panel,

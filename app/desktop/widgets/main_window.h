@@ -16,7 +16,10 @@ class QStackedWidget;
 
 namespace plenoflame::desktop {
 
+class DesignPanel;
+class FlamePanel;
 class ImagePanel;
+class LightFieldPanel;
 class RaysPanel;
 class RenderPanel;
 class ScenePanel;
@@ -41,6 +44,8 @@ class MainWindow : public QMainWindow {
   ScenePanel& scene_panel() { return *scene_; }
   RaysPanel& rays_panel() { return *rays_; }
   RenderPanel& render_panel() { return *render_; }
+  LightFieldPanel& light_field_panel() { return *light_field_; }
+  FlamePanel& flame_panel() { return *flame_; }
 
   /// Opens a file; what goes wrong is said in a dialog. False then.
   bool open(const QString& path);
@@ -81,12 +86,24 @@ class MainWindow : public QMainWindow {
   void update_recent();
   void fail(const QString& message);
   bool may_discard();
+  bool file_task_busy() const { return file_task_.busy(); }
   void show_about();
   void open_help();
   QString ask_save_name(const QString& title, const QString& suggestion, const QString& filter);
   void export_picture_of_scene();
   void export_rays();
   void export_image();
+  void export_derived();
+  void export_views();
+  void export_for_tool(int format);
+  void make_export_menu(QMenu& menu);
+  void generate_flame();
+  void import_flame();
+  void map_grids(int flame);
+  QString ask_folder(const QString& title);
+  /// Works in the background; what it throws is said, otherwise `after` is called.
+  void run_in_background(const QString& what, std::function<void(const Execution&)> work,
+                         std::function<void()> after);
   void select_lens_at(int column, int row);
   /// Calls it; what it throws is said, and the result false.
   bool guarded(const std::function<void()>& function);
@@ -102,12 +119,16 @@ class MainWindow : public QMainWindow {
   ScenePanel* scene_ = nullptr;
   RaysPanel* rays_ = nullptr;
   RenderPanel* render_ = nullptr;
+  LightFieldPanel* light_field_ = nullptr;
+  DesignPanel* design_ = nullptr;
+  FlamePanel* flame_ = nullptr;
   QMenu* recent_menu_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr;
   QLabel *pointer_label_ = nullptr, *busy_label_ = nullptr;
   QTimer autosave_;
   bool unattended_ = false;
   QString last_message_;
+  LatestTask file_task_;  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

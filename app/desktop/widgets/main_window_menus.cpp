@@ -16,9 +16,6 @@
 #include <vtkVersion.h>
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
-#include "plenoflame/image/light_field.h"
-#include "plenoflame/image/png_file.h"
-#include "plenoflame/lightfield/develop.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/main_window.h"
@@ -55,11 +52,7 @@ void MainWindow::make_menus() {
   file->addSeparator();
   QMenu* const exports = file->addMenu(tr("&Export"));
   exports->setObjectName("exportMenu");
-  add(exports, tr("Light field (.exr) or developed picture (.png)..."), {}, "exportImage",
-      [this] { export_image(); });
-  add(exports, tr("Rays of the selection..."), {}, "exportRaysAction", [this] { export_rays(); });
-  add(exports, tr("Picture of the 3-D view..."), {}, "exportScenePicture",
-      [this] { export_picture_of_scene(); });
+  make_export_menu(*exports);
   file->addSeparator();
   add(file, tr("Welcome page"), {}, "actionWelcome", [this] {
     const bool workspace = stack_->currentIndex() == 0 && !session_.document().is_empty();
@@ -142,42 +135,6 @@ void MainWindow::update_recent() {
     connect(recent_menu_->addAction(path), &QAction::triggered, this, [this, path] { open(path); });
   recent_menu_->setEnabled(!files.isEmpty());
   welcome_->set_recent(files);
-}
-
-void MainWindow::export_rays() {
-  const auto rays = session_.rays().rays();
-  if (!rays) return fail(tr("Nothing is selected: click a pixel first."));
-  const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
-                                     tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
-  if (name.isEmpty()) return;
-  if (guarded([&] { write_ray_paths(name.toStdString(), rays->paths); }))
-    statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
-                             8000);
-}
-
-void MainWindow::export_image() {
-  const auto field = session_.document().image();
-  if (!field) return fail(tr("There is no image yet."));
-  const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
-                                     tr("Raw light field (*.exr);;Developed picture (*.png)"));
-  if (name.isEmpty()) return;
-  guarded([&] {
-    if (name.endsWith(".png", Qt::CaseInsensitive))
-      write_png(name.toStdString(), develop(*field, session_.document().scene().develop).picture);
-    else if (name.endsWith(".exr", Qt::CaseInsensitive))
-      write_light_field(name.toStdString(), *field);
-    else
-      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
-    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
-  });
-}
-
-void MainWindow::export_picture_of_scene() {
-  const QImage picture = scene_view_->picture();
-  const QString name =
-      ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
-  if (name.isEmpty()) return;
-  if (!picture.save(name)) fail(tr("'%1' cannot be written").arg(name));
 }
 
 void MainWindow::show_about() {

@@ -62,6 +62,8 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   split->addWidget(surfaces_);
   split->setStretchFactor(0, 3);
   split->setStretchFactor(1, 2);
+  title_->setWordWrap(true);
+  title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   export_ = new QPushButton(tr("Export rays..."), this);
   export_->setObjectName("exportRays");
   export_->setToolTip(tr("Write these rays as .vtp (ParaView), .csv or .json"));

@@ -65,7 +65,6 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   curve_->set_empty_text(tr("Error against time appears while an image is rendered."));
   auto* buttons = new QHBoxLayout;
   for (QPushButton* b : {start_, pause_, stop_, finer_, coarser_}) buttons->addWidget(b);
-  buttons->addWidget(automatic_);
   buttons->addStretch(1);
   auto* form = new QFormLayout;
   skipped_->setWordWrap(true);
@@ -76,7 +75,10 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   form->addRow(tr("Left out"), skipped_);
   auto* left = new QVBoxLayout;
   left->addLayout(buttons);
-  left->addWidget(bar_);
+  auto* second = new QHBoxLayout;
+  second->addWidget(automatic_);
+  second->addWidget(bar_, 1);
+  left->addLayout(second);
   left->addLayout(form);
   left->addStretch(1);
   auto* layout = new QHBoxLayout(this);

@@ -137,7 +137,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   vtkRenderWindowInteractor* const interactor = v.widget->interactor();
   interactor->SetInteractorStyle(v.style);
   interactor->SetDesiredUpdateRate(15);
-  interactor->SetStillUpdateRate(6);
+  interactor->SetStillUpdateRate(15);
   // Near and far follow the distance to what is looked at: from the whole scene down to a microlens
   // nothing is cut off, and the depth buffer's 24 bits tell surfaces apart.
   v.style->AutoAdjustCameraClippingRangeOff();
@@ -191,6 +191,8 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   layout->setSpacing(0);
   layout->addWidget(tools_);
   layout->addWidget(v.widget, 1);
+  render_later_.setSingleShot(true);
+  connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
   set_dark(false);
 }
 
@@ -200,8 +202,8 @@ SceneView::~SceneView() {
 }
 
 void SceneView::render() {
-  view_->widget->update();
-  view_->window->Render();
+  // Once for all that happens before the event loop turns.
+  render_later_.start(0);
 }
 
 void SceneView::set_dark(bool dark) {
@@ -465,7 +467,8 @@ std::array<double, 2> SceneView::clipping_range() const {
 }
 
 QImage SceneView::picture() {
-  render();
+  render_later_.stop();
+  view_->window->Render();
   return view_->widget->grabFramebuffer();
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <QTimer>
 #include <QWidget>
 #include <array>
 #include <functional>
@@ -90,6 +91,7 @@ class SceneView : public QWidget {
   std::array<QAction*, 5> part_actions_{};
   QAction* measure_ = nullptr;
   QPointF pressed_;
+  QTimer render_later_;
   unsigned newest_ = 0;
   LatestTask task_;  ///< last: it ends first
 };

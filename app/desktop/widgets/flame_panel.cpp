@@ -1,0 +1,223 @@
+#include "widgets/flame_panel.h"
+
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QPushButton>
+#include <QSignalBlocker>
+#include <QSlider>
+#include <QVBoxLayout>
+#include <array>
+#include <cmath>
+
+#include "plenoflame/base/units.h"
+#include "widgets/image_view.h"
+#include "widgets/plot_widget.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+QString text_of(double value, Dimension dimension) {
+  return QString::fromStdString(readable_quantity(value, dimension, 4));
+}
+
+constexpr std::array<ColourMap, 3> kMaps{ColourMap::inferno, ColourMap::viridis,
+                                         ColourMap::cividis};
+
+}  // namespace
+
+FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* parent)
+    : QWidget(parent), document_(document), sampler_(compiler) {
+  summary_ = new QLabel(tr("There is no flame yet."), this);
+  summary_->setObjectName("flameSummary");
+  summary_->setWordWrap(true);
+  summary_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  const auto button = [this](const QString& text, const char* name, const QString& tip) {
+    auto* b = new QPushButton(text, this);
+    b->setObjectName(name);
+    b->setToolTip(tip);
+    return b;
+  };
+  auto* generate =
+      button(tr("Generate..."), "flameGenerate",
+             tr("Make a flame from a few figures: candle, diffusion flame, turbulent plume, ..."));
+  auto* import = button(tr("Import..."), "flameImport",
+                        tr("Take a flame from a simulation (VTK, OpenFOAM, ...)"));
+  auto* mapping =
+      button(tr("Grids..."), "flameMapping",
+             tr("Which grids of the file are temperature and absorption, and in which units"));
+  connect(generate, &QPushButton::clicked, this, &FlamePanel::generate_requested);
+  connect(import, &QPushButton::clicked, this, &FlamePanel::import_requested);
+  connect(mapping, &QPushButton::clicked, this, [this] {
+    const auto& flames = document_.scene().flames;
+    for (std::size_t i = 0; i < flames.size(); ++i)
+      if (flames[i].kind == FlameKind::vdb) return emit mapping_requested(static_cast<int>(i));
+    emit mapping_requested(-1);
+  });
+  axis_ = new QComboBox(this);
+  axis_->addItems({tr("across x"), tr("across y"), tr("across z")});
+  axis_->setToolTip(tr("Plane of the slice, in the world's axes"));
+  quantity_ = new QComboBox(this);
+  quantity_->addItems({tr("Temperature"), tr("Absorption")});
+  position_ = new QSlider(Qt::Horizontal, this);
+  position_->setObjectName("slicePosition");
+  position_->setRange(0, 100);
+  position_->setValue(50);
+  position_->setToolTip(tr("Where the slice is cut"));
+  place_ = new QLabel(this);
+  slice_ = new ImageView(this);
+  slice_->setObjectName("flameSlice");
+  slice_->set_value_format(Dimension::temperature);
+  histogram_ = new PlotWidget(this);
+  histogram_->set_empty_text(tr("The distribution of temperature appears with a flame."));
+  map_ = new QComboBox(this);
+  map_->addItems({tr("Inferno"), tr("Viridis"), tr("Cividis")});
+  map_->setToolTip(tr("Colours of temperature in the 3-D view"));
+  cold_ = new QDoubleSpinBox(this);
+  hot_ = new QDoubleSpinBox(this);
+  for (QDoubleSpinBox* box : {cold_, hot_}) {
+    box->setRange(0, 20000);
+    box->setDecimals(0);
+    box->setSingleStep(50);
+    box->setSuffix(" K");
+    box->setKeyboardTracking(false);
+    box->setMinimumWidth(60);
+  }
+  cold_->setToolTip(tr("Temperature of the first colour"));
+  hot_->setToolTip(tr("Temperature of the last colour"));
+  opacity_ = new QSlider(Qt::Horizontal, this);
+  opacity_->setObjectName("flameOpacity");
+  opacity_->setRange(-20, 20);
+  opacity_->setToolTip(
+      tr("How dense the flame looks in 3-D; the light field does not depend on it"));
+
+  auto* buttons = new QHBoxLayout;
+  buttons->addWidget(generate);
+  buttons->addWidget(import);
+  buttons->addWidget(mapping);
+  auto* cut = new QHBoxLayout;
+  cut->addWidget(quantity_);
+  cut->addWidget(axis_);
+  cut->addWidget(position_, 1);
+  auto* ends = new QHBoxLayout;
+  ends->addWidget(map_);
+  ends->addWidget(cold_);
+  ends->addWidget(hot_);
+  auto* form = new QFormLayout;
+  form->addRow(tr("3-D colours"), ends);
+  form->addRow(tr("Density"), opacity_);
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(4, 4, 4, 4);
+  layout->addLayout(buttons);
+  layout->addWidget(summary_);
+  layout->addLayout(cut);
+  layout->addWidget(place_);
+  layout->addWidget(slice_, 3);
+  layout->addWidget(histogram_, 2);
+  layout->addLayout(form);
+
+  const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
+  connect(axis_, chosen, this, &FlamePanel::show_slice);
+  connect(quantity_, chosen, this, &FlamePanel::show_slice);
+  connect(position_, &QSlider::valueChanged, this, &FlamePanel::show_slice);
+  connect(map_, chosen, this, &FlamePanel::emit_look);
+  connect(opacity_, &QSlider::valueChanged, this, &FlamePanel::emit_look);
+  for (QDoubleSpinBox* box : {cold_, hot_})
+    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this] {
+      automatic_ = false;
+      emit_look();
+    });
+  connect(&sampler_, &FlameSampler::samples_changed, this, &FlamePanel::fill);
+}
+
+void FlamePanel::emit_look() {
+  FlameLook look;
+  look.map = kMaps[static_cast<std::size_t>(std::max(0, map_->currentIndex()))];
+  look.automatic = automatic_ || !(hot_->value() > cold_->value());
+  look.cold = cold_->value();
+  look.hot = hot_->value();
+  look.opacity = std::pow(2.0, opacity_->value() / 5.0);
+  emit look_changed(look);
+}
+
+void FlamePanel::fill() {
+  const auto samples = sampler_.samples();
+  if (!samples || samples->temperature.empty()) {
+    summary_->setText(tr("The scene has no flame."));
+    slice_->set_image(nullptr);
+    histogram_->set_series({});
+    return;
+  }
+  const Vec3 size = samples->box.upper - samples->box.lower;
+  QString text =
+      tr("%1 x %2 x %3, %4 to %5 where it absorbs, mean of the emission %6; absorption up to %7")
+          .arg(text_of(size.x, Dimension::length), text_of(size.y, Dimension::length),
+               text_of(size.z, Dimension::length),
+               text_of(samples->coldest, Dimension::temperature),
+               text_of(samples->hottest, Dimension::temperature),
+               text_of(samples->mean_temperature, Dimension::temperature),
+               text_of(samples->densest, Dimension::absorption));
+  for (const VdbInfo& file : samples->files) {
+    for (const GridInfo& grid : file.grids)
+      text += tr("\nGrid %1: %2 voxels of %3, %4 to %5 %6")
+                  .arg(QString::fromStdString(grid.name))
+                  .arg(grid.active_voxels)
+                  .arg(text_of(grid.voxel_size, Dimension::length))
+                  .arg(grid.minimum, 0, 'g', 4)
+                  .arg(grid.maximum, 0, 'g', 4)
+                  .arg(QString::fromStdString(grid.unit));
+    for (const std::string& remark : file.remarks) text += "\n! " + QString::fromStdString(remark);
+  }
+  summary_->setText(text);
+  if (automatic_) {
+    const QSignalBlocker first(cold_), second(hot_);
+    cold_->setValue(samples->coldest);
+    hot_->setValue(samples->hottest);
+  }
+  // Share of the absorbing volume by temperature.
+  PlotWidget::Series series;
+  series.colour = QColor(213, 94, 0);
+  series.bars = true;
+  constexpr int kBins = 60;
+  std::array<double, kBins> counts{};
+  double total = 0;
+  const double range = samples->hottest - samples->coldest;
+  for (std::size_t i = 0; i < samples->temperature.size(); ++i) {
+    if (samples->absorption[i] <= 0) continue;
+    const double t =
+        range > 0 ? (static_cast<double>(samples->temperature[i]) - samples->coldest) / range : 0.5;
+    counts[static_cast<std::size_t>(std::min(kBins - 1.0, t * kBins))] += 1;
+    total += 1;
+  }
+  for (int i = 0; i < kBins; ++i)
+    if (counts[static_cast<std::size_t>(i)] > 0)
+      series.points << QPointF(samples->coldest + (i + 0.5) / kBins * range,
+                               100 * counts[static_cast<std::size_t>(i)] / total);
+  histogram_->set_axes(tr("temperature [K]"), tr("% of volume"), false, false);
+  histogram_->set_series({series});
+  show_slice();
+}
+
+void FlamePanel::show_slice() {
+  const auto samples = sampler_.samples();
+  if (!samples || samples->temperature.empty()) return;
+  const bool temperature = quantity_->currentIndex() == 0;
+  const int axis = axis_->currentIndex();
+  const double share = position_->value() / 100.0;
+  auto image = std::make_shared<const Image>(samples->slice(axis, share, temperature));
+  ToneSettings tone;
+  tone.scale = ToneScale::linear;
+  tone.map = temperature ? ColourMap::inferno : ColourMap::viridis;
+  tone.white = temperature ? samples->hottest : samples->densest;
+  if (!(tone.white > 0)) tone.white = 1;
+  slice_->set_value_format(temperature ? Dimension::temperature : Dimension::absorption);
+  slice_->set_tone(tone);
+  slice_->set_image(std::make_shared<const ImagePyramid>(image, Execution{1, {}, {}, {}}));
+  const auto at = samples->place(share, share, share);
+  place_->setText(tr("%1 = %2").arg(
+      QString("xyz"[axis]), text_of(at[static_cast<std::size_t>(axis)], Dimension::length)));
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,94 @@
+#pragma once
+#include <QWidget>
+#include <memory>
+#include <optional>
+
+#include "model/document.h"
+#include "model/image_display.h"
+#include "model/light_field_jobs.h"
+
+class QComboBox;
+class QLabel;
+class QLineEdit;
+class QPushButton;
+class QSlider;
+class QSpinBox;
+class QTabWidget;
+
+namespace plenoflame::desktop {
+
+class ImageView;
+
+/// The stop of the main lens, with the places that views are made from: drag the point.
+class AperturePad : public QWidget {
+  Q_OBJECT
+ public:
+  explicit AperturePad(int grid, QWidget* parent = nullptr);
+  int column() const { return column_; }
+  int row() const { return row_; }
+  void set_place(int column, int row);
+  QSize sizeHint() const override { return {150, 150}; }
+
+ signals:
+  void moved(int column, int row);
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+  void mousePressEvent(QMouseEvent* event) override;
+  void mouseMoveEvent(QMouseEvent* event) override;
+  void keyPressEvent(QKeyEvent* event) override;
+
+ private:
+  void move_to(QPointF place);
+  QRectF disc() const;
+  int grid_, column_, row_;
+};
+
+/// What the light field is for: views from places of the aperture, pictures focused elsewhere, all
+/// in focus, and epipolar slices. Follows the raw image.
+class LightFieldPanel : public QWidget {
+  Q_OBJECT
+ public:
+  LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget* parent = nullptr);
+
+  /// Depth of the refocused picture [m].
+  double depth() const;
+  void set_depth(double depth);
+  /// The picture of the tab that is shown; null: none yet.
+  std::shared_ptr<const Image> shown_image() const;
+  QString shown_name() const;
+  QTabWidget& tabs() { return *tabs_; }
+
+ signals:
+  void export_requested();
+
+ private:
+  QWidget* make_views_tab();
+  QWidget* make_refocus_tab();
+  QWidget* make_total_tab();
+  QWidget* make_epipolar_tab();
+  void show_view();
+  void show_refocused();
+  void show_stack();
+  void show_slice();
+  void on_views_changed();
+  void request_refocus();
+  void show(ImageView& view, std::shared_ptr<const Image> image, double white,
+            bool is_depth = false);
+
+  Document& document_;
+  LightFieldJobs& jobs_;
+  QTabWidget* tabs_;
+  AperturePad* pad_;
+  ImageView *view_, *refocused_, *total_, *slice_;
+  QLabel *view_label_, *refocus_label_, *total_label_, *slice_label_;
+  QSlider *depth_, *aperture_, *line_;
+  QLineEdit* depth_edit_;
+  QComboBox *total_kind_, *slice_direction_;
+  QSpinBox* planes_;
+  double nearest_ = 0.5, farthest_ = 2;
+  double wanted_depth_ = 0;  ///< [m] that was set; 0: none yet
+  double white_ = 1;
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,241 @@
+#include <QAction>
+#include <QDir>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QFormLayout>
+#include <QInputDialog>
+#include <QMenu>
+#include <QStatusBar>
+#include <filesystem>
+#include <memory>
+
+#include "commands/light_field_output.h"
+#include "model/flame_generator.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/png_file.h"
+#include "plenoflame/lightfield/develop.h"
+#include "plenoflame/lightfield/export.h"
+#include "plenoflame/volumes/vdb_info.h"
+#include "vtk_commands.h"
+#include "widgets/flame_dialogs.h"
+#include "widgets/import_dialog.h"
+#include "widgets/light_field_panel.h"
+#include "widgets/main_window.h"
+#include "widgets/scene_view.h"
+
+// What the window reads and writes besides scenes: exports, generated and imported flames.
+namespace plenoflame::desktop {
+
+void MainWindow::run_in_background(const QString& what, std::function<void(const Execution&)> work,
+                                   std::function<void()> after) {
+  statusBar()->showMessage(what + "...");
+  file_task_.request(
+      [this, what, work = std::move(work), after = std::move(after)](std::stop_token stop) {
+        Execution execution;
+        execution.stop = std::move(stop);
+        try {
+          work(execution);
+          post(this, [this, what, after] {
+            statusBar()->showMessage(tr("%1: done").arg(what), 8000);
+            after();
+          });
+        } catch (const Cancelled&) {
+        } catch (const std::exception& error) {
+          const QString message = QString::fromUtf8(error.what());
+          post(this, [this, message] { fail(message); });
+        }
+      });
+}
+
+QString MainWindow::ask_folder(const QString& title) {
+  const QString folder =
+      QFileDialog::getExistingDirectory(this, title, settings_->value("files/folder").toString());
+  if (!folder.isEmpty()) settings_->setValue("files/folder", folder);
+  return folder;
+}
+
+void MainWindow::make_export_menu(QMenu& menu) {
+  const auto add = [&](const QString& text, const char* name, auto act) {
+    QAction* const action = menu.addAction(text);
+    action->setObjectName(name);
+    connect(action, &QAction::triggered, this, act);
+  };
+  add(tr("Light field (.exr) or developed picture (.png)..."), "exportImage",
+      [this] { export_image(); });
+  add(tr("Rays of the selection..."), "exportRaysAction", [this] { export_rays(); });
+  add(tr("Picture of the 3-D view..."), "exportScenePicture",
+      [this] { export_picture_of_scene(); });
+  add(tr("Picture of the light-field panel..."), "exportDerivedAction",
+      [this] { export_derived(); });
+  add(tr("All views..."), "exportViews", [this] { export_views(); });
+  QMenu* const tools = menu.addMenu(tr("For another tool"));
+  tools->setToolTipsVisible(true);
+  for (const ExportName& format : export_formats()) {
+    QAction* const action = tools->addAction(QString(format.name) + "...");
+    action->setToolTip(format.what);
+    connect(action, &QAction::triggered, this,
+            [this, format = format.format] { export_for_tool(static_cast<int>(format)); });
+  }
+}
+
+void MainWindow::export_derived() {
+  const auto image = light_field_->shown_image();
+  const auto field = session_.document().image();
+  if (!image || !field) return fail(tr("There is no picture in the light-field panel yet."));
+  const QString name = ask_save_name(tr("Export the picture"), light_field_->shown_name() + ".png",
+                                     tr("Picture (*.png);;Values (*.exr)"));
+  if (name.isEmpty()) return;
+  guarded([&] {
+    LightField derived;
+    derived.sensor_width = image->width;
+    derived.sensor_height = image->height;
+    derived.window = {0, 0, image->width, image->height};
+    derived.channels.push_back({field->channels.front().name, *image, {}});
+    derived.unit = light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)";
+    derived.estimator = field->estimator;
+    derived.seed = field->seed;
+    derived.samples = field->samples;
+    derived.version = field->version;
+    if (name.endsWith(".exr", Qt::CaseInsensitive)) {
+      write_light_field(name.toStdString(), derived);
+    } else if (name.endsWith(".png", Qt::CaseInsensitive)) {
+      DevelopSpec settings;
+      settings.bits = 16;
+      write_png(name.toStdString(), develop(derived, settings).picture);
+    } else {
+      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
+    }
+    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
+  });
+}
+
+void MainWindow::export_views() {
+  const auto field = session_.document().image();
+  const auto views = session_.light_field().views();
+  if (!field || !views)
+    return fail(tr("There are no views yet: show the light-field panel and wait for them."));
+  const QString folder = ask_folder(tr("Folder for the views"));
+  if (folder.isEmpty()) return;
+  run_in_background(
+      tr("export of %1 views").arg(views->views.size()),
+      [folder, field, views](const Execution&) {
+        std::vector<cli::NamedImage> images;
+        for (const View& view : views->views)
+          images.push_back({"view-" + std::to_string(view.row) + "-" + std::to_string(view.column),
+                            view.image,
+                            {}});
+        images.push_back({"contact", contact_sheet(*views), {}});
+        cli::write_images(folder.toStdString(), images, views->unit, field->channels.front().name,
+                          true, *field);
+      },
+      [] {});
+}
+
+void MainWindow::export_for_tool(int format) {
+  const auto field = session_.document().image();
+  const auto scene = session_.compiler().compiled();
+  if (!field || !scene) return fail(tr("There is no image yet."));
+  ExportSettings settings;
+  settings.format = static_cast<ExportFormat>(format);
+  if (!guarded([&] { check_export(scene->camera, settings.format); })) return;
+  const QString folder = ask_folder(tr("Folder for the export"));
+  if (folder.isEmpty()) return;
+  run_in_background(
+      tr("export"),
+      [folder, field, scene, settings,
+       known = session_.light_field().micro_images()](const Execution& execution) {
+        const bool usable = known && known->camera().spec() == scene->camera.spec();
+        const auto micro =
+            usable ? known : std::make_shared<const MicroImages>(scene->camera, true, execution);
+        export_light_field(*field, *micro, settings, folder.toStdString(), execution);
+      },
+      [] {});
+}
+
+void MainWindow::generate_flame() {
+  GenerateDialog dialog(this);
+  if (dialog.exec() != QDialog::Accepted) return;
+  const std::string kind = dialog.name();
+  const auto values = dialog.values();
+  const QString path = ask_save_name(tr("Save the flame"), QString::fromStdString(kind) + ".vdb",
+                                     tr("OpenVDB (*.vdb)"));
+  if (path.isEmpty()) return;
+  run_in_background(
+      tr("flame %1").arg(QString::fromStdString(kind)),
+      [kind, values, path](const Execution& execution) {
+        write_flame(path.toStdString(),
+                    plenoflame::desktop::generate_flame(kind, values, execution));
+      },
+      [this, path] { open(path); });
+}
+
+void MainWindow::import_flame() {
+  ImportDialog dialog(settings_->value("files/folder").toString(), this);
+  if (dialog.exec() != QDialog::Accepted) return;
+  cli::FlameImportRequest request;
+  if (!guarded([&] { request = dialog.request(); })) return;
+  const QString path = ask_save_name(tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
+  if (path.isEmpty()) return;
+  request.output = path.toStdString();
+  auto written = std::make_shared<std::vector<cli::ImportedFlame>>();
+  run_in_background(
+      tr("import"),
+      [request, written](const Execution&) { *written = cli::import_flames(request); },
+      [this, written] {
+        if (!written->empty()) open(QString::fromStdString(written->front().file));
+      });
+}
+
+void MainWindow::map_grids(int flame) {
+  Document& document = session_.document();
+  if (flame < 0 || static_cast<std::size_t>(flame) >= document.scene().flames.size())
+    return fail(tr("The scene has no flame from an OpenVDB file."));
+  guarded([&] {
+    Scene scene = document.scene();
+    FlameSpec& spec = scene.flames[static_cast<std::size_t>(flame)];
+    const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
+    MappingDialog dialog(spec, vdb_info((folder / spec.file).string()), this);
+    if (dialog.exec() != QDialog::Accepted) return;
+    spec = dialog.flame();
+    document.change(scene, "choose grids");
+  });
+}
+
+void MainWindow::export_rays() {
+  const auto rays = session_.rays().rays();
+  if (!rays) return fail(tr("Nothing is selected: click a pixel first."));
+  const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
+                                     tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
+  if (name.isEmpty()) return;
+  if (guarded([&] { write_ray_paths(name.toStdString(), rays->paths); }))
+    statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
+                             8000);
+}
+
+void MainWindow::export_image() {
+  const auto field = session_.document().image();
+  if (!field) return fail(tr("There is no image yet."));
+  const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
+                                     tr("Raw light field (*.exr);;Developed picture (*.png)"));
+  if (name.isEmpty()) return;
+  guarded([&] {
+    if (name.endsWith(".png", Qt::CaseInsensitive))
+      write_png(name.toStdString(), develop(*field, session_.document().scene().develop).picture);
+    else if (name.endsWith(".exr", Qt::CaseInsensitive))
+      write_light_field(name.toStdString(), *field);
+    else
+      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
+    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
+  });
+}
+
+void MainWindow::export_picture_of_scene() {
+  const QImage picture = scene_view_->picture();
+  const QString name =
+      ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
+  if (name.isEmpty()) return;
+  if (!picture.save(name)) fail(tr("'%1' cannot be written").arg(name));
+}
+
+}  // namespace plenoflame::desktop
