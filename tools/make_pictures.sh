@@ -147,3 +147,6 @@ if chosen design; then
     echo "docs/images/design-$plot.png"
   done
 fi
+
+# Those of docs/desktop.md, where the desktop application was built.
+if chosen desktop && [ -x build/release/app/desktop/plenoflame-desktop ]; then tools/make_screenshots.sh; fi

@@ -21,7 +21,7 @@
 namespace {
 
 constexpr int kPollInterval = 50;         ///< [ms]
-constexpr int kScreenshotDeadline = 120;  ///< [s]
+constexpr int kScreenshotDeadline = 300;  ///< [s]
 
 int fail(int status, const QString& message) {
   std::cerr << "plenoflame-desktop: error: " << message.toStdString() << '\n';

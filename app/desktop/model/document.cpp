@@ -38,6 +38,7 @@ Scene moved_to(Scene scene, const std::string& file) {
     surface.file = moved_path(surface.file, from, to);
     surface.material.texture.file = moved_path(surface.material.texture.file, from, to);
   }
+  for (ChannelSpec& channel : scene.channels) channel.file = moved_path(channel.file, from, to);
   scene.file = file;
   return scene;
 }

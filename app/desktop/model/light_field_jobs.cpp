@@ -42,13 +42,15 @@ Image shift_and_add(const Views& views, const ViewGeometry& geometry, double dep
 
 LightFieldJobs::LightFieldJobs(QObject* parent)
     : QObject(parent),
-      prepare_(std::make_unique<LatestTask>()),
+      micro_task_(std::make_unique<LatestTask>()),
+      views_task_(std::make_unique<LatestTask>()),
       refocus_(std::make_unique<LatestTask>()),
       stack_task_(std::make_unique<LatestTask>()) {}
 
 LightFieldJobs::~LightFieldJobs() {
   // All are asked to stop before any is waited for.
-  prepare_->cancel();
+  micro_task_->cancel();
+  views_task_->cancel();
   refocus_->cancel();
   stack_task_->cancel();
 }
@@ -71,7 +73,7 @@ void LightFieldJobs::run(LatestTask& task, Function function) {
 }
 
 void LightFieldJobs::clear() {
-  prepare_->cancel();
+  views_task_->cancel();
   refocus_->cancel();
   stack_task_->cancel();
   ++image_number_;
@@ -82,34 +84,41 @@ void LightFieldJobs::clear() {
   stack_ = nullptr;
 }
 
-void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera) {
-  const bool same_camera = camera_ && *camera_ == camera;
-  if (!same_camera) {
-    micro_images_ = nullptr;
-    views_ = nullptr;
-    geometry_.reset();
-    camera_ = camera;
-  }
-  field_ = std::move(field);
-  const unsigned number = ++image_number_;
+void LightFieldJobs::set_camera(const CameraSpec& camera) {
+  if (camera_ && *camera_ == camera) return;
+  clear();
+  camera_ = camera;
+  micro_images_ = nullptr;
   if (!camera.array.present) {
-    clear();
+    micro_task_->cancel();
     emit micro_images_changed();
     emit views_changed();
     return;
   }
-  run(*prepare_, [this, number, field = field_, camera,
-                  known = micro_images_](const Execution& execution) {
-    auto micro = known;
-    if (!micro) {
-      micro = std::make_shared<const MicroImages>(Camera(camera), true, execution);
-      post(this, [this, number, micro] {
-        if (number != image_number_) return;
-        micro_images_ = micro;
-        emit micro_images_changed();
-      });
-    }
-    if (!field) return;
+  run(*micro_task_, [this, camera](const Execution& execution) {
+    auto micro = std::make_shared<const MicroImages>(Camera(camera), true, execution);
+    post(this, [this, camera, micro] {
+      if (!camera_ || !(*camera_ == camera)) return;
+      micro_images_ = micro;
+      emit micro_images_changed();
+      make_views();
+    });
+  });
+}
+
+void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera) {
+  set_camera(camera);
+  if (!camera.array.present || field == field_) return;
+  field_ = std::move(field);
+  ++image_number_;
+  make_views();
+}
+
+void LightFieldJobs::make_views() {
+  if (!micro_images_ || !field_) return;
+  const unsigned number = image_number_;
+  run(*views_task_, [this, number, field = field_,
+                     micro = micro_images_](const Execution& execution) {
     ViewSettings settings;
     settings.grid = kGrid;
     auto views = std::make_shared<const Views>(extract_views(*field, *micro, settings, execution));

@@ -35,6 +35,8 @@ class LightFieldJobs : public QObject {
   explicit LightFieldJobs(QObject* parent = nullptr);
   ~LightFieldJobs() override;
 
+  /// Finds the micro-images of a camera; what was made from another one is dropped.
+  void set_camera(const CameraSpec& camera);
   /// Takes a raw image; pictures that were made from another one are dropped. Cheap when only the
   /// image differs: the micro-images of a camera are found once.
   void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera);
@@ -60,6 +62,7 @@ class LightFieldJobs : public QObject {
   void failed(const QString& message);
 
  private:
+  void make_views();
   template <class Function>
   void run(LatestTask& task, Function function);
 
@@ -72,7 +75,7 @@ class LightFieldJobs : public QObject {
   std::shared_ptr<const FocusStack> stack_;
   unsigned image_number_ = 0;
   std::optional<std::pair<double, double>> wanted_refocus_;
-  std::unique_ptr<LatestTask> prepare_, refocus_, stack_task_;
+  std::unique_ptr<LatestTask> micro_task_, views_task_, refocus_, stack_task_;
 };
 
 }  // namespace plenoflame::desktop

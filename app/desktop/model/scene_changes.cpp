@@ -3,6 +3,15 @@
 namespace plenoflame::desktop {
 namespace {
 
+/// What of a sensor decides about the light that its pixels get.
+SensorSpec optical(const SensorSpec& sensor) {
+  SensorSpec part;
+  part.columns = sensor.columns;
+  part.rows = sensor.rows;
+  part.pixel_pitch = sensor.pixel_pitch;
+  return part;
+}
+
 /// Without what has no effect on any figure. Types of microlenses keep their names: the focus may
 /// refer to them. So do channels: the image's names follow them.
 Scene without_names(Scene scene) {
@@ -21,7 +30,10 @@ SceneChanges changes_between(const Scene& first, const Scene& second) {
   const Scene a = without_names(first), b = without_names(second);
   SceneChanges changes;
   const bool moved = first.file != second.file;  // relative paths start elsewhere
-  changes.camera = !(a.camera == b.camera);
+  CameraSpec camera_a = a.camera, camera_b = b.camera;
+  camera_a.sensor = optical(a.camera.sensor);
+  camera_b.sensor = optical(b.camera.sensor);
+  changes.camera = !(camera_a == camera_b);
   changes.flames = !(a.flames == b.flames) || (moved && !b.flames.empty());
   changes.solids =
       !(a.surfaces == b.surfaces && a.lights == b.lights) || (moved && !b.surfaces.empty());
@@ -30,7 +42,7 @@ SceneChanges changes_between(const Scene& first, const Scene& second) {
   RenderSpec rest = a.render;
   rest.samples = b.render.samples;
   changes.sampling = !(rest == b.render);
-  changes.develop = !(a.develop == b.develop);
+  changes.develop = !(a.develop == b.develop) || (!changes.camera && !(a.camera == b.camera));
   changes.names = !(first == second) && !changes.any();
   return changes;
 }

@@ -1,12 +1,6 @@
 #include "model/session.h"
 
 namespace plenoflame::desktop {
-namespace {
-
-constexpr int kViewsInterval = 3000;  ///< [ms] between views while the image is being refined
-
-}  // namespace
-
 Session::Session(QObject* parent)
     : QObject(parent), compiler_(document_), rays_(document_, compiler_), design_(document_) {
   later_.setSingleShot(true);
@@ -35,10 +29,9 @@ Session::Session(QObject* parent)
   connect(&design_, &DesignJob::failed, this,
           [this](const QString& message) { emit failed("design", message); });
   connect(&document_, &Document::image_changed, this, [this] {
-    if (render_.state() != RenderJob::State::running)
-      later_.start(0);
-    else if (!later_.isActive())
-      later_.start(kViewsInterval);
+    // While an image is being refined, views are made of whole passes only.
+    const auto& image = document_.image();
+    if (render_.state() != RenderJob::State::running || (image && image->complete)) later_.start(0);
   });
 }
 
@@ -66,17 +59,18 @@ void Session::start_render() {
 void Session::on_compiled(const SceneChanges& changes) {
   const bool wanted = start_when_compiled_ || (auto_render_ && changes.image());
   start_when_compiled_ = false;
+  if (views_wanted_ && changes.camera) light_field_.set_camera(compiler_.compiled()->scene.camera);
   if (wanted && !document_.image_is_current()) render_.start(compiler_.compiled(), threads_);
 }
 
 void Session::update_light_field() {
-  if (!views_wanted_) return;
+  if (!views_wanted_ || !compiler_.compiled()) return;
+  const CameraSpec& camera = compiler_.compiled()->scene.camera;
   if (!document_.image()) {
     light_field_.clear();
+    light_field_.set_camera(camera);
     return;
   }
-  if (!compiler_.compiled()) return;
-  const CameraSpec& camera = compiler_.compiled()->scene.camera;
   const LightField& field = *document_.image();
   // While a new camera is being compiled the image is still the old one's.
   if (field.sensor_width != camera.sensor.columns || field.sensor_height != camera.sensor.rows)
