@@ -36,7 +36,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   // What is behind a medium needs the transmittance of every node.
   const std::size_t passes = plan.surfaces && !plan.medium->is_grey() ? nodes : 1;
   constexpr std::size_t alignment = 64 / sizeof(Real);
-  storage_.resize((10 + passes + nodes) * kPadding + alignment);
+  storage_.resize((11 + nodes + (passes > 1 ? passes : 0)) * kPadding + alignment);
   codes_.resize(kPadding);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
