@@ -195,6 +195,17 @@ class Colour(CommandTest):
         self.assertGreater(figures["deviation_K"], 0.5)
         self.assertLess(abs(figures["mean_K"] - TEMPERATURE), 4 * figures["deviation_K"] / math.sqrt(1200) + 0.2)
 
+    def test_saturated_pixels_have_no_temperature(self):
+        # The infrared channel overflows in every pixel: without a word its ratio would be another temperature.
+        sensor = 'full_well = 20000\nexposure_time = "1 ms"\nquantum_efficiency = 0.4'
+        self.render(self.scene(RED + INFRARED, sensor))
+        self.succeeds("develop", "raw.exr", "--sensor", "--exposure", "1 s", "-o", "e.exr")
+        self.fails(1, "pyrometry", "e.exr", mentions="no temperature")
+        self.succeeds("develop", "raw.exr", "--sensor", "--exposure", "auto", "-o", "e.exr")
+        figures = self.json_of("pyrometry", "e.exr")
+        self.assertEqual(figures["saturated"], 0)
+        self.assertGreater(figures["pixels"], 100)
+
     # ---- what is refused ----
 
     def test_bad_curves(self):

@@ -156,6 +156,9 @@ class Developer {
     out.numbers["sensor.exposure_time"] = last.exposure_time;
     out.numbers["sensor.dark_electrons"] = sensor_.dark_current * last.exposure_time;
     out.numbers["sensor.gain"] = last.gain;
+    // A full well that the amplifier's noise made a little less of is full all the same.
+    out.numbers["sensor.saturated_from"] =
+        std::max(0.5 * sensor_.full_well, sensor_.full_well - 5 * sensor_.read_noise);
     return out;
   }
 

@@ -116,6 +116,23 @@ void compare_with(const Image& truth, const Image& temperature, Report& report) 
   report.add_json("rms_difference_K", std::sqrt(squares / n));
 }
 
+/// Makes pixels dark whose well was full in either channel: they say nothing of a ratio.
+/// @return how many
+std::size_t leave_out_saturated(const LightField& field, std::size_t a, std::size_t b,
+                                LightFieldChannel light[2]) {
+  const auto full = field.numbers.find("sensor.saturated_from");
+  if (field.unit != "e-" || full == field.numbers.end()) return 0;
+  const auto limit = static_cast<float>(full->second);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < light[0].flux.pixels.size(); ++i) {
+    if (field.channels[a].flux.pixels[i] < limit && field.channels[b].flux.pixels[i] < limit)
+      continue;
+    light[0].flux.pixels[i] = light[1].flux.pixels[i] = 0;
+    ++count;
+  }
+  return count;
+}
+
 int run_pyrometry(const Settings& settings) {
   for (const auto& [option, path] : {std::pair{"--output", settings.output},
                                      {"--picture", settings.picture},
@@ -148,8 +165,9 @@ int run_pyrometry(const Settings& settings) {
   const TwoColour two(*first, *second, law);
   PyrometrySettings how;
   how.threshold = settings.threshold;
-  const TemperatureMap map =
-      two_colour_map(energy_of(field, scene, a), energy_of(field, scene, b), two, how);
+  LightFieldChannel light[2] = {energy_of(field, scene, a), energy_of(field, scene, b)};
+  const std::size_t saturated = leave_out_saturated(field, a, b, light);
+  const TemperatureMap map = two_colour_map(light[0], light[1], two, how);
   double low = map.lowest, high = map.highest;
   if (!settings.range.empty()) {
     const auto comma = settings.range.find(',');
@@ -194,6 +212,9 @@ int run_pyrometry(const Settings& settings) {
   report.add_json("highest_K", map.highest);
   report.add("spread", readable(map.deviation, Dimension::temperature) + " standard deviation",
              "deviation_K", map.deviation);
+  if (saturated > 0)
+    report.add_text("left out", std::to_string(saturated) + " pixels whose well was full");
+  report.add_json("saturated", saturated);
   if (map.expected_deviation > 0)
     report.add("expected of noise", readable(map.expected_deviation, Dimension::temperature),
                "expected_deviation_K", map.expected_deviation);

@@ -51,15 +51,21 @@ std::string trouble_as_a_whole(const std::vector<SpectralPoint>& points) {
 
 /// A unit of length in a header such as "wavelength [nm]"; 0: none.
 double unit_in(std::string_view header) {
-  const std::string_view column = header.substr(0, header.find(','));
+  const std::string_view column = header.substr(0, header.find_first_of(",;\t"));
   const auto ends_word = [&](std::size_t at) {
     return at >= column.size() || !std::isalpha(static_cast<unsigned char>(column[at]));
   };
-  for (const auto& [name, metres] :
-       {std::pair<std::string_view, double>{"nm", 1e-9}, {"um", 1e-6}, {"mm", 1e-3}, {"m", 1}}) {
+  for (const auto& [name, metres] : {std::pair<std::string_view, double>{"nm", 1e-9},
+                                     {"um", 1e-6},
+                                     {"\xc2\xb5m", 1e-6},
+                                     {"\xce\xbcm", 1e-6},
+                                     {"mm", 1e-3},
+                                     {"m", 1}}) {
     for (std::size_t at = column.find(name); at != std::string_view::npos;
          at = column.find(name, at + 1)) {
-      const bool begins = at > 0 && !std::isalpha(static_cast<unsigned char>(column[at - 1]));
+      // A unit of its own: not the end of a word, nor behind a letter of another alphabet (micro).
+      const auto before = static_cast<unsigned char>(at > 0 ? column[at - 1] : ' ');
+      const bool begins = !std::isalpha(before) && before < 0x80;
       if (begins && ends_word(at + name.size())) return metres;
     }
   }
@@ -115,7 +121,8 @@ std::vector<SpectralPoint> read_spectral_csv(const std::string& path) {
   double unit = 1e-9;
   bool stated = false;
   int number = 0;
-  for (std::size_t at = 0; at < text.size();) {
+  // Spreadsheets begin UTF-8 files with a mark.
+  for (std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     std::string_view line(text.data() + at, end - at);
     at = end + 1;

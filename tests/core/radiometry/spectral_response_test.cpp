@@ -126,7 +126,10 @@ TEST_F(SpectralCsv, HeadersAndUnits) {
   const std::vector<SpectralPoint> expected{{450e-9, 0.25}, {650e-9, 1}};
   for (const char* text :
        {"450,0.25\n650,1\n", "# a comment\nwavelength,response\n450, 0.25\n650 ,1 # peak\n",
-        "wavelength_um,response\n0.45,0.25\n0.65,1\n",
+        "wavelength_um,response\n0.45,0.25\n0.65,1\n", "um;response\n0.45;0.25\n0.65;1\n",
+        "wavelength (\xc2\xb5m)\tphotons per nm\n0.45\t0.25\n0.65\t1\n",
+        "\xef\xbb\xbf"
+        "450,0.25\n650,1\n",
         "wavelength [nm];value\n450;0.25\n650;1\n"}) {
     const auto points = read_spectral_csv(file(text));
     ASSERT_EQ(points.size(), 2u) << text;
