@@ -89,8 +89,8 @@ class Surfaces(CommandTest):
         flame = '[[flames]]\npreset = "paper-layered"\nposition = ["0.45 m", "0 m", "-29 mm"]\n'
         with_ball = self.calls(CAMERA + flame + '[[surfaces]]\nshape = "sphere"\nradius = "1 mm"\n'
                                'position = ["0.45 m", "0 m", "0 m"]\n')
-        if not {"rtcNewDevice", "rtcCommitScene", "rtcIntersect1"} <= with_ball:
-            self.skipTest("symbols of this program are bound before they are called")
+        self.assertLessEqual({"rtcNewDevice", "rtcCommitScene", "rtcIntersect1"}, with_ball,
+                             "symbols were bound before they were called: link without -z now for this test")
         self.assertEqual(self.calls(CAMERA + flame), set())
 
     def test_values(self):

@@ -36,7 +36,6 @@ def read_png(path):
     return out.reshape(height, width, 3)
 
 
-@unittest.skipUnless(os.environ.get("DISPLAY"), "needs a display")
 class Pictures(PackageTest):
     size = (600, 400)
 

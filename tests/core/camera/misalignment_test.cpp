@@ -9,6 +9,7 @@
 #include "camera/block_tracing.h"
 #include "plenoflame/camera/camera.h"
 #include "support/approx.h"
+#include "support/isas.h"
 #include "support/small_scene.h"
 
 namespace plenoflame::test {
@@ -180,13 +181,6 @@ TEST(Misalignment, AlignedIsThePerfectCamera) {
   const Camera::Path b = straight.trace({1e-3, 0}, LensIndex{1, 0}, {1.1e-3, 0});
   EXPECT_EQ(a.status, b.status);
   EXPECT_TRUE(within(length(a.exit.origin - b.exit.origin), 0, 1e-11, 1));
-}
-
-std::vector<Isa> supported_isas() {
-  std::vector<Isa> all{Isa::baseline};
-  for (const Isa isa : {Isa::avx2, Isa::avx512})
-    if (is_supported(isa)) all.push_back(isa);
-  return all;
 }
 
 /// Rays through the kernels against Camera::trace, in the plane of an anchor 1 m ahead.

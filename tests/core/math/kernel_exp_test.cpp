@@ -11,6 +11,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/isa.h"
 #include "support/approx.h"
+#include "support/isas.h"
 #include "support/kernel_probes.h"
 
 namespace plenoflame {
@@ -34,12 +35,7 @@ std::vector<Real> run_source(Isa isa, const std::vector<Real>& exponents,
   return probe<Real>(isa).source(exponents, weights, t);
 }
 
-class KernelExp : public ::testing::TestWithParam<Isa> {
- protected:
-  void SetUp() override {
-    if (!is_supported(GetParam())) GTEST_SKIP() << "not supported by this processor";
-  }
-};
+class KernelExp : public ::testing::TestWithParam<Isa> {};
 
 template <class Real>
 void check_special(Isa isa) {
@@ -166,7 +162,7 @@ TEST_P(KernelExp, SourcesAddAndTotalIsStefanBoltzmann) {
   EXPECT_TRUE(std::isfinite(run_source<float>(GetParam(), {1e4f}, {3.0f}, {HUGE_VALF})[0]));
 }
 
-INSTANTIATE_TEST_SUITE_P(Isas, KernelExp, ::testing::Values(Isa::baseline, Isa::avx2, Isa::avx512),
+INSTANTIATE_TEST_SUITE_P(Isas, KernelExp, ::testing::ValuesIn(test::supported_isas()),
                          [](const auto& i) { return std::string(name(i.param)); });
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "plenoflame/media/voxel_medium.h"
 #include "support/approx.h"
+#include "support/isas.h"
 
 /// Voxel fields, rays and an integrator that shares nothing with the medium under test: fields are
 /// looked up in a std::map of samples, every lattice plane along the ray ends a panel, and panels
@@ -277,13 +278,6 @@ inline MediumOptions with(Isa isa, bool skip = true) {
   options.isa = isa;
   options.skip = skip;
   return options;
-}
-
-inline std::vector<Isa> supported_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
-    if (is_supported(isa)) isas.push_back(isa);
-  return isas;
 }
 
 }  // namespace plenoflame::test
