@@ -186,6 +186,51 @@ TEST_P(NoLightLost, EveryPixel) {
   }
 }
 
+// Stopped-down lenses seen through microlenses that are out of focus: each point of the sensor sees
+// the stop through a small part of its microlens.
+TEST(SmallStop, EveryRayThatPassesIsInsideTheBounds) {
+  for (const double number : {10.0, 14.0, 28.0}) {
+    CameraSpec spec = preset_camera("raytrix-r29");
+    spec.lens.diameter = spec.lens.focal_length / number;
+    const Camera camera(spec);
+    const PupilSampling pupils(camera);
+    const double p = spec.sensor.pixel_pitch, b = camera.microlenses().front().sensor_distance;
+    const double distance = -camera.array_front();
+    for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{90, 3}}) {
+      const Vec2 place = camera.lattice().centre(lens);
+      const auto type = static_cast<std::size_t>(camera.lattice().type(lens));
+      const PupilTable& table = pupils.tables()[type];
+      const double h = length(place), rim = 0.51 * spec.array.diameter;
+      const Vec2 out = h > 0 ? (1 / h) * place : Vec2{1, 0};
+      const PupilNode node = table.at(h);
+      // The stop's image and the defocused microlens on it, by thin lenses, with room to spare.
+      const double focal = camera.microlenses()[type].first_order.focal_length;
+      const double half =
+          1.2 * (0.5 * spec.lens.diameter * b / distance + rim * std::fabs(1 - b / focal));
+      const Vec2 middle = (1 + b / distance) * place;
+      double point[4] = {0.5, 0.5, 0.5, 0.5};
+      constexpr double kStep[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
+                                   0.5385972572236101};
+      double all = 0, lost = 0;
+      for (long i = 0; i < kDiscRays / 2; ++i) {
+        for (int k = 0; k < 4; ++k) point[k] = std::fmod(point[k] + kStep[k], 1.0);
+        const Vec2 s = middle + Vec2{half * (2 * point[0] - 1), half * (2 * point[1] - 1)};
+        const double r = rim * std::sqrt(point[2]), angle = 6.283185307179586 * point[3];
+        const Vec2 aim{r * std::cos(angle), r * std::sin(angle)};
+        if (camera.trace(s, lens, place + aim).status.status != RayStatus::reached) continue;
+        const Vec2 image = s - place - node.centre * out;
+        const auto centred = [p](double x) { return (std::floor(x / p) + 0.5) * p; };
+        const Vec2 pixel = Vec2{centred(s.x), centred(s.y)} - place - node.centre * out;
+        all += 1;
+        lost += inside(node.cuts.of_square(pixel, 0.5 * p, out), image, aim) ? 0 : 1;
+      }
+      EXPECT_GT(all, 0.01 * kDiscRays);
+      const double expected = 1e-4 * all;  // as above, and three of its standard deviations
+      EXPECT_LE(lost, expected + 3 * std::sqrt(expected)) << "f/" << number << ", lens " << lens.q;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras, NoLightLost, ::testing::ValuesIn(cases()), [](const auto& test) {
   const Case& c = test.param;
   std::string name = c.name + "_" + std::to_string(static_cast<int>(10 * c.field));

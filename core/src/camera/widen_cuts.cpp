@@ -12,8 +12,13 @@ namespace {
 constexpr int kEdgeBlocks = 4;      ///< of rays between two nodes, near the micro-image's edge
 constexpr int kBlocks = 40;         ///< of rays between two nodes, all over the micro-image
 constexpr double kBeside = 0.02;    ///< of the bound: rays are aimed so far outside of a cut
-constexpr double kRoom = 1.05;      ///< what lacks is added with this factor
+constexpr double kRoom = 1.2;       ///< what lacks is added with this factor
 constexpr double kMargin = 0.0005;  ///< of the bound: for the rays that were not traced
+
+/// Evenly spread numbers of [-1, 1] drawn towards the ends, where openings have their corners.
+double signed_root(double x) {
+  return std::copysign(std::sqrt(std::fabs(x)), x);
+}
 
 /// Evenly spread points of the unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
 class Spread {
@@ -76,19 +81,42 @@ class Between {
   PupilCuts cuts_;
 };
 
-/// An aim point just outside of the cut, beside one that is inside: p along, q across the line.
-double beside(const PupilCut& cut, double p, double q, double depth) {
-  // A circle between two ends on the line: how far it lies behind them at q.
-  const auto behind = [q](double diameter) {
+/// What a cut leaves open, in coordinates along and across its line.
+class Opening {
+ public:
+  explicit Opening(const PupilCut& cut)
+      : low_(-static_cast<double>(cut[0])),
+        high_(static_cast<double>(cut[1])),
+        low_diameter_(static_cast<double>(cut[2]) - low_),
+        high_diameter_(high_ + static_cast<double>(cut[3])) {}
+
+  /// How far it reaches across: the common part of two circles centred on the line.
+  double half_width() const {
+    const double a = 0.5 * low_diameter_, b = 0.5 * high_diameter_;
+    if (!(a > 0 && b > 0)) return 0;
+    const double from_a = low_ + a, from_b = high_ - b, apart = from_b - from_a;
+    if (apart * apart + a * a <= b * b) return a;  // the top of one lies in the other
+    if (apart * apart + b * b <= a * a) return b;
+    const double foot = (apart * apart + a * a - b * b) / (2 * apart);
+    return std::sqrt(std::max(0.0, a * a - foot * foot));
+  }
+  /// An aim point just outside, beside one that is inside.
+  double beside(double p, double q, double depth) const {
+    const double low = low_at(q), high = high_at(q);
+    if (p < low || p > high) return p;
+    return p - low < high - p ? low - depth : high + depth;
+  }
+  double low_at(double q) const { return low_ + behind(low_diameter_, q); }
+  double high_at(double q) const { return high_ - behind(high_diameter_, q); }
+
+ private:
+  /// A circle between two ends on the line: how far it lies behind them at q.
+  static double behind(double diameter, double q) {
     const double root = diameter * diameter - 4 * q * q;
     return root > 0 ? 2 * q * q / (diameter + std::sqrt(root)) : 0.5 * diameter;
-  };
-  const double cut_low = -static_cast<double>(cut[0]), cut_high = static_cast<double>(cut[1]);
-  const double low = cut_low + behind(static_cast<double>(cut[2]) - cut_low);
-  const double high = cut_high - behind(cut_high + static_cast<double>(cut[3]));
-  if (p < low || p > high) return p;
-  return p - low < high - p ? low - depth : high + depth;
-}
+  }
+  double low_, high_, low_diameter_, high_diameter_;
+};
 
 /// A ray that passes: at p, counted from the end that is looked at towards the other, and q.
 void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::size_t end,
@@ -128,19 +156,32 @@ void widen_to_hold(PupilTracer& own, const PupilTable& table, std::vector<PupilC
       Between between(cuts[i], cuts[i + 1], t);
       const double centre = a.centre + t * (b.centre - a.centre);
       const double reach = std::max(a.outer_radius, b.outer_radius);
+      // Every other ray goes for the opening itself, which may be small: a stopped-down lens seen
+      // through a microlens that is out of focus.
+      bool close = false;
       for (PupilTracer::Request& request : requests) {
         spread.step();
+        close = !close;
         const double inner = edge ? 0.7 : 0.0, outer = edge ? 1.15 : 1.0;
         const double distance =
             reach * std::sqrt(inner * inner + spread[0] * (outer * outer - inner * inner));
         const double r = table.discs.bound * std::sqrt(spread[2]);
         const Vec2 e = circle.at(spread[1]), turn = circle.at(spread[3]);
-        double p = r * turn.x;
-        const double q = r * turn.y;
-        if (!edge) {  // where the table holds everything already, nothing can be learnt
+        double p = r * turn.x, q = r * turn.y;
+        if (!edge || close) {
           const PupilColumn column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
-          const double depth = kBeside * table.discs.bound * spread[3] * spread[3];
-          p = beside(column.at(column.step_at(static_cast<float>(distance))), p, q, depth);
+          const Opening opening(column.at(column.step_at(static_cast<float>(distance))));
+          const double room = kBeside * table.discs.bound, away = spread[3] * spread[3];
+          if (close) {
+            q = signed_root(2 * spread[2] - 1) *
+                std::min(opening.half_width() + room, table.discs.bound);
+            const double low = opening.low_at(q), high = opening.high_at(q);
+            const double part = 2 * spread[3] - 1;  // which side, and how far beside it
+            p = edge ? 0.5 * (low + high) + part * (0.5 * (high - low) + room)
+                     : (part < 0 ? low + part * room : high + part * room);
+          } else {  // where the table holds everything already, nothing can be learnt
+            p = opening.beside(p, q, away * room);
+          }
         }
         request = {Vec2{centre, 0} + distance * e, {p * e.x - q * e.y, p * e.y + q * e.x}};
       }
