@@ -100,6 +100,13 @@ class Flame(CommandTest):
         self.fails(2, "flame", "candle", *out, "--voxel-size", "1", mentions=["--voxel-size", "mm"])
         self.fails(2, "flame", "candle", *out, "--voxel-size", "0 mm", mentions="--voxel-size")
         self.fails(2, "flame", "candle", *out, "--seed", "3", mentions=["--seed", "candle"])
+        for seed in ("-1", "1.5", "99999999999999999999"):
+            self.fails(2, "flame", "turbulent", *out, "--seed", seed, mentions=["--seed", seed])
+        for share in ("9", "0", "-0.3", "nan"):
+            self.fails(2, "flame", "candle", *out, "--soot-function", share, mentions=["--soot-function", "0.2 to 0.4"])
+        # A flame that falls between the samples would be empty.
+        for name in ("layered", "candle", "diffusion", "cylinder", "turbulent"):
+            self.fails(1, "flame", name, *out, "--voxel-size", "1 m", mentions=["too coarse", "choose one of at most"])
         self.fails(2, "flame", "cylinder", *out, "--layers", "x.toml", mentions="--layers")
         self.fails(2, "flame", "turbulent", *out, "--soot-function", "0.3", mentions="--soot-function")
         self.fails(2, "flame", "layered", *out, "--wavelength", "650 nm", mentions="--wavelength")

@@ -29,8 +29,8 @@ namespace {
 struct Settings {
   std::string name;
   std::string output;
-  std::optional<std::string> voxel_size, wavelength, layers;
-  std::optional<std::uint64_t> seed;
+  std::optional<std::string> voxel_size, wavelength, layers, seed_text;
+  std::uint64_t seed = 1;
   std::optional<double> soot_function;
   bool half = false;
   std::string compression = "blosc";
@@ -64,7 +64,7 @@ void check_use(const Settings& s) {
   if (!layered) refuse(s.layers.has_value(), "--layers");
   if (!sooty) refuse(s.wavelength.has_value(), "--wavelength");
   if (!sooty) refuse(s.soot_function.has_value(), "--soot-function");
-  if (s.name != "turbulent") refuse(s.seed.has_value(), "--seed");
+  if (s.name != "turbulent") refuse(s.seed_text.has_value(), "--seed");
   if (!s.output.ends_with(".vdb"))
     throw UsageError("--output: '" + s.output + "' must end in .vdb");
   if (s.layers) check_not_overwritten("--output", s.output, *s.layers);
@@ -93,7 +93,7 @@ FlameFields generate(const Settings& s, const Execution& execution) {
     return make_cylinder_flame(options, execution);
   }
   TurbulentFlameOptions options;
-  if (s.seed) options.seed = *s.seed;
+  options.seed = s.seed;
   set_voxel_size(options.voxel_size);
   return make_turbulent_flame(options, execution);
 }
@@ -134,10 +134,16 @@ void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& g
   }
 }
 
-int run(const Settings& s) {
+int run(Settings& s) {
   if (s.name.empty()) throw UsageError("NAME is required (see plenoflame flame --help)");
   if (s.output.empty()) throw UsageError("--output is required (see plenoflame flame --help)");
   check_use(s);
+  if (s.seed_text) s.seed = whole_number_option<std::uint64_t>("--seed", *s.seed_text, 0);
+  if (s.soot_function && !(*s.soot_function > 0 && *s.soot_function <= kGreatestSootFunction))
+    throw UsageError(
+        "--soot-function: E(m) of soot is above 0 and at most 1 (published values: 0.2 to 0.4), "
+        "not " +
+        readable_number(*s.soot_function));
   const InterruptHandler interrupt;
   Execution execution;
   execution.threads = s.threads;
@@ -153,7 +159,7 @@ int run(const Settings& s) {
                                                               {"blosc", VdbCompression::blosc}}
                             .at(s.compression);
   options.metadata = {{"creator", "plenoflame " + std::string(version())}, {"flame", s.name}};
-  if (s.name == "turbulent") options.metadata["seed"] = std::to_string(s.seed.value_or(1));
+  if (s.name == "turbulent") options.metadata["seed"] = std::to_string(s.seed);
   const std::uint64_t size = write_grids(s.output, grids, options);
   bar.finish();
   print(s, size, list_grids(s.output));  // of what is in the file
@@ -183,7 +189,7 @@ void register_flame(const Registry& registry) {
                      "candle, diffusion: at which the absorption holds (650 nm)");
   command.add_option("--soot-function", s->soot_function,
                      "candle, diffusion: absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
-  command.add_option("--seed", s->seed, "turbulent: which plume (1)");
+  command.add_option("--seed", s->seed_text, "turbulent: which plume (1)")->option_text("N");
   command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
       ->check(CLI::NonNegativeNumber);
   command.add_flag("--json", s->json, "Print what was written as JSON");

@@ -5,6 +5,7 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "report.h"
 #include "run.h"
@@ -132,7 +133,7 @@ Action add_flame_import(CLI::App& flame) {
                   "Array of soot volume fraction f_v: absorption is 6 pi E(m) f_v / wavelength")
       ->option_text("ARRAY");
   command.add_option("--soot-function", request.soot_function, "E(m) of soot, 0.2 to 0.4 (0.26)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-6, kGreatestSootFunction))
       ->option_text("E");
   command
       .add_option("--wavelength", settings->wavelength, "At which the absorption holds (650 nm)")

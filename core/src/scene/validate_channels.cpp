@@ -117,6 +117,7 @@ void check_sensor(const Scene& scene, Issues& issues) {
 }  // namespace
 
 void check_channels(const Scene& scene, Issues& issues) {
+  constexpr std::size_t kLongestName = 100;  // files of images allow 255, suffixes included
   for (std::size_t i = 0; i < scene.channels.size(); ++i) {
     const ChannelSpec& channel = scene.channels[i];
     const std::string path = fmt::format("channels[{}]", i);
@@ -124,6 +125,10 @@ void check_channels(const Scene& scene, Issues& issues) {
       issues.error(path + ".name",
                    fmt::format("the channel name {} is not made of letters, digits, _ and -",
                                quote_for_message(channel.name)));
+    if (channel.name.size() > kLongestName)
+      issues.error(path + ".name",
+                   fmt::format("the channel name {} has {} characters; at most {} are allowed",
+                               quote_for_message(channel.name), channel.name.size(), kLongestName));
     for (std::size_t k = 0; k < i; ++k)
       if (scene.channels[k].name == channel.name)
         issues.error(path + ".name",

@@ -269,6 +269,11 @@ TEST(Validate, Channels) {
             "channels 0 and 1 are both named \"total\"; names must differ");
   EXPECT_EQ(error_after(band("a.b", 650e-9, 10e-9)),
             "the channel name \"a.b\" is not made of letters, digits, _ and -");
+  const std::string longest(100, 'r'), longer(101, 'r');
+  EXPECT_EQ(error_after(band(longest.c_str(), 650e-9, 10e-9)), "");
+  EXPECT_EQ(error_after(band(longer.c_str(), 650e-9, 10e-9)),
+            "the channel name \"" + longer.substr(0, 60) +
+                "...\" has 101 characters; at most 100 are allowed");
   EXPECT_EQ(error_after(band("red", 0, 10e-9)), "channel \"red\" is a band and needs a wavelength");
   EXPECT_EQ(error_after(band("red", 650e-9, 0)), "channel \"red\" is a band and needs a width");
   EXPECT_NE(error_after(band("red", 650e-9, 1300e-9)), "");

@@ -79,6 +79,14 @@ VoxelField assemble(const std::vector<BrickIndex>& bricks,
 FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double voxel_size,
                          const Execution& execution) {
   require_between("voxel size", voxel_size, 0, 1e3);
+  const Vec3 size = bounds.upper - bounds.lower;
+  const double least = std::min({size.x, size.y, size.z});
+  if (voxel_size > 0.5 * least)
+    throw InputError(
+        fmt::format("a voxel size of {:g} mm is too coarse for a flame of {:.3g} x {:.3g} x {:.3g} "
+                    "mm, which would fall between its samples; choose one of at most {:.2g} mm, "
+                    "better a tenth of that",
+                    voxel_size * 1e3, size.x * 1e3, size.y * 1e3, size.z * 1e3, 0.5e3 * least));
   // One voxel more on each side: a sample's voxel reaches half a voxel beyond it.
   const auto low = [&](double x) { return x / voxel_size - 1; };
   const auto high = [&](double x) { return x / voxel_size + 1; };

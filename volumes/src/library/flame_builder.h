@@ -15,7 +15,8 @@ struct FlameFunctions {
 
 /// Samples both functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin):
 /// absorption where it is not 0, temperature in every brick within two voxels of such a sample.
-/// @throws InputError for a voxel size that is not positive or gives too many voxels; Cancelled.
+/// @throws InputError for a voxel size that is not positive, gives too many voxels, or is more than
+/// half of the flame's least extent; Cancelled.
 FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double voxel_size,
                          const Execution& execution);
 

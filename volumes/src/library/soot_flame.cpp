@@ -108,7 +108,8 @@ FlameFields make_soot_flame(const SootFlameOptions& o, const Execution& executio
   require_between("rim distance", o.rim_distance, -1e-300, 100);
   require_between("inner width", o.inner_width, 0, 100);
   require_between("outer width", o.outer_width, 0, 100);
-  require_between("soot absorption function E(m)", o.absorption_function, 0, 10);
+  require_between("soot absorption function E(m)", o.absorption_function, 0,
+                  std::nextafter(kGreatestSootFunction, 2));
   require_between("wavelength", o.wavelength, 1e-8, 1e-3);
   const SootFlame flame(o);
   return detail::sample_flame(

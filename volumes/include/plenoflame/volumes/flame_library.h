@@ -17,6 +17,9 @@ namespace plenoflame {
 
 inline constexpr double kAmbientTemperature = 293.15;  ///< [K] background of temperature grids
 
+/// E(m) of soot is published from 0.2 to 0.4; above this it is another substance or a slip.
+inline constexpr double kGreatestSootFunction = 1;
+
 /// Absorption coefficient of soot in the Rayleigh limit, kappa = 6 pi E(m) f_v / lambda (Bohren and
 /// Huffman, Absorption and Scattering of Light by Small Particles, ch. 5).
 /// @param volume_fraction f_v  @param absorption_function E(m) = -Im((m^2 - 1)/(m^2 + 2))
