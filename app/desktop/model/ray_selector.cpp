@@ -6,6 +6,7 @@
 #include <set>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/math/ray_span.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -147,22 +148,8 @@ std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ra
 }
 
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {
-  const Box box = medium.bounds();
-  if (box.empty()) return false;
-  // Where the ray is inside of the bounds.
-  double near = 0, far = std::numeric_limits<double>::infinity();
-  const auto clip = [&](double origin, double direction, double lower, double upper) {
-    if (direction == 0) {
-      if (origin < lower || origin > upper) far = -1;
-      return;
-    }
-    const double a = (lower - origin) / direction, b = (upper - origin) / direction;
-    near = std::max(near, std::min(a, b));
-    far = std::min(far, std::max(a, b));
-  };
-  clip(ray.origin.x, ray.direction.x, box.lower.x, box.upper.x);
-  clip(ray.origin.y, ray.direction.y, box.lower.y, box.upper.y);
-  clip(ray.origin.z, ray.direction.z, box.lower.z, box.upper.z);
+  const auto [near, far] =
+      clip_to_box(medium.bounds(), ray, 0, std::numeric_limits<double>::infinity());
   if (!(near < far)) return false;
   constexpr int kSteps = 400;
   const double step = (far - near) / kSteps, length_step = step * length(ray.direction);

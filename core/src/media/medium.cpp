@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "media/transfer.h"
+#include "plenoflame/math/ray_span.h"
 
 namespace plenoflame {
 

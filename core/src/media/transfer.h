@@ -23,14 +23,4 @@ struct TransferResult {
 TransferResult integrate_transfer(const RayCoefficients& coefficients, int channels,
                                   const std::vector<double>& limits, double tolerance);
 
-/// Part of a ray within a box.
-struct RaySpan {
-  double near = 0, far = 0;
-  bool empty() const { return !(near < far); }
-};
-
-/// [near, far] restricted to the box, which is widened by a few ulp so that nothing is cut off.
-/// Empty for rays that are not finite.
-RaySpan clip_to_box(const Box& box, const Ray& ray, double near, double far);
-
 }  // namespace plenoflame

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/math/vector.h"
+#include "plenoflame/math/ray_span.h"
 
 namespace plenoflame {
 namespace {
@@ -30,26 +30,13 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
                            std::vector<double>& limits, std::vector<double>& emission) {
   MediumTruth truth;
   // The part of the ray within the bounds.
-  const Box box = medium.bounds();
-  double near = 0, far = end;
-  const auto clip = [&](double lower, double upper, double o, double d) {
-    if (d == 0) {
-      if (o < lower || o > upper) far = -1;
-      return;
-    }
-    const double a = (lower - o) / d, b = (upper - o) / d;
-    near = std::max(near, std::min(a, b));
-    far = std::min(far, std::max(a, b));
-  };
-  clip(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
-  clip(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
-  clip(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
-  if (box.empty() || !(near < far)) return truth;
+  const RaySpan span = clip_to_box(medium.bounds(), ray, 0, end);
+  if (span.empty()) return truth;
   limits.clear();
   medium.append_breakpoints(ray, limits);
-  std::erase_if(limits, [&](double t) { return !(t > near && t < far); });
-  limits.push_back(near);
-  limits.push_back(far);
+  std::erase_if(limits, [&](double t) { return !(t > span.near && t < span.far); });
+  limits.push_back(span.near);
+  limits.push_back(span.far);
   std::sort(limits.begin(), limits.end());
   emission.resize(static_cast<std::size_t>(medium.channel_count()));
 

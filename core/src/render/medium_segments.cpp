@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "plenoflame/math/ray_span.h"
+
 namespace plenoflame {
 
 MediumSegments::MediumSegments(const Medium* medium, const MediumOptions& options)
@@ -17,21 +19,7 @@ MediumSegments::MediumSegments(const Medium* medium, const MediumOptions& option
 
 /// Whether a stretch touches the medium's bounds.
 bool MediumSegments::meets(const Ray& ray, double t_far) const {
-  double near = 0, far = t_far;
-  const auto slab = [&](double lower, double upper, double origin, double direction) {
-    if (direction == 0) {
-      if (origin < lower || origin > upper) far = -1;
-      return;
-    }
-    double a = (lower - origin) / direction, b = (upper - origin) / direction;
-    if (a > b) std::swap(a, b);
-    near = std::max(near, a);
-    far = std::min(far, b);
-  };
-  slab(bounds_.lower.x, bounds_.upper.x, ray.origin.x, ray.direction.x);
-  slab(bounds_.lower.y, bounds_.upper.y, ray.origin.y, ray.direction.y);
-  slab(bounds_.lower.z, bounds_.upper.z, ray.origin.z, ray.direction.z);
-  return near < far;
+  return !clip_to_box(bounds_, ray, 0, t_far).empty();
 }
 
 void MediumSegments::integrate(bool with_radiance, MediumCounters& counters) {

@@ -5,33 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "plenoflame/math/ray_span.h"
+
 namespace plenoflame {
-namespace {
-
-/// Where a line is inside a box: [near, far], empty when near > far.
-struct Stretch {
-  double near = -std::numeric_limits<double>::infinity();
-  double far = std::numeric_limits<double>::infinity();
-};
-
-Stretch inside(const Box& box, const Ray& ray) {
-  Stretch stretch;
-  const auto slab = [&](double lower, double upper, double origin, double direction) {
-    if (direction == 0) {
-      if (origin < lower || origin > upper) stretch = {1, -1};
-      return;
-    }
-    const double a = (lower - origin) / direction, b = (upper - origin) / direction;
-    stretch.near = std::max(stretch.near, std::min(a, b));
-    stretch.far = std::min(stretch.far, std::max(a, b));
-  };
-  slab(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
-  slab(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
-  slab(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
-  return stretch;
-}
-
-}  // namespace
 
 /// Appends the vertices of one ray.
 class PathTracer::Vertices {
@@ -86,8 +62,7 @@ double PathTracer::index_behind(int surface, int type, bool to_scene) const {
 
 void PathTracer::add_flames(const Ray& ray, double from, double to, bool beside, Vertices& vertices,
                             int samples) const {
-  const Stretch stretch = inside(box_, ray);
-  const double near = std::max(stretch.near, from), far = std::min(stretch.far, to);
+  const auto [near, far] = clip_to_box(box_, ray, from, to);
   const auto push = [&](double t, int surface) {
     vertices.push(ray.at(t), surface, 1, medium_.sample(ray.at(t)));
   };
