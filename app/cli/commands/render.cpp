@@ -24,6 +24,7 @@
 #include "plenoflame/optics/first_order.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/ground_truth.h"
+#include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
 #include "report.h"
@@ -154,19 +155,8 @@ std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
   key["target_error"] = s.target_error;
   key["isa"] = name(s.isa);
   // Files that changed under the same name make another picture.
-  const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
-  const auto add_file = [&](const std::string& file) {
-    if (file.empty()) return;
-    std::error_code none;
-    const auto changed = std::filesystem::last_write_time(folder / file, none).time_since_epoch();
-    key["files"].push_back({file, std::filesystem::file_size(folder / file, none),
-                            static_cast<std::int64_t>(changed.count())});
-  };
-  for (const FlameSpec& flame : scene.flames) add_file(flame.file);
-  for (const SolidSurfaceSpec& surface : scene.surfaces) {
-    add_file(surface.file);
-    add_file(surface.material.texture.file);
-  }
+  for (const InputFile& file : input_files(scene))
+    key["files"].push_back({file.name, file.size, file.modified});
   key["window"] = {s.window.x, s.window.y, s.window.width, s.window.height};
   return key.dump();
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "base/fnv.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 
@@ -12,12 +13,6 @@ namespace plenoflame {
 namespace {
 
 constexpr std::string_view kMagic = "plenoflame film 3\n";
-
-/// FNV-1a over the bytes, going on from `hash`: finds damage, not malice.
-std::uint64_t checksum(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325u) {
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return hash;
-}
 
 template <class T>
 std::string_view bytes_of(const T* data, std::size_t count) {
@@ -63,14 +58,17 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
     present += film.tile_sums(tile).empty() ? '\0' : '\1';
   const std::uint64_t goal_count = film.tile_goals().size();
   const std::string_view goals = bytes_of(film.tile_goals().data(), film.tile_goals().size());
-  std::uint64_t sum = checksum(present, checksum(goals, checksum(tiles)));
+  Fnv sum;
+  for (const std::string_view part : {std::string_view(tiles), goals, std::string_view(present)})
+    sum.add(part);
   for (int tile = 0; tile < film.tile_count(); ++tile)
-    sum = checksum(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()), sum);
+    sum.add(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
   file.write(kMagic);
   file.write(bytes_of(&key_size, 1));
   file.write(key);
   file.write(bytes_of(shape.data(), shape.size()));
-  file.write(bytes_of(&sum, 1));
+  const std::uint64_t checksum = sum.value();
+  file.write(bytes_of(&checksum, 1));
   file.write(tiles);
   file.write(bytes_of(&goal_count, 1));
   file.write(goals);
@@ -110,7 +108,8 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
   if (goal_count != 0 && goal_count != count) throw damaged();
   const std::string_view goals = reader.take(static_cast<std::size_t>(goal_count) * sizeof(double));
   const std::string_view present = reader.take(count);
-  std::uint64_t found = checksum(present, checksum(goals, checksum(tiles)));
+  Fnv found;
+  for (const std::string_view part : {tiles, goals, present}) found.add(part);
   film.tile_goals().resize(static_cast<std::size_t>(goal_count));
   if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
   std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
@@ -118,10 +117,10 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
     if (present[i] == 0) continue;
     const int tile = static_cast<int>(i);
     const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
-    found = checksum(sums, found);
+    found.add(sums);
     std::memcpy(film.tile_sums(tile).data(), sums.data(), sums.size());
   }
-  if (reader.left() != 0 || found != sum) throw damaged();
+  if (reader.left() != 0 || found.value() != sum) throw damaged();
   return film;
 }
 

@@ -1,14 +1,18 @@
-#include <bit>
+#include <fmt/format.h>
+
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
+#include "base/fnv.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/render/benchmark.h"
 #include "plenoflame/sampling/sobol.h"
+#include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
+#include "render/run_control.h"
 
 namespace plenoflame {
 namespace {
@@ -16,65 +20,30 @@ namespace {
 constexpr int kReplicates = 4;
 const char* const kChecksum = "benchmark.checksum";
 
-/// FNV-1a, 64 bits: Fowler, Noll, Vo; RFC 9923.
-class Fnv {
- public:
-  void add(std::string_view bytes) {
-    for (const char byte : bytes)
-      state_ = (state_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  }
-  void add(const Image& image) {
-    for (const float value : image.pixels) {
-      const auto bits = std::bit_cast<std::uint32_t>(value);
-      for (int shift = 0; shift < 32; shift += 8)
-        state_ = (state_ ^ ((bits >> shift) & 0xffu)) * 0x100000001b3u;
-    }
-  }
-  std::string text() const {
-    char out[17];
-    std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(state_));
-    return out;
-  }
-
- private:
-  std::uint64_t state_ = 0xcbf29ce484222325u;
-};
+std::string_view bytes_of(const Image& image) {
+  return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size() * sizeof(float)};
+}
 
 std::string checksum(const LightField& field) {
   Fnv sum;
   for (const LightFieldChannel& channel : field.channels) {
-    sum.add(channel.flux);
-    sum.add(channel.standard_error);
+    sum.add(bytes_of(channel.flux));
+    sum.add(bytes_of(channel.standard_error));
   }
-  return sum.text();
+  return fmt::format("{:016x}", sum.value());
 }
 
 /// Everything that the picture is made from but the program itself.
 std::string key_of(const Scene& scene, const PixelWindow& window) {
   Fnv key;
   key.add(write_scene(scene));
-  const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
-  const auto add_file = [&](const std::string& name) {
-    if (name.empty()) return;
-    std::error_code none;
-    const std::filesystem::path file = folder / name;
-    const auto size = std::filesystem::file_size(file, none);
-    const auto changed = std::filesystem::last_write_time(file, none).time_since_epoch().count();
-    for (const std::string& part : {name, std::to_string(size), std::to_string(changed)}) {
-      key.add("|");
-      key.add(part);
-    }
-  };
-  for (const FlameSpec& flame : scene.flames) add_file(flame.file);
-  for (const SolidSurfaceSpec& surface : scene.surfaces) {
-    add_file(surface.file);
-    add_file(surface.material.texture.file);
-  }
+  for (const InputFile& file : input_files(scene))
+    key.add(fmt::format("|{}|{}|{}", file.name, file.size, file.modified));
   for (const int number : {window.x, window.y, window.width, window.height}) {
     key.add("|");
     key.add(std::to_string(number));
   }
-  return key.text();
+  return fmt::format("{:016x}", key.value());
 }
 
 /// The reference from a file; without value when it is not there or of no use.
@@ -143,8 +112,7 @@ BenchmarkReference benchmark_reference(const CompiledScene& scene,
     render_settings.window = window;
     const auto start = std::chrono::steady_clock::now();
     RenderResult result = render(scene, render_settings, execution);
-    reference.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    reference.seconds = seconds_since(start);
     if (!result.statistics.complete) throw Cancelled();
     reference.light_field = std::move(result.light_field);
     reference.light_field.scene_text = write_scene(scene.scene);

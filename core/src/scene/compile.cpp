@@ -51,9 +51,10 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 namespace {
 
 /// Loads a flame; what is wrong with its file is said with the place that names it.
-std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const MediumLoader& loader,
-                             const std::vector<SourceFunction>& channels,
-                             const Execution& execution, const PositionMap& positions) {
+std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
+                                   const MediumLoader& loader,
+                                   const std::vector<SourceFunction>& channels,
+                                   const Execution& execution, const PositionMap& positions) {
   const FlameSpec& flame = scene.flames[index];
   const std::string folder = folder_of(scene);
   const std::string path = "flames[" + std::to_string(index) + "]";
@@ -64,7 +65,7 @@ std::unique_ptr<Medium> load(const Scene& scene, std::size_t index, const Medium
     located.message = [&](Severity severity, const std::string& text) {
       if (execution.message) execution.message(severity, where + ": " + text);
     };
-  std::unique_ptr<Medium> medium;
+  std::shared_ptr<const Medium> medium;
   try {
     medium = loader(flame, folder, channels, located);
   } catch (const InputError& error) {
@@ -105,10 +106,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
                     "channel into bands",
                     100 * nodes.error));
   const std::vector<SourceFunction>& channels = nodes.sources;
-  std::vector<std::unique_ptr<Medium>> media;
+  std::vector<std::shared_ptr<const Medium>> media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
     media.push_back(load(scene, i, loader, channels, execution, positions));
-  std::unique_ptr<Medium> medium;
+  std::shared_ptr<const Medium> medium;
   if (media.size() == 1) medium = std::move(media.front());
   if (media.size() > 1) medium = make_composite_medium(std::move(media));
   std::unique_ptr<SurfaceScene> surfaces;

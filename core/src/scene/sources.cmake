@@ -1,6 +1,7 @@
 list(APPEND core_sources
   src/scene/compile.cpp
   src/scene/glass_indices.cpp
+  src/scene/input_files.cpp
   src/scene/lens_import.cpp
   src/scene/lens_file.cpp
   src/scene/zmx_import.cpp
