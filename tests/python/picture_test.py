@@ -3,7 +3,6 @@
 import os
 import struct
 import time
-import unittest
 import zlib
 
 import numpy

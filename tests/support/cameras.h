@@ -22,7 +22,7 @@ inline Execution one_thread() {
 }
 
 /// A scene of one camera and any medium, without files.
-inline CompiledScene scene_of(const CameraSpec& camera, std::unique_ptr<Medium> medium) {
+inline CompiledScene scene_of(const CameraSpec& camera, std::shared_ptr<const Medium> medium) {
   Scene scene;
   scene.camera = camera;
   Camera compiled(camera);

@@ -6,6 +6,7 @@
 
 #include "plenoflame/media/medium.h"
 #include "plenoflame/scene/compile.h"
+#include "plenoflame/scene/input_files.h"
 
 namespace plenoflame::desktop {
 
@@ -25,13 +26,13 @@ class FlameCache {
     FlameSpec flame;
     std::string folder;
     std::vector<SourceFunction> channels;  ///< with the wavelengths that stand for them
-    long long modified = 0;
+    InputFile file;
     std::shared_ptr<const Medium> medium;
     int generation = 0;
   };
-  std::unique_ptr<Medium> load(const FlameSpec& flame, const std::string& folder,
-                               const std::vector<SourceFunction>& channels,
-                               const Execution& execution);
+  std::shared_ptr<const Medium> load(const FlameSpec& flame, const std::string& folder,
+                                     const std::vector<SourceFunction>& channels,
+                                     const Execution& execution);
   std::mutex mutex_;
   std::vector<Entry> entries_;
   int generation_ = 0, loads_ = 0;

@@ -225,13 +225,9 @@ double field_shift(const Camera& camera) {
 
 /// Fills in what the cuts say of a whole micro-image.
 void summarise(const PupilCuts& cuts, PupilNode& node) {
-  node.outer_radius = node.open_radius = 0;
-  for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j) {
-    const auto opens = static_cast<double>(cuts.columns[j].opens),
-               closes = static_cast<double>(cuts.columns[j].closes);
-    node.outer_radius = std::max(node.outer_radius, closes);
-    node.open_radius = j == 0 ? opens : std::min(node.open_radius, opens);
-  }
+  node.outer_radius = 0;
+  for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j)
+    node.outer_radius = std::max(node.outer_radius, static_cast<double>(cuts.columns[j].closes));
 }
 
 /// Makes room in the discs of the apertures for what a tilt of the array and another focal length
@@ -405,7 +401,6 @@ PupilNode PupilTable::at(double h) const {
   node.aim_centre = mix(a.aim_centre, b.aim_centre);
   node.aim_radius = mix(a.aim_radius, b.aim_radius);
   node.outer_radius = std::max(a.outer_radius, b.outer_radius);
-  node.open_radius = std::min(a.open_radius, b.open_radius);
   node.open = t < 0.5 ? a.open : b.open;
   node.cuts = PixelCuts::mix(a.cuts, b.cuts, static_cast<float>(t));
   return node;

@@ -6,6 +6,7 @@
 
 #include "media/transfer.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/math/ray_span.h"
 #include "plenoflame/media/medium.h"
 
 namespace plenoflame {
@@ -13,7 +14,8 @@ namespace {
 
 class CompositeMedium final : public Medium {
  public:
-  explicit CompositeMedium(std::vector<std::unique_ptr<Medium>> media) : media_(std::move(media)) {
+  explicit CompositeMedium(std::vector<std::shared_ptr<const Medium>> media)
+      : media_(std::move(media)) {
     for (const auto& medium : media_)
       if (medium->channel_count() != media_.front()->channel_count())
         throw InputError("media that are combined must have the same channels");
@@ -73,7 +75,7 @@ class CompositeMedium final : public Medium {
                   std::vector<double>& radiance, std::vector<double>& thickness) const;
   std::vector<double> limits_of(const Ray& ray, const Extent* first, const Extent* last) const;
 
-  std::vector<std::unique_ptr<Medium>> media_;
+  std::vector<std::shared_ptr<const Medium>> media_;
 };
 
 Box CompositeMedium::bounds() const {
@@ -322,19 +324,16 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
       out.transmittance[c * static_cast<std::size_t>(out.transmittance_stride) + i] =
           static_cast<Real>(transmittance[grey ? 0 : c]);
   }
-  counters.rays += parts.rays;
-  counters.cells += parts.cells;
-  counters.skipped_empty += parts.skipped_empty;
-  counters.skipped_constant += parts.skipped_constant;
-  counters.opaque_tails += parts.opaque_tails;
+  counters += parts;
 }
 
 }  // namespace
 
-std::unique_ptr<Medium> make_composite_medium(std::vector<std::unique_ptr<Medium>> media) {
+std::shared_ptr<const Medium> make_composite_medium(
+    std::vector<std::shared_ptr<const Medium>> media) {
   if (media.empty()) throw InputError("a scene needs at least one flame");
   if (media.size() == 1) return std::move(media.front());
-  return std::make_unique<CompositeMedium>(std::move(media));
+  return std::make_shared<CompositeMedium>(std::move(media));
 }
 
 }  // namespace plenoflame

@@ -5,22 +5,12 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/optics/surface_shape.h"
+#include "sampling/directions.h"
 
 namespace plenoflame {
 namespace {
 
 constexpr double kMargin = 1 + 1e-9;  ///< on the sphere's radius, for rounding
-
-/// The direction at an angle with versine 1 - cos from `axis` (unit length), at azimuth 2 pi v.
-Vec3 around(Vec3 axis, double versine, double v) {
-  // Orthonormal basis without a branch on the axis' size: Duff et al., JCGT 6 (2017) 1.
-  const double sign = std::copysign(1.0, axis.z);
-  const double a = -1 / (sign + axis.z), b = axis.x * axis.y * a;
-  const Vec3 e1{1 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x};
-  const Vec3 e2{b, sign + axis.y * axis.y * a, -axis.y};
-  const double sine = std::sqrt(versine * (2 - versine)), azimuth = 2 * constants::pi * v;
-  return (1 - versine) * axis + sine * std::cos(azimuth) * e1 + sine * std::sin(azimuth) * e2;
-}
 
 }  // namespace
 
@@ -91,7 +81,7 @@ ApertureCone::Direction ApertureCone::draw(Vec3 point, double u, double v) const
     }
   }
   Direction result;
-  result.direction = around(axis, u * versine, v);
+  result.direction = cone_direction(axis, u * versine, v);
   result.solid_angle = 2 * constants::pi * versine;
   if (!(result.direction.z < 0)) {
     if (pupil_ && result.direction.z > 0)

@@ -8,6 +8,7 @@
 #include "plenoflame/base/error.h"
 #include "render/backward_tile.h"
 #include "render/channel_sum.h"
+#include "render/run_control.h"
 #include "render/scene_medium.h"
 
 namespace plenoflame {
@@ -37,7 +38,7 @@ double shift_by_tilt(const Camera& camera) {
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                              const RenderSettings& settings, const PointRange& range,
-                             const Execution& execution) {
+                             const SurfaceLightPlan* light) {
   const auto [first, points, part] = range;
   BackwardPlan<Real> plan;
   plan.scene = &scene;
@@ -62,9 +63,9 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                             part ? kPartEntries : 0);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
-  if (scene.surfaces || !scene.lights.environment.empty())
-    plan.surfaces = std::make_unique<BackwardSurfacePlan>(scene, settings, first, plan.pools,
-                                                          plan.anchor, execution);
+  if (light)
+    plan.surfaces =
+        std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools, plan.anchor);
   return plan;
 }
 
@@ -83,11 +84,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.seconds_optics += part.seconds_optics;
   total.seconds_medium += part.seconds_medium;
   total.seconds_surfaces += part.seconds_surfaces;
-  total.medium.rays += part.medium.rays;
-  total.medium.cells += part.medium.cells;
-  total.medium.skipped_empty += part.medium.skipped_empty;
-  total.medium.skipped_constant += part.medium.skipped_constant;
-  total.medium.opaque_tails += part.medium.opaque_tails;
+  total.medium += part.medium;
 }
 
 template <class Real>
@@ -112,8 +109,7 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
     statistics.rays += tracer.counters().rays - rays_of_worker;
     Progress progress;
     progress.fraction = static_cast<double>(done) / static_cast<double>(tiles.size());
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double elapsed = seconds_since(start);
     progress.rays = statistics.rays;
     progress.rays_per_second = (statistics.rays - rays_before) / elapsed;
     progress.relative_error = statistics.relative_error;
@@ -137,15 +133,10 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
   statistics.seconds_surfaces += total.seconds_surfaces;
-  const double busy =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() * workers;
+  const double busy = seconds_since(start) * workers;
   statistics.seconds_generate +=
       std::max(0.0, busy - total.seconds_optics - total.seconds_medium - total.seconds_surfaces);
-  statistics.medium.rays += total.medium.rays;
-  statistics.medium.cells += total.medium.cells;
-  statistics.medium.skipped_empty += total.medium.skipped_empty;
-  statistics.medium.skipped_constant += total.medium.skipped_constant;
-  statistics.medium.opaque_tails += total.medium.opaque_tails;
+  statistics.medium += total.medium;
   return complete;
 }
 
@@ -168,9 +159,9 @@ template BackwardKernels<float> backward_kernels<float>(Isa);
 template BackwardKernels<double> backward_kernels<double>(Isa);
 
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
-                                      const RenderSettings& settings, std::uint32_t first,
-                                      int points) {
-  return make_plan<double>(scene, medium, settings, {first, points}, {});
+                                      const RenderSettings& settings, const PointRange& range,
+                                      const SurfaceLightPlan* light) {
+  return make_plan<double>(scene, medium, settings, range, light);
 }
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
@@ -229,24 +220,25 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
 
 }  // namespace
 
-BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings& settings)
+BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings& settings,
+                               const Execution& execution)
     : beams(settings.skip && has_content(scene) ? SceneBeams::make(scene) : nullptr),
-      table(make_radiance_table(scene, settings)) {}
+      table(make_radiance_table(scene, settings)),
+      light(make_surface_light(scene, settings, execution)) {}
 
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           const PointRange& range, const BackwardShared& shared,
-                           const Execution& execution)
+                           const PointRange& range, const BackwardShared& shared)
     : medium_(std::make_unique<SceneMedium>(scene)), points_(range.points) {
   const bool single = in_single_precision(scene, settings);
   if (single) {
     auto plan = std::make_unique<BackwardPlan<float>>(
-        make_plan<float>(scene, medium_->get(), settings, range, execution));
+        make_plan<float>(scene, medium_->get(), settings, range, shared.light.get()));
     plan->table = shared.table.get();
     plan->beams = shared.beams.get();
     single_ = std::move(plan);
   } else {
     auto plan = std::make_unique<BackwardPlan<double>>(
-        make_plan<double>(scene, medium_->get(), settings, range, execution));
+        make_plan<double>(scene, medium_->get(), settings, range, shared.light.get()));
     plan->beams = shared.beams.get();
     double_ = std::move(plan);
   }

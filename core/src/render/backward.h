@@ -4,10 +4,11 @@
 
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
-#include "plenoflame/sampling/sobol.h"
+#include "render/point_range.h"
 #include "render/radiance_table.h"
 #include "render/scene_beams.h"
 #include "render/scene_medium.h"
+#include "render/surface_light.h"
 
 namespace plenoflame {
 
@@ -16,18 +17,12 @@ struct BackwardPlan;
 
 /// What all passes of a rendering share.
 struct BackwardShared {
-  BackwardShared(const CompiledScene& scene, const RenderSettings& settings);
+  BackwardShared(const CompiledScene& scene, const RenderSettings& settings,
+                 const Execution& execution);
   std::unique_ptr<const SceneBeams> beams;  ///< nullptr: nothing is skipped
   /// Stands in for the medium where it is smooth (single precision only); may be nullptr.
   std::unique_ptr<RadianceTable> table;
-};
-
-/// A part of each replicate's sequence of points.
-struct PointRange {
-  std::uint32_t first = 0;
-  int points = 0;
-  /// One of several that go on with one another, rather than all there will be.
-  bool part = false;
+  std::unique_ptr<const SurfaceLightPlan> light;  ///< nullptr: no surfaces, no surroundings
 };
 
 /// What is the same for all tiles is made once, in the constructor. Keeps references to scene and
@@ -36,7 +31,7 @@ class BackwardPass {
  public:
   /// @param shared kept, must live as long
   BackwardPass(const CompiledScene& scene, const RenderSettings& settings, const PointRange& range,
-               const BackwardShared& shared, const Execution& execution = {});
+               const BackwardShared& shared);
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;

@@ -20,14 +20,14 @@ double camera_front(const Camera& camera) {
 
 }  // namespace
 
-BackwardSurfacePlan::BackwardSurfacePlan(const CompiledScene& scene, const RenderSettings& settings,
-                                         std::uint32_t first_point,
+BackwardSurfacePlan::BackwardSurfacePlan(const SurfaceLightPlan& surface_light,
+                                         const RenderSettings& settings, std::uint32_t first_point,
                                          const std::vector<SobolPool>& camera_pools,
-                                         Vec3 anchor_point, const Execution& execution)
-    : light(scene, settings, execution),
+                                         Vec3 anchor_point)
+    : light(surface_light),
       first(first_point),
       anchor(anchor_point),
-      front(camera_front(scene.camera)) {
+      front(camera_front(light.scene->camera)) {
   if (!light.random()) return;
   for (std::size_t level = 0; level < camera_pools.size(); ++level)
     pools.emplace_back(settings.replicates, camera_pools[level].points(), first >> level,
@@ -86,7 +86,9 @@ void SurfaceBlock<Real>::trace_ray(const KernelBlock<Real>& block, const RayGrou
       random_.push_back(random_of(group, number));
       const auto replicate = static_cast<std::uint64_t>(number / points);
       const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
-      path.key = mix64(mix64(group.key + kLightSeed) ^ (replicate << 32 | point));
+      // Levels count their points apart.
+      const auto level = static_cast<std::uint64_t>(group.level);
+      path.key = mix64(mix64(group.key + kLightSeed + level) ^ (replicate << 32 | point));
     }
     paths_.push_back(path);
     return;

@@ -19,10 +19,10 @@ struct RayGroup {
 /// What surfaces add to the backward estimator; the same for all tiles.
 struct BackwardSurfacePlan {
   /// @param anchor world point that the rays' positions are relative to
-  BackwardSurfacePlan(const CompiledScene& scene, const RenderSettings& settings,
-                      std::uint32_t first, const std::vector<SobolPool>& pools, Vec3 anchor,
-                      const Execution& execution);
-  SurfaceLightPlan light;
+  /// @param light kept, must live as long
+  BackwardSurfacePlan(const SurfaceLightPlan& light, const RenderSettings& settings,
+                      std::uint32_t first, const std::vector<SobolPool>& pools, Vec3 anchor);
+  const SurfaceLightPlan& light;
   std::uint32_t first = 0;
   Vec3 anchor;
   double front = 0;  ///< [m] where the camera ends: distance along its axis from the front vertex

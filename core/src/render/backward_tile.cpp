@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "render/channel_sum.h"
+#include "render/run_control.h"
 
 namespace plenoflame {
 namespace {
@@ -21,10 +22,6 @@ PixelCut whole_aperture(double bound) {
   PixelCut cut;
   cut.value.fill({2 * b, 2 * b, 100 * b, 100 * b});
   return cut;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
 #include "render/backward_surfaces.h"
+#include "render/point_range.h"
 #include "render/radiance_table.h"
 #include "render/scene_beams.h"
 
@@ -50,10 +51,11 @@ struct BackwardPlan {
 };
 
 /// What a BackwardPass goes by in double precision. @param medium the scene's, or what stands in
-/// for it; plan and tracers keep pointers to all of them
+/// for it @param light of surfaces; nullptr without them. Plan and tracers keep pointers to all of
+/// them
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
-                                      const RenderSettings& settings, std::uint32_t first,
-                                      int points);
+                                      const RenderSettings& settings, const PointRange& range,
+                                      const SurfaceLightPlan* light);
 
 /// Receives the rays of a tracer, for those who want more of them than their sum.
 template <class Real>

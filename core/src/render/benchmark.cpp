@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "plenoflame/base/error.h"
+#include "render/run_control.h"
 
 namespace plenoflame {
 
@@ -34,8 +35,7 @@ BenchmarkPoint benchmark_point(const CompiledScene& scene, RenderSettings settin
   for (int run = 0; run < repeat; ++run) {
     const auto start = std::chrono::steady_clock::now();
     const RenderResult result = render(scene, settings, execution);
-    point.seconds.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    point.seconds.push_back(seconds_since(start));
     if (!result.statistics.complete) throw Cancelled();
     ++settings.seed;
     point.samples = result.light_field.samples;

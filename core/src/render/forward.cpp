@@ -169,11 +169,7 @@ void merge(const ForwardChunk& chunk, Film& film, RenderStatistics& statistics) 
   statistics.seconds_optics += chunk.seconds_optics;
   statistics.seconds_medium += chunk.seconds_medium;
   statistics.seconds_surfaces += chunk.seconds_surfaces;
-  statistics.medium.rays += chunk.medium.rays;
-  statistics.medium.cells += chunk.medium.cells;
-  statistics.medium.skipped_empty += chunk.medium.skipped_empty;
-  statistics.medium.skipped_constant += chunk.medium.skipped_constant;
-  statistics.medium.opaque_tails += chunk.medium.opaque_tails;
+  statistics.medium += chunk.medium;
 }
 
 /// Traces bundles in chunks: whole numbers of points (one bundle of every replicate), so that any

@@ -8,8 +8,10 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/sampling/philox.h"
+#include "render/run_control.h"
 #include "render/scene_medium.h"
 #include "render/surface_light.h"
+#include "sampling/directions.h"
 
 namespace plenoflame {
 namespace {
@@ -18,19 +20,6 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kPi = constants::pi;
 /// Surroundings, for the camera, are a sphere of so many times the size of what it looks at.
 constexpr double kFarAway = 1e4;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// The direction at an angle with versine 1 - cos from `axis` (unit), at azimuth 2 pi v.
-Vec3 around(Vec3 axis, double versine, double v) {
-  const Vec3 other = std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 e1 = normalize(cross(axis, other)), e2 = cross(axis, e1);
-  const double sine = std::sqrt(std::max(0.0, versine * (2 - versine)));
-  return normalize((1 - versine) * axis +
-                   sine * (std::cos(2 * kPi * v) * e1 + std::sin(2 * kPi * v) * e2));
-}
 
 /// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between
 /// the traced ones.
@@ -153,7 +142,7 @@ bool SurfaceBundles::start_at_flame(const Job& job, Bundle& bundle, Work& work) 
   bundle.ray.origin = point.position;
   bundle.weight /= point.density;
   if (job.to_camera) return true;
-  bundle.ray.direction = around({0, 0, 1}, 2 * unit_uniform(a[2]), unit_uniform(a[3]));
+  bundle.ray.direction = cone_direction({0, 0, 1}, 2 * unit_uniform(a[2]), unit_uniform(a[3]));
   bundle.weight *= 4 * kPi;
   return true;
 }
@@ -192,7 +181,7 @@ bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) 
   work.emission = light.strength;
   const double u = number(bundle.index, 1, 0), v = number(bundle.index, 1, 1);
   if (!light.parallel) {
-    bundle.ray = {light.position, around(light.direction, u * light.versine, v)};
+    bundle.ray = {light.position, cone_direction(light.direction, u * light.versine, v)};
     bundle.weight *= light.solid_angle();
     return true;
   }
@@ -202,7 +191,7 @@ bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) 
       static_cast<std::size_t>(number(bundle.index, 1, 2) * static_cast<double>(ways)), ways - 1);
   if (way == endless_->count()) {
     // A disc across the light, as wide as all surfaces with an end.
-    bundle.ray = {centre_ + radius_ * std::sqrt(u) * around(light.direction, 1, v),
+    bundle.ray = {centre_ + radius_ * std::sqrt(u) * cone_direction(light.direction, 1, v),
                   light.direction};
   } else {
     const EndlessPlanes::Place place = endless_->draw(way, number(bundle.index, 1, 3), u, v);
@@ -225,7 +214,7 @@ bool SurfaceBundles::start_in_surroundings(const Job& job, Bundle& bundle, Work&
         static_cast<std::size_t>(number(bundle.index, 2, 0) * static_cast<double>(ways)), ways - 1);
     if (way == endless_->count()) {
       // Any sphere around the surfaces whose inside has the radiance of the surroundings.
-      const Vec3 outwards = around({0, 0, 1}, 2 * u, v);
+      const Vec3 outwards = cone_direction({0, 0, 1}, 2 * u, v);
       bundle.ray = {centre_ + radius_ * outwards, cosine_direction(-outwards, p, q)};
     } else {
       const EndlessPlanes::Place place = endless_->draw(way, number(bundle.index, 2, 1), u, v);
@@ -242,7 +231,7 @@ bool SurfaceBundles::start_in_surroundings(const Job& job, Bundle& bundle, Work&
   const Vec3 axis = scene_.camera.to_world().direction({0, 0, 1});
   const double size = length(centre_ - camera) + radius_ + scene_.camera.lens_distance();
   const double far = kFarAway * size;
-  const Vec3 outwards = around(axis, u * field_versine_, v);
+  const Vec3 outwards = cone_direction(axis, u * field_versine_, v);
   bundle.ray.origin = camera + far * outwards;
   bundle.normal = -outwards;
   bundle.weight *= 2 * kPi * field_versine_ * far * far;

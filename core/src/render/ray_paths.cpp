@@ -183,7 +183,9 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
                      " rays per pixel and microlens are needed");
   const SceneMedium medium(scene);
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  BackwardPlan<double> plan = make_double_plan(scene, medium.get(), settings, 0, points);
+  const auto light = make_surface_light(scene, settings, execution);
+  const BackwardPlan<double> plan =
+      make_double_plan(scene, medium.get(), settings, {0, points}, light.get());
   // Rays that pass beside the flames are wanted, too: no beams.
   const PathTracer tracer(scene.camera, medium.get(), scene.surfaces.get());
   const double samples = static_cast<double>(points) * settings.replicates;

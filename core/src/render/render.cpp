@@ -11,6 +11,7 @@
 #include "render/backward.h"
 #include "render/forward.h"
 #include "render/rounds.h"
+#include "render/run_control.h"
 #include "render/scene_medium.h"
 
 namespace plenoflame {
@@ -136,8 +137,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
   field.samples = samples * settings.replicates;
   field.complete = statistics.complete;
-  statistics.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  statistics.seconds = seconds_since(start);
   return result;
 }
 

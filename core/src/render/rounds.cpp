@@ -64,7 +64,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
       settings.checkpoint
           ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
           : std::max<std::size_t>(1, tiles.size());
-  const BackwardPass pass(scene, settings, {0, points}, shared, execution);
+  const BackwardPass pass(scene, settings, {0, points}, shared);
   for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
     const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
     const std::vector<int> part(
@@ -199,8 +199,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
       for (int points = 0; points < part.second && finished; points += kMostPoints) {
         const PointRange range{static_cast<std::uint32_t>(part.first + points),
                                std::min(kMostPoints, part.second - points), true};
-        finished =
-            BackwardPass(scene, settings, range, shared, inner).run(tiles, inner, film, statistics);
+        finished = BackwardPass(scene, settings, range, shared).run(tiles, inner, film, statistics);
         checkpoints.offer(film);
       }
   }
@@ -218,7 +217,7 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
                    const Execution& execution, Film& film, RenderStatistics& statistics) {
   // Every replicate gets the same number of points.
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  const BackwardShared shared(scene, settings);
+  const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
   if (settings.target_error > 0 || settings.time_limit > 0)
     render_progressive(scene, settings, points, execution, film, statistics, shared);

@@ -5,6 +5,7 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/sampling/philox.h"
+#include "sampling/directions.h"
 
 namespace plenoflame {
 namespace {
@@ -17,17 +18,6 @@ constexpr std::uint64_t kFlameSeed = 0x666c616d65u;
 constexpr int kFlameCells = 24;
 
 }  // namespace
-
-Vec3 cosine_direction(Vec3 normal, double u, double v) {
-  // Orthonormal basis without a branch on the axis' size: Duff et al., JCGT 6 (2017) 1.
-  const double sign = std::copysign(1.0, normal.z);
-  const double a = -1 / (sign + normal.z), b = normal.x * normal.y * a;
-  const Vec3 e1{1 + sign * normal.x * normal.x * a, sign * b, -sign * normal.x};
-  const Vec3 e2{b, sign + normal.y * normal.y * a, -normal.y};
-  const double sine = std::sqrt(u), azimuth = 2 * constants::pi * v;
-  return normalize(std::sqrt(1 - u) * normal + sine * std::cos(azimuth) * e1 +
-                   sine * std::sin(azimuth) * e2);
-}
 
 SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSettings& settings,
                                    const Execution& execution)
@@ -44,6 +34,13 @@ SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSe
                                                execution, kFlameCells);
     if (flame->dark()) flame.reset();
   }
+}
+
+std::unique_ptr<const SurfaceLightPlan> make_surface_light(const CompiledScene& scene,
+                                                           const RenderSettings& settings,
+                                                           const Execution& execution) {
+  if (!scene.surfaces && scene.lights.environment.empty()) return nullptr;
+  return std::make_unique<SurfaceLightPlan>(scene, settings, execution);
 }
 
 void SurfaceLightPlan::add_emitters() {

@@ -58,6 +58,11 @@ struct SurfaceLightPlan {
   }
 };
 
+/// nullptr for a scene with neither surfaces nor surroundings.
+std::unique_ptr<const SurfaceLightPlan> make_surface_light(const CompiledScene& scene,
+                                                           const RenderSettings& settings,
+                                                           const Execution& execution);
+
 /// Radiance that surfaces send towards the camera, by path tracing: point, parallel and flame light
 /// and emitting surfaces are sampled directly at each reflection; surroundings are found by the
 /// rays that go on, drawn in proportion to the cosine. These may find emitters, too: both ways
@@ -104,8 +109,5 @@ class SurfaceLight {
   std::vector<First> random_;
   double rays_ = 0;
 };
-
-/// A direction around `normal` (unit) in proportion to the cosine with it.
-Vec3 cosine_direction(Vec3 normal, double u, double v);
 
 }  // namespace plenoflame

@@ -1,1 +1,1 @@
-list(APPEND core_sources src/sampling/noise.cpp src/sampling/sobol.cpp)
+list(APPEND core_sources src/sampling/directions.cpp src/sampling/noise.cpp src/sampling/sobol.cpp)

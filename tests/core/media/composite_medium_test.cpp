@@ -27,8 +27,8 @@ std::unique_ptr<Medium> single(const EllipsoidLayer& layer, const RigidTransform
 }
 
 template <class... Media>
-std::unique_ptr<Medium> composite(Media... media) {
-  std::vector<std::unique_ptr<Medium>> list;
+std::shared_ptr<const Medium> composite(Media... media) {
+  std::vector<std::shared_ptr<const Medium>> list;
   (list.push_back(std::move(media)), ...);
   return make_composite_medium(std::move(list));
 }

@@ -145,7 +145,7 @@ TEST(SpectralMedium, Voxels) {
 TEST(SpectralMedium, OneGreyFlameInFrontOfOneThatIsNot) {
   const auto make = [&](double factor, std::vector<SourceFunction> sources,
                         std::vector<double> factors) {
-    std::vector<std::unique_ptr<Medium>> media;
+    std::vector<std::shared_ptr<const Medium>> media;
     media.push_back(make_layered_medium(layers(factor, true), {}, sources, std::move(factors)));
     // It overlaps the outermost layer on some of the rays.
     media.push_back(make_layered_medium({{{8e-3, 0, -4e-3}, {4e-3, 4e-3, 4e-3}, 1500, 60}}, {},

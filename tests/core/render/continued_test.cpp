@@ -56,7 +56,7 @@ TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {
   const CompiledScene scene = compile(paper_flame(64, 64, 0.001));
   RenderSettings settings;
   settings.precision = Precision::double_precision;
-  const BackwardShared shared(scene, settings);
+  const BackwardShared shared(scene, settings, {});
   const PixelWindow window{0, 0, 64, 64};
   const auto film_of = [&](const std::vector<PointRange>& ranges) {
     Film film(window, 1, settings.replicates);

@@ -44,14 +44,14 @@ std::vector<SourceFunction> total_channel() {
 }
 
 /// Two turned ellipsoids that do not meet.
-std::unique_ptr<Medium> ellipsoids() {
+std::shared_ptr<const Medium> ellipsoids() {
   return make_layered_medium({{{0, 0, 0.012}, {0.002, 0.003, 0.01}, 1700, 20},
                               {{0.001, 0.002, -0.009}, {0.004, 0.002, 0.003}, 1800, 5}},
                              turned({1, 0.001, 0.002}), total_channel());
 }
 
 /// Two clouds of voxels at opposite corners of a turned lattice, and nothing between.
-std::unique_ptr<Medium> clouds() {
+std::shared_ptr<const Medium> clouds() {
   VoxelField temperature, absorption;
   temperature.background = 300;
   for (VoxelField* field : {&temperature, &absorption}) {
@@ -67,8 +67,8 @@ std::unique_ptr<Medium> clouds() {
   return make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear, total_channel());
 }
 
-std::unique_ptr<Medium> both() {
-  std::vector<std::unique_ptr<Medium>> media;
+std::shared_ptr<const Medium> both() {
+  std::vector<std::shared_ptr<const Medium>> media;
   media.push_back(ellipsoids());
   media.push_back(clouds());
   return make_composite_medium(std::move(media));
@@ -81,7 +81,7 @@ bool holds(const Box& box, Vec3 p) {
 
 TEST(Skipping, OccupiedBoxesHoldEveryPlaceWithAbsorption) {
   for (const auto& make : {&ellipsoids, &clouds, &both}) {
-    const std::unique_ptr<Medium> medium = make();
+    const std::shared_ptr<const Medium> medium = make();
     const Box bounds = medium->bounds();
     const std::vector<Box> boxes = medium->occupied();
     ASSERT_GT(boxes.size(), 1u);

@@ -23,7 +23,6 @@ struct PupilNode {
   double aim_centre = 0;    ///< without array: centre of the disc, first axis [m]
   double aim_radius = 0;    ///< without array: its radius [m]
   double outer_radius = 0;  ///< no ray that passes has |s - centre| beyond this [m]
-  double open_radius = 0;   ///< within it the whole aperture sees the scene [m]
   /// Share of the aperture that is open at distance i/16 of outer_radius from the centre: decides
   /// how many rays a pixel there is worth.
   std::array<double, 17> open{};

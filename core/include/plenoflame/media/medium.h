@@ -34,6 +34,14 @@ struct MediumCounters {
   double skipped_empty = 0;     ///< empty bricks stepped over
   double skipped_constant = 0;  ///< bricks integrated in closed form
   double opaque_tails = 0;      ///< rays cut below the transmittance limit
+  MediumCounters& operator+=(const MediumCounters& other) {
+    rays += other.rays;
+    cells += other.cells;
+    skipped_empty += other.skipped_empty;
+    skipped_constant += other.skipped_constant;
+    opaque_tails += other.opaque_tails;
+    return *this;
+  }
 };
 
 struct MediumOptions {
@@ -95,6 +103,7 @@ std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, do
 
 /// Several media as one: absorption and emission coefficients add where they overlap. Rays on which
 /// the media's extents are disjoint are composed exactly from their own integrals.
-std::unique_ptr<Medium> make_composite_medium(std::vector<std::unique_ptr<Medium>> media);
+std::shared_ptr<const Medium> make_composite_medium(
+    std::vector<std::shared_ptr<const Medium>> media);
 
 }  // namespace plenoflame

@@ -20,7 +20,7 @@ namespace plenoflame {
 /// Makes the medium of one flame, with its spectrum at the channels' wavelengths. Core itself knows
 /// the closed-form kinds; flames in OpenVDB files come from plenoflame::volumes, whose loader the
 /// caller passes in.
-using MediumLoader = std::function<std::unique_ptr<Medium>(
+using MediumLoader = std::function<std::shared_ptr<const Medium>(
     const FlameSpec& flame, const std::string& scene_folder,
     const std::vector<SourceFunction>& channels, const Execution& execution)>;
 
@@ -29,7 +29,7 @@ struct CompiledScene {
   Scene scene;
   Camera camera;
   PupilSampling pupils;
-  std::unique_ptr<Medium> medium;               ///< all flames; nullptr when there is none
+  std::shared_ptr<const Medium> medium;         ///< all flames; nullptr when there is none
   std::unique_ptr<SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
   /// Of each channel of the medium, the surfaces and the lights: the scene's channel that it is a
