@@ -357,6 +357,33 @@ class Export(CommandTest):
             lit += 1
         self.assertGreaterEqual(lit, 2)
 
+    def test_plenopticam_views(self):
+        """Views as the tool makes them: one sample per microlens beside each centre of mic_list, between pixels, over that
+        of the white image; the point comes out at its pixel of each and moves by its disparity."""
+        self.unfocused()
+        self.export("plenopticam")
+        with open(self.path("plenopticam/raw_white.json"), encoding="utf-8") as file:
+            centres = json.load(file)["mic_list"]
+        image, white = grey(self.path("plenopticam/raw.png")), grey(self.path("plenopticam/raw_white.png"))
+
+        def between(picture, x, y):
+            i, j = int(math.floor(x)), int(math.floor(y))
+            a, b = x - i, y - j
+            return ((1 - b) * ((1 - a) * picture[j, i] + a * picture[j, i + 1]) +
+                    b * ((1 - a) * picture[j + 1, i] + a * picture[j + 1, i + 1]))
+        shape = tuple(int(max(c[k] for c in centres)) + 1 for k in (2, 3))
+
+        def view(x, y):
+            result = np.zeros(shape)
+            for row, column, lens_row, lens_column in centres:
+                result[int(lens_row), int(lens_column)] = (between(image, column + x, row + y) /
+                                                           between(white, column + x, row + y))
+            return result
+        offsets = self.offsets(5)
+        views = [[view(*offset) for offset in row] for row in offsets]
+        self.check_views(views, offsets)
+        self.check_disparity(views, 0.7 * STOP / 5 * (1 - D / IMAGE) / 100e-6)
+
     def check_views(self, views, offsets):
         """views[v][u]: pictures; offsets[v][u]: raw pixels from the micro-images' centres."""
         for v, row in enumerate(views):
