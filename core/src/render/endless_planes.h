@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/scene/compile.h"
@@ -17,6 +18,8 @@ class EndlessPlanes {
   EndlessPlanes(const CompiledScene& scene, Vec3 centre, double radius, double field_versine);
 
   std::size_t count() const { return planes_.size(); }
+  /// Which of them is the scene's surface; nullopt: it has an end.
+  std::optional<std::size_t> find(int surface) const;
   int surface(std::size_t plane) const { return planes_[plane].surface; }
   Vec3 normal(std::size_t plane) const { return planes_[plane].normal; }
 
@@ -27,6 +30,23 @@ class EndlessPlanes {
   /// @param choice, u, v uniform in (0, 1)
   Place draw(std::size_t plane, double choice, double u, double v) const;
   double density(std::size_t plane, Vec3 point) const;
+
+  struct Leaving {
+    Vec3 direction;
+    double weight = 0;  ///< cos / pi over the density of directions; 0: there is none
+  };
+  /// A direction in which light that a plane reflects or emits diffusely goes on to other surfaces.
+  /// Light that starts at the distance r on a plane stands for r^3 times as much as near the
+  /// objects: directions drawn by the cosine alone would all but never meet what the camera sees,
+  /// and carry a weight without bound when they do. So directions towards everything with an end,
+  /// and towards points drawn on the other planes, are drawn as well, and the density is that of
+  /// all ways together. Of the light that goes from the distance r to another plane a share of
+  /// (R / r)^3 ends at the distance R, where it is worth R^-3: points are drawn there with the same
+  /// probability in every octave of R up to r, and no weight grows from reflection to reflection.
+  /// @param normal of the plane, on the side that light leaves from
+  /// @param way, choice, u, v uniform in (0, 1)
+  Leaving leave(std::size_t plane, Vec3 point, Vec3 normal, double way, double choice, double u,
+                double v) const;
 
   /// Where a line crosses a plane. @return false when it is parallel to it
   bool crossing(std::size_t plane, const Ray& line, double& t) const;
@@ -42,6 +62,17 @@ class EndlessPlanes {
     double height;
   };
   bool on_plane(const Plane& plane, Vec3 point) const;
+  static double per_area(const Plane& plane, Vec3 way);
+  static Vec3 foot(const Plane& plane);
+  Place meet(std::size_t index, Vec3 from, Vec3 direction) const;
+  double cone_density(const Plane& plane, Vec3 point) const;
+  double disc_reach(const Plane& plane, Vec3 from) const;
+  /// Points for light that comes from a point of another plane.
+  Place draw_from(std::size_t index, Vec3 from, double choice, double u, double v) const;
+  double density_from(std::size_t index, Vec3 from, Vec3 point) const;
+  /// Of a sphere seen from a point: 1 - cos of its half angle; 0 from inside, or where there is
+  /// none.
+  double versine_of_objects(Vec3 point) const;
 
   std::vector<Plane> planes_;
   struct Cone {
@@ -50,6 +81,8 @@ class EndlessPlanes {
   };
   Cone cones_[2];  ///< of what is imaged sharply, and of everything that the camera sees
   Vec3 axis_;      ///< of both
+  Vec3 centre_;    ///< of a sphere around everything with an end
+  double radius_;  ///< [m]; 0: there is nothing
 };
 
 }  // namespace plenoflame

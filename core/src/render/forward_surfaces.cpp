@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "plenoflame/base/constants.h"
-#include "plenoflame/base/error.h"
 #include "plenoflame/sampling/philox.h"
 #include "render/run_control.h"
 #include "render/scene_medium.h"
@@ -95,36 +94,17 @@ void SurfaceBundles::add_jobs(const EmissionProposal* proposal) {
     jobs_.push_back({Origin::flame, 0, true});
     if (reflects && scene_.scene.render.flame_light) jobs_.push_back({Origin::flame, 0, false});
   }
-  // A bundle stands for the more light the farther out it starts on a plane without end. Going on
-  // from there it would meet what the camera sees so rarely that no number of bundles were enough.
-  const auto refuse_far_light = [&](bool endless) {
-    if (endless)
-      throw InputError(
-          "the forward estimator cannot follow light that planes without end send to other "
-          "surfaces: "
-          "give the planes an extent, set render.reflections = 1 (0 where the plane itself "
-          "shines), or "
-          "use the backward estimator");
-  };
-  const bool far_light = scene_.surfaces && scene_.surfaces->has_endless_plane() &&
-                         scene_.scene.render.reflections > 1;
   if (reflects)
-    for (std::size_t i = 0; i < scene_.lights.delta.size(); ++i) {
-      if (scene_.lights.delta[i].parallel) refuse_far_light(far_light);
+    for (std::size_t i = 0; i < scene_.lights.delta.size(); ++i)
       jobs_.push_back({Origin::delta_light, static_cast<int>(i), false});
-    }
   if (!scene_.lights.environment.empty()) {
     jobs_.push_back({Origin::environment, 0, true});
-    if (reflects) {
-      refuse_far_light(far_light);
-      jobs_.push_back({Origin::environment, 0, false});
-    }
+    if (reflects) jobs_.push_back({Origin::environment, 0, false});
   }
   if (!scene_.surfaces) return;
   for (int i = 0; i < scene_.surfaces->surface_count(); ++i) {
     if (!scene_.surfaces->emission(i, true)) continue;
     jobs_.push_back({Origin::surface, i, true});
-    if (reflects) refuse_far_light(!std::isfinite(scene_.surfaces->area(i)) && can_reflect());
     if (reflects && can_reflect()) jobs_.push_back({Origin::surface, i, false});
   }
 }
@@ -243,17 +223,17 @@ bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work
   const auto a = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 1);
   const auto b = philox(settings_.seed, static_cast<std::uint64_t>(bundle.index), 2);
   SurfacePoint point;
+  std::optional<std::size_t> plane;
   double area = surfaces.area(job.index);
   if (std::isfinite(area)) {
     point = surfaces.point_on(job.index, unit_uniform(a[0], a[1]), unit_uniform(b[0]),
                               unit_uniform(b[1]));
   } else {
-    std::size_t plane = 0;
-    while (endless_->surface(plane) != job.index) ++plane;
+    plane = endless_->find(job.index);
     const EndlessPlanes::Place place =
-        endless_->draw(plane, unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]));
+        endless_->draw(*plane, unit_uniform(a[0], a[1]), unit_uniform(b[0]), unit_uniform(b[1]));
     if (!(place.density > 0)) return false;
-    point = {place.point, endless_->normal(plane), {job.index, 0}};
+    point = {place.point, endless_->normal(*plane), {job.index, 0}};
     area = 1 / place.density;
   }
   double sides = 1;
@@ -268,9 +248,25 @@ bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work
   bundle.from = point.where;
   bundle.weight *= sides * area;
   if (job.to_camera) return true;
-  bundle.ray.direction = cosine_direction(bundle.normal, unit_uniform(a[2]), unit_uniform(a[3]));
   bundle.weight *= kPi;
-  return true;
+  return send_on(plane, unit_uniform(a[2]), unit_uniform(a[3]), 3, bundle);
+}
+
+/// Gives a bundle that leaves a surface diffusely its direction; its weight is what leaves in all
+/// directions. @param plane the one without end that it leaves, if any @param block of numbers
+/// @return false when it goes nowhere
+bool SurfaceBundles::send_on(std::optional<std::size_t> plane, double u, double v,
+                             std::uint64_t block, Bundle& bundle) const {
+  if (!plane) {
+    bundle.ray.direction = cosine_direction(bundle.normal, u, v);
+    return true;
+  }
+  const EndlessPlanes::Leaving leaving =
+      endless_->leave(*plane, bundle.ray.origin, bundle.normal, number(bundle.index, block, 2),
+                      number(bundle.index, block, 3), u, v);
+  bundle.ray.direction = leaving.direction;
+  bundle.weight *= leaving.weight;
+  return leaving.weight > 0;
 }
 
 bool SurfaceBundles::start(std::int64_t index, const Job& job, Bundle& bundle, Work& work) const {
@@ -405,9 +401,11 @@ void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& c
     for (Bundle& b : on_their_way) {
       b.weight *= b.reflectivity;
       send_to_camera(b, true, 1 / kPi, block, work, chunk);
-      b.ray.direction =
-          cosine_direction(b.normal, number(b.index, block + 1, 0), number(b.index, block + 1, 1));
     }
+    std::erase_if(on_their_way, [&](Bundle& b) {
+      return !send_on(endless_->find(b.from.surface), number(b.index, block + 1, 0),
+                      number(b.index, block + 1, 1), block + 1, b);
+    });
   }
   deposit(work, chunk);
   chunk.bundles = static_cast<double>(end - first);

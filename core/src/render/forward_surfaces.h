@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/film/film.h"
@@ -19,7 +20,6 @@ namespace plenoflame {
 class SurfaceBundles : public BundleSource {
  public:
   /// @param proposal where the flames emit; nullptr: there are none, or they are dark
-  /// @throws InputError when planes without end send light from far away to other surfaces
   SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
                  const EmissionProposal* proposal);
 
@@ -60,6 +60,8 @@ class SurfaceBundles : public BundleSource {
   bool start_at_light(const Job& job, Bundle& bundle, Work& work) const;
   bool start_in_surroundings(const Job& job, Bundle& bundle, Work& work) const;
   bool start_at_surface(const Job& job, Bundle& bundle, Work& work) const;
+  bool send_on(std::optional<std::size_t> plane, double u, double v, std::uint64_t block,
+               Bundle& bundle) const;
   void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
   /// @param factor [1/sr] share of the weight that leaves per solid angle and cosine
   void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
