@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "plenoflame/base/constants.h"
-#include "render/surface_light.h"
+#include "sampling/directions.h"
 
 namespace plenoflame {
 namespace {
