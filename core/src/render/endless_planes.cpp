@@ -18,15 +18,6 @@ double versine_of(double tangent) {
   return tangent * tangent / (secant * (1 + secant));
 }
 
-/// The direction at an angle with versine 1 - cos from `axis` (unit), at azimuth 2 pi v.
-Vec3 around(Vec3 axis, double versine, double v) {
-  const Vec3 other = std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  const Vec3 e1 = normalize(cross(axis, other)), e2 = cross(axis, e1);
-  const double sine = std::sqrt(std::max(0.0, versine * (2 - versine)));
-  const double angle = 2 * constants::pi * v;
-  return (1 - versine) * axis + sine * std::cos(angle) * e1 + sine * std::sin(angle) * e2;
-}
-
 double front_radius(const MainLensSpec& lens) {
   return 0.5 * (lens.surfaces.empty() ? lens.diameter : lens.surfaces.front().diameter);
 }
@@ -89,11 +80,11 @@ EndlessPlanes::Place EndlessPlanes::draw(std::size_t index, double choice, doubl
   Place place;
   if (choice < 2 * kShare) {
     const Cone& cone = cones_[choice < kShare ? 0 : 1];
-    place = meet(index, cone.apex, around(axis_, u * cone.versine, v));
+    place = meet(index, cone.apex, cone_direction(axis_, u * cone.versine, v));
   } else {
     const Vec3 from = plane.lookout;
     const bool above = dot(from - plane.origin, plane.normal) > 0;
-    place = meet(index, from, around(above ? -plane.normal : plane.normal, u, v));
+    place = meet(index, from, cone_direction(above ? -plane.normal : plane.normal, u, v));
   }
   if (place.density > 0) place.density = density(index, place.point);
   return place;
@@ -185,7 +176,7 @@ EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 
   if (chosen == 0) {
     leaving.direction = cosine_direction(normal, u, v);
   } else if (versine > 0 && --chosen == 0) {
-    leaving.direction = normalize(around(normalize(to_objects), u * versine, v));
+    leaving.direction = cone_direction(normalize(to_objects), u * versine, v);
   } else {
     std::size_t other = chosen - 1;  // among those that are not `plane`
     if (other >= plane) ++other;

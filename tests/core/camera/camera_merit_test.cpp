@@ -111,7 +111,7 @@ TEST(CameraMerit, LeastResolution) {
 TEST(CameraMerit, ResolutionByRays) {
   const Camera camera(thin_camera());
   const BlurTracer tracer(camera, 0);
-  for (const double a : {0.4 * kMm, 1 * kMm, 2 * kMm}) {
+  for (const double a : {0.2 * kMm, 0.4 * kMm, 1 * kMm, 2 * kMm}) {
     const double object = object_at(a);
     const double blur = std::max(1.0, tracer(object).all / (0.01 * kMm));
     const double expected = std::min(1.0, 0.25 * kMm / a) / blur * std::min(1.0, a / (0.5 * kMm));
@@ -124,6 +124,20 @@ TEST(CameraMerit, ResolutionByRays) {
       merit(camera, at_depths(MeritKind::resolution, object_at(2 * kMm), object_at(2 * kMm)), true);
   EXPECT_GT(traced, 0.0999);
   EXPECT_LT(traced, 0.125);
+}
+
+TEST(CameraMerit, DistancesCountFromThePrincipalPlane) {
+  // Thick lenses: the object that the first type sees sharp is imaged a0 in front of it.
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  spec.array.types.resize(1);
+  spec.focus.conjugate = "type1";
+  const Camera camera(spec);
+  const double f = camera.microlenses()[0].first_order.focal_length,
+               b = camera.microlenses()[0].sensor_distance;
+  const double expected = b / (1 / (1 / f - 1 / b));
+  // In focus at 1 m, by its own type.
+  EXPECT_TRUE(
+      relative(merit(camera, at_depths(MeritKind::resolution, 1, 1), false), expected, 1e-9));
 }
 
 TEST(CameraMerit, Volume) {
@@ -205,6 +219,15 @@ TEST(CameraChange, RealLenses) {
     for (std::size_t i = 0; i < surfaces; ++i)
       EXPECT_EQ(changed.lens.surfaces[i].diameter,
                 (spec.lens.surfaces[i].stop ? 0.5 : 1.0) * spec.lens.surfaces[i].diameter);
+  }
+  // Plano-convex ones stay so: f = R / (n - 1).
+  CameraChange other;
+  other.freedom = MicrolensFreedom::radius;
+  other.focal_lengths = {2 * kMm, 1.9 * kMm, 1.7 * kMm};
+  const CameraSpec flat = changed_camera(preset_camera("raytrix-r29"), other);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_TRUE(std::isinf(flat.array.types[k].radius_front));
+    EXPECT_TRUE(relative(flat.array.types[k].radius_back, 0.5 * other.focal_lengths[k], 1e-12));
   }
   change.freedom = MicrolensFreedom::thickness;
   EXPECT_THROW(changed_camera(spec, change), InputError);
