@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace plenoflame {
 namespace {
@@ -48,6 +49,17 @@ constexpr Directions make_directions() {
 }
 
 constexpr Directions kDirections = make_directions();
+
+/// From a point to the next its index changes in the lowest bits, up to the one that becomes 1:
+/// what that changes in the fraction, by this bit's number.
+constexpr Directions make_steps() {
+  Directions steps = kDirections;
+  for (auto& dimension : steps)
+    for (std::size_t bit = 1; bit < dimension.size(); ++bit) dimension[bit] ^= dimension[bit - 1];
+  return steps;
+}
+
+constexpr Directions kSteps = make_steps();
 constexpr int kPoolWords = 1 << 16;  // 256 kB: stays in a second-level cache
 // Some scrambles are better than others: with few of them in a picture its error varies from seed
 // to seed by more than its pixels say. As long as a pool takes no more than 16 MB:
@@ -70,24 +82,43 @@ std::uint32_t sobol(std::uint32_t index, int dimension) {
   return fraction;
 }
 
-std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
-  // One hash of the bits above gives the flips of six levels of the tree: 1 + 2 + 4 + ... + 32
-  // bits.
-  constexpr int kLevels = 6;
+namespace {
+
+/// Bits that one hash decides the flips of: 1 + 2 + 4 + ... + 32 nodes of the tree.
+constexpr int kLevels = 6;
+/// Below so many bits flips no longer differ from node to node, but still between prefixes: what is
+/// nested matters as far as points differ in it, that is up to 2^18 of them.
+constexpr int kNested = 3 * kLevels;
+
+/// The hash for the nodes below a prefix of `above` bits, led by a one so that prefixes of
+/// different lengths differ.
+std::uint64_t tree_hash(std::uint64_t seed, std::uint32_t fraction, int above) {
+  return mix64(seed ^ ((std::uint64_t{1} << above) | (std::uint64_t{fraction} >> (32 - above))));
+}
+
+/// Flips of six levels, as the bits on top. @param tree a heap whose root is bit 1
+std::uint32_t six_flips(std::uint64_t tree, std::uint32_t fraction) {
   std::uint32_t flips = 0;
-  for (int above = 0; above < 32; above += kLevels) {
-    // Led by a one so that prefixes of different lengths differ.
-    const std::uint64_t prefix =
-        (std::uint64_t{1} << above) | (above == 0 ? 0u : fraction >> (32 - above));
-    const std::uint64_t tree = mix64(seed ^ mix64(prefix));
-    const std::uint32_t below = fraction << above;  // the six bits on top
-    std::uint32_t node = 1;                         // of a binary heap
-    for (int level = 0; level < kLevels && above + level < 32; ++level) {
-      flips |= static_cast<std::uint32_t>(tree >> node & 1) << (31 - above - level);
-      node = 2 * node + (below << level >> 31);
-    }
+  for (int level = 0; level < kLevels; ++level) {
+    const std::uint64_t node =
+        (std::uint64_t{1} << level) | (std::uint64_t{fraction} >> (32 - level));
+    flips |= static_cast<std::uint32_t>(tree >> node & 1) << (31 - level);
   }
+  return flips;
+}
+
+std::uint32_t scramble_below(std::uint64_t root, std::uint32_t fraction, std::uint64_t seed) {
+  std::uint32_t flips = six_flips(root, fraction);
+  for (int above = kLevels; above < kNested; above += kLevels)
+    flips |= six_flips(tree_hash(seed, fraction, above), fraction << above) >> above;
+  flips |= static_cast<std::uint32_t>(tree_hash(seed, fraction, kNested) >> (32 + kNested));
   return fraction ^ flips;
+}
+
+}  // namespace
+
+std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed) {
+  return scramble_below(tree_hash(seed, fraction, 0), fraction, seed);
 }
 
 SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
@@ -97,18 +128,24 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
       points_(points),
       stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points) + 16) {
   data_.resize(static_cast<std::size_t>(entries_) * kDimensions * stride_);
-  for (int entry = 0; entry < entries_; ++entry)
-    for (int d = 0; d < kDimensions; ++d) {
-      std::uint32_t* out =
-          data_.data() + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
-      for (int r = 0; r < replicates; ++r) {
-        const std::uint64_t key = mix64(
-            seed + mix64(static_cast<std::uint64_t>((entry * replicates + r) * kDimensions + d)));
-        for (int i = 0; i < points; ++i)
-          *out++ =
-              owen_scramble(sobol(first + static_cast<std::uint32_t>(i), first_dimension + d), key);
+  for (int entry = 0; entry < entries_; ++entry) fill(entry, first, seed, first_dimension);
+}
+
+void SobolPool::fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension) {
+  for (int d = 0; d < kDimensions; ++d) {
+    const auto& steps = kSteps[static_cast<std::size_t>(first_dimension + d)];
+    std::uint32_t* out = data_.data() + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
+    for (int r = 0; r < replicates_; ++r) {
+      const std::uint64_t key = mix64(
+          seed + mix64(static_cast<std::uint64_t>((entry * replicates_ + r) * kDimensions + d)));
+      const std::uint64_t root = tree_hash(key, 0, 0);
+      std::uint32_t fraction = sobol(first, first_dimension + d);
+      for (std::uint32_t i = 1; i <= static_cast<std::uint32_t>(points_); ++i) {
+        *out++ = scramble_below(root, fraction, key);
+        fraction ^= steps[static_cast<std::size_t>(std::countr_zero(first + i)) % steps.size()];
       }
     }
+  }
 }
 
 }  // namespace plenoflame

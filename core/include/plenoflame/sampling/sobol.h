@@ -11,7 +11,8 @@ inline constexpr int kSobolDimensions = 8;
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
 /// Nested uniform (Owen) scrambling of a 32-bit fraction: every bit is flipped or not depending on
-/// the seed and on all higher bits. Owen, MCQMC 1994 (1995), 299.
+/// the seed and on all higher bits, or, below the 18th, on the seed and the highest 18: points that
+/// agree in so many bits stay apart as they were. Owen, MCQMC 1994 (1995), 299.
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed);
 
 /// 64 well mixed bits from a 64-bit key (splitmix64; Steele, Lea, Flood 2014).
@@ -48,6 +49,7 @@ class SobolPool {
   }
 
  private:
+  void fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension);
   int entries_, replicates_, points_;
   std::size_t stride_;
   std::vector<std::uint32_t> data_;
