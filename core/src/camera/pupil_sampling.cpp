@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <tuple>
+#include <utility>
 
 #include "camera/pupil_outline.h"
 #include "camera/widen_cuts.h"
@@ -251,7 +253,8 @@ void widen_to_misaligned(const Camera& camera, int type, PupilTable& table,
   for (int round = 0; round < kRounds; ++round) {
     double before = 0, after = 0;
     for (const PupilNode& node : table.nodes) before = std::max(before, node.outer_radius);
-    widen_to_hold(tracer, table, cuts);
+    for (std::size_t i = 0; i + 1 < table.nodes.size(); ++i) widen_pair(tracer, table, i, cuts);
+    add_margin(table, cuts);
     for (std::size_t i = 0; i < table.nodes.size(); ++i) {
       summarise(cuts[i], table.nodes[i]);
       after = std::max(after, table.nodes[i].outer_radius);
@@ -260,33 +263,44 @@ void widen_to_misaligned(const Camera& camera, int type, PupilTable& table,
   }
 }
 
-PupilTable microlens_table(const Camera& given, int type) {
-  const Camera camera = given.misaligned() ? given.aligned() : given;
-  PupilTable table;
-  const MicrolensTracer tracer(camera, type);
-  // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
-  const double h_max = field_radius(camera) + 2 * camera.spec().array.pitch + field_shift(given);
-  table.field_step = h_max / (kNodes - 1);
-  std::vector<ChiefImage> images;
-  double s_max = 0;
-  for (int i = 0; i < kNodes; ++i) {
-    images.push_back(find_chief_image(tracer, i * table.field_step));
-    if (images.back().radius > 0)
-      s_max = std::max(s_max, std::fabs(images.back().centre) + images.back().range / kRangeRoom);
+/// Makes the table of a type of microlens, in stages of which the parts of each may be done by
+/// several threads, in any order.
+class TableMaker {
+ public:
+  TableMaker(const Camera& camera, int type)
+      : given_(camera),
+        camera_(camera.misaligned() ? camera.aligned() : camera),
+        type_(type),
+        tracer_(camera_, type),
+        images_(kNodes),
+        cuts_(kNodes) {
+    // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
+    const double h_max =
+        field_radius(camera_) + 2 * camera_.spec().array.pitch + field_shift(given_);
+    table_.field_step = h_max / (kNodes - 1);
+    table_.nodes.resize(kNodes);
+    table_.edges.resize(kNodes);
   }
-  table.discs = fit_aperture(tracer.own_at(0), s_max);
-  if (given.misaligned()) widen_discs(given, s_max, table.discs);
-  table.nodes.resize(kNodes);
-  table.edges.resize(kNodes);
-  PupilTracer open(camera, type, true);
-  std::vector<PupilCuts> all_cuts(kNodes);
-  for (int i = 0; i < kNodes; ++i) {
-    const ChiefImage& image = images[static_cast<std::size_t>(i)];
-    PupilNode& node = table.nodes[static_cast<std::size_t>(i)];
-    PupilCuts& cuts = all_cuts[static_cast<std::size_t>(i)];
-    if (image.radius <= 0) continue;
-    PupilOutline outline(open, i * table.field_step, image.centre, image.range, table.discs);
-    if (outline.dark()) continue;
+
+  void find_image(std::size_t i) { images_[i] = find_chief_image(tracer_, place(i)); }
+
+  void fit_discs() {
+    double s_max = 0;
+    for (const ChiefImage& image : images_)
+      if (image.radius > 0)
+        s_max = std::max(s_max, std::fabs(image.centre) + image.range / kRangeRoom);
+    table_.discs = fit_aperture(tracer_.own_at(0), s_max);
+    if (given_.misaligned()) widen_discs(given_, s_max, table_.discs);
+  }
+
+  void trace_outline(std::size_t i) {
+    const ChiefImage& image = images_[i];
+    if (image.radius <= 0) return;
+    PupilTracer open(camera_, type_, true);
+    PupilOutline outline(open, place(i), image.centre, image.range, table_.discs);
+    if (outline.dark()) return;
+    PupilNode& node = table_.nodes[i];
+    PupilCuts& cuts = cuts_[i];
     node.centre = image.centre;
     node.image_radius = image.radius;
     for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j) {
@@ -298,17 +312,61 @@ PupilTable microlens_table(const Camera& given, int type) {
     for (std::size_t k = 0; k < node.open.size(); ++k)
       node.open[k] = outline.open_share(node.outer_radius * static_cast<double>(k) /
                                         static_cast<double>(node.open.size() - 1));
-    table.edges[static_cast<std::size_t>(i)] = outline.edge_rays();
+    table_.edges[i] = outline.edge_rays();
   }
-  extend_into_shadow(table.nodes, all_cuts);
-  PupilTracer own(camera, type, false);
-  widen_to_hold(own, table, all_cuts);
-  if (given.misaligned()) widen_to_misaligned(given, type, table, all_cuts);
-  for (std::size_t i = 0; i < table.nodes.size(); ++i) {
-    summarise(all_cuts[i], table.nodes[i]);
-    table.nodes[i].cuts = PixelCuts(all_cuts[i]);
+
+  void fill_shadow() { extend_into_shadow(table_.nodes, cuts_); }
+
+  /// Not for neighbours at the same time.
+  void widen(std::size_t i) {
+    PupilTracer own(camera_, type_, false);
+    widen_pair(own, table_, i, cuts_);
   }
-  return table;
+
+  void finish() {
+    add_margin(table_, cuts_);
+    if (given_.misaligned()) widen_to_misaligned(given_, type_, table_, cuts_);
+    for (std::size_t i = 0; i < table_.nodes.size(); ++i) {
+      summarise(cuts_[i], table_.nodes[i]);
+      table_.nodes[i].cuts = PixelCuts(cuts_[i]);
+    }
+  }
+
+  PupilTable take() { return std::move(table_); }
+
+ private:
+  double place(std::size_t i) const { return static_cast<double>(i) * table_.field_step; }
+
+  const Camera& given_;
+  Camera camera_;
+  int type_;
+  MicrolensTracer tracer_;
+  std::vector<ChiefImage> images_;
+  std::vector<PupilCuts> cuts_;
+  PupilTable table_;
+};
+
+std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& execution) {
+  Execution threads;
+  threads.threads = execution.threads;
+  std::vector<std::unique_ptr<TableMaker>> makers;
+  for (std::size_t type = 0; type < camera.microlenses().size(); ++type)
+    makers.push_back(std::make_unique<TableMaker>(camera, static_cast<int>(type)));
+  const auto of_each = [&](std::size_t parts, const auto& stage) {
+    parallel_for(threads, parts * makers.size(),
+                 [&](std::size_t index, int) { stage(*makers[index / parts], index % parts); });
+  };
+  of_each(kNodes, [](TableMaker& maker, std::size_t i) { maker.find_image(i); });
+  for (const auto& maker : makers) maker->fit_discs();
+  of_each(kNodes, [](TableMaker& maker, std::size_t i) { maker.trace_outline(i); });
+  for (const auto& maker : makers) maker->fill_shadow();
+  for (const std::size_t first : {0, 1})  // pairs that share no node
+    of_each((kNodes - first) / 2,
+            [first](TableMaker& maker, std::size_t k) { maker.widen(2 * k + first); });
+  of_each(1, [](TableMaker& maker, std::size_t) { maker.finish(); });
+  std::vector<PupilTable> tables;
+  for (const auto& maker : makers) tables.push_back(maker->take());
+  return tables;
 }
 
 struct Outline {
@@ -410,12 +468,7 @@ PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {
   if (!camera.has_array()) {
     tables_.push_back(bare_table(camera));
   } else {
-    tables_.resize(camera.microlenses().size());
-    Execution quiet;
-    quiet.threads = execution.threads;
-    parallel_for(quiet, tables_.size(), [&](std::size_t type, int) {
-      tables_[type] = microlens_table(camera, static_cast<int>(type));
-    });
+    tables_ = microlens_tables(camera, execution);
     if (!camera.spec().array.opaque_between) {
       CameraSpec spec = camera.spec();
       spec.array.tilt = {};

@@ -23,9 +23,14 @@ double signed_root(double x) {
 /// Evenly spread points of the unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
 class Spread {
  public:
+  /// @param first how many points are skipped
+  explicit Spread(std::size_t first) {
+    for (std::size_t d = 0; d < 4; ++d) {
+      const double turns = 0.5 + static_cast<double>(first) * kStep[d];
+      point_[d] = turns - std::floor(turns);
+    }
+  }
   void step() {
-    constexpr double kStep[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
-                                 0.5385972572236101};
     for (std::size_t d = 0; d < 4; ++d) {
       point_[d] += kStep[d];
       point_[d] -= point_[d] >= 1 ? 1.0 : 0.0;
@@ -34,7 +39,9 @@ class Spread {
   double operator[](std::size_t d) const { return point_[d]; }
 
  private:
-  double point_[4] = {0.5, 0.5, 0.5, 0.5};
+  static constexpr double kStep[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
+                                      0.5385972572236101};
+  double point_[4];
 };
 
 /// Directions all around.
@@ -143,68 +150,70 @@ void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::
 
 }  // namespace
 
-void widen_to_hold(PupilTracer& own, const PupilTable& table, std::vector<PupilCuts>& cuts) {
-  Spread spread;
+void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
+                std::vector<PupilCuts>& cuts) {
   const Circle circle;
+  Spread spread(i * (kEdgeBlocks + kBlocks) * kBlockRays);
   std::vector<PupilTracer::Request> requests(kBlockRays);
-  for (std::size_t i = 0; i + 1 < table.nodes.size(); ++i) {
-    const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
-    if (a.dark() || b.dark()) continue;
-    for (int block = 0; block < kEdgeBlocks + kBlocks; ++block) {
-      const bool edge = block < kEdgeBlocks;
-      const double t = edge ? (block + 0.5) / kEdgeBlocks : (block - kEdgeBlocks + 0.5) / kBlocks;
-      Between between(cuts[i], cuts[i + 1], t);
-      const double centre = a.centre + t * (b.centre - a.centre);
-      const double reach = std::max(a.outer_radius, b.outer_radius);
-      // Every other ray goes for the opening itself, which may be small: a stopped-down lens seen
-      // through a microlens that is out of focus.
-      bool close = false;
-      for (PupilTracer::Request& request : requests) {
-        spread.step();
-        close = !close;
-        const double inner = edge ? 0.7 : 0.0, outer = edge ? 1.15 : 1.0;
-        const double distance =
-            reach * std::sqrt(inner * inner + spread[0] * (outer * outer - inner * inner));
-        const double r = table.discs.bound * std::sqrt(spread[2]);
-        const Vec2 e = circle.at(spread[1]), turn = circle.at(spread[3]);
-        double p = r * turn.x, q = r * turn.y;
-        if (!edge || close) {
-          const PupilColumn column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
-          const Opening opening(column.at(column.step_at(static_cast<float>(distance))));
-          const double room = kBeside * table.discs.bound, away = spread[3] * spread[3];
-          if (close) {
-            q = signed_root(2 * spread[2] - 1) *
-                std::min(opening.half_width() + room, table.discs.bound);
-            const double low = opening.low_at(q), high = opening.high_at(q);
-            const double part = 2 * spread[3] - 1;  // which side, and how far beside it
-            p = edge ? 0.5 * (low + high) + part * (0.5 * (high - low) + room)
-                     : (part < 0 ? low + part * room : high + part * room);
-          } else {  // where the table holds everything already, nothing can be learnt
-            p = opening.beside(p, q, away * room);
-          }
+  const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
+  if (a.dark() || b.dark()) return;
+  for (int block = 0; block < kEdgeBlocks + kBlocks; ++block) {
+    const bool edge = block < kEdgeBlocks;
+    const double t = edge ? (block + 0.5) / kEdgeBlocks : (block - kEdgeBlocks + 0.5) / kBlocks;
+    Between between(cuts[i], cuts[i + 1], t);
+    const double centre = a.centre + t * (b.centre - a.centre);
+    const double reach = std::max(a.outer_radius, b.outer_radius);
+    // Every other ray goes for the opening itself, which may be small: a stopped-down lens seen
+    // through a microlens that is out of focus.
+    bool close = false;
+    for (PupilTracer::Request& request : requests) {
+      spread.step();
+      close = !close;
+      const double inner = edge ? 0.7 : 0.0, outer = edge ? 1.15 : 1.0;
+      const double distance =
+          reach * std::sqrt(inner * inner + spread[0] * (outer * outer - inner * inner));
+      const double r = table.discs.bound * std::sqrt(spread[2]);
+      const Vec2 e = circle.at(spread[1]), turn = circle.at(spread[3]);
+      double p = r * turn.x, q = r * turn.y;
+      if (!edge || close) {
+        const PupilColumn column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
+        const Opening opening(column.at(column.step_at(static_cast<float>(distance))));
+        const double room = kBeside * table.discs.bound, away = spread[3] * spread[3];
+        if (close) {
+          q = signed_root(2 * spread[2] - 1) *
+              std::min(opening.half_width() + room, table.discs.bound);
+          const double low = opening.low_at(q), high = opening.high_at(q);
+          const double part = 2 * spread[3] - 1;  // which side, and how far beside it
+          p = edge ? 0.5 * (low + high) + part * (0.5 * (high - low) + room)
+                   : (part < 0 ? low + part * room : high + part * room);
+        } else {  // where the table holds everything already, nothing can be learnt
+          p = opening.beside(p, q, away * room);
         }
-        request = {Vec2{centre, 0} + distance * e, {p * e.x - q * e.y, p * e.y + q * e.x}};
       }
-      const double h = (static_cast<double>(i) + t) * table.field_step;
-      own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
-        if (!passes) return;
-        const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
-        const double distance = std::sqrt(dot(w, w));
-        if (!(distance > 0)) return;
-        const Vec2 e = (1 / distance) * w;
-        const auto cosine = static_cast<float>(e.x), d = static_cast<float>(distance);
-        const PupilCuts::Azimuth azimuth = PupilCuts::azimuth(cosine);
-        const PupilColumn column = between.cuts().at(azimuth);
-        const double beyond = distance - static_cast<double>(column.closes);
-        if (beyond > 0) between.widen_closes(azimuth, static_cast<float>(kRoom * beyond));
-        if (edge) return;
-        const double p = dot(u, e), q = u.y * e.x - u.x * e.y;
-        const float step = column.step_at(d);
-        hold(between, azimuth, step, 0, p, q, table.discs.bound);
-        hold(between, azimuth, step, 1, -p, q, table.discs.bound);
-      });
+      request = {Vec2{centre, 0} + distance * e, {p * e.x - q * e.y, p * e.y + q * e.x}};
     }
+    const double h = (static_cast<double>(i) + t) * table.field_step;
+    own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
+      if (!passes) return;
+      const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
+      const double distance = std::sqrt(dot(w, w));
+      if (!(distance > 0)) return;
+      const Vec2 e = (1 / distance) * w;
+      const auto cosine = static_cast<float>(e.x), d = static_cast<float>(distance);
+      const PupilCuts::Azimuth azimuth = PupilCuts::azimuth(cosine);
+      const PupilColumn column = between.cuts().at(azimuth);
+      const double beyond = distance - static_cast<double>(column.closes);
+      if (beyond > 0) between.widen_closes(azimuth, static_cast<float>(kRoom * beyond));
+      if (edge) return;
+      const double p = dot(u, e), q = u.y * e.x - u.x * e.y;
+      const float step = column.step_at(d);
+      hold(between, azimuth, step, 0, p, q, table.discs.bound);
+      hold(between, azimuth, step, 1, -p, q, table.discs.bound);
+    });
   }
+}
+
+void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts) {
   const auto margin = static_cast<float>(kMargin * table.discs.bound);
   for (PupilCuts& node : cuts)
     for (PupilColumn& column : node.columns)

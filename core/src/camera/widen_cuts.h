@@ -1,12 +1,20 @@
 #pragma once
+#include <cstddef>
+#include <vector>
+
 #include "camera/pupil_tracer.h"
 #include "plenoflame/camera/pupil_sampling.h"
 
 namespace plenoflame {
 
-/// Widens a table until it holds every one of many rays that get through the camera, traced between
-/// its nodes: what interpolation, the grids and the microlens' own aberrations leave out.
-/// @param cuts of every node @param own traces through the microlens with its own apertures
-void widen_to_hold(PupilTracer& own, const PupilTable& table, std::vector<PupilCuts>& cuts);
+/// Widens the cuts of a table's node i and of the next until they hold every one of many rays that
+/// get through the camera, traced between the two: what interpolation, the grids and the microlens'
+/// own aberrations leave out. Neighbouring pairs share a node.
+/// @param own traces through the microlens with its own apertures @param cuts of every node
+void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
+                std::vector<PupilCuts>& cuts);
+
+/// Makes room in the cuts for the rays that were not traced.
+void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts);
 
 }  // namespace plenoflame
