@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 
 #include "plenoflame/base/error.h"
@@ -87,28 +88,51 @@ void add(TileCounters& total, const TileCounters& part) {
   total.medium += part.medium;
 }
 
+/// The tracers of one thread: one for each range, made when it is needed.
 template <class Real>
-bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>& tiles,
-              const Execution& execution, Film& film, RenderStatistics& statistics) {
-  std::vector<TileTracer<Real>> tracers;
+class Tracers {
+ public:
+  explicit Tracers(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
+      : plans_(plans), each_(plans.size()) {}
+
+  TileTracer<Real>& of(std::size_t range, Film& film) {
+    auto& tracer = each_[range];
+    if (!tracer) tracer = std::make_unique<TileTracer<Real>>(*plans_[range], film);
+    return *tracer;
+  }
+  void add_to(TileCounters& total) const {
+    for (const auto& tracer : each_)
+      if (tracer) add(total, tracer->counters());
+  }
+
+ private:
+  const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans_;
+  std::vector<std::unique_ptr<TileTracer<Real>>> each_;
+};
+
+template <class Real>
+bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans,
+               const std::vector<PointRange>& ranges, const std::vector<TileJob>& jobs,
+               const Execution& execution, Film& film, RenderStatistics& statistics) {
   const int workers = execution.thread_count();
-  tracers.reserve(static_cast<std::size_t>(workers));
-  for (int i = 0; i < workers; ++i) tracers.emplace_back(plan, film);
+  std::vector<Tracers<Real>> tracers;
+  for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
   const auto start = std::chrono::steady_clock::now();
   std::mutex mutex;
   std::size_t done = 0;
   const double rays_before = statistics.rays;
-  const bool complete = parallel_for(execution, tiles.size(), [&](std::size_t index, int worker) {
-    TileTracer<Real>& tracer = tracers[static_cast<std::size_t>(worker)];
+  const bool complete = parallel_for(execution, jobs.size(), [&](std::size_t index, int worker) {
+    const TileJob job = jobs[index];
+    TileTracer<Real>& tracer = tracers[static_cast<std::size_t>(worker)].of(job.range, film);
     const double rays_of_worker = tracer.counters().rays;
-    tracer.render(tiles[index]);
-    film.add_samples(tiles[index], points);
+    tracer.render(job.tile);
+    film.add_samples(job.tile, ranges[job.range].points);
     const std::lock_guard lock(mutex);
     ++done;
     if (!execution.progress) return;
     statistics.rays += tracer.counters().rays - rays_of_worker;
     Progress progress;
-    progress.fraction = static_cast<double>(done) / static_cast<double>(tiles.size());
+    progress.fraction = static_cast<double>(done) / static_cast<double>(jobs.size());
     const double elapsed = seconds_since(start);
     progress.rays = statistics.rays;
     progress.rays_per_second = (statistics.rays - rays_before) / elapsed;
@@ -118,7 +142,7 @@ bool run_plan(const BackwardPlan<Real>& plan, int points, const std::vector<int>
   });
   statistics.rays = rays_before;
   TileCounters total;
-  for (const auto& tracer : tracers) add(total, tracer.counters());
+  for (const auto& tracer : tracers) tracer.add_to(total);
   statistics.rays += total.rays;
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
@@ -226,31 +250,40 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
       table(make_radiance_table(scene, settings)),
       light(make_surface_light(scene, settings, execution)) {}
 
+template <class Real>
+void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& settings,
+                              const BackwardShared& shared, int threads, Plans<Real>& plans) {
+  plans.resize(ranges_.size());
+  Execution execution;
+  execution.threads = threads;
+  parallel_for(execution, ranges_.size(), [&](std::size_t i, int) {
+    auto plan = std::make_unique<BackwardPlan<Real>>(
+        make_plan<Real>(scene, medium_->get(), settings, ranges_[i], shared.light.get()));
+    if constexpr (std::is_same_v<Real, float>) plan->table = shared.table.get();
+    plan->beams = shared.beams.get();
+    plans[i] = std::move(plan);
+  });
+}
+
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           const PointRange& range, const BackwardShared& shared)
-    : medium_(std::make_unique<SceneMedium>(scene)), points_(range.points) {
-  const bool single = in_single_precision(scene, settings);
-  if (single) {
-    auto plan = std::make_unique<BackwardPlan<float>>(
-        make_plan<float>(scene, medium_->get(), settings, range, shared.light.get()));
-    plan->table = shared.table.get();
-    plan->beams = shared.beams.get();
-    single_ = std::move(plan);
-  } else {
-    auto plan = std::make_unique<BackwardPlan<double>>(
-        make_plan<double>(scene, medium_->get(), settings, range, shared.light.get()));
-    plan->beams = shared.beams.get();
-    double_ = std::move(plan);
-  }
+                           std::vector<PointRange> ranges, const BackwardShared& shared,
+                           int threads)
+    : medium_(std::make_unique<SceneMedium>(scene)),
+      ranges_(std::move(ranges)),
+      is_single_(in_single_precision(scene, settings)) {
+  if (is_single_)
+    make_plans(scene, settings, shared, threads, single_);
+  else
+    make_plans(scene, settings, shared, threads, double_);
 }
 
 BackwardPass::~BackwardPass() = default;
 
-bool BackwardPass::run(const std::vector<int>& tiles, const Execution& execution, Film& film,
+bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
                        RenderStatistics& statistics) const {
-  statistics.precision = single_ ? "single" : "double";
-  return single_ ? run_plan(*single_, points_, tiles, execution, film, statistics)
-                 : run_plan(*double_, points_, tiles, execution, film, statistics);
+  statistics.precision = is_single_ ? "single" : "double";
+  return is_single_ ? run_plans(single_, ranges_, jobs, execution, film, statistics)
+                    : run_plans(double_, ranges_, jobs, execution, film, statistics);
 }
 
 }  // namespace plenoflame

@@ -25,28 +25,41 @@ struct BackwardShared {
   std::unique_ptr<const SurfaceLightPlan> light;  ///< nullptr: no surfaces, no surroundings
 };
 
+/// A tile of the film, to which the points of a range are added.
+struct TileJob {
+  int tile = 0;
+  std::size_t range = 0;  ///< which of the pass' ranges
+};
+
 /// What is the same for all tiles is made once, in the constructor. Keeps references to scene and
 /// settings.
 class BackwardPass {
  public:
-  /// @param shared kept, must live as long
-  BackwardPass(const CompiledScene& scene, const RenderSettings& settings, const PointRange& range,
-               const BackwardShared& shared);
+  /// @param ranges of points that its tiles get, each its own
+  /// @param shared kept, must live as long @param threads for what is made here
+  BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
+               std::vector<PointRange> ranges, const BackwardShared& shared, int threads = 1);
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;
 
-  /// Adds the points to `film`, for the pixels of the given tiles, which follow one another in work
-  /// order. Statistics are added up.
+  /// Adds the points to `film`, for the pixels of the tiles, each of which may come once. All
+  /// threads share all jobs, in their order. Statistics are added up.
   /// @return false when it was stopped; tiles that were not reached keep their number of samples.
-  bool run(const std::vector<int>& tiles, const Execution& execution, Film& film,
+  bool run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
            RenderStatistics& statistics) const;
 
  private:
+  template <class Real>
+  using Plans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;  // one of each range
+  template <class Real>
+  void make_plans(const CompiledScene& scene, const RenderSettings& settings,
+                  const BackwardShared& shared, int threads, Plans<Real>& plans);
   std::unique_ptr<const SceneMedium> medium_;
-  std::unique_ptr<const BackwardPlan<float>> single_;  ///< one of the two
-  std::unique_ptr<const BackwardPlan<double>> double_;
-  int points_;
+  std::vector<PointRange> ranges_;
+  bool is_single_;
+  Plans<float> single_;  // the others are empty
+  Plans<double> double_;
 };
 
 /// Counts the microlenses that may light the window, and those of them that are left out because

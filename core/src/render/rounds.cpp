@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include "render/backward.h"
 #include "render/run_control.h"
@@ -15,7 +17,8 @@ constexpr int kFirstPoints = 8;    ///< of each replicate in the first round
 constexpr int kMostPoints = 2048;  ///< of each replicate in one pass: their pools take 16 MB
 constexpr int kDarkPoints = 64;    ///< of each replicate, until what shows no light is called dark
 constexpr double kGoalMargin = 0.97;  ///< on the mean square: a last round of its own costs more
-constexpr int kCheckpointBatches = 16;
+constexpr std::size_t kCheckpointBatches = 16;
+constexpr std::size_t kLeastBatch = 8;  ///< tiles of a thread between two checkpoints
 
 /// Mean square error of every tile's lit pixels, and of the whole image, first channel.
 struct TileErrors {
@@ -53,25 +56,34 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
   return errors;
 }
 
+/// Runs the jobs of a pass, a part of them at a time where the state is to be kept in between.
+bool run_in_batches(const BackwardPass& pass, const std::vector<TileJob>& jobs,
+                    const RenderSettings& settings, const Execution& execution, Film& film,
+                    RenderStatistics& statistics, Checkpoints& checkpoints) {
+  // Threads wait for one another at the end of each: it has to be long.
+  const std::size_t least = kLeastBatch * static_cast<std::size_t>(execution.thread_count());
+  const std::size_t batch =
+      settings.checkpoint ? std::max(least, jobs.size() / kCheckpointBatches) : jobs.size();
+  for (std::size_t first = 0; first < jobs.size(); first += batch) {
+    const auto begin = jobs.begin() + static_cast<std::ptrdiff_t>(first);
+    const std::vector<TileJob> part(
+        begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, jobs.size() - first)));
+    if (!pass.run(part, execution, film, statistics)) return false;
+    checkpoints.offer(film);
+  }
+  return true;
+}
+
 void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
                   const Execution& execution, Film& film, RenderStatistics& statistics,
                   const BackwardShared& shared) {
-  std::vector<int> tiles;
+  std::vector<TileJob> tiles;
   for (int t = 0; t < film.tile_count(); ++t)
-    if (film.tile_samples(t) == 0) tiles.push_back(t);
+    if (film.tile_samples(t) == 0) tiles.push_back({t});
   Checkpoints checkpoints(settings);
-  const std::size_t batch =
-      settings.checkpoint
-          ? std::max<std::size_t>(1, (tiles.size() + kCheckpointBatches - 1) / kCheckpointBatches)
-          : std::max<std::size_t>(1, tiles.size());
-  const BackwardPass pass(scene, settings, {0, points}, shared);
-  for (std::size_t first = 0; first < tiles.size() && statistics.complete; first += batch) {
-    const auto begin = tiles.begin() + static_cast<std::ptrdiff_t>(first);
-    const std::vector<int> part(
-        begin, begin + static_cast<std::ptrdiff_t>(std::min(batch, tiles.size() - first)));
-    statistics.complete = pass.run(part, execution, film, statistics);
-    checkpoints.offer(film);
-  }
+  const BackwardPass pass(scene, settings, {{0, points}}, shared, execution.threads);
+  statistics.complete =
+      run_in_batches(pass, tiles, settings, execution, film, statistics, checkpoints);
 }
 
 bool is_started(const Film& film) {
@@ -193,15 +205,25 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (int t = 0; t < film.tile_count(); ++t) {
       const int done = static_cast<int>(film.tile_samples(t));
       const int points = static_cast<int>(film.tile_goals()[static_cast<std::size_t>(t)]) - done;
-      if (points > 0) groups[{done, points}].push_back(t);
+      if (points > 0) groups[{std::min(points, kMostPoints), done}].push_back(t);
     }
-    for (const auto& [part, tiles] : groups)
-      for (int points = 0; points < part.second && finished; points += kMostPoints) {
-        const PointRange range{static_cast<std::uint32_t>(part.first + points),
-                               std::min(kMostPoints, part.second - points), true};
-        finished = BackwardPass(scene, settings, range, shared).run(tiles, inner, film, statistics);
-        checkpoints.offer(film);
-      }
+    // The longest first, and as many in one pass as their pools may take memory.
+    std::vector<PointRange> ranges;
+    std::vector<TileJob> jobs;
+    int sum = 0;
+    for (auto group = groups.rbegin(); group != groups.rend() && finished; ++group) {
+      const auto& [points, done] = group->first;
+      for (const int tile : group->second) jobs.push_back({tile, ranges.size()});
+      ranges.push_back({static_cast<std::uint32_t>(done), points, true});
+      sum += points;
+      const auto next = std::next(group);
+      if (next != groups.rend() && sum + next->first.first <= kMostPoints) continue;
+      const BackwardPass pass(scene, settings, std::move(ranges), shared, inner.threads);
+      finished = run_in_batches(pass, jobs, settings, inner, film, statistics, checkpoints);
+      ranges = {};
+      jobs = {};
+      sum = 0;
+    }
   }
   // A time limit that ran out is no interruption: what is there is what was asked for, unless some
   // of the picture has had no ray yet.

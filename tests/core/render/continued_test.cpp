@@ -48,7 +48,7 @@ void expect_same(const CompiledScene& scene, const RenderSettings& settings, int
 TEST(Continued, BackwardWithFixedSamples) {
   RenderSettings settings;
   settings.samples = 8;
-  expect_same(compile(paper_flame(200, 170, 0.004)), settings, 3);
+  expect_same(compile(paper_flame(560, 500, 0.004)), settings, 2);
 }
 
 TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {
@@ -62,8 +62,8 @@ TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {
     Film film(window, 1, settings.replicates);
     RenderStatistics statistics;
     for (const PointRange& range : ranges)
-      EXPECT_TRUE(
-          BackwardPass(scene, settings, range, shared).run({0}, one_thread(), film, statistics));
+      EXPECT_TRUE(BackwardPass(scene, settings, {range}, shared)
+                      .run({{0}}, one_thread(), film, statistics));
     return film;
   };
   const Film whole = film_of({{0, 48, true}}), parts = film_of({{0, 16, true}, {16, 32, true}});

@@ -98,8 +98,8 @@ TEST_P(RayPathsTest, SumIsTheFluxOfThePixel) {
   Film film(window, 2, settings_.replicates);
   ASSERT_EQ(film.tile_count(), 1);
   RenderStatistics statistics;
-  ASSERT_TRUE(BackwardPass(scene, settings_, {0, 12}, BackwardShared(scene, settings_, {}))
-                  .run({0}, one_thread(), film, statistics));
+  ASSERT_TRUE(BackwardPass(scene, settings_, {{0, 12}}, BackwardShared(scene, settings_, {}))
+                  .run({{0}}, one_thread(), film, statistics));
   std::map<std::pair<int, int>, std::array<double, 2>> sums;
   for (std::size_t i = 0; i < paths.rays.size(); ++i)
     for (std::size_t c = 0; c < 2; ++c)

@@ -64,8 +64,8 @@ TEST(SurfacePaths, SumIsTheFluxOfThePixel) {
   const RayPaths paths = paths_of(scene, settings, window);
   Film film(window, 1, 2);
   RenderStatistics statistics;
-  ASSERT_TRUE(BackwardPass(scene, settings, {0, 12}, BackwardShared(scene, settings, {}))
-                  .run({0}, one_thread(), film, statistics));
+  ASSERT_TRUE(BackwardPass(scene, settings, {{0, 12}}, BackwardShared(scene, settings, {}))
+                  .run({{0}}, one_thread(), film, statistics));
   std::map<std::pair<int, int>, double> sums;
   for (std::size_t i = 0; i < paths.rays.size(); ++i)
     sums[{paths.rays[i].column, paths.rays[i].row}] +=
