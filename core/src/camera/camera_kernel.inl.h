@@ -157,7 +157,7 @@ PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
   for (int i = 0; i < count; ++i) {
     Real vx = dx[i], vy = dy[i], vz = dz[i];
     int status = code[i];
-    leave_asphere(c, a, base, x[i], y[i], vx, vy, vz, status);
+    leave_asphere(c, a, base, x[i], y[i], z[i], vx, vy, vz, status);
     dx[i] = vx;
     dy[i] = vy;
     dz[i] = vz;

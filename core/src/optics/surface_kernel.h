@@ -88,7 +88,7 @@ PLENOFLAME_INLINE void approach_asphere(Real c, const KernelAsphere<Real>& asphe
 template <class Real>
 PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
                                      const KernelAsphere<Real>& asphere, int code_base, Real x,
-                                     Real y, Real& dx, Real& dy, Real& dz, int& code) {
+                                     Real y, Real z, Real& dx, Real& dy, Real& dz, int& code) {
   Real sag, slope, inside;
   asphere_sag(surface.curvature, asphere, x * x + y * y, sag, slope, inside);
   const Real nx = Real(-2) * slope * x, ny = Real(-2) * slope * y;
@@ -102,7 +102,11 @@ PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
   dz = surface.mu * dz + along_normal;
   int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
   failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
-  failure = (inside > Real(1e-6)) & (cos_in > Real(0)) ? failure : code_base + kCauseMissed;
+  // Where there is no crossing, the steps have led anywhere.
+  const Real off2 = (sag - z) * (sag - z) * asphere.inverse_height2;
+  failure = (inside > Real(1e-6)) & (cos_in > Real(0)) & (off2 < Real(1e-8))
+                ? failure
+                : code_base + kCauseMissed;
   code = code != 0 ? code : failure;
 }
 
@@ -117,7 +121,7 @@ PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
   go_to_vertex(surface.gap, x, y, z, dx, dy, dz);
   for (int step = 0; step < kAsphereSteps; ++step)
     approach_asphere(surface.curvature, asphere, x, y, z, dx, dy, dz);
-  leave_asphere(surface, asphere, code_base, x, y, dx, dy, dz, code);
+  leave_asphere(surface, asphere, code_base, x, y, z, dx, dy, dz, code);
 }
 
 /// A plane without refraction (the stop): only the aperture is tested.

@@ -137,11 +137,33 @@ TEST(Asphere, Statuses) {
   closed.diameter = 10 * kMm;
   Ray wide{{6 * kMm, 0, 30 * kMm}, {0, 0, -1}};
   EXPECT_EQ(LensSystem({closed}).trace_to_sensor(wide).status, RayStatus::vignetted);
+  Ray aside{{0, 6 * kMm, 30 * kMm}, {0, 0, -1}};
+  EXPECT_EQ(LensSystem({closed}).trace_to_sensor(aside).status, RayStatus::vignetted);
   // Out of glass, steeper than the critical angle.
   SurfaceSpec exit = conic(-20 * kMm, -0.3, 1);
   const LensSystem total({{kInfinity, 15 * kMm, 1.8, 60 * kMm, true}, exit});
   Ray steep{{18 * kMm, 0, 30 * kMm}, {0, 0, -1}};
   EXPECT_EQ(total.trace_to_sensor(steep).status, RayStatus::total_internal_reflection);
+}
+
+TEST(Asphere, RaysThatMeetNothingOrTheBack) {
+  // The paraboloid z = -x^2 / 80 (mm, along the light) and a ray that crosses z = 0 at x = 10,
+  // inwards with the slope s: x^2 - 80 s x + 800 s = 0 has roots for s > 1/2 only.
+  const LensSystem paraboloid({conic(-40 * kMm, -1, 1.5)});
+  const auto status = [](const LensSystem& lens, double x, double slope) {
+    const Vec3 direction = normalize(Vec3{-1, 0, -slope});
+    Ray ray{Vec3{x * kMm, 0, 0} - 0.05 * direction, direction};
+    return lens.trace_to_sensor(ray).status;
+  };
+  EXPECT_EQ(status(paraboloid, 10, 0.6), RayStatus::reached);
+  for (const double slope : {0.45, 0.4, 0.35, 0.3, 0.25, 0.2})
+    EXPECT_EQ(status(paraboloid, 10, slope), RayStatus::missed) << slope;
+  // z = x^2 / 100 - x^4 / 40000 falls again beyond 14 mm: from there a flat ray inwards leaves the
+  // glass, at 19.1 mm, before it ever entered.
+  SurfaceSpec wave = conic(50 * kMm, -1, 1.5);
+  wave.aspheric = parse_aspheric("-2.5e-5 1/mm^3");
+  EXPECT_EQ(status(LensSystem({wave}), 20.5, 0.2), RayStatus::missed);
+  EXPECT_EQ(status(LensSystem({wave}), 8, 0.2), RayStatus::reached);
 }
 
 TEST(Asphere, Text) {
