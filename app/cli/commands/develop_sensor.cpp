@@ -137,11 +137,12 @@ class Developer {
     out.channels.clear();
     if (mosaic()) {
       last = frame(0, settings);
-      std::vector<Image> colours = demosaic(last.electrons, sensor_.mosaic, field_.window);
-      const std::vector<Image> counts = demosaiced_from(sensor_.mosaic, field_.window);
+      std::vector<DemosaicedColour> colours =
+          demosaic(last.electrons, sensor_.mosaic, field_.window);
       for (std::size_t c = 0; c < 3; ++c) {
-        Image error = error_of(colours[c], sensor_, &counts[c]);
-        out.channels.push_back({field_.channels[c].name, std::move(colours[c]), std::move(error)});
+        Image error = error_of(colours[c].values, sensor_, &colours[c].counts);
+        out.channels.push_back(
+            {field_.channels[c].name, std::move(colours[c].values), std::move(error)});
       }
       out.layers["sensor.raw"] = last.electrons;
     } else {

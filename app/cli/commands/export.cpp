@@ -33,7 +33,8 @@ int run_export(const Settings& settings) {
   const ExportName& format = format_of(settings.format);
   if (settings.grid > 0 && format.grid == 0)
     throw UsageError("--grid: the format '" + settings.format + "' holds no views");
-  const RawLightField raw = read_raw(settings.raw);
+  check_folder(settings.raw.output, settings.raw.force);
+  const RawLightField raw = read_raw(settings.raw, Layers::all);
   ExportSettings how;
   how.format = format.format;
   how.name = settings.name.empty() ? std::filesystem::path(settings.raw.input).stem().string()

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/light_field_channel.h"
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/micro_images.h"
@@ -71,22 +72,22 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
       ->option_text("NAME");
 }
 
-RawLightField read_raw(const RawArguments& arguments) {
-  return read_raw(arguments.input, arguments.scene);
-}
-
-RawLightField read_raw(const std::string& path, const std::string& scene) {
-  RawLightField raw;
+RawLightField read_raw(const RawArguments& arguments, Layers layers) {
+  const std::string &path = arguments.input, &scene = arguments.scene;
+  bool ours = true;
   try {
-    raw.field = read_light_field(path);
+    read_light_field_header(path);
   } catch (const InputError& error) {
     // Not one of ours, or not all of it: the pixels will do where the camera is given.
     if (scene.empty())
       throw InputError(std::string(error.what()) +
                        "; if it is a raw image from elsewhere, give its camera with --scene "
                        "SCENE.toml");
-    raw.field = read_foreign_image(path);
+    ours = false;
   }
+  RawLightField raw;
+  raw.field = ours ? read_light_field_channel(path, arguments.channel, layers)
+                   : read_foreign_channel(path, arguments.channel);
   if (scene.empty() && raw.field.scene_text.empty())
     throw InputError("'" + path +
                      "' holds no scene, so its camera is not known; give the one it was made with: "
@@ -98,7 +99,7 @@ RawLightField read_raw(const std::string& path, const std::string& scene) {
   return raw;
 }
 
-void prepare_folder(const std::string& folder, bool force) {
+void check_folder(const std::string& folder, bool force) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path path(folder);
@@ -112,7 +113,18 @@ void prepare_folder(const std::string& folder, bool force) {
                       "' has files in it; choose another one, or give --force to add to it");
     return;
   }
-  fs::create_directory(path, error);
+  fs::path full = fs::absolute(path, error).lexically_normal();
+  if (!full.has_filename()) full = full.parent_path();  // written with a slash at the end
+  const fs::path parent = full.parent_path();
+  if (!fs::is_directory(parent, error))
+    throw FileError("cannot make the folder '" + folder + "': there is no folder '" +
+                    parent.string() + "'");
+}
+
+void prepare_folder(const std::string& folder, bool force) {
+  check_folder(folder, force);
+  std::error_code error;
+  std::filesystem::create_directory(folder, error);
   if (error) throw FileError("cannot make the folder '" + folder + "': " + error.message());
 }
 

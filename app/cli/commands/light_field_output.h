@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "plenoflame/camera/camera.h"
-#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/light_field_channel.h"
 #include "plenoflame/lightfield/views.h"
 
 namespace CLI {
@@ -39,15 +39,14 @@ struct ViewArguments {
 };
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
-/// The light field of the arguments, with its camera.
-RawLightField read_raw(const RawArguments& arguments);
+/// The light field of the arguments, one channel of it, with its camera: that of --scene, or of the
+/// light field's own scene. @throws FileError, InputError
+RawLightField read_raw(const RawArguments& arguments, Layers layers = Layers::none);
 
-/// @param scene file that gives the camera; empty: the light field's own scene
-/// @throws FileError, InputError
-RawLightField read_raw(const std::string& path, const std::string& scene);
-
-/// Makes sure that results can go into a folder: it is made when its parent exists, and must be
-/// empty unless `force`. @throws FileError
+/// Makes sure that results can go into a folder: its parent must exist, and what is there must be
+/// empty unless `force`. To be asked before the work is done. @throws FileError
+void check_folder(const std::string& folder, bool force);
+/// The same, and makes the folder. @throws FileError
 void prepare_folder(const std::string& folder, bool force);
 
 /// A picture that was computed from a raw light field, ready to be written.

@@ -49,6 +49,7 @@ int run_refocus(const Settings& settings) {
     throw UsageError(
         "--all-in-focus needs at least 3 depths, the nearest first: give them with "
         "--depths, e.g. 0.9m:1.1m:11");
+  check_folder(settings.raw.output, settings.raw.force);
   const RawLightField raw = read_raw(settings.raw);
   const Camera camera(raw.camera);
   for (const double depth : depths) check_refocus_depth(camera, depth);

@@ -33,6 +33,7 @@ int type_of(const CameraSpec& camera, const std::string& name) {
 }
 
 int run_views(const Settings& settings) {
+  check_folder(settings.raw.output, settings.raw.force);
   const RawLightField raw = read_raw(settings.raw);
   ViewSettings how = settings.views.settings();
   how.grid = settings.grid;

@@ -25,6 +25,7 @@
 #include "exr_stream.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/light_field_channel.h"
 
 namespace plenoflame {
 namespace {
@@ -235,9 +236,16 @@ LightField from_header(const std::string& path, const Imf::Header& header) {
   return light_field;
 }
 
-/// Gives every image that the file holds its memory.
+/// What is read of a file.
+struct Wanted {
+  bool everything = true;
+  std::string channel;  ///< otherwise this one's flux; empty: that of the first
+  Layers layers = Layers::all;
+};
+
+/// Gives every image that the file holds, and that is wanted, its memory.
 void allocate_images(const std::string& path, const Imf::Header& header, std::uint64_t file_size,
-                     LightField& light_field) {
+                     const Wanted& wanted, LightField& light_field) {
   const PixelWindow& window = light_field.window;
   std::uint64_t images = 0;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -253,14 +261,17 @@ void allocate_images(const std::string& path, const Imf::Header& header, std::ui
   if (pixels > ratio * file_size / 2 / std::max<std::uint64_t>(images, 1))
     throw FileError("cannot read '" + path + "': the file is truncated");
   for_each_image(light_field, [&](const std::string& name, Image& image) {
-    if (header.channels().findChannel(name) != nullptr)
-      image = Image(window.width, window.height);
-    else if (!name.ends_with(kErrorSuffix))
+    if (header.channels().findChannel(name) != nullptr) {
+      if (wanted.everything || !name.ends_with(kErrorSuffix))
+        image = Image(window.width, window.height);
+    } else if (!name.ends_with(kErrorSuffix)) {
       throw InputError("'" + path + "' has no channel '" + name + "' although its list has");
+    }
   });
 }
 
-LightField read(const std::string& path, bool with_pixels, bool foreign = false) {
+LightField read(const std::string& path, bool with_pixels, bool foreign = false,
+                const Wanted& wanted = {}) {
   ExrInput input(path);
   input.check_header();
   try {
@@ -277,7 +288,12 @@ LightField read(const std::string& path, bool with_pixels, bool foreign = false)
     LightField light_field =
         foreign ? from_foreign_header(path, header) : from_header(path, header);
     if (!with_pixels) return light_field;
-    allocate_images(path, header, input.size(), light_field);
+    if (!wanted.everything) {
+      const LightFieldChannel channel = find_channel(light_field, wanted.channel, "'" + path + "'");
+      light_field.channels = {channel};
+      if (wanted.layers == Layers::none) light_field.layers.clear();
+    }
+    allocate_images(path, header, input.size(), wanted, light_field);
     Imf::InputFile file(input);
     file.setFrameBuffer(make_frame_buffer(light_field));
     file.readPixels(light_field.window.y, light_field.window.y + light_field.window.height - 1);
@@ -326,6 +342,15 @@ LightField read_light_field(const std::string& path) {
 
 LightField read_foreign_image(const std::string& path) {
   return read(path, true, true);
+}
+
+LightField read_light_field_channel(const std::string& path, const std::string& channel,
+                                    Layers layers) {
+  return read(path, true, false, {false, channel, layers});
+}
+
+LightField read_foreign_channel(const std::string& path, const std::string& channel) {
+  return read(path, true, true, {false, channel, Layers::none});
 }
 
 LightField read_light_field_header(const std::string& path) {

@@ -13,7 +13,6 @@ namespace {
 /// pixels, so that one on its rim counts.
 constexpr int kTraced = 41, kTracedFine = 65;
 constexpr double kFewPixels = 20;  ///< along the side of that square
-constexpr int kWhite = 81;         ///< points along the side of the table that is made of them
 /// Angles of the pixels' sides for which there are tables, over the 90 degrees after which a square
 /// is itself again.
 constexpr int kAngles = 5;
@@ -140,16 +139,17 @@ double cubic(const std::vector<double>& table, int side, double x, double y) {
 }
 
 /// Means of the traced table over squares around the points of the finer one.
+/// @param width points along the side of the finer one
 /// @param side of the squares and @param angle of them, in steps of the traced table and [rad]
 /// @param box points along the side
-std::vector<float> box_means(const std::vector<double>& traced, double side, int box,
+std::vector<float> box_means(const std::vector<double>& traced, int width, double side, int box,
                              double angle) {
   const int points = static_cast<int>(std::lround(std::sqrt(traced.size())));
-  std::vector<float> table(static_cast<std::size_t>(kWhite) * kWhite);
-  const double ratio = static_cast<double>(points - 1) / (kWhite - 1);
+  std::vector<float> table(static_cast<std::size_t>(width) * width);
+  const double ratio = static_cast<double>(points - 1) / (width - 1);
   const Vec2 axis{std::cos(angle), std::sin(angle)};
-  for (int j = 0; j < kWhite; ++j)
-    for (int i = 0; i < kWhite; ++i) {
+  for (int j = 0; j < width; ++j)
+    for (int i = 0; i < width; ++i) {
       double total = 0;
       for (int b = 0; b < box; ++b)
         for (int a = 0; a < box; ++a) {
@@ -157,7 +157,7 @@ std::vector<float> box_means(const std::vector<double>& traced, double side, int
               to_camera({((a + 0.5) / box - 0.5) * side, ((b + 0.5) / box - 0.5) * side}, axis);
           total += cubic(traced, points, ratio * i + o.x, ratio * j + o.y);
         }
-      table[static_cast<std::size_t>(j * kWhite + i)] =
+      table[static_cast<std::size_t>(j * width + i)] =
           static_cast<float>(std::max(0.0, total / (box * box)));
     }
   return table;
@@ -190,7 +190,7 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
   const double boxes = std::lround(p / step);
   const int box = static_cast<int>(std::clamp(boxes, 5.0, 12.0));
   for (int angle = 0; angle < kAngles; ++angle)
-    node.white.push_back(box_means(traced, p / step, box, -angle * kAngleStep));
+    node.white.push_back(box_means(traced, kWhiteSide, p / step, box, -angle * kAngleStep));
   const float largest = *std::max_element(node.white[0].begin(), node.white[0].end());
   float difference = 0;
   for (std::size_t k = 0; k < node.white[0].size(); ++k)
@@ -217,7 +217,7 @@ MicroImages::WhiteTable::WhiteTable(const MicroImages& micro_images, const Place
     const double weight = n == 0 ? 1 - t : t;
     const auto add = [&](const std::vector<float>& table, double share) {
       parts_[count_++] = {table.data(), weight * share, node.white_half,
-                          (kWhite - 1) / (2 * node.white_half)};
+                          (kWhiteSide - 1) / (2 * node.white_half)};
     };
     if (node.white.size() == 1)
       add(node.white[0], 1);
@@ -237,13 +237,13 @@ double MicroImages::WhiteTable::operator()(Vec2 sensor_point) const {
   for (std::size_t n = 0; n < count_; ++n) {
     const Part& part = parts_[n];
     const double x = (v.x + part.half) * part.scale, y = (v.y + part.half) * part.scale;
-    if (!(x >= 0 && y >= 0 && x < kWhite - 1 && y < kWhite - 1)) continue;
+    if (!(x >= 0 && y >= 0 && x < kWhiteSide - 1 && y < kWhiteSide - 1)) continue;
     const auto i = static_cast<std::size_t>(x), j = static_cast<std::size_t>(y);
     const double s = x - static_cast<double>(i), r = y - static_cast<double>(j);
-    const float* w = part.table + j * kWhite + i;
+    const float* w = part.table + j * kWhiteSide + i;
     const auto at = [w](std::size_t k) { return static_cast<double>(w[k]); };
     total += part.weight * ((1 - r) * ((1 - s) * at(0) + s * at(1)) +
-                            r * ((1 - s) * at(kWhite) + s * at(kWhite + 1)));
+                            r * ((1 - s) * at(kWhiteSide) + s * at(kWhiteSide + 1)));
   }
   return std::max(total, 0.0);
 }

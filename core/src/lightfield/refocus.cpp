@@ -1,10 +1,13 @@
 #include "plenoflame/lightfield/refocus.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
+#include "lightfield/micro_image_pixels.h"
+#include "lightfield/refocus_sums.h"
+#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/first_order.h"
@@ -14,64 +17,6 @@ namespace {
 
 constexpr std::size_t kParts =
     8;  ///< of the work, summed in order: any number of threads gives the same
-
-/// Light and white light, in pixels of the picture.
-struct Sums {
-  int width = 0, height = 0;
-  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not wanted
-  Sums(int w, int h, bool with_square = false)
-      : width(w),
-        height(h),
-        light(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)),
-        white(light),
-        square(with_square ? light.size() : 0) {}
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(column);
-  }
-  /// Bilinear; x, y count from the middle of pixel (0, 0).
-  void add(double x, double y, double light_, double white_) {
-    const double x_floor = std::floor(x), y_floor = std::floor(y);
-    if (!(x_floor >= -1 && y_floor >= -1 && x_floor < width && y_floor < height)) return;
-    const int i = static_cast<int>(x_floor), j = static_cast<int>(y_floor);
-    for (int b = 0; b <= 1; ++b)
-      for (int a = 0; a <= 1; ++a) {
-        if (i + a < 0 || j + b < 0 || i + a >= width || j + b >= height) continue;
-        const double weight =
-            (a == 1 ? x - x_floor : 1 - (x - x_floor)) * (b == 1 ? y - y_floor : 1 - (y - y_floor));
-        light[index(i + a, j + b)] += weight * light_;
-        white[index(i + a, j + b)] += weight * white_;
-        if (!square.empty()) square[index(i + a, j + b)] += weight * light_ * light_ / white_;
-      }
-  }
-};
-
-/// Gives pixels that met nothing what their surroundings have: a level of half the size, filled in
-/// the same way, counts with a weight that never shows where there are samples.
-void fill_gaps(Sums& sums) {
-  if (sums.width < 2 || sums.height < 2) return;
-  double largest = 0;
-  for (const double w : sums.white) largest = std::max(largest, w);
-  const double least = 1e-3 * largest;
-  if (std::none_of(sums.white.begin(), sums.white.end(), [&](double w) { return w < least; }))
-    return;
-  Sums coarse((sums.width + 1) / 2, (sums.height + 1) / 2);
-  for (int row = 0; row < sums.height; ++row)
-    for (int column = 0; column < sums.width; ++column) {
-      const std::size_t from = sums.index(column, row), to = coarse.index(column / 2, row / 2);
-      coarse.light[to] += sums.light[from];
-      coarse.white[to] += sums.white[from];
-    }
-  fill_gaps(coarse);
-  for (int row = 0; row < sums.height; ++row)
-    for (int column = 0; column < sums.width; ++column) {
-      const std::size_t to = sums.index(column, row), from = coarse.index(column / 2, row / 2);
-      if (sums.white[to] >= least || coarse.white[from] <= 0) continue;
-      const double missing = least - sums.white[to];
-      sums.light[to] += missing * coarse.light[from] / coarse.white[from];
-      sums.white[to] = least;
-    }
-}
 
 struct Target {
   double pixel = 0;  ///< [m]
@@ -99,75 +44,141 @@ Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>
   return target;
 }
 
-/// Where the chief rays of a row of pixels meet the plane, one after the other. Along a row the map
-/// is a polynomial of degree 5: six values say all, and forward differences give the rest, exactly.
-class RowPoints {
+/// A micro-image's map from sensor to plane as polynomials of degree 5 of the place in it, in radii
+/// from its middle along the sensor's columns and rows. Exact for the tables' polynomials of the
+/// same degree, turned as they are.
+class PlanePolynomials {
  public:
-  RowPoints(const MicroImages::ToPlane& to_plane, Vec2 first, Vec2 step) {
-    for (std::size_t k = 0; k < kValues; ++k)
-      differences_[k] = to_plane(first + static_cast<double>(k) * step);
-    for (std::size_t order = 1; order < kValues; ++order)
-      for (std::size_t k = kValues - 1; k >= order; --k)
-        differences_[k] = differences_[k] - differences_[k - 1];
+  static constexpr int kDegree = 5;
+  static constexpr std::size_t kTerms = 21;
+
+  PlanePolynomials() {
+    // Lines of 6, 5, ... 1 points determine the 21 coefficients; Chebyshev's, so that they do well.
+    Eigen::Matrix<double, kTerms, kTerms> values;
+    const auto node = [](int k, int count) { return std::cos(constants::pi * (k + 0.5) / count); };
+    constexpr std::array<int, 6> kLine = {2, 3, 1, 4, 0, 5};  // the longest near the middle
+    Eigen::Index n = 0;
+    for (std::size_t line = 0; line < kLine.size(); ++line)
+      for (int k = 0, count = kDegree + 1 - static_cast<int>(line); k < count; ++k) {
+        const double y = node(kLine[line], kDegree + 1);
+        nodes_[static_cast<std::size_t>(n)] = {std::sqrt(1 - y * y) * node(k, count), y};
+        const Vec2 at = nodes_[static_cast<std::size_t>(n)];
+        Eigen::Index term = 0;
+        for (int j = 0; j <= kDegree; ++j)
+          for (int i = 0; i + j <= kDegree; ++i)
+            values(n, term++) = std::pow(at.x, i) * std::pow(at.y, j);
+        ++n;
+      }
+    inverse_ = values.inverse();
   }
-  Vec2 next() {
-    const Vec2 value = differences_[0];
-    for (std::size_t k = 0; k + 1 < kValues; ++k)
-      differences_[k] = differences_[k] + differences_[k + 1];
-    return value;
+
+  using Terms = Eigen::Matrix<double, kTerms, 2>;  ///< of the places along and across
+
+  /// @param to_picture from the plane [m] to the picture's pixels, relative to one of them
+  template <class ToPicture>
+  Terms of(const MicroImages::ToPlane& to_plane, const MicroImages::Place& place, double radius,
+           const ToPicture& to_picture) const {
+    Terms points;
+    for (std::size_t n = 0; n < kTerms; ++n) {
+      const Vec2 at =
+          to_picture(to_plane(place.centre + radius * Vec2{-nodes_[n].x, -nodes_[n].y}));
+      points(static_cast<Eigen::Index>(n), 0) = at.x;
+      points(static_cast<Eigen::Index>(n), 1) = at.y;
+    }
+    return inverse_ * points;
   }
 
  private:
-  static constexpr std::size_t kValues = 6;
-  std::array<Vec2, kValues> differences_;
+  std::array<Vec2, kTerms> nodes_;
+  Eigen::Matrix<double, kTerms, kTerms> inverse_;
 };
 
-void add_micro_image(const LightField& field, const Image& flux, const MicroImages& micro,
-                     const MicroImages::Place& place, const Target& target, double depth,
-                     double radius, double weight, Sums& sums) {
-  const SensorSpec& sensor = micro.camera().spec().sensor;
-  const PixelWindow& window = field.window;
-  const double p = sensor.pixel_pitch;
-  const double x = 0.5 * sensor.columns - place.centre.x / p,
-               y = 0.5 * sensor.rows - place.centre.y / p;
-  const auto bound = [](double value, int low, int high) {
-    return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
-  };
-  const double reach = radius / p;
-  const int last_row = bound(std::floor(y + reach - 0.5) + 1, window.y, window.y + window.height);
-  const MicroImages::ToPlane to_plane = micro.to_plane(place, depth);
-  const MicroImages::LocalWhite local_white(micro, place.lens, radius);
-  for (int row = bound(std::ceil(y - reach - 0.5), window.y, window.y + window.height);
-       row < last_row; ++row) {
-    // Pixels with their centres in the disc.
-    const double above = row + 0.5 - y;
-    const double half = std::sqrt(std::max(0.0, reach * reach - above * above));
-    const int first = bound(std::ceil(x - half - 0.5), window.x, window.x + window.width);
-    const int last = bound(std::floor(x + half - 0.5) + 1, window.x, window.x + window.width);
-    if (first >= last) continue;
-    RowPoints points(to_plane, micro.camera().sensor_point(first + 0.5, row + 0.5), {-p, 0});
-    for (int column = first; column < last; ++column) {
-      const Vec2 point = points.next();
-      const MicroImages::White white =
-          local_white(micro.camera().sensor_point(column + 0.5, row + 0.5));
-      if (white.own <= 0) continue;
-      const double light = static_cast<double>(flux.at(column - window.x, row - window.y));
-      if (!std::isfinite(light))
+/// What stays the same over the micro-images of a plane.
+struct PlaneJob {
+  const LightField& field;
+  const Image& flux;
+  const MicroImages& micro;
+  const Target& target;
+  const PlanePolynomials& polynomials;
+  MicroImageKernels kernels;
+  Isa isa;
+  double depth = 0;
+};
+
+/// Memory for the pixels of a micro-image.
+struct Scratch {
+  MicroImages::Pixels pixels;
+  std::vector<float> flux, right, down, light, white;
+  std::vector<int> column, row;
+};
+
+[[noreturn]] void report_not_finite(const Scratch& scratch) {
+  for (const MicroImages::Pixels::Row& row : scratch.pixels.rows)
+    for (std::size_t k = 0; k < row.count; ++k)
+      if (scratch.pixels.own[row.begin + k] > 0 && !std::isfinite(scratch.flux[row.begin + k]))
         throw InputError("the light field holds a value that is not finite, in column " +
-                         std::to_string(column) + ", row " + std::to_string(row));
-      // Light that came through neighbours cannot be told apart: the pixel counts as much as its
-      // own share of it, as though the scene were the same there.
-      sums.add((point.x - target.corner.x) / target.pixel - 0.5,
-               (point.y - target.corner.y) / target.pixel - 0.5,
-               weight * light * white.own / white.total, weight * white.own);
-    }
+                         std::to_string(row.column + static_cast<int>(k)) + ", row " +
+                         std::to_string(row.row));
+  throw InputError("the light field holds values too large to add up");
+}
+
+void add_micro_image(const PlaneJob& job, const MicroImages::Place& place, double radius,
+                     double weight, Scratch& scratch, RefocusBand& band) {
+  const SensorSpec& sensor = job.micro.camera().spec().sensor;
+  const PixelWindow& window = job.field.window;
+  MicroImages::Pixels& pixels = scratch.pixels;
+  pixels.set(sensor, window, place.centre, radius);
+  if (pixels.x.empty()) return;
+  const std::size_t count = pixels.x.size();
+  for (std::vector<float>* values :
+       {&scratch.flux, &scratch.right, &scratch.down, &scratch.light, &scratch.white})
+    values->resize(count);
+  scratch.column.resize(count);
+  scratch.row.resize(count);
+  for (const MicroImages::Pixels::Row& row : pixels.rows) {
+    const std::size_t from =
+        static_cast<std::size_t>(row.row - window.y) * static_cast<std::size_t>(window.width) +
+        static_cast<std::size_t>(row.column - window.x);
+    std::copy_n(job.flux.pixels.data() + from, row.count, scratch.flux.data() + row.begin);
   }
+  MicroImages::LocalWhite(job.micro, place.lens, radius).fill(pixels, job.isa);
+
+  const MicroImages::ToPlane to_plane = job.micro.to_plane(place, job.depth);
+  const auto to_picture = [&](Vec2 point) {
+    return Vec2{(point.x - job.target.corner.x) / job.target.pixel - 0.5,
+                (point.y - job.target.corner.y) / job.target.pixel - 0.5};
+  };
+  // Places relative to the pixel of the middle, so that single precision does.
+  const Vec2 middle = to_picture(to_plane(place.centre));
+  if (!(std::fabs(middle.x) < 1e8 && std::fabs(middle.y) < 1e8)) return;
+  const Vec2 base{std::floor(middle.x), std::floor(middle.y)};
+  const PlanePolynomials::Terms terms = job.polynomials.of(
+      to_plane, place, radius, [&](Vec2 point) { return to_picture(point) - base; });
+  KernelProjection task{};
+  for (std::size_t k = 0; k < PlanePolynomials::kTerms; ++k) {
+    task.along[k] = static_cast<float>(terms(static_cast<Eigen::Index>(k), 0));
+    task.across[k] = static_cast<float>(terms(static_cast<Eigen::Index>(k), 1));
+  }
+  task.count = static_cast<int>(count);
+  task.x = pixels.x.data();
+  task.y = pixels.y.data();
+  task.scale = static_cast<float>(sensor.pixel_pitch / radius);
+  // Light that came through neighbours cannot be told apart: the pixel counts as much as its own
+  // share of it, as though the scene were the same there.
+  task.weight = static_cast<float>(weight);
+  task.flux = scratch.flux.data();
+  task.own = pixels.own.data();
+  task.total = pixels.total.data();
+  const KernelSamples samples{scratch.column.data(), scratch.row.data(),   scratch.right.data(),
+                              scratch.down.data(),   scratch.light.data(), scratch.white.data()};
+  if (!job.kernels.project(task, samples)) report_not_finite(scratch);
+  band.add(static_cast<int>(base.x), static_cast<int>(base.y), count, samples);
 }
 
 /// The sums of one plane.
 struct Plane {
   Target target;
-  Sums sums;
+  RefocusSums sums;
 };
 
 Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
@@ -197,23 +208,23 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
   // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
   // bound. The disc always holds the middle of a pixel, however small the micro-images are.
   const double most = 0.5 * micro_images.spacing(), least = 0.71 * camera.spec().sensor.pixel_pitch;
-  std::vector<Sums> parts(kParts, Sums(target.width, target.height, square));
+  const PlanePolynomials polynomials;
+  const PlaneJob job{light_field,  flux,          micro_images,
+                     target,       polynomials,   micro_image_kernels(settings.isa),
+                     settings.isa, settings.depth};
+  std::vector<RefocusBand> parts(kParts, RefocusBand(target.width, target.height, square));
   const bool done = parallel_for(execution, kParts, [&](std::size_t part, int) {
+    Scratch scratch;
     for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts;
          ++k)
       if (!places[k].dark)
-        add_micro_image(light_field, flux, micro_images, places[k], target, settings.depth,
+        add_micro_image(job, places[k],
                         std::max(std::min(settings.aperture * places[k].radius, most), least),
-                        weights[static_cast<std::size_t>(places[k].type)], parts[part]);
+                        weights[static_cast<std::size_t>(places[k].type)], scratch, parts[part]);
   });
   if (!done) throw Cancelled();
-  Sums& sums = parts.front();
-  for (std::size_t part = 1; part < kParts; ++part)
-    for (std::size_t k = 0; k < sums.white.size(); ++k) {
-      sums.light[k] += parts[part].light[k];
-      sums.white[k] += parts[part].white[k];
-      if (square) sums.square[k] += parts[part].square[k];
-    }
+  RefocusSums sums(target.width, target.height, square);
+  for (const RefocusBand& part : parts) part.add_to(sums);
   return {target, std::move(sums)};
 }
 
@@ -311,7 +322,7 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
     RefocusSettings how = settings;
     how.depth = depth;
     Plane plane = accumulate(light_field, micro_images, how, true, execution);
-    const Sums& sums = plane.sums;
+    const RefocusSums& sums = plane.sums;
     if (!stack.planes.empty()) {
       const Image& first = stack.planes.front().image;
       // The same microlenses are the outermost at all depths, but for rounding.

@@ -135,42 +135,32 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
   return frame;
 }
 
-std::vector<Image> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow window) {
+std::vector<DemosaicedColour> demosaic(const Image& raw, MosaicPattern pattern,
+                                       PixelWindow window) {
   if (pattern == MosaicPattern::none)
     throw InputError("there is nothing to demosaic: the sensor has no mosaic");
-  std::vector<Image> colours(3, Image(raw.width, raw.height));
+  const Image none(raw.width, raw.height);
+  std::vector<DemosaicedColour> colours(3, {none, none});
   for (int row = 0; row < raw.height; ++row)
     for (int column = 0; column < raw.width; ++column) {
-      double sum[3] = {}, count[3] = {};
+      double sum[3] = {};
+      int count[3] = {};
       for (int y = std::max(0, row - 1); y <= std::min(raw.height - 1, row + 1); ++y)
         for (int x = std::max(0, column - 1); x <= std::min(raw.width - 1, column + 1); ++x) {
           const int colour = mosaic_colour(pattern, window.x + x, window.y + y);
           sum[colour] += static_cast<double>(raw.at(x, y));
-          count[colour] += 1;
+          ++count[colour];
         }
       const int own = mosaic_colour(pattern, window.x + column, window.y + row);
-      for (int c = 0; c < 3; ++c)
-        colours[static_cast<std::size_t>(c)].at(column, row) =
-            c == own ? raw.at(column, row)
-                     : static_cast<float>(count[c] > 0 ? sum[c] / count[c] : 0);
+      sum[own] = static_cast<double>(raw.at(column, row));
+      count[own] = 1;
+      for (int c = 0; c < 3; ++c) {
+        DemosaicedColour& colour = colours[static_cast<std::size_t>(c)];
+        colour.values.at(column, row) = static_cast<float>(count[c] > 0 ? sum[c] / count[c] : 0);
+        colour.counts.at(column, row) = static_cast<float>(count[c]);
+      }
     }
   return colours;
-}
-
-std::vector<Image> demosaiced_from(MosaicPattern pattern, PixelWindow window) {
-  std::vector<Image> counts(3, Image(window.width, window.height, 1));
-  for (int row = 0; row < window.height; ++row)
-    for (int column = 0; column < window.width; ++column) {
-      int count[3] = {};
-      for (int y = std::max(0, row - 1); y <= std::min(window.height - 1, row + 1); ++y)
-        for (int x = std::max(0, column - 1); x <= std::min(window.width - 1, column + 1); ++x)
-          ++count[mosaic_colour(pattern, window.x + x, window.y + y)];
-      const int own = mosaic_colour(pattern, window.x + column, window.y + row);
-      for (int c = 0; c < 3; ++c)
-        if (c != own)
-          counts[static_cast<std::size_t>(c)].at(column, row) = static_cast<float>(count[c]);
-    }
-  return counts;
 }
 
 }  // namespace plenoflame

@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/light_field_channel.h"
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
@@ -83,6 +84,40 @@ void expect_same_header(const LightField& actual, const LightField& expected) {
   for (std::size_t i = 0; i < expected.channels.size(); ++i)
     EXPECT_EQ(actual.channels[i].name, expected.channels[i].name);
   ASSERT_EQ(actual.layers.size(), expected.layers.size());
+}
+
+// What is not asked for stays in the file; what is asked for is the same as when all is read.
+TEST(LightFieldFile, OneChannelIsReadByItself) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.exr");
+  const LightField field = sample_light_field();
+  write_light_field(path, field);
+  for (const char* name : {"", "total", "650nm"}) {
+    const LightFieldChannel& expected = find_channel(field, name);
+    const LightField back = read_light_field_channel(path, name);
+    ASSERT_EQ(back.channels.size(), 1U);
+    EXPECT_EQ(back.channels[0].name, expected.name);
+    expect_same(back.channels[0].flux, expected.flux);
+    EXPECT_TRUE(back.channels[0].standard_error.empty());
+    EXPECT_TRUE(back.layers.empty());
+    EXPECT_EQ(back.window, field.window);
+    EXPECT_EQ(back.scene_text, field.scene_text);
+    EXPECT_EQ(back.numbers, field.numbers);
+    const LightField with_layers = read_light_field_channel(path, name, Layers::all);
+    expect_same(with_layers.channels.at(0).flux, expected.flux);
+    expect_same(with_layers.layers.at("truth.depth"), field.layers.at("truth.depth"));
+    const LightField foreign = read_foreign_channel(path, name[0] == '\0' ? "total" : name);
+    ASSERT_EQ(foreign.channels.size(), 1U);
+    expect_same(foreign.channels[0].flux, expected.flux);
+  }
+  try {
+    read_light_field_channel(path, "blue");
+    FAIL() << "there is no such channel";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("has no channel 'blue'; it has: total, 650nm"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(LightFieldFile, ComesBackBitByBit) {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/lightfield/rendered.h"
 #include "plenoflame/camera/design.h"
 #include "plenoflame/lightfield/refocus.h"
-#include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/plane_medium.h"
@@ -35,11 +35,7 @@ TEST(DepthFromFocus, LiesWithinTheDesignsDepthResolution) {
       return 1 + 0.4 * std::cos(k * y) + 0.4 * std::cos(k * z + 1);
     });
     const CompiledScene scene = test::scene_of(spec, std::make_unique<test::PlaneMedium>(plane));
-    RenderSettings settings;
-    settings.samples = 64;
-    settings.window = {150, 150, 300, 300};
-    settings.standard_error = false;
-    const LightField field = render(scene, settings, test::threads(2)).light_field;
+    const LightField field = test::rendered(scene, {150, 150, 300, 300}, 64);
     // Planes that do not include the true one.
     std::vector<double> depths;
     for (int i = -3; i <= 3; ++i) depths.push_back(depth + (i + 0.3) * 2 * step);

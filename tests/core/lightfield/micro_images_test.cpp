@@ -7,6 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/isas.h"
 #include "support/plain_sampler.h"
 
 namespace plenoflame {
@@ -119,6 +120,54 @@ TEST(MicroImages, WhiteIsTheEtendueOfThePixel) {
     EXPECT_LT(estimate.standard_error, 0.01 * estimate.flux);
     EXPECT_LT(std::fabs(white - estimate.flux), 0.005 * white + 4 * estimate.standard_error)
         << white << ' ' << estimate.flux;
+  }
+}
+
+// The vector code for all pixels of a micro-image, against the operator in double precision for one
+// after the other; also where the light of neighbours arrives.
+TEST(MicroImages, PixelsHaveTheWhiteLightOfTheirPlaces) {
+  for (const char* name : {"raytrix-r29-reduced", "paper-previous-60x60"}) {
+    const CameraSpec spec = test::preset_camera(name);
+    const MicroImages micro(Camera(spec), true, test::threads(2));
+    const PixelWindow window{3, 5, spec.sensor.columns - 9, spec.sensor.rows - 20};
+    const double radius = 0.6 * micro.spacing(), p = spec.sensor.pixel_pitch;
+    std::size_t shared_in_all = 0;
+    for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{9, -4}, LensIndex{-13, 17}}) {
+      const MicroImages::Place place = micro.place(lens);
+      ASSERT_FALSE(place.dark);
+      const MicroImages::LocalWhite white(micro, lens, radius);
+      const double brightest = micro.white(place, place.centre);
+      for (const Isa isa : test::supported_isas()) {
+        MicroImages::Pixels pixels;
+        pixels.set(spec.sensor, window, place.centre, radius);
+        white.fill(pixels, isa);
+        std::size_t at = 0, shared = 0;
+        for (const MicroImages::Pixels::Row& row : pixels.rows) {
+          ASSERT_EQ(row.begin, at);
+          for (std::size_t k = 0; k < row.count; ++k, ++at) {
+            const Vec2 s = micro.camera().sensor_point(row.column + static_cast<double>(k) + 0.5,
+                                                       row.row + 0.5);
+            ASSERT_LE(length(s - place.centre), radius * (1 + 1e-9));
+            EXPECT_TRUE(
+                within(-p * static_cast<double>(pixels.x[at]), s.x - place.centre.x, 1e-5, p));
+            EXPECT_TRUE(
+                within(-p * static_cast<double>(pixels.y[at]), s.y - place.centre.y, 1e-5, p));
+            const MicroImages::White expected = white(s);
+            EXPECT_TRUE(within(static_cast<double>(pixels.own[at]), expected.own, 2e-5, brightest));
+            EXPECT_TRUE(
+                within(static_cast<double>(pixels.total[at]), expected.total, 2e-5, brightest))
+                << name << ' ' << plenoflame::name(isa);
+            shared += expected.total > expected.own ? 1 : 0;
+          }
+        }
+        ASSERT_EQ(pixels.x.size(), at);
+        ASSERT_EQ(pixels.own.size(), at);
+        // The area of the disc in pixels.
+        EXPECT_TRUE(relative(static_cast<double>(at), 3.14159265 * std::pow(radius / p, 2), 0.1));
+        shared_in_all += shared;
+      }
+    }
+    EXPECT_GT(shared_in_all, 0U) << name;
   }
 }
 

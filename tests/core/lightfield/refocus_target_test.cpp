@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/lightfield/rendered.h"
 #include "plenoflame/lightfield/refocus.h"
 #include "plenoflame/lightfield/views.h"
-#include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/plane_medium.h"
@@ -17,12 +17,8 @@ namespace {
 
 LightField rendered(const CameraSpec& camera, const test::PlaneMedium& plane, PixelWindow window,
                     int samples) {
-  const CompiledScene scene = test::scene_of(camera, std::make_unique<test::PlaneMedium>(plane));
-  RenderSettings settings;
-  settings.samples = samples;
-  settings.window = window;
-  settings.standard_error = false;
-  return render(scene, settings, test::threads(2)).light_field;
+  return test::rendered(test::scene_of(camera, std::make_unique<test::PlaneMedium>(plane)), window,
+                        samples);
 }
 
 // A conventional camera that is focused on the plane records the mean of the texture over each
@@ -33,11 +29,16 @@ TEST(RefocusTarget, MatchesAConventionalPicture) {
     double depth, wave;  ///< [m]
     PixelWindow window;
     int width;
+    double least;  ///< [dB]
   };
-  for (const Case& c : {Case{"paper-previous-60x60", 1.0, 28e-3, {150, 150, 300, 300}, 0},
-                        Case{"paper-previous-60x60", 0.9, 28e-3, {150, 150, 300, 300}, 0},
-                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 0},
-                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 40}}) {
+  // The last one is 0.19 m in front of all that the reduced R29's design calls sharp (1.485
+  // to 1.509 m, "design"): the microlenses themselves blur the waves, and no refocusing brings back
+  // what no micro-image holds. It shows what is left there.
+  for (const Case& c : {Case{"paper-previous-60x60", 1.0, 28e-3, {150, 150, 300, 300}, 0, 35},
+                        Case{"paper-previous-60x60", 0.9, 28e-3, {150, 150, 300, 300}, 0, 35},
+                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 0, 35},
+                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 40, 35},
+                        Case{"raytrix-r29-reduced", 1.3, 8e-3, {1590, 975, 600, 600}, 0, 28}}) {
     const double k = 2 * std::acos(-1.0) / c.wave;
     const test::PlaneMedium plane(c.depth, 1, [k](double y, double z) {
       return 1 + 0.5 * std::cos(k * y) * std::cos(0.7 * k * z + 0.3);
@@ -68,7 +69,7 @@ TEST(RefocusTarget, MatchesAConventionalPicture) {
       }
     ASSERT_GT(count, 100);
     const double decibel = 10 * std::log10(1.0 / (square / count));
-    EXPECT_GT(decibel, 35) << c.name << ' ' << c.depth << " m: " << decibel << " dB";
+    EXPECT_GT(decibel, c.least) << c.name << ' ' << c.depth << " m: " << decibel << " dB";
     RecordProperty(
         std::string(c.name) + "_" + std::to_string(c.depth) + "_" + std::to_string(c.width),
         std::to_string(decibel));

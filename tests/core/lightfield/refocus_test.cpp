@@ -5,24 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/lightfield/rendered.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/isas.h"
 #include "support/uniform_medium.h"
 
 namespace plenoflame {
 namespace {
 
 using test::relative;
-
-LightField rendered(const CompiledScene& scene, PixelWindow window, int samples = 32) {
-  RenderSettings settings;
-  settings.samples = samples;
-  settings.window = window;
-  settings.standard_error = false;
-  return render(scene, settings, test::threads(2)).light_field;
-}
 
 /// A small bright cube at z = `depth` in front of the camera, beside the axis.
 CompiledScene cube_scene(const CameraSpec& camera, double depth, Vec2 at, double half) {
@@ -71,8 +64,8 @@ TEST(Refocus, FindsTheDepthAndPlaceOfACube) {
     const CompiledScene scene = cube_scene(spec, c.depth, c.at, c.half);
     const SensorSpec& sensor = spec.sensor;
     const int side = std::min({sensor.columns, sensor.rows, 700});
-    const LightField field =
-        rendered(scene, {(sensor.columns - side) / 2, (sensor.rows - side) / 2, side, side});
+    const LightField field = test::rendered(
+        scene, {(sensor.columns - side) / 2, (sensor.rows - side) / 2, side, side}, 32);
     const MicroImages micro(scene.camera, true, test::threads(2));
     double best = 0, least = kInfinity;
     Spot sharpest;
@@ -103,7 +96,7 @@ TEST(Refocus, FindsTheDepthAndPlaceOfACube) {
 TEST(Refocus, UniformSceneStaysUniform) {
   const CompiledScene scene = test::scene_of(test::preset_camera("raytrix-r29-reduced"),
                                              std::make_unique<test::UniformMedium>());
-  const LightField field = rendered(scene, {1700, 1100, 200, 200}, 1024);
+  const LightField field = test::rendered(scene, {1700, 1100, 200, 200}, 1024);
   const MicroImages micro(scene.camera, true, test::threads(2));
   struct Case {
     int width;
@@ -126,13 +119,38 @@ TEST(Refocus, UniformSceneStaysUniform) {
 TEST(Refocus, SameForAnyNumberOfThreads) {
   const CompiledScene scene =
       cube_scene(test::preset_camera("paper-previous-60x60"), 1, {0, 0}, 5e-3);
-  const LightField field = rendered(scene, {200, 200, 200, 200});
+  const LightField field = test::rendered(scene, {200, 200, 200, 200}, 32);
   const MicroImages one(scene.camera, true, test::one_thread()),
       many(scene.camera, true, test::threads(3));
   RefocusSettings settings;
   settings.depth = 1;
   EXPECT_EQ(refocus(field, one, settings, test::one_thread()).image.pixels,
             refocus(field, many, settings, test::threads(5)).image.pixels);
+}
+
+// Vector code of every instruction set, against that of plain single precision.
+TEST(Refocus, SameForAnyInstructionSet) {
+  const CameraSpec spec = test::preset_camera("paper-previous-60x60");
+  const CompiledScene scene = cube_scene(spec, 1.0, {0.002, 0.001}, 2e-3);
+  const LightField field = test::rendered(scene, {200, 200, 200, 200}, 32);
+  const MicroImages micro(scene.camera, true, test::threads(2));
+  RefocusSettings settings;
+  settings.depth = 0.95;
+  settings.width = 50;
+  settings.isa = Isa::baseline;
+  const RefocusedImage plain = refocus(field, micro, settings, test::threads(2));
+  const double largest =
+      static_cast<double>(*std::max_element(plain.image.pixels.begin(), plain.image.pixels.end()));
+  ASSERT_GT(largest, 0);
+  for (const Isa isa : test::supported_isas()) {
+    settings.isa = isa;
+    const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
+    ASSERT_EQ(picture.image.pixels.size(), plain.image.pixels.size());
+    for (std::size_t k = 0; k < plain.image.pixels.size(); ++k)
+      EXPECT_TRUE(test::within(static_cast<double>(picture.image.pixels[k]),
+                               static_cast<double>(plain.image.pixels[k]), 1e-4, largest))
+          << name(isa) << ' ' << k;
+  }
 }
 
 // Of two opaque cubes at different depths the map finds both, and the picture that is sharp
@@ -148,7 +166,7 @@ TEST(FocusStack, FindsTheDepthsOfTwoCubes) {
   LightField field;
   for (const Box& box : {cube(near, -0.03), cube(far, 0.03)}) {
     const CompiledScene scene = test::scene_of(spec, std::make_unique<test::UniformMedium>(box));
-    const LightField one = rendered(scene, {0, 150, 600, 300}, 64);
+    const LightField one = test::rendered(scene, {0, 150, 600, 300}, 64);
     if (field.channels.empty()) {
       field = one;
       continue;

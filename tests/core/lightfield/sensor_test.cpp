@@ -143,14 +143,14 @@ TEST(Sensor, ADarkFrameHasNoiseOfItsOwn) {
 }
 
 TEST(Sensor, DemosaicedPixelsAreMeansOfSoMany) {
-  const std::vector<Image> counts = demosaiced_from(MosaicPattern::rggb, {0, 0, 6, 6});
+  const auto colours = demosaic(Image(6, 6, 1), MosaicPattern::rggb, {0, 0, 6, 6});
   // Red at even columns and rows: itself; green there of 4, blue of 4; red at green pixels of 2.
-  EXPECT_EQ(counts[0].at(2, 2), 1);
-  EXPECT_EQ(counts[1].at(2, 2), 4);
-  EXPECT_EQ(counts[2].at(2, 2), 4);
-  EXPECT_EQ(counts[0].at(3, 2), 2);
-  EXPECT_EQ(counts[0].at(3, 3), 4);
-  EXPECT_EQ(counts[2].at(0, 0), 1) << "the corner has one blue neighbour";
+  EXPECT_EQ(colours[0].counts.at(2, 2), 1);
+  EXPECT_EQ(colours[1].counts.at(2, 2), 4);
+  EXPECT_EQ(colours[2].counts.at(2, 2), 4);
+  EXPECT_EQ(colours[0].counts.at(3, 2), 2);
+  EXPECT_EQ(colours[0].counts.at(3, 3), 4);
+  EXPECT_EQ(colours[2].counts.at(0, 0), 1) << "the corner has one blue neighbour";
 }
 
 TEST(Sensor, DefectsStayWhereTheyAre) {
@@ -200,12 +200,12 @@ TEST(Sensor, MosaicAndItsColours) {
   EXPECT_TRUE(relative(frame.electrons.at(0, 0), 300, 1e-6));
   EXPECT_TRUE(relative(frame.electrons.at(1, 0), 200, 1e-6));
   EXPECT_TRUE(relative(frame.electrons.at(1, 1), 100, 1e-6));
-  const std::vector<Image> colours = demosaic(frame.electrons, sensor.mosaic, kWindow);
+  const auto colours = demosaic(frame.electrons, sensor.mosaic, kWindow);
   for (int row = 0; row < kWindow.height; ++row)
     for (int column = 0; column < kWindow.width; ++column) {
-      ASSERT_TRUE(relative(colours[0].at(column, row), 300, 1e-6));
-      ASSERT_TRUE(relative(colours[1].at(column, row), 200, 1e-6));
-      ASSERT_TRUE(relative(colours[2].at(column, row), 100, 1e-6));
+      ASSERT_TRUE(relative(colours[0].values.at(column, row), 300, 1e-6));
+      ASSERT_TRUE(relative(colours[1].values.at(column, row), 200, 1e-6));
+      ASSERT_TRUE(relative(colours[2].values.at(column, row), 100, 1e-6));
     }
 }
 

@@ -1,8 +1,8 @@
 // Views of a scene that is the same everywhere.
 #include <gtest/gtest.h>
 
+#include "core/lightfield/rendered.h"
 #include "plenoflame/lightfield/views.h"
-#include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/uniform_medium.h"
@@ -11,14 +11,6 @@ namespace plenoflame {
 namespace {
 
 using test::relative;
-
-LightField rendered(const CompiledScene& scene, PixelWindow window, int samples) {
-  RenderSettings settings;
-  settings.samples = samples;
-  settings.window = window;
-  settings.standard_error = false;
-  return render(scene, settings, test::threads(2)).light_field;
-}
 
 // A scene of radiance 1 everywhere has views that are 1 to 1 % everywhere, at the default settings.
 // The corner views look at pixels on the rim of the micro-images; with pixels as large as those of
@@ -35,7 +27,7 @@ TEST(Views, UniformSceneGivesUniformViews) {
                         Case{"paper-previous-60x60", {300, 250, 70, 70}, 8192}}) {
     const CompiledScene scene =
         test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
-    const LightField field = rendered(scene, c.window, c.samples);
+    const LightField field = test::rendered(scene, c.window, c.samples);
     const MicroImages micro(scene.camera, true, test::threads(2));
     const Views views = extract_views(field, micro, {}, test::threads(2));
     ASSERT_EQ(views.views.size(), 49U);

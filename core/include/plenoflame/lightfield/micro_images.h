@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/isa.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/image/light_field.h"
 
@@ -78,8 +79,32 @@ class MicroImages {
     double total = 0;  ///< through all of them: what the sensor records
   };
 
+  /// The pixels whose centres lie in a disc around the middle of a micro-image, row by row, and
+  /// their white light. To be used again for the next micro-image: memory is kept.
+  struct Pixels {
+    struct Row {
+      int row = 0, column = 0;  ///< on the sensor; of the first pixel
+      std::size_t begin = 0, count = 0;
+    };
+    std::vector<Row> rows;
+    std::vector<float> x, y;        ///< [pixel] from the middle, upright: to the right, down
+    std::vector<float> own, total;  ///< as in White; LocalWhite::fill
+    /// @param middle [m] sensor point; @param radius [m]; pixels outside of the window are left out
+    void set(const SensorSpec& sensor, const PixelWindow& window, Vec2 middle, double radius);
+
+   private:
+    friend class MicroImages;
+    double pitch = 0;
+    Vec2 centre;
+    struct Some {
+      std::vector<int> at;
+      std::vector<float> x, y, value;
+    } some;
+  };
+
  private:
   struct Node;
+  static constexpr int kWhiteSide = 81;  ///< points along the side of a table of white light
 
  public:
   /// white() of one microlens, prepared for many points.
@@ -87,6 +112,9 @@ class MicroImages {
    public:
     WhiteTable(const MicroImages& micro_images, const Place& place);
     double operator()(Vec2 sensor_point) const;
+    /// The values of pixels at origin - pitch (x, y). Single precision.
+    void values(Vec2 origin, double pitch, std::size_t count, const float* x, const float* y,
+                Isa isa, float* out) const;
     double reach() const { return reach_; }  ///< [m] no light farther from the centre
     Vec2 centre() const { return centre_; }
 
@@ -96,7 +124,8 @@ class MicroImages {
       double weight = 0;
       double half = 0, scale = 0;  ///< [m] half the table's side; its steps per metre
     };
-    std::array<Part, 10> parts_{};  ///< two nodes, each for up to five angles of the pixels
+    static constexpr std::size_t kMostParts = 10;  ///< two nodes, each for up to five angles
+    std::array<Part, kMostParts> parts_{};
     std::size_t count_ = 0;
     Vec2 centre_, outwards_;
     double reach_ = 0;
@@ -110,6 +139,9 @@ class MicroImages {
     /// @param radius [m] how far from the centre of the micro-image it will be asked for
     LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius);
     White operator()(Vec2 sensor_point) const;
+    /// Fills pixels.own and pixels.total: what the operator says, to single precision, and much
+    /// faster.
+    void fill(Pixels& pixels, Isa isa = best_isa()) const;
 
    private:
     WhiteTable own_;
@@ -127,7 +159,8 @@ class MicroImages {
     std::array<std::array<double, 21>, 4> line{};
     double white_half = 0;  ///< [m] half the side of the tables
     double reach = 0;       ///< [m] no light farther from the centre
-    /// kWhite x kWhite, first axis fastest; one, or one for each angle of the pixels' sides.
+    /// kWhiteSide x kWhiteSide, first axis fastest; one, or one for each angle of the pixels'
+    /// sides.
     std::vector<std::vector<float>> white;
   };
   /// Centres of a misaligned camera, by lens; NaN: dark.

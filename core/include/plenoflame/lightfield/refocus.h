@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/isa.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/micro_images.h"
@@ -17,6 +18,7 @@ struct RefocusSettings {
   /// (type_weights); false: all alike.
   bool sharp_types = true;
   std::string channel;  ///< empty: the first
+  Isa isa = best_isa();
 };
 
 struct RefocusedImage {

@@ -58,12 +58,15 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
 /// Which of red (0), green (1) and blue (2) a pixel of the whole sensor sees; 0 without a mosaic.
 int mosaic_colour(MosaicPattern pattern, int column, int row);
 
+/// A colour at every pixel of a sensor with a mosaic.
+struct DemosaicedColour {
+  Image values;
+  Image counts;  ///< of how many recorded pixels each value is the mean
+};
+
 /// Red, green and blue at every pixel: what it has not recorded is the mean of those of its eight
 /// neighbours that have. For display; edges get coloured fringes.
 /// @param window place of the image on the sensor @throws InputError without a mosaic
-std::vector<Image> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow window);
-
-/// Of how many recorded pixels demosaic() takes the mean, for each colour and pixel.
-std::vector<Image> demosaiced_from(MosaicPattern pattern, PixelWindow window);
+std::vector<DemosaicedColour> demosaic(const Image& raw, MosaicPattern pattern, PixelWindow window);
 
 }  // namespace plenoflame

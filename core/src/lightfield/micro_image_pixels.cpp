@@ -1,0 +1,118 @@
+/// The pixels of a micro-image and their white light, with vector code.
+#include "lightfield/micro_image_pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plenoflame/lightfield/micro_images.h"
+
+namespace plenoflame {
+
+MicroImageKernels micro_image_kernels(Isa isa) {
+  switch (isa) {
+#if defined(__x86_64__)
+    case Isa::avx512:
+      return {avx512::white_light, avx512::project};
+    case Isa::avx2:
+      return {avx2::white_light, avx2::project};
+#endif
+    default:
+      return {baseline::white_light, baseline::project};
+  }
+}
+
+void MicroImages::Pixels::set(const SensorSpec& sensor, const PixelWindow& window, Vec2 middle,
+                              double radius) {
+  pitch = sensor.pixel_pitch;
+  centre = middle;
+  rows.clear();
+  x.clear();
+  y.clear();
+  const double centre_x = 0.5 * sensor.columns - middle.x / pitch,
+               centre_y = 0.5 * sensor.rows - middle.y / pitch, reach = radius / pitch;
+  const auto bound = [](double value, int low, int high) {
+    return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
+  };
+  const int last_row =
+      bound(std::floor(centre_y + reach - 0.5) + 1, window.y, window.y + window.height);
+  for (int row = bound(std::ceil(centre_y - reach - 0.5), window.y, window.y + window.height);
+       row < last_row; ++row) {
+    const double above = row + 0.5 - centre_y;
+    const double half = std::sqrt(std::max(0.0, reach * reach - above * above));
+    const int first = bound(std::ceil(centre_x - half - 0.5), window.x, window.x + window.width);
+    const int last =
+        bound(std::floor(centre_x + half - 0.5) + 1, window.x, window.x + window.width);
+    if (first >= last) continue;
+    rows.push_back({row, first, x.size(), static_cast<std::size_t>(last - first)});
+    for (int column = first; column < last; ++column) {
+      x.push_back(static_cast<float>(column + 0.5 - centre_x));
+      y.push_back(static_cast<float>(above));
+    }
+  }
+  own.resize(x.size());
+  total.resize(x.size());
+}
+
+void MicroImages::WhiteTable::values(Vec2 origin, double pitch, std::size_t count, const float* x,
+                                     const float* y, Isa isa, float* out) const {
+  // In the table's axes; a step to the right of the upright picture is one to -x of the camera.
+  const Vec2 from = origin - centre_;
+  const Vec2 v{from.x * outwards_.x + from.y * outwards_.y,
+               from.y * outwards_.x - from.x * outwards_.y};
+  std::array<KernelWhitePart, kMostParts> parts{};
+  for (std::size_t n = 0; n < count_; ++n) {
+    const Part& part = parts_[n];
+    const double step = -pitch * part.scale;
+    parts[n] = {part.table,
+                static_cast<float>(part.weight),
+                static_cast<float>((v.x + part.half) * part.scale),
+                static_cast<float>(step * outwards_.x),
+                static_cast<float>(step * outwards_.y),
+                static_cast<float>((v.y + part.half) * part.scale),
+                static_cast<float>(-step * outwards_.y),
+                static_cast<float>(step * outwards_.x)};
+  }
+  micro_image_kernels(isa).white_light(parts.data(), static_cast<int>(count_), kWhiteSide,
+                                       static_cast<int>(count), x, y, out);
+}
+
+void MicroImages::LocalWhite::fill(Pixels& pixels, Isa isa) const {
+  const double p = pixels.pitch;
+  own_.values(pixels.centre, p, pixels.x.size(), pixels.x.data(), pixels.y.data(), isa,
+              pixels.own.data());
+  pixels.total = pixels.own;
+  for (const WhiteTable& other : others_) {
+    // The pixels within its reach, which are few: gathered first.
+    Pixels::Some& some = pixels.some;
+    some.at.clear();
+    some.x.clear();
+    some.y.clear();
+    const Vec2 apart = (-1 / p) * (other.centre() - pixels.centre);
+    const double reach = other.reach() / p;
+    for (const Pixels::Row& row : pixels.rows) {
+      const double left = static_cast<double>(pixels.x[row.begin]),
+                   above = static_cast<double>(pixels.y[row.begin]);
+      const double square = reach * reach - (above - apart.y) * (above - apart.y);
+      if (!(square > 0)) continue;
+      const double half = std::sqrt(square), last = static_cast<double>(row.count);
+      const auto begin = static_cast<std::size_t>(
+                     std::clamp(std::ceil(apart.x - half - left), 0.0, last)),
+                 end = static_cast<std::size_t>(
+                     std::clamp(std::floor(apart.x + half - left) + 1, 0.0, last));
+      for (std::size_t k = row.begin + begin; k < row.begin + end; ++k) {
+        some.at.push_back(static_cast<int>(k));
+        some.x.push_back(pixels.x[k]);
+        some.y.push_back(pixels.y[k]);
+      }
+    }
+    if (some.at.empty()) continue;
+    some.value.resize(some.at.size());
+    other.values(pixels.centre, p, some.at.size(), some.x.data(), some.y.data(), isa,
+                 some.value.data());
+    for (std::size_t k = 0; k < some.at.size(); ++k)
+      pixels.total[static_cast<std::size_t>(some.at[k])] += some.value[k];
+  }
+}
+
+}  // namespace plenoflame
