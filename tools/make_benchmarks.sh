@@ -50,6 +50,10 @@ if wanted whole; then
   whole "closed form, 16 samples, 1 thread" examples/paper-flame-1m.toml --samples 16 --threads 1
   whole "closed form, 64 samples, 1 thread" examples/paper-flame-1m.toml --samples 64 --threads 1
   whole "closed form, 64 samples, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2
+  whole "closed form, 256 samples, 1 thread" examples/paper-flame-1m.toml --samples 256 --threads 1
+  whole "closed form, 256 samples, 2 threads" examples/paper-flame-1m.toml --samples 256 --threads 2
+  whole "lenslets-30 (300 x 300 pixels), to 1 %, 1 thread" examples/lenslets-30.toml --target-error 1% --threads 1
+  whole "lenslets-30 (300 x 300 pixels), to 1 %, 2 threads" examples/lenslets-30.toml --target-error 1% --threads 2
   whole "closed form, to 1 %, 2 threads" examples/paper-flame-1m.toml --target-error 1% --threads 2
   whole "closed form, 64 samples, no skipping, 2 threads" examples/paper-flame-1m.toml --samples 64 --threads 2 --no-skip
   whole "grid, 16 samples, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1
