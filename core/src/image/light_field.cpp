@@ -289,7 +289,7 @@ LightField read(const std::string& path, bool with_pixels, bool foreign = false,
         foreign ? from_foreign_header(path, header) : from_header(path, header);
     if (!with_pixels) return light_field;
     if (!wanted.everything) {
-      const LightFieldChannel channel = find_channel(light_field, wanted.channel, "'" + path + "'");
+      const LightFieldChannel channel = find_channel(light_field, wanted.channel);
       light_field.channels = {channel};
       if (wanted.layers == Layers::none) light_field.layers.clear();
     }
