@@ -21,8 +21,9 @@ RaySpan clip_to_box(const Box& box, const Ray& ray, double near, double far) {
   slab(box.lower.x, box.upper.x, ray.origin.x, ray.direction.x);
   slab(box.lower.y, box.upper.y, ray.origin.y, ray.direction.y);
   slab(box.lower.z, box.upper.z, ray.origin.z, ray.direction.z);
-  const bool finite =
-      std::isfinite(near) && std::isfinite(far) && std::isfinite(dot(ray.origin, ray.origin));
+  const bool finite = std::isfinite(near) && std::isfinite(far) &&
+                      std::isfinite(dot(ray.origin, ray.origin)) &&
+                      std::isfinite(dot(ray.direction, ray.direction));
   if (!finite || !(near < far)) return {};
   return {near, far};
 }

@@ -123,6 +123,35 @@ TEST(OwenScramble, EveryFractionBecomesUniform) {
   }
 }
 
+TEST(OwenScramble, NodesOfTheTreeFlipIndependently) {
+  // Of the highest 18 bits, whether one is flipped says nothing about a lower one of the same
+  // fraction, nor about the same one of a fraction that differs anywhere above.
+  constexpr int kSeeds = 10000, kNested = 18;
+  const double half = kSeeds / 2.0, error = std::sqrt(kSeeds) / 2;
+  for (const std::uint32_t fraction : {0u, 0x9e3779b9u}) {
+    std::vector<int> same(kNested * kNested), other(kNested * kNested);
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+      const std::uint32_t flips = fraction ^ owen_scramble(fraction, mix64(seed));
+      const auto flipped = [](std::uint32_t f, int bit) { return f >> (31 - bit) & 1; };
+      for (int above = 0; above < kNested; ++above) {
+        const std::uint32_t neighbour = fraction ^ (0x80000000u >> above);
+        const std::uint32_t its = neighbour ^ owen_scramble(neighbour, mix64(seed));
+        for (int bit = above + 1; bit < kNested; ++bit) {
+          const auto i = static_cast<std::size_t>(above * kNested + bit);
+          same[i] += flipped(flips, above) == flipped(flips, bit);
+          other[i] += flipped(flips, bit) == flipped(its, bit);
+        }
+      }
+    }
+    for (int above = 0; above < kNested; ++above)
+      for (int bit = above + 1; bit < kNested; ++bit) {
+        const auto i = static_cast<std::size_t>(above * kNested + bit);
+        EXPECT_TRUE(within_standard_errors(same[i], half, error, 5)) << above << " " << bit;
+        EXPECT_TRUE(within_standard_errors(other[i], half, error, 5)) << above << " " << bit;
+      }
+  }
+}
+
 TEST(Mix64, EveryBitOfTheKeyFlipsHalfOfTheResult) {
   // Every bit of the result flips with probability 1/2 when one bit of the key flips.
   for (int in = 0; in < 64; ++in) {
