@@ -26,10 +26,48 @@ std::vector<double> interpolate(const std::vector<double>& x, std::vector<double
   return out;
 }
 
+/// The polynomial p, highest power first, with log_of(v) = log_of(from) + (v - from) p(v - from);
+/// empty when it takes more terms, or terms that cancel so much that single precision suffers.
+/// @param tolerance relative to 1 - log_of(v)
+template <class LogOf>
+std::vector<double> fit_piece(const LogOf& log_of, double from, double to, double tolerance,
+                              int most_terms) {
+  const double start = log_of(from), width = to - from;
+  const auto slope = [&](double w) { return (log_of(from + w * width) - start) / w; };
+  constexpr int kPlaces = 256;
+  std::vector<double> expected;
+  for (int i = 1; i <= kPlaces; ++i) expected.push_back(slope(double(i) / kPlaces));
+  for (int terms = 1; terms <= most_terms; ++terms) {
+    std::vector<double> x, f;
+    for (int k = 0; k < terms; ++k) {
+      x.push_back(0.5 - 0.5 * std::cos((k + 0.5) * constants::pi / terms));
+      f.push_back(slope(x.back()));
+    }
+    const std::vector<double> c = interpolate(x, f);
+    double worst = 0, largest = 0;
+    for (int i = 1; i <= kPlaces; ++i) {
+      const double w = double(i) / kPlaces, s = expected[static_cast<std::size_t>(i - 1)];
+      double p = 0;
+      for (int k = terms; k-- > 0;) p = p * w + c[static_cast<std::size_t>(k)];
+      worst = std::max(worst, std::fabs((p - s) * w) / (1 - (start + s * w)));
+    }
+    for (const double coefficient : c) largest = std::max(largest, std::fabs(coefficient));
+    if (worst > tolerance) continue;
+    // Terms that cancel would cost digits in single precision.
+    if (largest > 2 * std::max(1.0, start - log_of(to))) return {};
+    std::vector<double> out(static_cast<std::size_t>(terms));
+    double power = width;
+    for (int k = 0; k < terms; ++k, power *= width)
+      out[static_cast<std::size_t>(terms - 1 - k)] = c[static_cast<std::size_t>(k)] / power;
+    return out;
+  }
+  return {};
+}
+
 }  // namespace
 
 SourceFit fit_source(const SourceFunction& source, double coldest, double hottest, double tolerance,
-                     int most_terms) {
+                     int most_terms, int most_of_two) {
   SourceFit fit;
   fit.hottest = hottest;
   fit.highest = source(hottest);
@@ -57,34 +95,25 @@ SourceFit fit_source(const SourceFunction& source, double coldest, double hottes
   for (const auto& node : source.nodes())
     exponent += node.exponent / static_cast<double>(source.nodes().size());
   fit.occupation = std::exp(-exponent / hottest);
-  const auto slope = [&](double w) {  // p / w, w = v / span in (0, 1]
-    const double s = std::exp(-fall(1 / (1 / hottest + w * span)));
-    return std::log(s / (1 - fit.occupation + fit.occupation * s)) / w;
+  const auto log_of = [&](double v) {  // ln E
+    const double s = std::exp(-fall(1 / (1 / hottest + v)));
+    return std::log(s / (1 - fit.occupation + fit.occupation * s));
   };
-  for (int terms = 1; terms <= most_terms; ++terms) {
-    std::vector<double> x, f;
-    for (int k = 0; k < terms; ++k) {
-      x.push_back(0.5 - 0.5 * std::cos((k + 0.5) * constants::pi / terms));
-      f.push_back(slope(x.back()));
+  fit.terms = fit_piece(log_of, 0, span, tolerance, most_terms);
+  if (!fit.terms.empty()) return fit;
+  // The split that needs the fewest terms, where the kernel takes all the same for every number.
+  for (int most = 3; most <= most_of_two; ++most)
+    for (const double share : {0.5, 0.4, 0.6, 0.3, 0.7, 0.25, 0.2, 0.15}) {
+      std::vector<double> near = fit_piece(log_of, 0, share * span, tolerance, most);
+      if (near.empty()) continue;
+      std::vector<double> far = fit_piece(log_of, share * span, span, tolerance, most);
+      if (far.empty()) continue;
+      fit.terms = std::move(near);
+      fit.far_terms = std::move(far);
+      fit.split = share * span;
+      fit.at_split = log_of(fit.split);
+      return fit;
     }
-    const std::vector<double> c = interpolate(x, f);
-    double worst = 0, largest = 0;
-    for (int i = 1; i <= 256; ++i) {
-      const double w = i / 256.0;
-      double p = 0;
-      for (int k = terms; k-- > 0;) p = p * w + c[static_cast<std::size_t>(k)];
-      worst = std::max(worst, std::fabs((p - slope(w)) * w) / (1 + std::fabs(slope(w) * w)));
-    }
-    for (const double coefficient : c) largest = std::max(largest, std::fabs(coefficient));
-    if (worst > tolerance) continue;
-    // Terms that cancel would cost digits in single precision.
-    if (largest > 2 * std::max(1.0, fall(fit.coldest))) return fit;
-    fit.terms.resize(static_cast<std::size_t>(terms));
-    double power = span;
-    for (int k = 0; k < terms; ++k, power *= span)
-      fit.terms[static_cast<std::size_t>(terms - 1 - k)] = c[static_cast<std::size_t>(k)] / power;
-    return fit;
-  }
   return fit;
 }
 

@@ -13,7 +13,7 @@ inline constexpr int kLanes = 16;  // rays that advance together
 // is constant and can be crossed at once; for e < 0 the cell needs intervals of 2^e spacings.
 inline constexpr int kStepWords = kBrickSide * kBrickSide;
 inline constexpr int kCellStep = 8;
-inline constexpr int kMaxFitTerms = 12;
+inline constexpr int kMaxFitTerms = 12, kTermsOfTwo = 10;
 
 /// Bricks of (temperature [K], absorption [1/m]) pairs and the table that finds them. Sample
 /// (i, j, k) of a brick is pair (i * 9 + j) * 9 + k. Coordinates count cells from the lowest brick.
@@ -46,6 +46,11 @@ struct SourceView {
   /// source_fit.h.
   int fit_terms;
   Real fit[kMaxFitTerms];
+  /// With split_terms > 0, beyond v = split: E = e^(at_split + u q(u)), u = v - split,
+  /// q as p; of both polynomials the last kTermsOfTwo coefficients count.
+  int split_terms;  ///< 0: none
+  Real far_fit[kMaxFitTerms];
+  Real split, at_split;
   Real scale, occupation, hottest, coldest;
 };
 

@@ -32,6 +32,32 @@ PLENOFLAME_INLINE void fitted_source(const voxel::SourceView<Real>& source,
   }
 }
 
+// The same with two polynomials, of which each temperature takes one.
+template <class Real>
+PLENOFLAME_INLINE void fitted_in_two(const voxel::SourceView<Real>& source,
+                                     const Real* __restrict temperature, Real* __restrict out) {
+  constexpr int kTerms = voxel::kTermsOfTwo;
+  const Real coldest = source.coldest, hottest = source.hottest, scale = source.scale,
+             occupation = source.occupation, split = source.split, at_split = source.at_split;
+  Real near[kTerms], far[kTerms];
+  for (int k = 0; k < kTerms; ++k) {
+    near[k] = source.fit[voxel::kMaxFitTerms - kTerms + k];
+    far[k] = source.far_fit[voxel::kMaxFitTerms - kTerms + k];
+  }
+#pragma omp simd
+  for (int l = 0; l < kSources; ++l) {
+    const Real t = clamp(temperature[l], coldest, hottest);
+    const Real v = (hottest - t) / (t * hottest);
+    const bool beyond = v > split;
+    const Real u = v - (beyond ? split : Real(0));
+    Real p = beyond ? far[0] : near[0];
+#pragma GCC unroll 16
+    for (int k = 1; k < kTerms; ++k) p = p * u + (beyond ? far[k] : near[k]);
+    const Real e = exponential((beyond ? at_split : Real(0)) + p * u);
+    out[l] = scale * e / (Real(1) - occupation * e);
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void source_of(const voxel::SourceView<Real>& source,
                                  const Real* __restrict temperature, Real* __restrict out) {
@@ -41,6 +67,8 @@ PLENOFLAME_INLINE void source_of(const voxel::SourceView<Real>& source,
   } else if (source.fit_terms == 0) {
     const SourceTable<Real> table{source.exponents, source.weights, source.count};
     evaluate_source(table, temperature, out, kSources);
+  } else if (source.split_terms > 0) {
+    fitted_in_two(source, temperature, out);
   } else if (source.fit_terms <= 3) {
     fitted_source<3>(source, temperature, out);
   } else if (source.fit_terms <= 6) {

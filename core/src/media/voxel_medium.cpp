@@ -81,11 +81,18 @@ struct Tables {
       voxel::SourceView<Real>& view = sources.emplace_back();
       // In double the sum over the band itself: the reference.
       if constexpr (sizeof(Real) == sizeof(float)) {
-        const voxel::SourceFit fit = voxel::fit_source(channels[c], temperatures[0],
-                                                       temperatures[1], 1e-7, voxel::kMaxFitTerms);
+        const voxel::SourceFit fit =
+            voxel::fit_source(channels[c], temperatures[0], temperatures[1], 1e-7,
+                              voxel::kMaxFitTerms, voxel::kTermsOfTwo);
         view.fit_terms = static_cast<int>(fit.terms.size());
         for (std::size_t k = 0; k < fit.terms.size(); ++k)
           view.fit[voxel::kMaxFitTerms - fit.terms.size() + k] = static_cast<float>(fit.terms[k]);
+        view.split_terms = static_cast<int>(fit.far_terms.size());
+        for (std::size_t k = 0; k < fit.far_terms.size(); ++k)
+          view.far_fit[voxel::kMaxFitTerms - fit.far_terms.size() + k] =
+              static_cast<float>(fit.far_terms[k]);
+        view.split = static_cast<float>(fit.split);
+        view.at_split = static_cast<float>(fit.at_split);
         view.scale = static_cast<float>(fit.highest * (1 - fit.occupation));
         view.occupation = static_cast<float>(fit.occupation);
         view.hottest = static_cast<float>(fit.hottest);

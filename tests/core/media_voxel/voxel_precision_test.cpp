@@ -9,6 +9,16 @@
 namespace plenoflame::test {
 namespace {
 
+double value_of(const voxel::SourceFit& fit, double temperature) {
+  const double v = 1 / temperature - 1 / fit.hottest;
+  const bool beyond = !fit.far_terms.empty() && v > fit.split;
+  const double u = beyond ? v - fit.split : v;
+  double p = 0;
+  for (const double term : beyond ? fit.far_terms : fit.terms) p = p * u + term;
+  const double e = std::exp((beyond ? fit.at_split : 0) + u * p);
+  return fit.highest * (1 - fit.occupation) * e / (1 - fit.occupation * e);
+}
+
 // Fails when `occupation` is left out of the fit, or a term is dropped.
 TEST(SourceFit, MatchesTheBandAtEveryTemperature) {
   int fitted = 0;
@@ -17,15 +27,11 @@ TEST(SourceFit, MatchesTheBandAtEveryTemperature) {
       for (const double coldest : {0.0, 300.0, 1000.0})
         for (const double hottest : {1200.0, 1900.0, 3500.0}) {
           const SourceFunction source = SourceFunction::band(wavelength, width);
-          const voxel::SourceFit fit = voxel::fit_source(source, coldest, hottest, 1e-7, 12);
+          const voxel::SourceFit fit = voxel::fit_source(source, coldest, hottest, 1e-7, 12, 10);
           if (fit.terms.empty()) continue;
           ++fitted;
           for (double t = fit.coldest; t <= hottest; t += 7.3) {
-            const double v = 1 / t - 1 / hottest;
-            double p = 0;
-            for (const double term : fit.terms) p = p * v + term;
-            const double e = std::exp(v * p);
-            const double value = fit.highest * (1 - fit.occupation) * e / (1 - fit.occupation * e);
+            const double value = value_of(fit, t);
             const double fall = std::log(fit.highest / source(t));
             EXPECT_TRUE(relative(value, source(t), 1.5e-7 * (1 + fall)))
                 << wavelength << " " << width << " " << t;
@@ -34,13 +40,32 @@ TEST(SourceFit, MatchesTheBandAtEveryTemperature) {
   EXPECT_GT(fitted, 80);  // of 108; the others keep their quadrature nodes
 }
 
+// Wide responses of several lobes: two polynomials. Fails when the second one is left out.
+TEST(SourceFit, TwoPolynomialsForWideResponses) {
+  int in_two = 0;
+  for (const char* name :
+       {"cie_x", "cie_y", "cie_z", "nikon_d5100_red", "nikon_d5100_green", "nikon_d5100_blue"})
+    for (const double hottest : {1600.0, 1900.0, 2500.0}) {
+      const SourceFunction source = SourceFunction::of(SpectralResponse::named(name));
+      const voxel::SourceFit fit = voxel::fit_source(source, 0, hottest, 1e-7, 12, 10);
+      ASSERT_FALSE(fit.terms.empty()) << name << " " << hottest;
+      in_two += fit.far_terms.empty() ? 0 : 1;
+      for (double t = fit.coldest; t <= hottest; t += 7.3) {
+        const double value = value_of(fit, t);
+        const double fall = std::log(fit.highest / source(t));
+        EXPECT_TRUE(relative(value, source(t), 2e-7 * (1 + fall))) << name << " " << t;
+      }
+    }
+  EXPECT_GT(in_two, 12);  // of 18
+}
+
 TEST(SourceFit, OneTemperatureAndNone) {
   const SourceFunction band = SourceFunction::band(650e-9, 10e-9);
-  const voxel::SourceFit one = voxel::fit_source(band, 1500, 1500, 1e-7, 12);
+  const voxel::SourceFit one = voxel::fit_source(band, 1500, 1500, 1e-7, 12, 10);
   EXPECT_EQ(one.terms.size(), 1u);
   EXPECT_EQ(one.highest, band(1500));
-  EXPECT_TRUE(voxel::fit_source(SourceFunction::total(), 300, 1500, 1e-7, 12).terms.empty());
-  EXPECT_TRUE(voxel::fit_source(band, 0, 0, 1e-7, 12).terms.empty());
+  EXPECT_TRUE(voxel::fit_source(SourceFunction::total(), 300, 1500, 1e-7, 12, 10).terms.empty());
+  EXPECT_TRUE(voxel::fit_source(band, 0, 0, 1e-7, 12, 10).terms.empty());
 }
 
 // Fails when no cell is cut.
@@ -105,7 +130,9 @@ TEST(VoxelPrecision, EveryInstructionSetAgreesWithDouble) {
           transform),
       VoxelInterpolation::trilinear,
       {SourceFunction::total(), SourceFunction::band(650e-9, 10e-9),
-       SourceFunction::band(431e-9, 200e-9), SourceFunction::band(4e-6, 0.4e-6)});
+       SourceFunction::band(431e-9, 200e-9), SourceFunction::band(4e-6, 0.4e-6),
+       SourceFunction::of(SpectralResponse::named("cie_x")),
+       SourceFunction::of(SpectralResponse::named("nikon_d5100_blue"))});
   std::mt19937 random(77);
   std::uniform_real_distribution<double> uniform(0, 1);
   const Vec3 anchor = transform.point({24, 24, 24});
