@@ -114,6 +114,15 @@ double AbsorptionSpectrum::factor(double wavelength) const {
   return is_grey() ? 1 : absolute(wavelength) / absolute(reference_);
 }
 
+std::vector<double> AbsorptionSpectrum::breakpoints() const {
+  std::vector<double> at;
+  if (kind_ == Kind::table)
+    for (const SpectralPoint& point : points_) at.push_back(point.wavelength);
+  if (kind_ == Kind::soot && index_ == SootIndex::dalzell)
+    for (const Row& row : kDalzell) at.push_back(row.wavelength);
+  return at;
+}
+
 double AbsorptionSpectrum::per_volume_fraction() const {
   return kind_ == Kind::soot ? absolute(reference_) : 0;
 }

@@ -163,8 +163,37 @@ SourceFunction SourceFunction::node(const Node& node, double wavelength, double 
   return source;
 }
 
+struct SourceFunction::Shared {
+  SourceFunction whole;
+  std::vector<SourceFunction> parts;
+};
+
+std::vector<SourceFunction> SourceFunction::sharing(const SourceFunction& whole,
+                                                    const std::vector<SourceFunction>& parts) {
+  if (parts.size() == 1) return {whole.at(parts.front().wavelength())};
+  const auto shared = std::make_shared<const Shared>(Shared{whole, parts});
+  std::vector<SourceFunction> sources;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    SourceFunction source;
+    source.wavelength_ = parts[i].wavelength_;
+    source.share_ = parts[i].share_;
+    source.shared_ = shared;
+    source.part_ = i;
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
 double SourceFunction::operator()(double temperature) const {
   if (!(temperature > 0)) return 0;
+  if (shared_) {
+    double sum = 0;
+    for (const SourceFunction& part : shared_->parts) sum += part(temperature);
+    const double own = shared_->parts[part_](temperature);
+    // So cold that the parts underflow: what is left goes to the longest wavelength, the first one.
+    if (!(sum > 0)) return part_ == 0 ? shared_->whole(temperature) : 0;
+    return shared_->whole(temperature) * (own / sum);
+  }
   if (!is_total()) return evaluate(nodes_, temperature);
   const double squared = temperature * temperature;
   return constants::stefan_boltzmann / constants::pi * squared * squared;

@@ -12,6 +12,7 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostNodes = 16;
+constexpr int kMostOfPieces = 64;               ///< nodes of all pieces together
 constexpr double kReferenceTemperature = 1700;  // [K] whose spectrum the rule is made for
 constexpr std::array<double, 6> kTemperatures{1000, 1300, 1600, 1900, 2200, 2600};
 constexpr std::array<double, 6> kDepths{0, 0.1, 0.4, 1, 3, 10};
@@ -72,32 +73,65 @@ double worst_error(const std::vector<SourceFunction>& nodes, const std::vector<S
   return worst;
 }
 
+/// The points between the kinks [m, ascending] of the spectra, as one measure each.
+std::vector<MeasurePoints> split(const MeasurePoints& measure, const std::vector<double>& kinks) {
+  std::vector<MeasurePoints> pieces(kinks.size() + 1);
+  for (std::size_t i = 0; i < measure.places.size(); ++i) {
+    const auto after = std::upper_bound(kinks.begin(), kinks.end(), 1 / measure.places[i]);
+    // Wavenumbers ascend.
+    MeasurePoints& piece = pieces[static_cast<std::size_t>(kinks.end() - after)];
+    piece.places.push_back(measure.places[i]);
+    piece.weights.push_back(measure.weights[i]);
+  }
+  std::erase_if(pieces, [](const MeasurePoints& piece) { return piece.places.empty(); });
+  return pieces;
+}
+
 }  // namespace
 
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
-                           const std::vector<AbsorptionSpectrum>& spectra) {
+                           const std::vector<AbsorptionSpectrum>& spectra, int fewest) {
   const SourceFunction whole = response ? SourceFunction::of(*response) : SourceFunction::total();
   const bool grey = std::all_of(spectra.begin(), spectra.end(),
                                 [](const AbsorptionSpectrum& s) { return s.is_grey(); });
-  if (grey) return {{whole}, 0};
-  MeasurePoints measure = wavenumber_points(
+  if (grey && (fewest == 1 || !response)) return {{whole}, 0};
+  std::vector<double> kinks;
+  for (const AbsorptionSpectrum& spectrum : spectra)
+    for (const double at : spectrum.breakpoints()) kinks.push_back(at);
+  std::sort(kinks.begin(), kinks.end());
+  const SpectralResponse band =
       response ? *response
-               : SpectralResponse::band(0.5 * (kShortest + kLongest), kLongest - kShortest),
-      8);
+               : SpectralResponse::band(0.5 * (kShortest + kLongest), kLongest - kShortest);
+  MeasurePoints measure = wavenumber_points(band.broken_at(kinks), 8);
   for (std::size_t i = 0; i < measure.places.size(); ++i) {
     const double s = measure.places[i];
     measure.weights[i] *= s * s * s * planck_factor(s, kReferenceTemperature);
   }
   const std::vector<SourceFunction> all = nodes_of(measure);
   ChannelNodes best;
-  for (int count = 1; count <= kMostNodes; ++count) {
-    const MeasurePoints rule = gauss_rule(measure, count);
-    std::vector<SourceFunction> nodes = nodes_of(rule);
-    if (count == 1 && response)  // what it emits is exact then
-      nodes = {whole.at(1 / rule.places[0])};
+  const auto good_enough = [&](std::vector<SourceFunction> nodes) {
     const double error = worst_error(nodes, all, spectra);
-    if (count == 1 || error < best.error) best = {std::move(nodes), error};
-    if (best.error <= kSpectralTolerance) break;
+    if (best.nodes.empty() || error < best.error) best = {std::move(nodes), error};
+    return best.error <= kSpectralTolerance;
+  };
+  for (int count = fewest; count <= kMostNodes; ++count) {
+    const MeasurePoints rule = gauss_rule(measure, count);
+    // What a single wavelength emits is exact.
+    if (good_enough(count == 1 && response ? std::vector{whole.at(1 / rule.places[0])}
+                                           : nodes_of(rule)))
+      return best;
+  }
+  // Tables that are too steep for one rule: a rule of its own in every straight piece.
+  const std::vector<MeasurePoints> pieces = split(measure, kinks);
+  for (int order = 1; order * static_cast<int>(pieces.size()) <= kMostOfPieces; ++order) {
+    MeasurePoints rule;
+    for (const MeasurePoints& piece : pieces) {
+      const int count = std::min(order, static_cast<int>(piece.places.size()));
+      const MeasurePoints own = gauss_rule(piece, count);
+      rule.places.insert(rule.places.end(), own.places.begin(), own.places.end());
+      rule.weights.insert(rule.weights.end(), own.weights.begin(), own.weights.end());
+    }
+    if (good_enough(nodes_of(rule))) break;
   }
   return best;
 }

@@ -152,7 +152,16 @@ double SpectralResponse::operator()(double wavelength) const {
   return wavelength < shortest() || wavelength > longest() ? 0.0 : value_(wavelength);
 }
 
+double SpectralResponse::integral() const {
+  return moments()[0];
+}
+
 double SpectralResponse::centroid() const {
+  const auto [sum, moment] = moments();
+  return shortest() + moment / sum;
+}
+
+std::array<double, 2> SpectralResponse::moments() const {
   const GaussLegendreRule rule(10);
   double sum = 0, moment = 0;
   for (std::size_t k = 0; k + 1 < breakpoints_.size(); ++k) {
@@ -164,13 +173,45 @@ double SpectralResponse::centroid() const {
       moment += w * half * rule.nodes[i] + w * (middle - shortest());
     }
   }
-  return shortest() + moment / sum;
+  return {sum, moment};
+}
+
+SpectralResponse SpectralResponse::broken_at(const std::vector<double>& wavelengths) const {
+  SpectralResponse response = *this;
+  std::vector<double>& breaks = response.breakpoints_;
+  for (const double at : wavelengths)
+    if (at > shortest() && at < longest()) breaks.push_back(at);
+  std::sort(breaks.begin(), breaks.end());
+  breaks.erase(std::unique(breaks.begin(), breaks.end()), breaks.end());
+  return response;
+}
+
+SpectralResponse SpectralResponse::behind(const SpectralResponse& filter) const {
+  const double low = std::max(shortest(), filter.shortest());
+  const double high = std::min(longest(), filter.longest());
+  if (!(low < high))
+    throw InputError(fmt::format(
+        "the filter ({:g} to {:g} nm) lets nothing through of the channel ({:g} to {:g} nm)",
+        1e9 * filter.shortest(), 1e9 * filter.longest(), 1e9 * shortest(), 1e9 * longest()));
+  SpectralResponse response;
+  for (const std::vector<double>* list : {&breakpoints_, &filter.breakpoints_})
+    for (const double at : *list)
+      if (at >= low && at <= high) response.breakpoints_.push_back(at);
+  std::sort(response.breakpoints_.begin(), response.breakpoints_.end());
+  const auto end = std::unique(response.breakpoints_.begin(), response.breakpoints_.end());
+  response.breakpoints_.erase(end, response.breakpoints_.end());
+  response.value_ = [a = *this, b = filter](double at) { return a(at) * b(at); };
+  return response;
 }
 
 SpectralResponse SpectralResponse::of_photons() const {
+  return times([inverse = 1 / centroid()](double at) { return at * inverse; });
+}
+
+SpectralResponse SpectralResponse::times(std::function<double(double)> factor) const {
   SpectralResponse response = *this;
-  response.value_ = [value = value_, inverse = 1 / centroid()](double at) {
-    return value(at) * at * inverse;
+  response.value_ = [value = value_, factor = std::move(factor)](double at) {
+    return value(at) * factor(at);
   };
   return response;
 }

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -10,19 +9,8 @@
 namespace plenoflame {
 namespace {
 
-/// The response times the law, at points that are far closer than either varies.
 SourceFunction weighted(const SpectralResponse& response, const AbsorptionSpectrum& law) {
-  if (law.is_grey()) return SourceFunction::of(response);
-  std::vector<SpectralPoint> points;
-  const auto& breaks = response.breakpoints();
-  constexpr int kParts = 64;
-  for (std::size_t k = 0; k + 1 < breaks.size(); ++k)
-    for (int p = 0; p < kParts; ++p)
-      points.push_back({breaks[k] + (breaks[k + 1] - breaks[k]) * p / kParts, 0});
-  points.push_back({breaks.back(), 0});
-  for (SpectralPoint& point : points)
-    point.value = response(point.wavelength) * law.factor(point.wavelength);
-  return SourceFunction::of(SpectralResponse::curve(std::move(points)));
+  return SourceFunction::of(response.times([&](double at) { return law.factor(at); }));
 }
 
 }  // namespace

@@ -53,6 +53,15 @@ TEST(Sensor, CountsTheElectronsOfAFlame) {
     const double half = row[1] > 1e4 ? 5 : 0.5;
     EXPECT_TRUE(test::within(frame.electrons.at(0, 0), row[1], half, 1)) << row[0];
   }
+  // With Planck's function integrated over the band (mpmath).
+  const double of_band[][2] = {{1500, 1337.032}, {1650, 5112.847}, {1800, 15635.43}};
+  for (const auto& row : of_band) {
+    const double radiance = SourceFunction::band(650e-9, 10e-9)(row[0]) * -std::expm1(-0.1);
+    const double flux = radiance * 5.5e-6 * 5.5e-6 * constants::pi / (4 * 2.7 * 2.7 + 1) * 0.85;
+    const Image image(kWindow.width, kWindow.height, static_cast<float>(flux));
+    const SensorFrame frame = one(image, sensor, 1e-3);
+    EXPECT_TRUE(test::relative(frame.electrons.at(0, 0), row[1], 1e-6)) << row[0];
+  }
   sensor.full_well = 20000;
   const Image bright(kWindow.width, kWindow.height, 1e-10F);
   const SensorFrame full = one(bright, sensor, 1e-3);

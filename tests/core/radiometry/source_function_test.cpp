@@ -151,10 +151,22 @@ TEST(SourceFunction, BandsAgreeWithThirtyDigits) {
   }
 }
 
-TEST(SourceFunction, NearlyEverythingInOneBandIsTotal) {
-  const SourceFunction band = SourceFunction::band(0.5e-3 + 0.5e-7, 1e-3 - 1e-7);
-  for (const double t : {1000.0, 1650.0, 3000.0})
-    EXPECT_TRUE(test::relative(band(t), SourceFunction::total()(t), 1e-6)) << t;
+// sigma T^4 / pi from the band of 0.1 um to 1 mm; what lies beyond 1 mm is Rayleigh and Jeans' law,
+// x = c_2 / (1 mm T): 15/pi^4 (x^3/3 - x^4/8 + x^5/60) of the whole, 2e-5 at 200 K.
+TEST(SourceFunction, StefanBoltzmannFromABand) {
+  const SourceFunction band = SourceFunction::band(0.5 * (1e-7 + 1e-3), 1e-3 - 1e-7);
+  for (const double t : {600.0, 1000.0, 1700.0, 3000.0, 5000.0})
+    EXPECT_TRUE(
+        test::relative(band(t), 5.670374419e-8 / 3.14159265358979324 * std::pow(t, 4), 1e-6))
+        << t;
+  for (const double t : {200.0, 300.0, 450.0}) {
+    const double x = 0.014387768775039337 / (1e-3 * t);
+    const double beyond = 15 / std::pow(3.14159265358979324, 4) *
+                          (x * x * x / 3 - std::pow(x, 4) / 8 + std::pow(x, 5) / 60);
+    EXPECT_TRUE(test::relative(
+        band(t), (1 - beyond) * 5.670374419e-8 / 3.14159265358979324 * std::pow(t, 4), 1e-7))
+        << t;
+  }
 }
 
 TEST(SourceFunction, BandsAreAdditive) {

@@ -84,6 +84,56 @@ TEST(ChannelNodes, StandForTheirChannel) {
   EXPECT_TRUE(relative(path(all, soot, 2000, 0.5), 44917.52958756914, all.error));
 }
 
+// Two lines in a wide band, as a table with steep sides: a single Gauss rule misses them. mpmath.
+TEST(ChannelNodes, SteepTables) {
+  const auto lines = AbsorptionSpectrum::table(552e-9, {{400e-9, 0.02},
+                                                        {548e-9, 0.02},
+                                                        {550e-9, 1},
+                                                        {556e-9, 0.9},
+                                                        {558e-9, 0.02},
+                                                        {620e-9, 0.05},
+                                                        {624e-9, 0.6},
+                                                        {700e-9, 0.6}});
+  const ChannelNodes wide = channel_nodes(SpectralResponse::band(550e-9, 300e-9), {lines});
+  EXPECT_LE(wide.error, kSpectralTolerance);
+  const double expected[][3] = {{0.5, 1200, 0.2885404328257162},
+                                {8, 1200, 1.113422451434822},
+                                {0.5, 1800, 119.2306435891223},
+                                {8, 1800, 476.9121952259897}};
+  for (const auto& row : expected)
+    EXPECT_TRUE(relative(path(wide, lines, row[1], row[0]), row[2], 2 * kSpectralTolerance))
+        << row[0] << " " << row[1];
+}
+
+// What a wall emits through a colour that several wavelengths stand for, far below the temperatures
+// for which these were chosen: 3 to 5 um, mpmath.
+TEST(ChannelNodes, ColdWallsEmitTheirWholeBand) {
+  const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
+  const auto band = SpectralResponse::band(4e-6, 2e-6);
+  const ChannelNodes nodes = channel_nodes(band, {soot});
+  ASSERT_GT(nodes.nodes.size(), 1u);
+  const auto emitters = SourceFunction::sharing(SourceFunction::of(band), nodes.nodes);
+  ASSERT_EQ(emitters.size(), nodes.nodes.size());
+  for (const auto& [temperature, expected] :
+       {std::pair{300.0, 1.865956208161689}, std::pair{500.0, 167.527778396007}}) {
+    double sum = 0, of_nodes = 0;
+    for (std::size_t i = 0; i < emitters.size(); ++i) {
+      sum += emitters[i](temperature);
+      of_nodes += nodes.nodes[i](temperature);
+      EXPECT_EQ(emitters[i].wavelength(), nodes.nodes[i].wavelength());
+      EXPECT_FALSE(emitters[i].is_total());
+    }
+    EXPECT_TRUE(relative(sum, expected, 1e-12)) << temperature;
+    if (temperature < 400) {
+      EXPECT_FALSE(relative(of_nodes, expected, 1e-3));
+    }
+  }
+  // So cold that every node underflows: still the whole.
+  double sum = 0;
+  for (const SourceFunction& emitter : emitters) sum += emitter(3);
+  EXPECT_EQ(sum, SourceFunction::of(band)(3));
+}
+
 TEST(ChannelNodes, NarrowAndGreyChannelsNeedOne) {
   const auto soot = AbsorptionSpectrum::power(650e-9, 1);
   EXPECT_EQ(channel_nodes(SpectralResponse::band(650e-9, 10e-9), {soot}).nodes.size(), 1u);

@@ -23,8 +23,7 @@ TEST(TwoColour, RatiosAndTheirTemperatures) {
   for (const auto& row : rows) {
     EXPECT_TRUE(relative(std::exp(grey.log_ratio(row[0])), row[1], 1e-11));
     EXPECT_TRUE(relative(grey.temperature(row[1]), row[0], 1e-11));
-    // The law is followed by straight lines between 64 points of the band.
-    EXPECT_TRUE(relative(soot.temperature(row[2]), row[0], 1e-7)) << row[0];
+    EXPECT_TRUE(relative(soot.temperature(row[2]), row[0], 1e-11)) << row[0];
   }
   const TwoColour back(kInfrared, kRed, {});
   EXPECT_TRUE(relative(back.temperature(1 / rows[0][1]), 1200, 1e-11));

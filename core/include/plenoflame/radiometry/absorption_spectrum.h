@@ -38,6 +38,8 @@ class AbsorptionSpectrum {
   bool is_grey() const { return kind_ == Kind::grey; }
   /// kappa(wavelength) / kappa(reference). @throws InputError as soot_refractive_index
   double factor(double wavelength) const;
+  /// Where factor() is not smooth [m]: the points of a table, or of measurements.
+  std::vector<double> breakpoints() const;
   /// kappa(reference) [1/m] of a soot volume fraction of 1; 0 unless this is soot.
   double per_volume_fraction() const;
 

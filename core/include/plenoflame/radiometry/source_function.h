@@ -1,4 +1,6 @@
 #pragma once
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "plenoflame/radiometry/spectral_response.h"
@@ -40,10 +42,23 @@ class SourceFunction {
     return source;
   }
 
+  /// The same, with another share of what does not follow Planck's law.
+  SourceFunction with_share(double share) const {
+    SourceFunction source = *this;
+    source.share_ = share;
+    return source;
+  }
+
+  /// Sources in the ratio of `parts` that are together exactly `whole` at every temperature: of
+  /// surfaces and lights, which may be far colder than what the parts' few nodes were made for.
+  /// They have no nodes, so that media cannot use them. A single part is the whole.
+  static std::vector<SourceFunction> sharing(const SourceFunction& whole,
+                                             const std::vector<SourceFunction>& parts);
+
   double operator()(double temperature) const;
 
-  bool is_total() const { return nodes_.empty(); }
-  /// Empty for total().
+  bool is_total() const { return nodes_.empty() && !shared_; }
+  /// Empty for total(), and for what shares a whole.
   const std::vector<Node>& nodes() const { return nodes_; }
   /// Where optical properties are taken [m]: the centroid of the response; 0 for total().
   double wavelength() const { return wavelength_; }
@@ -54,6 +69,9 @@ class SourceFunction {
  private:
   std::vector<Node> nodes_;
   double wavelength_ = 0, share_ = 1;
+  struct Shared;
+  std::shared_ptr<const Shared> shared_;  ///< nullptr: it is all its own
+  std::size_t part_ = 0;                  ///< which of them
 };
 
 }  // namespace plenoflame

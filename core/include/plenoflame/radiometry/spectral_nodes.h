@@ -24,7 +24,8 @@ inline constexpr double kSpectralTolerance = 5e-4;
 /// its effective wavelength.
 /// @param response nothing: all wavelengths (0.15 to 300 um)
 /// @param spectra of everything that absorbs
+/// @param fewest wavelengths, even where fewer would do
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
-                           const std::vector<AbsorptionSpectrum>& spectra);
+                           const std::vector<AbsorptionSpectrum>& spectra, int fewest = 1);
 
 }  // namespace plenoflame

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -50,8 +51,17 @@ class SpectralResponse {
   /// For a curve that is a quantum efficiency: R(lambda) lambda / centroid(), with which flux *
   /// centroid() / (hc) is the rate of electrons, exactly.
   SpectralResponse of_photons() const;
+  /// R(lambda) times a factor that is smooth where R is.
+  SpectralResponse times(std::function<double(double)> factor) const;
+  /// The same, with points of these that lie within it among its breakpoints.
+  SpectralResponse broken_at(const std::vector<double>& wavelengths) const;
+  /// Integral over wavelength [m].
+  double integral() const;
+  /// The response behind a filter. @throws InputError when nothing is left
+  SpectralResponse behind(const SpectralResponse& filter) const;
 
  private:
+  std::array<double, 2> moments() const;  ///< of R and R (lambda - shortest)
   std::vector<double> breakpoints_;
   std::function<double(double)> value_;
 };
