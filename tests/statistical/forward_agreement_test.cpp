@@ -136,6 +136,33 @@ TEST(ForwardAgreement, SootInColour) {
   expect_agreement(scene);
 }
 
+// Reflection at all surfaces, with a coating, which disperses, and a cover glass.
+TEST(ForwardAgreement, ReflectionsAndDispersion) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  scene.camera.transmission.fresnel = true;
+  scene.camera.transmission.coating_index = 1.8;
+  scene.camera.transmission.cover_index = 1.6;
+  scene.camera.lens.surfaces[0].glass = "N-SF11";
+  scene.channels = {{"red", ChannelKind::band, 700e-9, 10e-9},
+                    {"blue", ChannelKind::band, 450e-9, 10e-9}};
+  expect_agreement(scene);
+}
+
+// At an asphere and through a tilted lens and array the angles of incidence are others.
+TEST(ForwardAgreement, ReflectionsOfAMisalignedAsphericCamera) {
+  MainLensSpec lens = singlet();
+  lens.surfaces[0].conic = -0.8;
+  lens.surfaces[1].aspheric = {1.2, 0, -900};
+  Scene scene = small_scene(lens, large_array(Lattice::square, LensModel::real));
+  scene.camera.transmission.fresnel = true;
+  scene.camera.transmission.cover_index = 1.6;
+  scene.camera.lens.tilt = {0.004, 0.006};
+  scene.camera.array.tilt = {0.05, -0.03};
+  scene.camera.array.diameter *= 0.7;
+  scene.camera.array.opaque_between = false;
+  expect_agreement(scene);
+}
+
 /// A smooth, optically thick ball of hot gas around (1 m, 0, 0), on a grid that is turned.
 std::unique_ptr<Medium> ball(const std::vector<SourceFunction>& channels,
                              VoxelInterpolation interpolation) {

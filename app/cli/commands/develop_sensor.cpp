@@ -195,11 +195,12 @@ class Developer {
 std::vector<double> channel_wavelengths(const Scene& scene) {
   std::vector<double> wavelengths;
   for (const ChannelSpec& channel : scene.channels) {
-    const auto response = spectral_response(channel);
     // A response to photons is normalised at the centroid of the curve itself.
     ChannelSpec plain = channel;
     plain.photons = false;
-    wavelengths.push_back(response ? spectral_response(plain)->centroid() : 0);
+    const auto response =
+        channel.photons ? spectral_response(plain) : camera_response(scene, channel);
+    wavelengths.push_back(response ? response->centroid() : 0);
   }
   return wavelengths;
 }

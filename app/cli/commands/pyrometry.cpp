@@ -11,6 +11,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/lightfield/sensor.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/spectral.h"
 #include "report.h"
@@ -116,20 +117,41 @@ void compare_with(const Image& truth, const Image& temperature, Report& report) 
   report.add_json("rms_difference_K", std::sqrt(squares / n));
 }
 
+/// Whether a colour of a pixel was made of recorded ones with a full well: its own, or, of other
+/// colours, neighbours of which it is the mean (demosaic() in lightfield/sensor.h).
+bool was_full(const Image& raw, MosaicPattern pattern, PixelWindow window, int column, int row,
+              int colour, float limit) {
+  if (mosaic_colour(pattern, window.x + column, window.y + row) == colour)
+    return raw.at(column, row) >= limit;
+  for (int y = std::max(0, row - 1); y <= std::min(raw.height - 1, row + 1); ++y)
+    for (int x = std::max(0, column - 1); x <= std::min(raw.width - 1, column + 1); ++x)
+      if (mosaic_colour(pattern, window.x + x, window.y + y) == colour && raw.at(x, y) >= limit)
+        return true;
+  return false;
+}
+
 /// Makes pixels dark whose well was full in either channel: they say nothing of a ratio.
 /// @return how many
-std::size_t leave_out_saturated(const LightField& field, std::size_t a, std::size_t b,
-                                LightFieldChannel light[2]) {
+std::size_t leave_out_saturated(const LightField& field, MosaicPattern mosaic, std::size_t a,
+                                std::size_t b, LightFieldChannel light[2]) {
   const auto full = field.numbers.find("sensor.saturated_from");
   if (field.unit != "e-" || full == field.numbers.end()) return 0;
   const auto limit = static_cast<float>(full->second);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < light[0].flux.pixels.size(); ++i) {
-    if (field.channels[a].flux.pixels[i] < limit && field.channels[b].flux.pixels[i] < limit)
-      continue;
-    light[0].flux.pixels[i] = light[1].flux.pixels[i] = 0;
-    ++count;
-  }
+  // Of a mosaic the mean of a full pixel and others may lie below the limit.
+  const auto raw = field.layers.find("sensor.raw");
+  const bool demosaiced = mosaic != MosaicPattern::none && raw != field.layers.end();
+  for (int row = 0; row < light[0].flux.height; ++row)
+    for (int column = 0; column < light[0].flux.width; ++column) {
+      bool overflown = false;
+      for (const std::size_t c : {a, b})
+        overflown = overflown || (demosaiced ? was_full(raw->second, mosaic, field.window, column,
+                                                        row, static_cast<int>(c), limit)
+                                             : field.channels[c].flux.at(column, row) >= limit);
+      if (!overflown) continue;
+      light[0].flux.at(column, row) = light[1].flux.at(column, row) = 0;
+      ++count;
+    }
   return count;
 }
 
@@ -154,8 +176,8 @@ int run_pyrometry(const Settings& settings) {
     a = index_of(field, settings.channels[0]);
     b = index_of(field, settings.channels[1]);
   }
-  const auto first = spectral_response(scene.channels[a]);
-  const auto second = spectral_response(scene.channels[b]);
+  const auto first = camera_response(scene, scene.channels[a]);
+  const auto second = camera_response(scene, scene.channels[b]);
   if (!first || !second)
     throw InputError(
         "a channel of all wavelengths has no colour; choose two others with "
@@ -166,7 +188,7 @@ int run_pyrometry(const Settings& settings) {
   PyrometrySettings how;
   how.threshold = settings.threshold;
   LightFieldChannel light[2] = {energy_of(field, scene, a), energy_of(field, scene, b)};
-  const std::size_t saturated = leave_out_saturated(field, a, b, light);
+  const std::size_t saturated = leave_out_saturated(field, scene.camera.sensor.mosaic, a, b, light);
   const TemperatureMap map = two_colour_map(light[0], light[1], two, how);
   double low = map.lowest, high = map.highest;
   if (!settings.range.empty()) {

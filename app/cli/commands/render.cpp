@@ -114,6 +114,13 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
   report.add_json("precision", s.precision);
   report.add("flame", s.medium_description, "medium", s.medium_description);
+  if (s.wavelengths > 0)
+    report.add("wavelengths",
+               std::to_string(s.wavelengths) + " for the channels, error below " +
+                   number(100 * s.spectral_error) + " %",
+               "wavelengths", s.wavelengths);
+  report.add_json("spectral_error", s.spectral_error);
+  report.add_json("paths", s.paths);
   if (!s.surfaces_description.empty())
     report.add("surfaces", s.surfaces_description, "surfaces", s.surfaces_description);
   add_skipped(s, report);
@@ -161,6 +168,18 @@ std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
   return key.dump();
 }
 
+/// The same radiance from everywhere, for a white image.
+void fill_with_light(CompiledScene& compiled) {
+  compiled.medium = make_uniform_medium(1, compiled.node_count());
+  for (CompiledScene& part : compiled.parts) {
+    // Of a channel that several wavelengths stand for each sees its share.
+    double sharing = 0;
+    for (const CompiledScene& other : compiled.parts)
+      sharing += other.film_channel == part.film_channel ? 1 : 0;
+    part.medium = make_uniform_medium(1 / sharing, 1);
+  }
+}
+
 /// Renders one light field. `document`: the scene of the options, perhaps with another aperture.
 int render_one(const RenderOptions& options, const SceneDocument& document) {
   ProgressBar bar(options.quiet);
@@ -177,8 +196,7 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
       if (text.find("has no flame") == std::string::npos) execution.message(severity, text);
     };
   CompiledScene compiled = compile(document.scene, medium_loader(), compiling, document.positions);
-  if (options.white)
-    compiled.medium = make_uniform_medium(1, static_cast<int>(document.scene.channels.size()));
+  if (options.white) fill_with_light(compiled);
   const double compile_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RenderSettings settings = settings_of(options, document.scene);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "optics/asphere.h"
+#include "optics/reflection.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/surface_shape.h"
 
@@ -16,6 +17,12 @@ KernelSurface<Real> kernel_surface(double gap, double curvature, double diameter
   return {static_cast<Real>(gap), static_cast<Real>(curvature),
           static_cast<Real>(0.25 * diameter * diameter), static_cast<Real>(before / behind),
           static_cast<Real>((behind - before) * (behind + before) / (behind * behind))};
+}
+
+template <class Real>
+KernelCoating<Real> kernel_coating(const Coating& coating) {
+  return {static_cast<Real>(coating.before), static_cast<Real>(coating.layer),
+          static_cast<Real>(coating.behind), static_cast<Real>(coating.phase)};
 }
 
 template <class Real>
@@ -37,6 +44,10 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
   if (surfaces.size() > kMaxLensSurfaces)
     throw InputError("camera.lens has " + std::to_string(surfaces.size()) + " surfaces; at most " +
                      std::to_string(kMaxLensSurfaces) + " are supported");
+  const TransmissionSpec& transmission = camera.spec().transmission;
+  out.fresnel = transmission.fresnel;
+  const AntiReflection layer{transmission.coating_index, transmission.coating_wavelength,
+                             camera.spec().wavelength};
   double z = reference;
   out.surface_count = static_cast<int>(surfaces.size());
   for (int k = 0; k < out.surface_count; ++k) {
@@ -50,6 +61,7 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
     if (out.aspheric[k]) out.aspheres[k] = kernel_asphere<Real>(surfaces[i], true);
     out.refracts[k] = curvature != 0 || before != behind;
     out.surface_number[k] = static_cast<int>(i);
+    out.coatings[k] = kernel_coating<Real>(coating_of(layer, before, behind));
     z = vertex;
   }
   out.exit_gap = static_cast<Real>(anchor_z - z);
@@ -120,9 +132,12 @@ void set_lens(const Camera& camera, LensIndex lens, KernelMicrolens<Real>& kerne
 template <class Real>
 std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
   std::vector<KernelMicrolens<Real>> lenses;
+  const TransmissionSpec& transmission = camera.spec().transmission;
+  const auto cover = static_cast<Real>(transmission.cover_index > 1 ? transmission.cover_index : 0);
   if (!camera.has_array()) {
     KernelMicrolens<Real> none{};
     none.distance = static_cast<Real>(camera.aim_plane(0) - camera.sensor());
+    none.cover_index = cover;
     lenses.push_back(none);
     return lenses;
   }
@@ -132,6 +147,7 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
     const Microlens& lens = camera.microlenses()[type];
     KernelMicrolens<Real> kernel{};
     kernel.distance = static_cast<Real>(camera.aim_plane(static_cast<int>(type)) - camera.sensor());
+    kernel.cover_index = cover;
     if (camera.ideal_array()) {
       kernel.kind = 2;
       // Afterwards z counts from the array's front, as for real microlenses.
@@ -148,6 +164,9 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
           kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
       kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front,
                                                 array.diameter, lens.index, 1.0);
+      kernel.fresnel = transmission.fresnel;
+      kernel.coatings[0] = kernel_coating<Real>(coating_of({}, 1.0, lens.index));
+      kernel.coatings[1] = kernel_coating<Real>(coating_of({}, lens.index, 1.0));
       kernel.surface_number[0] = main_surfaces + 1;
       kernel.surface_number[1] = main_surfaces;
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "optics/reflection.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -93,14 +94,28 @@ Ray Camera::from_array(const Ray& ray) const {
   return {array_pose_.point(ray.origin), array_pose_.direction(ray.direction)};
 }
 
-TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points) const {
+PassedLight Camera::light_of_lens() const {
+  const TransmissionSpec& t = spec_.transmission;
+  return {t.coating_index, t.coating_wavelength, spec_.wavelength, 1};
+}
+
+double Camera::through_cover(Vec3 direction) const {
+  const double index = spec_.transmission.cover_index;
+  return index > 1 ? plate_transmission(index, std::fabs(direction.z)) : 1;
+}
+
+TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points, double& passed) const {
   const std::size_t first = points ? points->size() : 0;
   if (lens_moved_) {
     const RigidTransform inverse = lens_pose_.inverse();
     ray = {inverse.point(ray.origin), inverse.direction(ray.direction)};
   }
+  PassedLight light = light_of_lens();
   const TraceStatus status =
-      ideal_lens() ? trace_ideal(ray, points) : lens_.trace_to_scene(ray, points);
+      ideal_lens()
+          ? trace_ideal(ray, points)
+          : lens_.trace_to_scene(ray, points, spec_.transmission.fresnel ? &light : nullptr);
+  passed *= light.share;
   if (!lens_moved_) return status;
   ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
   if (points)
@@ -247,6 +262,7 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
   const Vec3 place = lens ? lens_place(*lens) : Vec3{0, 0, aim_plane(type)};
   const Vec3 target{aim.x, aim.y, place.z};
   Ray ray{start, normalize(target - start)};
+  path.passed = through_cover(ray.direction);
   std::vector<Vec3>* points = with_points ? &path.points : nullptr;
   if (points) points->push_back(start);
   const int lens_surfaces = ideal_lens() ? 1 : static_cast<int>(spec_.lens.surfaces.size());
@@ -269,7 +285,10 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
                         ray.direction.y / ray.direction.z - k * p.y, 1})};
     } else {
       LensSystem own;
-      path.status = microlens_system(*lens, own).trace_to_scene(ray, points);
+      PassedLight light;
+      path.status = microlens_system(*lens, own)
+                        .trace_to_scene(ray, points, spec_.transmission.fresnel ? &light : nullptr);
+      path.passed *= light.share;
       if (path.status.status != RayStatus::reached) path.status.surface += lens_surfaces;
     }
     ray.origin.x += centre.x;
@@ -285,7 +304,8 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
     path.status = {RayStatus::vignetted, lens_surfaces};
     if (points) points->push_back(ray.at((array_front_ - ray.origin.z) / ray.direction.z));
   }
-  if (path.status.status == RayStatus::reached) path.status = trace_main_lens(ray, points);
+  if (path.status.status == RayStatus::reached)
+    path.status = trace_main_lens(ray, points, path.passed);
   path.exit = ray;
   return path;
 }

@@ -21,12 +21,14 @@ struct KernelCamera {
   bool aspheric[kMaxLensSurfaces];       ///< whether the surface is one of these
   bool refracts[kMaxLensSurfaces];       ///< false: a plane without index step
   int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
-  bool moved;                            ///< whether the main lens is decentred or tilted
-  Real lens_turn[9];                     ///< moved: camera to lens axes, row major
-  Real lens_shift[3];                    ///< moved: of the origin, applied after the turn
-  Real exit_gap;                         ///< from the last reference plane to the anchor's plane
-  Real rotation[9];                      ///< camera to world, row major
-  Real anchor_x, anchor_y;               ///< of the anchor, camera frame
+  bool fresnel;                          ///< weights fall by what surfaces reflect
+  KernelCoating<Real> coatings[kMaxLensSurfaces];
+  bool moved;               ///< whether the main lens is decentred or tilted
+  Real lens_turn[9];        ///< moved: camera to lens axes, row major
+  Real lens_shift[3];       ///< moved: of the origin, applied after the turn
+  Real exit_gap;            ///< from the last reference plane to the anchor's plane
+  Real rotation[9];         ///< camera to world, row major
+  Real anchor_x, anchor_y;  ///< of the anchor, camera frame
 };
 
 /// One microlens type, or none (kind 0: rays start freely at the aim plane).
@@ -37,10 +39,13 @@ struct KernelMicrolens {
   KernelIdealLens<Real> ideal;
   int surface_number[2];
   Real distance;  ///< sensor to aim plane
-  bool tilted;    ///< with the array: the rest holds then
-  Real turn[9];   ///< camera to array axes, row major
-  Real front;     ///< from the aim plane to the front vertices, along the array's axis
-  Real depth;     ///< z of the lens' place in its aim plane, from the front of the array
+  bool fresnel;   ///< its faces reflect
+  KernelCoating<Real> coatings[2];
+  Real cover_index;  ///< of the sensor's cover glass; 0: none
+  bool tilted;       ///< with the array: the rest holds then
+  Real turn[9];      ///< camera to array axes, row major
+  Real front;        ///< from the aim plane to the front vertices, along the array's axis
+  Real depth;        ///< z of the lens' place in its aim plane, from the front of the array
 };
 
 /// A block of rays, structure of arrays; 64-byte aligned, kBlockRays + kBlockSlack long.

@@ -1,6 +1,7 @@
 // Vector kernels that take blocks of rays through the camera; compiled once per instruction set.
 #include "camera/camera_kernel.h"
 
+#include "optics/reflection_kernel.h"
 #include "optics/surface_kernel.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
@@ -31,6 +32,63 @@ PLENOFLAME_INLINE void turn_rays(const Real* matrix, bool back, Real sx, Real sy
   }
 }
 
+/// Directions of a block in front of a surface that reflects.
+template <class Real>
+struct Directions {
+  Real x[kBlockRays + kBlockSlack], y[kBlockRays + kBlockSlack], z[kBlockRays + kBlockSlack];
+  void keep(int first, int count, const KernelBlock<Real>& block) {
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      x[i] = block.dx[first + i];
+      y[i] = block.dy[first + i];
+      z[i] = block.dz[first + i];
+    }
+  }
+};
+
+/// Takes from the weights what a surface reflected, by the directions on both sides: Snell's law
+/// says that before * d_before - behind * d_behind is along the normal, whatever the surface's
+/// shape.
+template <class Real>
+PLENOFLAME_INLINE void lose_reflected(const KernelCoating<Real>& coating,
+                                      const Directions<Real>& before, int first, int count,
+                                      const KernelBlock<Real>& block) {
+  const KernelCoating<Real> c = coating;
+  if (c.before == c.behind) return;
+  const Real* __restrict dx = block.dx + first;
+  const Real* __restrict dy = block.dy + first;
+  const Real* __restrict dz = block.dz + first;
+  Real* __restrict weight = block.weight + first;
+  const int* __restrict code = block.code + first;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real ux = before.x[i], uy = before.y[i], uz = before.z[i];
+    const Real nx = c.before * ux - c.behind * dx[i], ny = c.before * uy - c.behind * dy[i],
+               nz = c.before * uz - c.behind * dz[i];
+    const Real inverse = Real(1) / square_root(nx * nx + ny * ny + nz * nz);
+    const Real passed = transmission(c, magnitude(ux * nx + uy * ny + uz * nz) * inverse,
+                                     magnitude(dx[i] * nx + dy[i] * ny + dz[i] * nz) * inverse);
+    weight[i] *= code[i] == 0 ? passed : Real(1);
+  }
+}
+
+/// The sensor's cover glass: a plane plate, both of whose faces reflect.
+template <class Real>
+PLENOFLAME_INLINE void pass_cover(Real index, int first, int count,
+                                  const KernelBlock<Real>& block) {
+  const Real* __restrict dz = block.dz + first;
+  Real* __restrict weight = block.weight + first;
+  const KernelCoating<Real> in{Real(1), Real(1), index, Real(0)};
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real cosine = dz[i];
+    const Real inside =
+        square_root(greatest(Real(1) - (Real(1) - cosine * cosine) / (index * index), Real(0)));
+    const Real once = transmission(in, cosine, inside);
+    weight[i] *= once * once;
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y, int first,
                             int count, const KernelBlock<Real>& block) {
@@ -43,7 +101,29 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
   int* __restrict code = block.code + first;
   const int padded = (count + 15) & ~15;
   const KernelMicrolens<Real> c = lens;
-  if (c.kind == 1) {
+  if (c.kind == 1 && c.fresnel) {
+    Directions<Real> before;
+    for (int s = 0; s < 2; ++s) {
+      const int number = 4 * c.surface_number[s];
+      const Real to_x = s == 1 ? lens_x : Real(0), to_y = s == 1 ? lens_y : Real(0);
+      const KernelSurface<Real> surface = c.surfaces[s];
+      before.keep(first, padded, block);
+#pragma omp simd
+      for (int i = 0; i < padded; ++i) {
+        Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
+        int status = code[i];
+        refract_at(surface, number, px, py, pz, vx, vy, vz, status);
+        x[i] = px + to_x;
+        y[i] = py + to_y;
+        z[i] = pz;
+        dx[i] = vx;
+        dy[i] = vy;
+        dz[i] = vz;
+        code[i] = status;
+      }
+      lose_reflected(c.coatings[s], before, first, padded, block);
+    }
+  } else if (c.kind == 1) {
     const int back = 4 * c.surface_number[0], front = 4 * c.surface_number[1];
 #pragma omp simd
     for (int i = 0; i < padded; ++i) {
@@ -82,6 +162,7 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
 template <class Real>
 PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y,
                                    int first, int count, const KernelBlock<Real>& block) {
+  if (lens.cover_index > Real(0)) pass_cover(lens.cover_index, first, (count + 15) & ~15, block);
   if (!lens.tilted) {
     pass(lens, lens_x, lens_y, first, count, block);
     return;
@@ -195,7 +276,9 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
       code[i] = status;
     }
   } else {
+    Directions<Real> before;
     for (int s = 0; s < camera.surface_count; ++s) {
+      if (camera.fresnel) before.keep(0, count, block);
       if (camera.aspheric[s])
         pass_asphere(camera.surfaces[s], camera.aspheres[s], camera.surface_number[s], count,
                      block);
@@ -203,6 +286,7 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
         pass_surface<Real, true>(camera.surfaces[s], camera.surface_number[s], count, block);
       else
         pass_surface<Real, false>(camera.surfaces[s], camera.surface_number[s], count, block);
+      if (camera.fresnel) lose_reflected(camera.coatings[s], before, 0, count, block);
     }
   }
   const Real gap = camera.exit_gap, ax = camera.anchor_x, ay = camera.anchor_y;

@@ -55,7 +55,13 @@ TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
 /// In the frame of the main lens.
 TraceStatus Camera::trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
                                                std::vector<Vec3>* points) const {
-  if (!ideal_lens()) return lens_.trace_to_sensor(ray, points);
+  if (!ideal_lens()) {
+    PassedLight passed = light_of_lens();
+    const TraceStatus status =
+        lens_.trace_to_sensor(ray, points, spec_.transmission.fresnel ? &passed : nullptr);
+    etendue_ratio *= passed.share;
+    return status;
+  }
   const Vec2 height = at_plane(ray, ideal_.front_principal);
   const Vec2 outer = slope(ray);
   const Vec2 inner = outer + (1.0 / ideal_.focal_length) * height;
@@ -90,7 +96,10 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
     if (length(height) > 0.5 * spec_.array.diameter) status = {RayStatus::vignetted, 0};
   } else {
     LensSystem own;
-    status = microlens_system(lens, own).trace_to_sensor(ray, points);
+    PassedLight passed;
+    status = microlens_system(lens, own).trace_to_sensor(
+        ray, points, spec_.transmission.fresnel ? &passed : nullptr);
+    arrival.etendue_ratio *= passed.share;
   }
   if (points)
     for (Vec3& point : *points) point = array_pose_.point(point + Vec3{centre.x, centre.y, 0});
@@ -98,10 +107,12 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
   arrival.lens = lens;
   if (array_tilted_) {
     ray.origin = ray.origin + Vec3{centre.x, centre.y, 0};
-    arrival.sensor_point = at_plane(from_array(ray), sensor_);
+    ray = from_array(ray);
+    arrival.sensor_point = at_plane(ray, sensor_);
   } else {
     arrival.sensor_point = at_plane(ray, sensor_) + centre;
   }
+  arrival.etendue_ratio *= through_cover(ray.direction);
   if (points) points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
   arrivals.push_back(arrival);
   return status;
@@ -170,6 +181,7 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
   if (main_lens.status != RayStatus::reached) return main_lens;
   if (!has_array()) {
     arrival.sensor_point = at_plane(ray, sensor_);
+    arrival.etendue_ratio *= through_cover(ray.direction);
     arrivals.push_back(arrival);
     if (points) points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
     return {};
@@ -181,6 +193,7 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
   const bool on_a_lens = meet_microlenses(ray, arrival, arrivals, status, points);
   if (!on_a_lens && !spec_.array.opaque_between) {
     arrival.sensor_point = at_plane(ray, sensor_);
+    arrival.etendue_ratio *= through_cover(ray.direction);
     arrivals.push_back(arrival);
     if (points) {  // of the attempts nothing counts
       points->resize(in_front);

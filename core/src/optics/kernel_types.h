@@ -28,6 +28,13 @@ struct KernelAsphere {
 };
 inline constexpr int kAsphereSteps = 8;  ///< of Newton's method
 
+/// What a surface reflects: a single layer between the two media.
+template <class Real>
+struct KernelCoating {
+  Real before, layer, behind;  ///< indices; layer = before: no layer
+  Real phase;                  ///< 4 thickness layer / wavelength: twice the phase over pi
+};
+
 /// The paraxial transform (camera/camera.h, IdealLens) as the kernels use it.
 template <class Real>
 struct KernelIdealLens {

@@ -1,8 +1,11 @@
 #include "plenoflame/optics/lens_system.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "optics/asphere.h"
+#include "optics/reflection.h"
 #include "optics/surface_kernel.h"
 #include "plenoflame/optics/surface_shape.h"
 
@@ -31,15 +34,18 @@ LensSystem::LensSystem(std::vector<SurfaceSpec> surfaces, double first_vertex)
   }
 }
 
-TraceStatus LensSystem::trace_to_scene(Ray& ray, std::vector<Vec3>* path) const {
-  return trace(ray, true, path);
+TraceStatus LensSystem::trace_to_scene(Ray& ray, std::vector<Vec3>* path,
+                                       PassedLight* passed) const {
+  return trace(ray, true, path, passed);
 }
 
-TraceStatus LensSystem::trace_to_sensor(Ray& ray, std::vector<Vec3>* path) const {
-  return trace(ray, false, path);
+TraceStatus LensSystem::trace_to_sensor(Ray& ray, std::vector<Vec3>* path,
+                                        PassedLight* passed) const {
+  return trace(ray, false, path, passed);
 }
 
-TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) const {
+TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path,
+                              PassedLight* passed) const {
   // The kernel propagates towards +z: mirror z for rays towards the sensor.
   const double sign = to_scene ? 1.0 : -1.0;
   const int count = static_cast<int>(surfaces_.size());
@@ -59,6 +65,7 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
                                        (behind - before) * (behind + before) / (behind * behind)};
     double z = sign * (p.z - vertex);
     int code = 0;
+    const Vec3 d_before = d;
     if (is_aspheric(surface))
       scalar::refract_at_asphere(kernel, kernel_asphere<double>(surface, to_scene), 4 * i, p.x, p.y,
                                  z, d.x, d.y, d.z, code);
@@ -73,6 +80,15 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path) 
               : cause == kCauseTotalReflection ? RayStatus::total_internal_reflection
                                                : RayStatus::missed,
               i};
+    }
+    if (passed && before != behind) {
+      // By Snell's law before * d_before - behind * d is along the normal.
+      const Vec3 along_normal = before * d_before - behind * d;
+      const double cosine = std::fabs(dot(d_before, normalize(along_normal)));
+      passed->share *= surface_transmission(
+          coating_of({passed->coating_index, passed->coating_wavelength, passed->wavelength},
+                     before, behind),
+          std::min(cosine, 1.0));
     }
   }
   ray = {p, {d.x, d.y, sign * d.z}};

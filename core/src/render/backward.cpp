@@ -88,16 +88,16 @@ void add(TileCounters& total, const TileCounters& part) {
   total.medium += part.medium;
 }
 
-/// The tracers of one thread: one for each range, made when it is needed.
+/// The tracers of one thread: one for each plan, made when it is needed.
 template <class Real>
 class Tracers {
  public:
   explicit Tracers(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
       : plans_(plans), each_(plans.size()) {}
 
-  TileTracer<Real>& of(std::size_t range, Film& film) {
-    auto& tracer = each_[range];
-    if (!tracer) tracer = std::make_unique<TileTracer<Real>>(*plans_[range], film);
+  TileTracer<Real>& of(std::size_t plan, Film& film) {
+    auto& tracer = each_[plan];
+    if (!tracer) tracer = std::make_unique<TileTracer<Real>>(*plans_[plan], film);
     return *tracer;
   }
   void add_to(TileCounters& total) const {
@@ -115,6 +115,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
                const std::vector<PointRange>& ranges, const std::vector<TileJob>& jobs,
                const Execution& execution, Film& film, RenderStatistics& statistics) {
   const int workers = execution.thread_count();
+  const std::size_t parts = plans.size() / std::max<std::size_t>(ranges.size(), 1);
   std::vector<Tracers<Real>> tracers;
   for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
   const auto start = std::chrono::steady_clock::now();
@@ -123,14 +124,19 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   const double rays_before = statistics.rays;
   const bool complete = parallel_for(execution, jobs.size(), [&](std::size_t index, int worker) {
     const TileJob job = jobs[index];
-    TileTracer<Real>& tracer = tracers[static_cast<std::size_t>(worker)].of(job.range, film);
-    const double rays_of_worker = tracer.counters().rays;
-    tracer.render(job.tile);
+    double new_rays = 0;
+    for (std::size_t part = 0; part < parts; ++part) {
+      TileTracer<Real>& tracer =
+          tracers[static_cast<std::size_t>(worker)].of(job.range * parts + part, film);
+      new_rays -= tracer.counters().rays;
+      tracer.render(job.tile);
+      new_rays += tracer.counters().rays;
+    }
     film.add_samples(job.tile, ranges[job.range].points);
     const std::lock_guard lock(mutex);
     ++done;
     if (!execution.progress) return;
-    statistics.rays += tracer.counters().rays - rays_of_worker;
+    statistics.rays += new_rays;
     Progress progress;
     progress.fraction = static_cast<double>(done) / static_cast<double>(jobs.size());
     const double elapsed = seconds_since(start);
@@ -247,20 +253,25 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
 BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings& settings,
                                const Execution& execution)
     : beams(settings.skip && has_content(scene) ? SceneBeams::make(scene) : nullptr),
-      table(make_radiance_table(scene, settings)),
-      light(make_surface_light(scene, settings, execution)) {}
+      table(scene.parts.empty() ? make_radiance_table(scene, settings) : nullptr),
+      light(scene.parts.empty() ? make_surface_light(scene, settings, execution) : nullptr) {
+  for (const CompiledScene& part : scene.parts) parts.emplace_back(part, settings, execution);
+}
 
 template <class Real>
 void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& settings,
                               const BackwardShared& shared, int threads, Plans<Real>& plans) {
-  plans.resize(ranges_.size());
+  plans.resize(ranges_.size() * media_.size());
   Execution execution;
   execution.threads = threads;
-  parallel_for(execution, ranges_.size(), [&](std::size_t i, int) {
+  parallel_for(execution, plans.size(), [&](std::size_t i, int) {
+    const std::size_t range = i / media_.size(), p = i % media_.size();
+    const CompiledScene& part = scene.parts.empty() ? scene : scene.parts[p];
+    const BackwardShared& of_part = scene.parts.empty() ? shared : shared.parts[p];
     auto plan = std::make_unique<BackwardPlan<Real>>(
-        make_plan<Real>(scene, medium_->get(), settings, ranges_[i], shared.light.get()));
-    if constexpr (std::is_same_v<Real, float>) plan->table = shared.table.get();
-    plan->beams = shared.beams.get();
+        make_plan<Real>(part, media_[p]->get(), settings, ranges_[range], of_part.light.get()));
+    if constexpr (std::is_same_v<Real, float>) plan->table = of_part.table.get();
+    plan->beams = of_part.beams.get();
     plans[i] = std::move(plan);
   });
 }
@@ -268,9 +279,10 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
                            std::vector<PointRange> ranges, const BackwardShared& shared,
                            int threads)
-    : medium_(std::make_unique<SceneMedium>(scene)),
-      ranges_(std::move(ranges)),
-      is_single_(in_single_precision(scene, settings)) {
+    : ranges_(std::move(ranges)), is_single_(in_single_precision(scene, settings)) {
+  if (scene.parts.empty()) media_.push_back(std::make_unique<SceneMedium>(scene));
+  for (const CompiledScene& part : scene.parts)
+    media_.push_back(std::make_unique<SceneMedium>(part));
   if (is_single_)
     make_plans(scene, settings, shared, threads, single_);
   else

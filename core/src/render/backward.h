@@ -23,6 +23,7 @@ struct BackwardShared {
   /// Stands in for the medium where it is smooth (single precision only); may be nullptr.
   std::unique_ptr<RadianceTable> table;
   std::unique_ptr<const SurfaceLightPlan> light;  ///< nullptr: no surfaces, no surroundings
+  std::vector<BackwardShared> parts;              ///< of a scene that has parts: theirs
 };
 
 /// A tile of the film, to which the points of a range are added.
@@ -51,14 +52,14 @@ class BackwardPass {
 
  private:
   template <class Real>
-  using Plans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;  // one of each range
+  using Plans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;
   template <class Real>
   void make_plans(const CompiledScene& scene, const RenderSettings& settings,
                   const BackwardShared& shared, int threads, Plans<Real>& plans);
-  std::unique_ptr<const SceneMedium> medium_;
+  std::vector<std::unique_ptr<const SceneMedium>> media_;  // one for each part of the scene
   std::vector<PointRange> ranges_;
   bool is_single_;
-  Plans<float> single_;  // the others are empty
+  Plans<float> single_;  // of each range, for each part; the others are empty
   Plans<double> double_;
 };
 

@@ -279,10 +279,9 @@ void TileTracer<Real>::generate_queued() {
   const int count = queued_.back().first + queued_.back().count - first;
   const bool between = type_ == plan_.between_type;
   if (sink_) sink_->drawn(patch_, between ? -1 : type_, block_, first, count);
-  if (between)
-    end_at_microlenses(first, count);
-  else
-    plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
+  if (between) end_at_microlenses(first, count);
+  // Between the lenses only the sensor's cover glass is on the way.
+  plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
   queued_.clear();
 }
 
@@ -384,7 +383,8 @@ void TileTracer<Real>::flush() {
   }
   if (!integrate_by_table(padded)) integrate(padded);
   counters_.seconds_medium += seconds_since(start);
-  for (int channel = 0; channel < film_.channels(); ++channel) add_to_film(channel);
+  const auto channels = static_cast<int>(plan_.scene->scene.channels.size());
+  for (int channel = 0; channel < channels; ++channel) add_to_film(channel);
   if (sink_)
     for (const Pending& pending : pending_)
       sink_->finished(pending.column, pending.row, pending.first, pending.count,
@@ -405,8 +405,10 @@ void TileTracer<Real>::add_to_film(int channel) {
   const Real* radiance = radiance_ + channel * kPadding;
   const auto replicates = static_cast<std::size_t>(film_.replicates());
   const std::size_t stride = static_cast<std::size_t>(film_.channels()) * replicates;
+  const std::vector<int>& place = plan_.scene->film_channel;
+  const int of_film = place.empty() ? channel : place[static_cast<std::size_t>(channel)];
   double* const sums =
-      film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(channel) * replicates;
+      film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
   for (const Pending& pending : pending_) {
     const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
     const double scale = scale_of(pending.level);

@@ -281,6 +281,46 @@ void Run::trace_to_target(std::int64_t points) {
   }
 }
 
+/// Bundles of a scene that disperses: each goes its way once for every wavelength.
+class DispersedBundles : public BundleSource {
+ public:
+  DispersedBundles(std::size_t channels) : channels_(channels) {}
+  void add(std::unique_ptr<EmissionProposal> proposal, std::unique_ptr<BundleSource> bundles,
+           int channel) {
+    proposals_.push_back(std::move(proposal));
+    parts_.push_back({std::move(bundles), static_cast<std::size_t>(channel)});
+  }
+  bool dark() const { return parts_.empty(); }
+  void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override {
+    for (const Part& part : parts_) {
+      ForwardChunk own;
+      part.bundles->trace(first, end, own);
+      for (std::size_t i = 0; i < own.deposits.size(); ++i) {
+        chunk.deposits.push_back(own.deposits[i]);
+        chunk.flux.resize(chunk.flux.size() + channels_);
+        chunk.flux[chunk.flux.size() - channels_ + part.channel] = own.flux[i];
+      }
+      chunk.bundles += own.bundles;
+      chunk.arrived += own.arrived;
+      chunk.seconds_optics += own.seconds_optics;
+      chunk.seconds_medium += own.seconds_medium;
+      chunk.seconds_surfaces += own.seconds_surfaces;
+      chunk.medium.rays += own.medium.rays;
+      chunk.medium.cells += own.medium.cells;
+    }
+    chunk.done = true;
+  }
+
+ private:
+  struct Part {
+    std::unique_ptr<BundleSource> bundles;
+    std::size_t channel;
+  };
+  std::size_t channels_;
+  std::vector<std::unique_ptr<EmissionProposal>> proposals_;
+  std::vector<Part> parts_;
+};
+
 /// Nothing when everything is dark.
 std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
                                            const RenderSettings& settings, const Film& film,
@@ -299,13 +339,29 @@ void render_forward(const CompiledScene& scene, const RenderSettings& settings,
   const auto start = Clock::now();
   const std::int64_t points =
       (static_cast<std::int64_t>(settings.samples) + settings.replicates - 1) / settings.replicates;
+  const auto proposal_of = [&](const CompiledScene& part) {
+    std::unique_ptr<EmissionProposal> proposal;
+    if (part.medium)
+      proposal = std::make_unique<EmissionProposal>(*part.medium, settings.seed ^ kProposalSeed,
+                                                    execution);
+    if (proposal && proposal->dark()) proposal.reset();
+    return proposal;
+  };
   std::unique_ptr<EmissionProposal> proposal;
-  if (scene.medium)
-    proposal =
-        std::make_unique<EmissionProposal>(*scene.medium, settings.seed ^ kProposalSeed, execution);
-  if (proposal && proposal->dark()) proposal.reset();
-  statistics.seconds_generate += seconds_since(start) * execution.thread_count();
-  const std::unique_ptr<BundleSource> tracer = make_bundles(scene, settings, film, proposal.get());
+  std::unique_ptr<BundleSource> tracer;
+  if (scene.parts.empty()) {
+    proposal = proposal_of(scene);
+    statistics.seconds_generate += seconds_since(start) * execution.thread_count();
+    tracer = make_bundles(scene, settings, film, proposal.get());
+  } else {
+    auto all = std::make_unique<DispersedBundles>(static_cast<std::size_t>(film.channels()));
+    for (const CompiledScene& part : scene.parts) {
+      std::unique_ptr<EmissionProposal> own = proposal_of(part);
+      std::unique_ptr<BundleSource> bundles = make_bundles(part, settings, film, own.get());
+      if (bundles) all->add(std::move(own), std::move(bundles), part.film_channel.front());
+    }
+    if (!all->dark()) tracer = std::move(all);
+  }
   if (!tracer) {
     for (int t = 0; t < film.tile_count(); ++t)
       film.add_samples(t, static_cast<double>(points) - film.tile_samples(t));

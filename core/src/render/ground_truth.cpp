@@ -8,6 +8,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/math/ray_span.h"
+#include "plenoflame/scene/spectral.h"
 
 namespace plenoflame {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 struct MediumTruth {
   double optical_depth = 0;
   double radiance = 0, moment = 0;  ///< of the first channel; moment: weighted by t
+  std::vector<double> depths;       ///< optical, of each wavelength that stands for it
   double heat = 0;                  ///< weighted by the temperature
   double first = 0, last = 0;
   bool hit = false;
@@ -25,10 +27,33 @@ struct MediumTruth {
 constexpr double kDeepest = 0.1;
 constexpr double kMostSteps = 1000;
 
+/// What a ray needs, kept from one to the next.
+struct Work {
+  std::vector<double> limits, emission, absorption, depth;
+  std::array<std::vector<double>, 4> source;
+};
+
+/// Emission [W/(m^3 sr)] and absorption [1/m] at a place, of every wavelength.
+/// @return the largest absorption of the first `nodes`
+double coefficients(const Medium& medium, Vec3 place, std::size_t nodes, Work& work) {
+  const double first = medium.coefficients(place, work.emission.data());
+  if (medium.is_grey()) {
+    std::fill(work.absorption.begin(), work.absorption.end(), first);
+    return first;
+  }
+  medium.absorptions(place, work.absorption.data());
+  return *std::max_element(work.absorption.begin(),
+                           work.absorption.begin() + static_cast<std::ptrdiff_t>(nodes));
+}
+
 /// @param end where the ray ends: at a solid surface, or kInfinity
+/// @param shares of the wavelengths that stand for the first channel, the medium's first ones
 MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
-                           std::vector<double>& limits, std::vector<double>& emission) {
+                           const std::vector<double>& shares, Work& work) {
   MediumTruth truth;
+  const std::size_t nodes = shares.size();
+  truth.depths.assign(nodes, 0.0);
+  std::vector<double>& limits = work.limits;
   // The part of the ray within the bounds.
   const RaySpan span = clip_to_box(medium.bounds(), ray, 0, end);
   if (span.empty()) return truth;
@@ -38,7 +63,8 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
   limits.push_back(span.near);
   limits.push_back(span.far);
   std::sort(limits.begin(), limits.end());
-  emission.resize(static_cast<std::size_t>(medium.channel_count()));
+  work.emission.resize(static_cast<std::size_t>(medium.channel_count()));
+  work.absorption.resize(work.emission.size());
 
   // Gauss-Legendre, 4 points on [0, 1].
   const double inner = 0.5 * std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(1.2));
@@ -51,7 +77,7 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
     if (!(width > 0)) continue;
     double deepest = 0;
     for (const double x : at)
-      deepest = std::max(deepest, medium.coefficients(ray.at(start + x * width), emission.data()));
+      deepest = std::max(deepest, coefficients(medium, ray.at(start + x * width), nodes, work));
     if (!(deepest > 0)) continue;
     if (!truth.hit) truth.first = start;
     truth.hit = true;
@@ -61,24 +87,28 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
     const double step = width / steps;
     for (int i = 0; i < steps; ++i) {
       const double begin = start + i * step;
-      std::array<double, 4> absorption{}, source{};
-      double depth = 0;
+      std::vector<double>& depth = work.depth;
+      depth.assign(nodes, 0.0);
       for (std::size_t g = 0; g < at.size(); ++g) {
-        absorption[g] = medium.coefficients(ray.at(begin + at[g] * step), emission.data());
-        source[g] = emission.front();
-        depth += weight[g] * step * absorption[g];
+        coefficients(medium, ray.at(begin + at[g] * step), nodes, work);
+        work.source[g].assign(work.emission.begin(),
+                              work.emission.begin() + static_cast<std::ptrdiff_t>(nodes));
+        for (std::size_t n = 0; n < nodes; ++n) depth[n] += weight[g] * step * work.absorption[n];
       }
       for (std::size_t g = 0; g < at.size(); ++g) {
-        // To the point within the step: the mean absorption, which is exact to second order.
-        const double before = truth.optical_depth + depth * at[g];
-        const double light = weight[g] * step * source[g] * std::exp(-before);
+        double light = 0;
+        for (std::size_t n = 0; n < nodes; ++n)
+          // To the point within the step: the mean absorption, which is exact to second order.
+          light +=
+              weight[g] * step * work.source[g][n] * std::exp(-truth.depths[n] - depth[n] * at[g]);
         truth.radiance += light;
         truth.moment += light * (begin + at[g] * step);
         truth.heat += light * medium.sample(ray.at(begin + at[g] * step)).temperature;
       }
-      truth.optical_depth += depth;
+      for (std::size_t n = 0; n < nodes; ++n) truth.depths[n] += depth[n];
     }
   }
+  for (std::size_t n = 0; n < nodes; ++n) truth.optical_depth += shares[n] * truth.depths[n];
   return truth;
 }
 
@@ -111,6 +141,24 @@ class ChiefRays {
   double towards_axis_ = 0;
 };
 
+/// Of the wavelengths that stand for the first channel: their part of the light of a body at 1700
+/// K.
+std::vector<double> shares_of_first_channel(const CompiledScene& scene) {
+  std::size_t nodes = 1;
+  const std::vector<int>& channel = scene.channel_of_node;
+  while (nodes < channel.size() && channel[nodes] == channel.front()) ++nodes;
+  if (nodes == 1 || !scene.medium) return {1.0};
+  constexpr double kTemperature = 1700;
+  std::vector<double> shares;
+  double sum = 0;
+  for (std::size_t n = 0; n < nodes; ++n) {
+    shares.push_back(scene.medium->source(static_cast<int>(n), kTemperature));
+    sum += shares.back();
+  }
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
 }  // namespace
 
 void add_ground_truth(const CompiledScene& scene, LightField& light_field,
@@ -121,11 +169,12 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
       temperature = optical_depth, surface, surface_distance;
   if (scene.surfaces) surface = surface_distance = optical_depth;
   const ChiefRays rays(scene.camera);
+  const std::vector<double> shares = shares_of_first_channel(scene);
   const RigidTransform& to_world = scene.camera.to_world();
   const bool done =
       parallel_for(execution, static_cast<std::size_t>(window.height), [&](std::size_t line, int) {
         const int row = static_cast<int>(line);
-        std::vector<double> limits, emission;
+        Work work;
         for (int column = 0; column < window.width; ++column) {
           const std::optional<Ray> ray = rays(window.x + column, window.y + row);
           if (!ray) continue;
@@ -141,7 +190,7 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
             distance.at(column, row) = along_axis(hit.t);
           }
           if (!scene.medium) continue;
-          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, limits, emission);
+          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, shares, work);
           if (!truth.hit) continue;
           optical_depth.at(column, row) = static_cast<float>(truth.optical_depth);
           first.at(column, row) = along_axis(truth.first);
@@ -157,6 +206,8 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
   light_field.layers[truth::kFirstHit] = std::move(first);
   light_field.layers[truth::kLastHit] = std::move(last);
   light_field.layers[truth::kTemperature] = std::move(temperature);
+  if (const auto response = camera_response(scene.scene, scene.scene.channels.front()))
+    light_field.numbers["truth.wavelength"] = response->centroid();
   if (!scene.surfaces) return;
   light_field.layers[truth::kSurface] = std::move(surface);
   light_field.layers[truth::kSurfaceDistance] = std::move(surface_distance);

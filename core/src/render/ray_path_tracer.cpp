@@ -80,6 +80,7 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
                      RayPaths& paths) const {
   const Camera::Path path = camera_.trace(start, lens, aim, true);
   ray.status = path.status;
+  ray.weight *= path.passed;
   Vertices vertices(ray, paths);
   // Where a ray was that missed a surface is nowhere.
   const std::size_t points = path.points.size() - (path.status.status == RayStatus::missed ? 1 : 0);

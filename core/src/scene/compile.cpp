@@ -86,6 +86,49 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   return medium;
 }
 
+/// What is compiled from channels, or what stands for them, once the camera is there.
+CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
+                              const std::vector<SourceFunction>& channels,
+                              const std::vector<SourceFunction>& emitters,
+                              const MediumLoader& loader, const Execution& execution,
+                              const PositionMap& positions) {
+  std::vector<std::shared_ptr<const Medium>> media;
+  for (std::size_t i = 0; i < scene.flames.size(); ++i)
+    media.push_back(load(scene, i, loader, channels, execution, positions));
+  std::shared_ptr<const Medium> medium;
+  if (media.size() == 1) medium = std::move(media.front());
+  if (media.size() > 1) medium = make_composite_medium(std::move(media));
+  std::unique_ptr<SurfaceScene> surfaces;
+  if (!scene.surfaces.empty())
+    surfaces =
+        make_surface_scene(scene.surfaces, folder_of(scene), emitters, execution, [&](int surface) {
+          return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
+        });
+  return {scene,
+          std::move(camera),
+          std::move(pupils),
+          std::move(medium),
+          std::move(surfaces),
+          compile_lights(scene.lights, emitters)};
+}
+
+/// The camera as it stands, its distances fixed, with the indices of another wavelength [m].
+CameraSpec at_wavelength(const Camera& solved, double wavelength, const PositionMap& positions) {
+  CameraSpec spec = solved.spec();
+  spec.focus = {};
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = solved.lens_distance();
+  if (spec.array.present) {
+    spec.array.measured_from = ArrayReference::vertex;
+    spec.array.sensor_distance = solved.array_back() - solved.sensor();
+  } else {
+    spec.focus.conjugate = "sensor";
+  }
+  spec.wavelength = wavelength;
+  set_indices(spec, wavelength, positions);
+  return spec;
+}
+
 }  // namespace
 
 CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
@@ -94,40 +137,41 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   read_curves(scene, folder_of(scene), positions);
   set_indices(scene, positions);
   for (const SceneIssue& issue : validate(scene, positions)) execution.warn(to_string(issue));
-  Camera camera(scene.camera);  // its warnings are among those of validate()
-  PupilSampling pupils(camera, execution);
   const SpectralNodes nodes = spectral_nodes(scene, positions);
   constexpr double kTellingError = 1e-3;
   if (nodes.error > kTellingError)
     execution.warn(
         fmt::format("the channels' radiance is known to {:.2g} % only: responses as narrow or "
-                    "spectra as steep as "
-                    "these need more than the wavelengths that stand for a channel; split the "
-                    "channel into bands",
+                    "spectra as steep as these need more than the wavelengths that stand for a "
+                    "channel; split the channel into bands",
                     100 * nodes.error));
-  const std::vector<SourceFunction>& channels = nodes.sources;
-  std::vector<std::shared_ptr<const Medium>> media;
-  for (std::size_t i = 0; i < scene.flames.size(); ++i)
-    media.push_back(load(scene, i, loader, channels, execution, positions));
-  std::shared_ptr<const Medium> medium;
-  if (media.size() == 1) medium = std::move(media.front());
-  if (media.size() > 1) medium = make_composite_medium(std::move(media));
-  std::unique_ptr<SurfaceScene> surfaces;
-  if (!scene.surfaces.empty()) {
-    surfaces =
-        make_surface_scene(scene.surfaces, folder_of(scene), channels, execution, [&](int surface) {
-          return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
-        });
-    warn_of_what_is_inside(scene, *surfaces, execution);
+  if (nodes.sources.front().wavelength() > 0)
+    scene.camera.wavelength = nodes.sources.front().wavelength();
+  Camera camera(scene.camera);  // its warnings are among those of validate()
+  PupilSampling pupils(camera, execution);
+  CompiledScene compiled =
+      compile_content(scene, std::move(camera), std::move(pupils), nodes.sources, nodes.emitters,
+                      loader, execution, positions);
+  if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
+  if (nodes.sources.size() > scene.channels.size()) compiled.channel_of_node = nodes.channel;
+  compiled.spectral_error = nodes.error;
+  if (!is_dispersive(scene)) return compiled;
+  Execution quiet = execution;  // the same warnings once are enough
+  quiet.message = {};
+  for (std::size_t n = 0; n < nodes.sources.size(); ++n) {
+    const double wavelength = nodes.sources[n].wavelength();
+    Scene part = scene;
+    part.channels = {scene.channels[static_cast<std::size_t>(nodes.channel[n])]};
+    part.camera = at_wavelength(compiled.camera,
+                                wavelength > 0 ? wavelength : design_wavelength(scene), positions);
+    Camera part_camera(part.camera);
+    PupilSampling part_pupils(part_camera, quiet);
+    compiled.parts.push_back(compile_content(part, std::move(part_camera), std::move(part_pupils),
+                                             {nodes.sources[n]}, {nodes.emitters[n]}, loader, quiet,
+                                             positions));
+    compiled.parts.back().film_channel = {nodes.channel[n]};
   }
-  return {scene,
-          std::move(camera),
-          std::move(pupils),
-          std::move(medium),
-          std::move(surfaces),
-          compile_lights(scene.lights, channels),
-          channels.size() > scene.channels.size() ? nodes.channel : std::vector<int>{},
-          nodes.error};
+  return compiled;
 }
 
 }  // namespace plenoflame

@@ -40,6 +40,7 @@ constexpr Dimension kPure = Dimension::none;
 #define TYPE ARRAY, &ArraySpec::types
 #define SENSOR CAMERA, &CameraSpec::sensor
 #define FOCUS CAMERA, &CameraSpec::focus
+#define TRANSMISSION CAMERA, &CameraSpec::transmission
 #define FLAME &Scene::flames
 #define LAYER FLAME, &FlameSpec::layers
 #define TEMPERATURE FLAME, &FlameSpec::temperature
@@ -285,6 +286,28 @@ constexpr SchemaKey kKeys[] = {
         "type (2.0: the plane "
         "on which that type is sharp), or `sensor` (only without array, and then the default)."),
 
+    key<TRANSMISSION, &TransmissionSpec::fresnel>(
+        "camera.transmission.fresnel",
+        "Whether light is lost by reflection at every refracting surface (unpolarised)."),
+    key<TRANSMISSION, &TransmissionSpec::coating_index>(
+        "camera.transmission.coating_index",
+        "Index of a quarter-wave layer on the surfaces of the main lens that border on air; 0: "
+        "uncoated.",
+        kPure, from_zero(5)),
+    key<TRANSMISSION, &TransmissionSpec::coating_wavelength>(
+        "camera.transmission.coating_wavelength",
+        "Wavelength of which the layer is a quarter thick, along its normal.", kLength,
+        above_zero(1e-3)),
+    key<TRANSMISSION, &TransmissionSpec::cover_index>(
+        "camera.transmission.cover_index",
+        "Index of the sensor's cover glass, which reflects at both faces; it displaces nothing. 1: "
+        "none.",
+        kPure, kIndex),
+    key<TRANSMISSION, &TransmissionSpec::filter>(
+        "camera.transmission.filter",
+        "Transmission of a filter in front of the sensor, straight lines between points: `400 nm "
+        "0.9, 700 nm 0.8`, 0 outside; empty: none."),
+
     key<FLAME, &FlameSpec::kind>(
         "flames[].kind",
         "`layered`: exact ellipsoids, given in `layers`; `vdb`: grids of an OpenVDB file."),
@@ -502,6 +525,11 @@ constexpr SchemaKey kKeys[] = {
         "channels[].photons",
         "Whether the response is a quantum efficiency: light then counts in proportion to its "
         "wavelength, which makes electrons of flux exactly."),
+    key<CHANNEL, &ChannelSpec::wavelengths>(
+        "channels[].wavelengths",
+        "How many wavelengths stand for the channel, at least, where a glass disperses: each has "
+        "rays of its own.",
+        kPure, {1, 16, false, false}),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",
                                         "`backward`: rays from the sensor to the flame; `forward`: "
@@ -560,6 +588,10 @@ constexpr SchemaTable kTables[] = {
     {"camera.array.types[]", "The one to three interleaved kinds of microlenses.", false, {}},
     {"camera.sensor", "The sensor, centred on the optical axis.", false, {}},
     {"camera.focus", "How the distance between main lens and array is found.", false, {}},
+    {"camera.transmission",
+     "What is lost of the light in the camera; without it, nothing but what apertures stop.",
+     false,
+     {}},
     {"flames[]", "The flames.", true, PresetKind::flame},
     {"flames[].layers[]",
      "Ellipsoids of a layered flame; where several overlap, the first listed counts.",

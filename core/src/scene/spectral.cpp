@@ -1,9 +1,11 @@
 #include "plenoflame/scene/spectral.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/optics/glass.h"
 #include "plenoflame/radiometry/spectral_nodes.h"
 
 namespace plenoflame {
@@ -101,27 +103,76 @@ double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec) {
              : layer.absorption;
 }
 
+std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel) {
+  const std::optional<SpectralResponse> response = spectral_response(channel);
+  const std::string& text = scene.camera.transmission.filter;
+  if (text.empty()) return response;
+  const SpectralResponse filter = SpectralResponse::curve(parse_spectral_points(text));
+  // Of all wavelengths those are left that the filter lets through.
+  return response ? response->behind(filter) : filter;
+}
+
+bool is_dispersive(const Scene& scene) {
+  const TransmissionSpec& transmission = scene.camera.transmission;
+  double shortest = 0, longest = 0;
+  for (const ChannelSpec& channel : scene.channels) {
+    const auto response = spectral_response(channel);
+    if (!response) continue;
+    const double at = response->centroid();
+    const double low = channel.wavelengths > 1 ? response->shortest() : at;
+    const double high = channel.wavelengths > 1 ? response->longest() : at;
+    shortest = shortest > 0 ? std::min(shortest, low) : low;
+    longest = std::max(longest, high);
+  }
+  if (!(longest > shortest)) return false;
+  if (scene.camera.lens.model == LensModel::real && transmission.fresnel &&
+      transmission.coating_index > 0)
+    return true;
+  const auto disperses = [&](const std::string& glass) {
+    if (glass.empty()) return false;
+    const Glass made(glass);
+    return std::fabs(made.index(shortest) - made.index(longest)) > 1e-9;
+  };
+  for (const SurfaceSpec& surface : scene.camera.lens.surfaces)
+    if (disperses(surface.glass)) return true;
+  if (scene.camera.array.present)
+    for (const MicrolensSpec& type : scene.camera.array.types)
+      if (disperses(type.glass)) return true;
+  return false;
+}
+
 SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
   std::vector<AbsorptionSpectrum> spectra;
   for (const FlameSpec& flame : scene.flames)
     spectra.push_back(absorption_spectrum(flame.spectrum));
   const bool grey = std::all_of(spectra.begin(), spectra.end(),
                                 [](const AbsorptionSpectrum& s) { return s.is_grey(); });
+  const bool filtered = !scene.camera.transmission.filter.empty();
+  const bool dispersive = is_dispersive(scene);
   SpectralNodes all;
+  const auto add = [&](const SourceFunction& whole, const std::vector<SourceFunction>& nodes,
+                       std::size_t channel, double filter) {
+    all.sources.insert(all.sources.end(), nodes.begin(), nodes.end());
+    for (const SourceFunction& emitter : SourceFunction::sharing(whole, nodes))
+      all.emitters.push_back(emitter.with_share(filter * emitter.share()));
+    all.channel.insert(all.channel.end(), nodes.size(), static_cast<int>(channel));
+  };
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
-    if (grey) {
-      all.sources.push_back(source_function(channel));
-      all.channel.push_back(static_cast<int>(c));
+    if (grey && !filtered && !(dispersive && channel.wavelengths > 1)) {
+      const SourceFunction whole = source_function(channel);
+      add(whole, {whole}, c, 1);
       continue;
     }
     try {
-      const ChannelNodes nodes = channel_nodes(spectral_response(channel), spectra);
+      const std::optional<SpectralResponse> response = camera_response(scene, channel);
+      const ChannelNodes nodes =
+          channel_nodes(response, spectra, dispersive ? channel.wavelengths : 1);
       all.error = std::max(all.error, nodes.error);
-      for (const SourceFunction& node : nodes.nodes) {
-        all.sources.push_back(node);
-        all.channel.push_back(static_cast<int>(c));
-      }
+      // Of light whose spectrum nobody gave, the filter takes what it takes of white light.
+      const std::optional<SpectralResponse> open = spectral_response(channel);
+      add(response ? SourceFunction::of(*response) : SourceFunction::total(), nodes.nodes, c,
+          open ? response->integral() / open->integral() : 1);
     } catch (const InputError& error) {
       throw InputError(positions.find("channels[" + std::to_string(c) + "].kind"),
                        "channel \"" + channel.name + "\": " + error.what());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "plenoflame/base/units.h"
+#include "plenoflame/optics/glass.h"
 #include "plenoflame/scene/spectral.h"
 #include "scene/issues.h"
 #include "scene/nearest.h"
@@ -43,6 +44,28 @@ void check_band(const ChannelSpec& channel, const std::string& path, Issues& iss
     issues.error(
         path + ".width",
         fmt::format("channel {} has a {} that begins at or below a wavelength of 0", name, what));
+}
+
+/// A quantum efficiency is a share: what is above 1 is most likely in percent.
+void check_photons(const ChannelSpec& channel, const std::string& path, Issues& issues) {
+  if (!channel.photons || channel.kind != ChannelKind::curve || channel.curve.empty()) return;
+  double largest = 0;
+  expect(issues, path + ".curve", "channel " + quote_for_message(channel.name), [&] {
+    for (const SpectralPoint& point : parse_spectral_points(channel.curve))
+      largest = std::max(largest, point.value);
+  });
+  if (!(largest > 1)) return;
+  const std::string name = quote_for_message(channel.name);
+  const std::string key = path + (channel.file.empty() ? ".curve" : ".file");
+  if (largest <= 100)
+    issues.error(key, fmt::format("channel {} has photons = true, so that its curve is a quantum "
+                                  "efficiency, 0 to 1, but it reaches {:g}; that looks like "
+                                  "percent: divide its values by 100",
+                                  name, largest));
+  else
+    issues.error(key, fmt::format("channel {} has photons = true, so that its curve is a quantum "
+                                  "efficiency, 0 to 1, but it reaches {:g}; scale its values",
+                                  name, largest));
 }
 
 void check_response(const ChannelSpec& channel, const std::string& path, Issues& issues) {
@@ -97,6 +120,67 @@ void check_spectrum(const FlameSpec& flame, const std::string& path, Issues& iss
   }
 }
 
+/// Channels outside of the range for which the makers of the catalogue's glasses give indices.
+void check_glass_range(const Scene& scene, Issues& issues) {
+  constexpr double kShortest = 300e-9, kLongest = 2.4e-6;
+  std::string glass;
+  const auto look_at = [&](const std::string& text) {
+    for (const CatalogueGlass& known : glass_catalogue())
+      if (known.name == text) glass = text;
+  };
+  for (const SurfaceSpec& surface : scene.camera.lens.surfaces) look_at(surface.glass);
+  if (scene.camera.array.present)
+    for (const MicrolensSpec& type : scene.camera.array.types) look_at(type.glass);
+  if (glass.empty()) return;
+  for (std::size_t i = 0; i < scene.channels.size(); ++i) {
+    const ChannelSpec& channel = scene.channels[i];
+    if (channel.kind == ChannelKind::total ||
+        (channel.kind == ChannelKind::curve && channel.curve.empty()))
+      continue;
+    const auto response = spectral_response(channel);
+    if (!response || (response->shortest() >= kShortest && response->longest() <= kLongest))
+      continue;
+    issues.error(fmt::format("channels[{}].kind", i),
+                 fmt::format("channel {} reaches from {} to {}, but the index of glass {} is known "
+                             "from 300 nm to 2.4 um only; choose another band, or give an index",
+                             quote_for_message(channel.name), short_length(response->shortest()),
+                             short_length(response->longest()), quote_for_message(glass)));
+  }
+}
+
+/// Channels beyond what a glass's formula or the filter knows.
+void check_camera_spectra(const Scene& scene, Issues& issues) {
+  const std::string& filter = scene.camera.transmission.filter;
+  if (!filter.empty())
+    expect(issues, "camera.transmission.filter", "camera.transmission.filter", [&] {
+      for (const SpectralPoint& point : parse_spectral_points(filter))
+        if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
+    });
+  const double coating = scene.camera.transmission.coating_index;
+  if (coating > 0 && coating < 1)
+    issues.error("camera.transmission.coating_index",
+                 fmt::format("camera.transmission.coating_index is {:g}; an index is 1 or more, or "
+                             "0 for no coating",
+                             coating));
+  if (coating > 0 && !scene.camera.transmission.fresnel)
+    issues.warning("camera.transmission.coating_index",
+                   "a coating changes nothing without camera.transmission.fresnel = true");
+  if (issues.errors() > 0) return;
+  check_glass_range(scene, issues);
+  for (std::size_t i = 0; i < scene.channels.size(); ++i)
+    expect(issues, fmt::format("channels[{}].kind", i),
+           "channel " + quote_for_message(scene.channels[i].name), [&] {
+             const ChannelSpec& channel = scene.channels[i];
+             if (channel.kind == ChannelKind::total ||
+                 (channel.kind == ChannelKind::curve && channel.curve.empty()))
+               return;
+             Scene alone = scene;
+             alone.channels = {channel};
+             alone.channels[0].wavelengths = 16;  // to both ends of the response
+             static_cast<void>(is_dispersive(alone));
+           });
+}
+
 void check_sensor(const Scene& scene, Issues& issues) {
   const SensorSpec& sensor = scene.camera.sensor;
   if (sensor.black_level >= std::ldexp(1.0, sensor.bits) - 1)
@@ -135,10 +219,12 @@ void check_channels(const Scene& scene, Issues& issues) {
                      fmt::format("channels {} and {} are both named {}; names must differ", k, i,
                                  quote_for_message(channel.name)));
     check_response(channel, path, issues);
+    check_photons(channel, path, issues);
   }
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
     check_spectrum(scene.flames[i], fmt::format("flames[{}]", i), issues);
   check_sensor(scene, issues);
+  check_camera_spectra(scene, issues);
 }
 
 }  // namespace plenoflame

@@ -97,6 +97,7 @@ class Camera {
     Ray exit;                  ///< leaving the front of the camera when status is reached
     std::vector<Vec3> points;  ///< sensor point, one per surface that was met (two for an ideal
                                ///< lens with separated principal planes)
+    double passed = 1;  ///< share of the light that its surfaces and the cover glass let through
   };
   /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
   /// `lens`; none: there is no array, or the ray passes between its lenses. Exact, in double
@@ -114,7 +115,8 @@ class Camera {
     Vec2 sensor_point;              ///< [m] camera x, y
     /// Solid angle times projected area of a thin beam around the ray on the sensor, over that in
     /// the scene: 1 for refraction, cos^4 / cos^4 of the angles with the axis for the paraxial
-    /// transform. A beam's flux changes by it, its radiance does not.
+    /// transform. A beam's flux changes by it, its radiance does not. Times the share that surfaces
+    /// and the cover glass let through.
     double etendue_ratio = 1;
   };
   /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of
@@ -142,13 +144,15 @@ class Camera {
   void mount();
   void solve_focus(std::vector<std::string>* warnings);
   TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
+  PassedLight light_of_lens() const;
+  double through_cover(Vec3 direction) const;
   TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
                                       std::vector<Vec3>* points) const;
   TraceStatus trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
                                          std::vector<Vec3>* points) const;
   TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
                              std::vector<Arrival>& arrivals, std::vector<Vec3>* points) const;
-  TraceStatus trace_main_lens(Ray& ray, std::vector<Vec3>* points) const;
+  TraceStatus trace_main_lens(Ray& ray, std::vector<Vec3>* points, double& passed) const;
   const LensSystem& microlens_system(LensIndex lens, LensSystem& own) const;
   double microlens_power(LensIndex lens) const;
   Ray to_array(const Ray& ray) const;

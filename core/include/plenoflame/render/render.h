@@ -83,6 +83,9 @@ struct RenderStatistics {
   int threads = 0;
   std::string isa, precision, medium_description;
   std::string surfaces_description;  ///< empty: none
+  int wavelengths = 0;               ///< that stand for the channels; 0: each for itself
+  double spectral_error = 0;         ///< of that, relative (radiometry/spectral_nodes.h)
+  int paths = 1;                     ///< through the camera, one for each colour that it disperses
   /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over
   /// threads.
   double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0,

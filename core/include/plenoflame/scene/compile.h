@@ -36,6 +36,11 @@ struct CompiledScene {
   /// part of, ascending. Empty: they are the scene's.
   std::vector<int> channel_of_node = {};
   double spectral_error = 0;  ///< of standing for a channel by a few wavelengths
+  /// Where the camera disperses light: what each wavelength sees, with a camera, pupils and media of
+  /// its own. The estimators render these; the scene itself is as the design wavelength sees it.
+  std::vector<CompiledScene> parts = {};
+  /// Of a part: which channel of the whole scene each of its channels adds to. Empty: the same.
+  std::vector<int> film_channel = {};
   int node_count() const {
     return static_cast<int>(channel_of_node.empty() ? scene.channels.size()
                                                     : channel_of_node.size());

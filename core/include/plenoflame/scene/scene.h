@@ -140,6 +140,18 @@ struct FocusSpec {
   friend bool operator==(const FocusSpec&, const FocusSpec&) = default;
 };
 
+/// What is lost of the light on its way through the camera.
+struct TransmissionSpec {
+  bool fresnel = false;  ///< reflection at every real surface
+  /// A single layer of this index on the main lens' surfaces that border on air, a quarter of the
+  /// wavelength thick; 0: uncoated.
+  double coating_index = 0;
+  double coating_wavelength = 550e-9;  ///< [m]
+  double cover_index = 1;              ///< of the sensor's cover glass, a plane plate; 1: none
+  std::string filter = {};             ///< "400 nm 0.9, 700 nm 0.8"; empty: none
+  friend bool operator==(const TransmissionSpec&, const TransmissionSpec&) = default;
+};
+
 struct CameraSpec {
   Vec3 position;                 ///< [m] world, of the front vertex of the main lens
   Vec3 look_direction{1, 0, 0};  ///< world
@@ -148,6 +160,10 @@ struct CameraSpec {
   ArraySpec array;
   SensorSpec sensor;
   FocusSpec focus;
+  TransmissionSpec transmission = {};
+  /// [m] of the light that it is traced for, where that matters: the coating. 0: the coating's. Not
+  /// in files; compile() sets it.
+  double wavelength = 0;
   friend bool operator==(const CameraSpec&, const CameraSpec&) = default;
 };
 
@@ -315,6 +331,7 @@ struct ChannelSpec {
   /// The response is a quantum efficiency: it counts photons, and light counts in proportion to its
   /// wavelength.
   bool photons = false;
+  int wavelengths = 1;  ///< that stand for it where glasses are dispersive, at least
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 

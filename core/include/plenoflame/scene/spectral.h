@@ -11,9 +11,13 @@
 /// From what a scene says about wavelengths to what computes with them.
 namespace plenoflame {
 
-/// The response of a channel; nothing for all wavelengths. A curve must have its points.
+/// The response of a channel; nothing for all wavelengths. A curve must have its points. The
+/// camera's filter is not in it.
 /// @throws InputError for what is impossible
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
+
+/// The same behind the camera's filter. @throws InputError when that lets nothing through
+std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel);
 
 /// The source function of a channel as a whole. @throws as spectral_response
 SourceFunction source_function(const ChannelSpec& channel);
@@ -33,10 +37,17 @@ std::vector<double> absorption_factors(const SpectrumSpec& spec,
 /// Absorption of a layer [1/m], from its soot where it is given by that.
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 
+/// Whether what the camera does to light depends on the wavelength: a glass disperses (by more than
+/// 1e-9 between the channels), or its surfaces are coated.
+bool is_dispersive(const Scene& scene);
+
 /// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
 /// it otherwise.
 struct SpectralNodes {
   std::vector<SourceFunction> sources;
+  /// What surfaces and lights emit into them: exact for every channel as a whole, at any
+  /// temperature (SourceFunction::sharing).
+  std::vector<SourceFunction> emitters;
   std::vector<int> channel;  ///< of each node, ascending
   double error = 0;          ///< stated error of the quadrature (radiometry/spectral_nodes.h)
 };
