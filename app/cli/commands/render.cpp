@@ -171,12 +171,14 @@ std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
 /// The same radiance from everywhere, for a white image.
 void fill_with_light(CompiledScene& compiled) {
   compiled.medium = make_uniform_medium(1, compiled.node_count());
+  compiled.scatterers.clear();
   for (CompiledScene& part : compiled.parts) {
     // Of a channel that several wavelengths stand for each sees its share.
     double sharing = 0;
     for (const CompiledScene& other : compiled.parts)
       sharing += other.film_channel == part.film_channel ? 1 : 0;
     part.medium = make_uniform_medium(1 / sharing, 1);
+    part.scatterers.clear();
   }
 }
 

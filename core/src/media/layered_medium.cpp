@@ -58,6 +58,11 @@ class LayeredMedium final : public Medium {
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
   bool is_grey() const override { return factors_.empty(); }
+  double largest_absorption() const override {
+    double most = 0;
+    for (const EllipsoidLayer& layer : layers_) most = std::max(most, layer.absorption);
+    return most * (factors_.empty() ? 1 : factors_[0]);
+  }
   Box bounds() const override { return bounds_; }
   std::vector<Box> occupied() const override;
   double feature_size() const override;

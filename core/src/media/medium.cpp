@@ -1,6 +1,7 @@
 #include "plenoflame/media/medium.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "media/transfer.h"
 #include "plenoflame/math/ray_span.h"
@@ -18,6 +19,10 @@ double Medium::coefficients(Vec3 world, double* emission) const {
   const double first = emission[0];
   for (int c = 0; c < channel_count(); ++c) emission[c] *= source(c, here.temperature);
   return first;
+}
+
+double Medium::largest_absorption() const {
+  return std::numeric_limits<double>::infinity();
 }
 
 void Medium::absorptions(Vec3 world, double* each) const {

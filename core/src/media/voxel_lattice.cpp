@@ -362,6 +362,12 @@ double Lattice::spacing() const {
   return smallest;
 }
 
+double Lattice::largest_absorption() const {
+  float most = 0;
+  for (std::size_t i = 1; i < values_.size(); i += 2) most = std::max(most, values_[i]);
+  return static_cast<double>(most);
+}
+
 std::size_t Lattice::bytes() const {
   return values_.size() * sizeof(float) +
          (steps_.size() + top_.size() + table_.size()) * sizeof(int);

@@ -68,6 +68,8 @@ class Lattice {
   };
   const std::vector<Constant>& constants() const { return constants_; }
   std::size_t bytes() const;
+  /// [1/m] of any sample.
+  double largest_absorption() const;
   /// Lowest and highest stored temperature [K].
   std::array<float, 2> temperature_range() const { return temperature_range_; }
 

@@ -155,6 +155,17 @@ SourceFunction SourceFunction::of(const SpectralResponse& response) {
   return source;
 }
 
+SourceFunction SourceFunction::scaled(double factor) const {
+  if (factor == 1) return *this;
+  SourceFunction source = *this;
+  if (is_total()) {
+    source = band(0.5 * (1e-7 + 1e-3), 1e-3 - 1e-7);
+    source.wavelength_ = 0;
+  }
+  for (Node& node : source.nodes_) node.weight *= factor;
+  return source;
+}
+
 SourceFunction SourceFunction::node(const Node& node, double wavelength, double share) {
   SourceFunction source;
   source.nodes_ = {node};

@@ -45,6 +45,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   plan.scene = &scene;
   plan.medium = &medium;
   plan.settings = &settings;
+  plan.first = first;
   plan.kernels = backward_kernels<Real>(settings.isa);
   plan.optics = camera_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
@@ -234,6 +235,7 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
   // The table knows whole lines, which surfaces cut.
   if (!scene.medium || scene.surfaces || !scene.lights.environment.empty()) return nullptr;
+  if (!scene.scatterers.empty()) return nullptr;  // walks take far longer than it could save
   const Box box = scene.medium->bounds();
   MediumOptions options;
   options.isa = settings.isa;

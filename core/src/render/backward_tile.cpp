@@ -13,6 +13,7 @@ namespace {
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
+constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
 constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
@@ -51,6 +52,12 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     transmittance_stride_ = kPadding;
   }
   block_.code = codes_.data();
+  if (!plan.scene->scatterers.empty()) {
+    MediumOptions options;
+    options.isa = plan.settings->isa;
+    options.skip = plan.settings->skip;
+    scatter_ = std::make_unique<ScatterWalk>(*plan.scene, options);
+  }
   if (plan.surfaces)
     surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, plan.scene->node_count());
 }
@@ -263,7 +270,7 @@ void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key
     pixel_.count = count;
     queued_.push_back(pixel_);
     pending_.push_back({column, row, count_, count, offset, level});
-    if (surfaces_) groups_.push_back({count_, count, offset, level, entry, h0});
+    if (surfaces_ || scatter_) groups_.push_back({count_, count, offset, level, entry, h0});
     count_ += count;
   }
 }
@@ -322,7 +329,37 @@ void TileTracer<Real>::integrate(int padded) {
   if (surfaces_) batch.t_far = surfaces_->t_far();
   plan_.medium->integrate(batch, options, out, counters_.medium);
   if (surfaces_) surfaces_->add(transmittance_, transmittance_stride_, radiance_, kPadding);
+  if (scatter_) add_scattered();
   sum_channels(plan_.scene->channel_of_node, radiance_, kPadding, padded);
+}
+
+/// What the medium scatters into the rays, one walk for each.
+template <class Real>
+void TileTracer<Real>::add_scattered() {
+  std::vector<ScatterWalk::Start> starts;
+  for (const RayGroup& group : groups_) {
+    const int points = plan_.pools[static_cast<std::size_t>(group.level)].points();
+    for (int i = group.first; i < group.first + group.count; ++i) {
+      if (block_.code[i] != 0 || !(block_.weight[i] > 0)) continue;
+      const int number = group.offset + i - group.first;
+      const auto replicate = static_cast<std::uint64_t>(number / points);
+      const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
+      const Vec3 along{static_cast<double>(block_.dx[i]), static_cast<double>(block_.dy[i]),
+                       static_cast<double>(block_.dz[i])};
+      starts.push_back(
+          {i,
+           {plan_.anchor + Vec3{static_cast<double>(block_.x[i]), static_cast<double>(block_.y[i]),
+                                static_cast<double>(block_.z[i])},
+            normalize(along)},
+           mix64(mix64(group.key + kScatterSeed) ^ (replicate << 32 | point))});
+    }
+  }
+  std::vector<std::vector<double>> scattered(static_cast<std::size_t>(plan_.scene->node_count()),
+                                             std::vector<double>(static_cast<std::size_t>(count_)));
+  scatter_->add(starts, scattered, counters_.medium);
+  for (std::size_t c = 0; c < scattered.size(); ++c)
+    for (std::size_t i = 0; i < scattered[c].size(); ++i)
+      radiance_[c * static_cast<std::size_t>(kPadding) + i] += static_cast<Real>(scattered[c][i]);
 }
 
 /// Of each replicate's points in a pixel the first few, well spread by themselves, correct the
@@ -377,11 +414,11 @@ void TileTracer<Real>::flush() {
   start = std::chrono::steady_clock::now();
   if (surfaces_) {
     surfaces_->trace(block_, groups_, padded, counters_.medium);
-    groups_.clear();
     counters_.seconds_surfaces += seconds_since(start);
     start = std::chrono::steady_clock::now();
   }
   if (!integrate_by_table(padded)) integrate(padded);
+  groups_.clear();
   counters_.seconds_medium += seconds_since(start);
   const auto channels = static_cast<int>(plan_.scene->scene.channels.size());
   for (int channel = 0; channel < channels; ++channel) add_to_film(channel);

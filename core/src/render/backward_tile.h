@@ -12,6 +12,7 @@
 #include "render/backward_surfaces.h"
 #include "render/point_range.h"
 #include "render/radiance_table.h"
+#include "render/scatter_walk.h"
 #include "render/scene_beams.h"
 
 namespace plenoflame {
@@ -47,6 +48,7 @@ struct BackwardPlan {
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
+  std::uint32_t first = 0;                        ///< number of the first point
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
@@ -110,6 +112,7 @@ class TileTracer {
   void flush();
   void integrate(int padded);
   bool integrate_by_table(int padded);
+  void add_scattered();
   double scale_of(int level) const;
   void add_to_film(int channel);
 
@@ -130,7 +133,8 @@ class TileTracer {
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
   std::unique_ptr<SurfaceBlock<Real>> surfaces_;  ///< nullptr as in the plan
-  std::vector<RayGroup> groups_;                  ///< for the surfaces: what is pending
+  std::vector<RayGroup> groups_;                  ///< for what follows light: what is pending
+  std::unique_ptr<ScatterWalk> scatter_;          ///< nullptr: nothing scatters
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
   int transmittance_stride_ = 0;  ///< of the nodes; 0: one for all

@@ -335,6 +335,8 @@ std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
 
 void render_forward(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution, Film& film, RenderStatistics& statistics) {
+  if (!scene.scatterers.empty())
+    throw InputError("the forward estimator does not scatter; use the backward estimator");
   statistics.precision = "double";
   const auto start = Clock::now();
   const std::int64_t points =

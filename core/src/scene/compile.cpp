@@ -53,9 +53,21 @@ namespace {
 /// Loads a flame; what is wrong with its file is said with the place that names it.
 std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
                                    const MediumLoader& loader,
-                                   const std::vector<SourceFunction>& channels,
+                                   const std::vector<SourceFunction>& all_channels,
                                    const Execution& execution, const PositionMap& positions) {
-  const FlameSpec& flame = scene.flames[index];
+  FlameSpec flame = scene.flames[index];
+  std::vector<SourceFunction> channels = all_channels;
+  if (const double albedo = flame.scattering.albedo; albedo > 0) {
+    // Media know extinction: what is scattered is taken away, and not emitted.
+    const double extinction = 1 / (1 - albedo);
+    for (EllipsoidSpec& layer : flame.layers) {
+      layer.absorption *= extinction;
+      layer.volume_fraction *= extinction;
+    }
+    flame.absorption.scale *= extinction;
+    flame.absorption.offset *= extinction;
+    for (SourceFunction& channel : channels) channel = channel.scaled(1 - albedo);
+  }
   const std::string folder = folder_of(scene);
   const std::string path = "flames[" + std::to_string(index) + "]";
   const SourcePosition position = positions.find(path + ".file");
@@ -86,6 +98,22 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   return medium;
 }
 
+/// Walks are drawn at one wavelength for all: what scatters must not be clear at any.
+void check_scattering_spectrum(const Scene& scene, std::size_t index,
+                               const std::vector<SourceFunction>& channels,
+                               const PositionMap& positions) {
+  const FlameSpec& flame = scene.flames[index];
+  if (flame.scattering.albedo == 0) return;
+  for (const double factor : absorption_factors(flame.spectrum, channels))
+    if (!(factor > 0)) {
+      const std::string path = "flames[" + std::to_string(index) + "].spectrum";
+      throw InputError(positions.find(path + ".table"),
+                       path +
+                           " is 0 at a wavelength of a channel; a flame that scatters needs some "
+                           "absorption at all of them");
+    }
+}
+
 /// What is compiled from channels, or what stands for them, once the camera is there.
 CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
                               const std::vector<SourceFunction>& channels,
@@ -93,8 +121,13 @@ CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling p
                               const MediumLoader& loader, const Execution& execution,
                               const PositionMap& positions) {
   std::vector<std::shared_ptr<const Medium>> media;
-  for (std::size_t i = 0; i < scene.flames.size(); ++i)
+  std::vector<Scatterer> scatterers;
+  for (std::size_t i = 0; i < scene.flames.size(); ++i) {
     media.push_back(load(scene, i, loader, channels, execution, positions));
+    check_scattering_spectrum(scene, i, channels, positions);
+    if (scene.flames[i].scattering.albedo > 0)
+      scatterers.push_back({media.back().get(), scene.flames[i].scattering});
+  }
   std::shared_ptr<const Medium> medium;
   if (media.size() == 1) medium = std::move(media.front());
   if (media.size() > 1) medium = make_composite_medium(std::move(media));
@@ -109,7 +142,9 @@ CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling p
           std::move(pupils),
           std::move(medium),
           std::move(surfaces),
-          compile_lights(scene.lights, emitters)};
+          compile_lights(scene.lights, emitters),
+          {},
+          std::move(scatterers)};
 }
 
 /// The camera as it stands, its distances fixed, with the indices of another wavelength [m].

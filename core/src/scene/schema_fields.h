@@ -70,6 +70,10 @@ struct Words<SpectrumKind> {
   static constexpr std::string_view list[] = {"grey", "power", "soot", "table"};
 };
 template <>
+struct Words<PhaseFunction> {
+  static constexpr std::string_view list[] = {"henyey_greenstein", "rayleigh"};
+};
+template <>
 struct Words<SootIndexSource> {
   static constexpr std::string_view list[] = {"constant", "chang", "dalzell"};
 };

@@ -46,6 +46,7 @@ constexpr Dimension kPure = Dimension::none;
 #define TEMPERATURE FLAME, &FlameSpec::temperature
 #define ABSORPTION FLAME, &FlameSpec::absorption
 #define SPECTRUM FLAME, &FlameSpec::spectrum
+#define SCATTERING FLAME, &FlameSpec::scattering
 #define SOLID &Scene::surfaces
 #define MATERIAL SOLID, &SolidSurfaceSpec::material
 #define TEXTURE MATERIAL, &MaterialSpec::texture
@@ -391,6 +392,18 @@ constexpr SchemaKey kKeys[] = {
         "Kind `table`: relative absorption, straight lines between the points: `450 nm 1.4, 650 nm "
         "1`."),
 
+    key<SCATTERING, &ScatteringSpec::albedo>(
+        "flames[].scattering.albedo",
+        "Share of the extinction that is scattering, below 1; the flame's absorption stays what it "
+        "is, and scattering comes on top of it. 0: none.",
+        kPure, from_zero(1)),
+    key<SCATTERING, &ScatteringSpec::phase>("flames[].scattering.phase",
+                                            "How directions are distributed."),
+    key<SCATTERING, &ScatteringSpec::asymmetry>(
+        "flames[].scattering.asymmetry",
+        "Henyey-Greenstein: mean cosine of the angle; 0: all directions alike.", kPure,
+        {-0.999, 0.999, false, false}),
+
     key<SOLID, &SolidSurfaceSpec::shape>(
         "surfaces[].shape",
         "What it is; a body stands on z = 0 of its own frame, a sphere is centred."),
@@ -603,6 +616,10 @@ constexpr SchemaTable kTables[] = {
      false,
      {}},
     {"flames[].spectrum", "How the absorption depends on wavelength.", false, {}},
+    {"flames[].scattering",
+     "Light that goes on in another direction; only scenes that have it pay for it.",
+     false,
+     {}},
     {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
     {"surfaces[].material", "What the surface is made of.", false, {}},
     {"surfaces[].material.texture",

@@ -181,6 +181,22 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
            });
 }
 
+void check_scattering(const Scene& scene, const FlameSpec& flame, const std::string& path,
+                      Issues& issues) {
+  if (flame.scattering.albedo == 0) return;
+  if (flame.scattering.albedo >= 1)
+    issues.error(path + ".scattering.albedo",
+                 path +
+                     ".scattering.albedo is 1, with which any absorption would come with endless "
+                     "scattering; it must be below 1");
+  if (!scene.surfaces.empty())
+    issues.error(path + ".scattering.albedo",
+                 path + ".scattering cannot be combined with surfaces yet; remove one of them");
+  if (scene.render.estimator == Estimator::forward)
+    issues.error("render.estimator",
+                 "the forward estimator does not scatter; set render.estimator = \"backward\"");
+}
+
 void check_sensor(const Scene& scene, Issues& issues) {
   const SensorSpec& sensor = scene.camera.sensor;
   if (sensor.black_level >= std::ldexp(1.0, sensor.bits) - 1)
@@ -223,6 +239,8 @@ void check_channels(const Scene& scene, Issues& issues) {
   }
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
     check_spectrum(scene.flames[i], fmt::format("flames[{}]", i), issues);
+  for (std::size_t i = 0; i < scene.flames.size(); ++i)
+    check_scattering(scene, scene.flames[i], fmt::format("flames[{}]", i), issues);
   check_sensor(scene, issues);
   check_camera_spectra(scene, issues);
 }

@@ -49,6 +49,9 @@ class SourceFunction {
     return source;
   }
 
+  /// A share of it; of all wavelengths the band from 0.1 um to 1 mm.
+  SourceFunction scaled(double factor) const;
+
   /// Sources in the ratio of `parts` that are together exactly `whole` at every temperature: of
   /// surfaces and lights, which may be far colder than what the parts' few nodes were made for.
   /// They have no nodes, so that media cannot use them. A single part is the whole.

@@ -24,6 +24,12 @@ using MediumLoader = std::function<std::shared_ptr<const Medium>(
     const FlameSpec& flame, const std::string& scene_folder,
     const std::vector<SourceFunction>& channels, const Execution& execution)>;
 
+/// A flame that scatters, in the medium's measure: its absorption is extinction.
+struct Scatterer {
+  const Medium* medium = nullptr;  ///< one of those that the scene's medium is made of
+  ScatteringSpec spec;
+};
+
 /// A scene, ready to trace: immutable, may be shared by threads.
 struct CompiledScene {
   Scene scene;
@@ -35,9 +41,10 @@ struct CompiledScene {
   /// Of each channel of the medium, the surfaces and the lights: the scene's channel that it is a
   /// part of, ascending. Empty: they are the scene's.
   std::vector<int> channel_of_node = {};
-  double spectral_error = 0;  ///< of standing for a channel by a few wavelengths
-  /// Where the camera disperses light: what each wavelength sees, with a camera, pupils and media of
-  /// its own. The estimators render these; the scene itself is as the design wavelength sees it.
+  std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
+  double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
+  /// Where the camera disperses light: what each wavelength sees, with a camera, pupils and media
+  /// of its own. The estimators render these; the scene itself is as the design wavelength sees it.
   std::vector<CompiledScene> parts = {};
   /// Of a part: which channel of the whole scene each of its channels adds to. Empty: the same.
   std::vector<int> film_channel = {};

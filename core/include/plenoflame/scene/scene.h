@@ -188,6 +188,19 @@ struct SpectrumSpec {
   friend bool operator==(const SpectrumSpec&, const SpectrumSpec&) = default;
 };
 
+enum class PhaseFunction {
+  henyey_greenstein,  ///< with the asymmetry g
+  rayleigh,           ///< 3 (1 + cos^2) / (16 pi)
+};
+
+/// How much of the light that a flame takes out of a ray goes on in another direction.
+struct ScatteringSpec {
+  double albedo = 0;  ///< scattering over extinction; 0: none
+  PhaseFunction phase = PhaseFunction::henyey_greenstein;
+  double asymmetry = 0;  ///< mean cosine, Henyey-Greenstein
+  friend bool operator==(const ScatteringSpec&, const ScatteringSpec&) = default;
+};
+
 /// One layer of a stratified flame: an ellipsoid with axes along the flame's x, y, z.
 struct EllipsoidSpec {
   std::string name;
@@ -222,6 +235,7 @@ struct FlameSpec {
   GridSpec temperature;
   GridSpec absorption;
   SpectrumSpec spectrum = {};
+  ScatteringSpec scattering = {};
   Interpolation interpolation = Interpolation::trilinear;
   friend bool operator==(const FlameSpec&, const FlameSpec&) = default;
 };
