@@ -581,57 +581,6 @@ constexpr SchemaList kLists[] = {
     list<CHANNEL>("channels", 1, 64),
 };
 
-constexpr SchemaTable kTables[] = {
-    {"camera", "Where the camera stands and looks.", true, PresetKind::camera},
-    {"camera.lens",
-     "The main lens: surfaces, or a thin ideal lens. `preset` names a prescription below; `file` "
-     "reads "
-     "one from a file, relative to the scene: TOML with this table, sequential Zemax (`.zmx`), or "
-     "four "
-     "columns in mm as pbrt has them (`.dat`, `.txt`).",
-     true, PresetKind::lens},
-    {"camera.lens.surfaces[]",
-     "The surfaces of the main lens, from the scene to the sensor, in air.",
-     false,
-     {}},
-    {"camera.array",
-     "The microlens array; without this table the camera is a conventional one.",
-     false,
-     {}},
-    {"camera.array.types[]", "The one to three interleaved kinds of microlenses.", false, {}},
-    {"camera.sensor", "The sensor, centred on the optical axis.", false, {}},
-    {"camera.focus", "How the distance between main lens and array is found.", false, {}},
-    {"camera.transmission",
-     "What is lost of the light in the camera; without it, nothing but what apertures stop.",
-     false,
-     {}},
-    {"flames[]", "The flames.", true, PresetKind::flame},
-    {"flames[].layers[]",
-     "Ellipsoids of a layered flame; where several overlap, the first listed counts.",
-     false,
-     {}},
-    {"flames[].temperature", "Kind `vdb`: how a grid becomes the temperature.", false, {}},
-    {"flames[].absorption",
-     "Kind `vdb`: how a grid becomes the absorption coefficient.",
-     false,
-     {}},
-    {"flames[].spectrum", "How the absorption depends on wavelength.", false, {}},
-    {"flames[].scattering",
-     "Light that goes on in another direction; only scenes that have it pay for it.",
-     false,
-     {}},
-    {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
-    {"surfaces[].material", "What the surface is made of.", false, {}},
-    {"surfaces[].material.texture",
-     "A pattern of the reflectivity, centred on the surface.",
-     false,
-     {}},
-    {"lights[]", "Light sources; flames and hot surfaces are sources of their own.", false, {}},
-    {"channels[]", "What is measured; without any, one channel `total`.", false, {}},
-    {"render", "Defaults of a run; the command line overrides them.", false, {}},
-    {"develop", "How the command `develop` turns flux into digital numbers.", false, {}},
-};
-
 }  // namespace
 
 std::span<const SchemaKey> schema_keys() {
@@ -639,9 +588,6 @@ std::span<const SchemaKey> schema_keys() {
 }
 std::span<const SchemaList> schema_lists() {
   return kLists;
-}
-std::span<const SchemaTable> schema_tables() {
-  return kTables;
 }
 
 }  // namespace plenoflame

@@ -12,7 +12,7 @@ list(APPEND core_sources
   src/scene/scene_schema.cpp
   src/scene/scene_writer.cpp
   src/scene/schema_markdown.cpp
-  src/scene/schema_table.cpp
+  src/scene/schema_table.cpp src/scene/schema_tables.cpp
   src/scene/spectral.cpp
   src/scene/toml_guard.cpp
   src/scene/validate.cpp
