@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/media/medium_samples.h"
 
 namespace plenoflame::desktop {
 
@@ -13,30 +15,10 @@ FlameSamples sample_flames(const CompiledScene& scene, int longest, const Execut
   if (!scene.medium) return out;
   out.box = scene.medium->bounds();
   if (out.box.empty()) return out;
-  const Vec3 size = out.box.upper - out.box.lower;
-  const double step = std::max({size.x, size.y, size.z}) / longest;
-  const auto points = [&](double side) {
-    return std::max(2, static_cast<int>(std::lround(side / step)));
-  };
-  out.count = {points(size.x), points(size.y), points(size.z)};
-  const auto [nx, ny, nz] = out.count;
-  const std::size_t plane = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
-  out.temperature.resize(plane * static_cast<std::size_t>(nz));
-  out.absorption.resize(out.temperature.size());
-  const bool done = parallel_for(
-      execution, static_cast<std::size_t>(nz), [&, nx = nx, ny = ny, nz = nz](std::size_t k, int) {
-        std::size_t at = k * plane;
-        for (int j = 0; j < ny; ++j)
-          for (int i = 0; i < nx; ++i, ++at) {
-            const MediumSample sample = scene.medium->sample(
-                {out.box.lower.x + (i + 0.5) / nx * size.x,
-                 out.box.lower.y + (j + 0.5) / ny * size.y,
-                 out.box.lower.z + (static_cast<double>(k) + 0.5) / nz * size.z});
-            out.temperature[at] = static_cast<float>(sample.temperature);
-            out.absorption[at] = static_cast<float>(sample.absorption);
-          }
-      });
-  if (!done) throw Cancelled();
+  MediumSamples samples = sample_medium(*scene.medium, SamplePlaces::middles, longest, execution);
+  out.count = samples.count;
+  out.temperature = std::move(samples.temperature);
+  out.absorption = std::move(samples.absorption);
   double weight = 0, sum = 0;
   out.coldest = 1e300;
   for (std::size_t i = 0; i < out.temperature.size(); ++i) {

@@ -36,6 +36,7 @@
 #include <string>
 #include <vector>
 
+#include "flame_image.h"
 #include "flame_volume.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
@@ -50,45 +51,6 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
-
-/// Temperature and absorption on a lattice over the flames' bounds.
-vtkSmartPointer<vtkImageData> sampled(const Medium& medium, const Execution& execution) {
-  const Box box = medium.bounds();
-  if (box.empty()) return nullptr;
-  const Vec3 size = box.upper - box.lower;
-  const double step = std::max({size.x, size.y, size.z}) / (kFlamePoints - 1);
-  if (!std::isfinite(step) || step <= 0) return nullptr;
-  const auto points = [&](double side) {
-    return std::max(2, static_cast<int>(std::ceil(side / step - 1e-9)) + 1);
-  };
-  const std::array<int, 3> n{points(size.x), points(size.y), points(size.z)};
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(n.data());
-  image->SetSpacing(step, step, step);
-  const Vec3 origin = box.lower - 0.5 * (step * Vec3{n[0] - 1.0, n[1] - 1.0, n[2] - 1.0} - size);
-  image->SetOrigin(origin.x, origin.y, origin.z);
-  vtkNew<vtkFloatArray> temperature, absorption;
-  temperature->SetName("temperature");
-  absorption->SetName("absorption");
-  temperature->SetNumberOfValues(image->GetNumberOfPoints());
-  absorption->SetNumberOfValues(image->GetNumberOfPoints());
-  const bool done =
-      parallel_for(execution, static_cast<std::size_t>(n[2]), [&](std::size_t k, int) {
-        vtkIdType at = static_cast<vtkIdType>(k) * n[0] * n[1];
-        for (int j = 0; j < n[1]; ++j)
-          for (int i = 0; i < n[0]; ++i, ++at) {
-            const MediumSample sample =
-                medium.sample(origin + step * Vec3{static_cast<double>(i), static_cast<double>(j),
-                                                   static_cast<double>(k)});
-            temperature->SetValue(at, static_cast<float>(sample.temperature));
-            absorption->SetValue(at, static_cast<float>(sample.absorption));
-          }
-      });
-  if (!done) throw Cancelled();
-  image->GetPointData()->AddArray(absorption);
-  image->GetPointData()->SetScalars(temperature);
-  return image;
-}
 
 }  // namespace
 
@@ -256,7 +218,8 @@ void SceneView::build_geometry() {
         built->detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
         built->detail->ShallowCopy(close->GetOutput());
       }
-      if (scene->medium) built->flame = sampled(*scene->medium, execution);
+      if (scene->medium)
+        built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       post(this, [this, number, built] {
         if (number != newest_) return;
         geometry_ = built;

@@ -1,0 +1,36 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/math/vector.h"
+#include "plenoflame/media/medium.h"
+
+namespace plenoflame {
+
+/// A medium's temperature and absorption at the points of a lattice along the world's axes.
+struct MediumSamples {
+  Vec3 origin;                     ///< [m] world; the first point
+  Vec3 step;                       ///< [m] between points
+  std::array<int, 3> count{};      ///< points along x, y, z
+  std::vector<float> temperature;  ///< [K] x fastest
+  std::vector<float> absorption;   ///< [1/m]
+};
+
+/// Where the points lie in the medium's bounds.
+enum class SamplePlaces {
+  /// On the rim as well, the same distance apart in all directions: `longest` of them along the
+  /// longest side, at least 2 along the others. What the last step reaches beyond a side's end is
+  /// shared by both of its ends.
+  nodes,
+  /// In the middles of boxes that fill the bounds: `longest` of them along the longest side, along
+  /// the others as many as make boxes that are nearly cubes, at least 2.
+  middles,
+};
+
+/// @return without points when the medium is nowhere
+/// @throws Cancelled when execution.stop is requested; InputError for fewer than 2 points
+MediumSamples sample_medium(const Medium& medium, SamplePlaces places, int longest,
+                            const Execution& execution = {});
+
+}  // namespace plenoflame
