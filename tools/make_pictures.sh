@@ -101,8 +101,9 @@ if chosen lenslets-30; then
   draw --image out/lenslets-30.exr --pixel 150,150 --rays 48 -o docs/images/picture-scene.png
   draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
   draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
+  xvfb-run -a "$plenoflame" picture examples/paper-objects-5m.toml --view flame -o docs/images/picture-objects.png
   build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
-  packages=$(echo "$build"/lib/*/python3/dist-packages)
+  packages=$(find "$build/lib" -type d -path '*/python3/dist-packages')
   for example in render_and_plot rays_over_lens; do
     PYTHONPATH=$packages /usr/bin/python3 "examples/python/$example.py" "$scene" out
   done

@@ -22,7 +22,7 @@ struct PictureRequest {
   int view = 0;     ///< vtkPlenoflameScenePicture::ViewType
   bool by_status = false;
   std::array<int, 2> size{1200, 800};
-  bool flame = true, insets = true, axes = true;
+  bool flame = true, surfaces = true, insets = true, axes = true;
 };
 
 /// plenoflame flame import

@@ -73,6 +73,27 @@ class Pictures(PackageTest):
             length = numpy.linalg.norm(own, axis=1)
             self.assertGreater(((strength > 0.9 * length) & (length > 15)).mean(), 0.005)
 
+    def test_solid_surfaces_are_grey_as_they_reflect(self):
+        """A ball in the middle, first dark, then bright; without surfaces the camera is all there is."""
+        text = EXAMPLE.read_text().replace("[[flames]]", """[[surfaces]]
+name = "ball"
+shape = "sphere"
+position = ["1 m", "0 m", "0 m"]
+radius = "0.1 m"
+material.reflectivity = %g
+
+[[flames]]""", 1)
+        middles = []
+        for reflectivity in (0.05, 0.8):
+            scene = plenoflame.Scene(text=text % reflectivity)
+            picture = plenoflame.picture(scene, view="flame", flame=False, size=self.size, axes=False)
+            middle = picture[150:250, 250:350].reshape(-1, 3).astype(int)
+            self.assertLess(numpy.ptp(middle, axis=1).max(), 3)  # grey
+            middles.append(middle.mean())
+        self.assertGreater(middles[1], middles[0] + 60)
+        without = plenoflame.picture(scene, view="flame", flame=False, surfaces=False, size=self.size, axes=False)
+        self.assertGreater(numpy.ptp(without.reshape(-1, 3).astype(int), axis=1).max(), 20)  # coloured: the camera
+
     def test_light_field_is_on_the_sensor(self):
         scene = self.scene(60)
         field = scene.render(samples=4)

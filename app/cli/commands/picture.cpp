@@ -16,7 +16,7 @@ struct Settings {
   PictureRequest request;
   std::vector<std::string> pixels, microlenses, points;
   std::string view = "scene", colour = "type", size;
-  bool no_flame = false, no_insets = false, no_axes = false;
+  bool no_flame = false, no_surfaces = false, no_insets = false, no_axes = false;
 };
 
 int run_picture(const Settings& settings) {
@@ -37,6 +37,7 @@ int run_picture(const Settings& settings) {
           settings.view);
   request.by_status = settings.colour == "status";
   request.flame = !settings.no_flame;
+  request.surfaces = !settings.no_surfaces;
   request.insets = !settings.no_insets;
   request.axes = !settings.no_axes;
   check_writable(request.output);
@@ -60,7 +61,7 @@ void register_picture(const Registry& registry) {
   command
       .add_option("--view", settings->view,
                   "scene: all of it, with insets of camera and microlenses; camera; array: a few "
-                  "microlenses; flame (scene)")
+                  "microlenses; flame: with the solid bodies (scene)")
       ->check(CLI::IsMember({"scene", "camera", "array", "flame"}))
       ->option_text("VIEW");
   command.add_option("--image", request.image, "Light field (.exr) to show on the sensor")
@@ -98,6 +99,7 @@ void register_picture(const Registry& registry) {
   command.add_option("--size", settings->size, "Of the picture in pixels (1200x800)")
       ->option_text("WxH");
   command.add_flag("--no-flame", settings->no_flame, "Leave out the flame");
+  command.add_flag("--no-surfaces", settings->no_surfaces, "Leave out the solid surfaces");
   command.add_flag("--no-insets", settings->no_insets, "Leave out the insets");
   command.add_flag("--no-axes", settings->no_axes, "Leave out the axes");
   on_chosen(command, registry, [settings] { return run_picture(*settings); });

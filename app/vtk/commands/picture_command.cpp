@@ -76,6 +76,7 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_make_picture(
                                             : vtkPlenoflameScenePicture::BY_TYPE);
   picture->SetSize(request.size[0], request.size[1]);
   picture->SetShowFlame(request.flame);
+  picture->SetShowSurfaces(request.surfaces);
   picture->SetShowInsets(request.insets);
   picture->SetShowAxes(request.axes);
   picture->WritePNG(request.output);

@@ -55,4 +55,12 @@ void look_at(const std::vector<Vec3>& points, Vec3 direction, Vec3 up, double as
   camera->SetClippingRange(near, std::min(distance + far, 2e4 * near));
 }
 
+void keep_below(double share, vtkRenderer& renderer) {
+  vtkCamera* const camera = renderer.GetActiveCamera();
+  const double degree = std::numbers::pi / 180;
+  const double tangent = std::tan(0.5 * camera->GetViewAngle() * degree);
+  camera->SetViewAngle(2 * std::atan(tangent / share) / degree);
+  camera->SetWindowCenter(0, 1 - share);
+}
+
 }  // namespace plenoflame::views

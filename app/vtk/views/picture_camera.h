@@ -22,4 +22,7 @@ std::vector<Vec3> corners(const std::array<double, 6>& bounds);
 /// The largest of 1, 2, 5 times a power of ten that is not above `length`.
 double round_length(double length);
 
+/// Moves what is in the picture into its lower part, of this share of its height.
+void keep_below(double share, vtkRenderer& renderer);
+
 }  // namespace plenoflame::views

@@ -21,15 +21,19 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <memory>
 #include <set>
+#include <utility>
 
 #include "display.h"
 #include "flame_volume.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
+#include "pipeline_run.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene.h"
 #include "scene_props.h"
+#include "surface_props.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameFlameSource.h"
 #include "vtkPlenoflameScene.h"
@@ -53,6 +57,7 @@ void vtkPlenoflameScenePicture::PrintSelf(ostream& os, vtkIndent indent) {
      << indent << "Size: " << this->Size[0] << " " << this->Size[1] << "\n"
      << indent << "FlameResolution: " << this->FlameResolution << "\n"
      << indent << "ShowFlame: " << this->ShowFlame << "\n"
+     << indent << "ShowSurfaces: " << this->ShowSurfaces << "\n"
      << indent << "ShowInsets: " << this->ShowInsets << "\n"
      << indent << "ShowAxes: " << this->ShowAxes << "\n"
      << indent << "Scene: " << this->Scene << "\n"
@@ -135,8 +140,24 @@ std::vector<plenoflame::views::LegendEntry> legend_of(vtkPolyData& rays, bool by
 
 }  // namespace
 
+/// The solid surfaces, when they are to be shown; null after an error event.
+std::unique_ptr<plenoflame::views::SolidSurfaces> vtkPlenoflameScenePicture::Surfaces(
+    vtkImageData* flame) {
+  auto surfaces = std::make_unique<plenoflame::views::SolidSurfaces>();
+  if (!this->ShowSurfaces) return surfaces;
+  const plenoflame::Scene& scene = this->Scene->GetScene();
+  vtkBoundingBox others;
+  const Vec3 place = scene.camera.position;
+  others.AddPoint(place.x, place.y, place.z);
+  if (flame) others.AddBounds(flame->GetBounds());
+  const bool good = plenoflame::pipeline::run_here(
+      *this, [&] { *surfaces = plenoflame::views::solid_surfaces(scene, others); });
+  return good ? std::move(surfaces) : nullptr;
+}
+
 bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool inset,
-                                        vtkImageData* flame) {
+                                        vtkImageData* flame,
+                                        const plenoflame::views::SolidSurfaces& surfaces) {
   namespace views = plenoflame::views;
   const plenoflame::Scene& scene = this->Scene->GetScene();
   const plenoflame::CameraSpec& spec = scene.camera;
@@ -200,13 +221,15 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
       renderer->AddVolume(views::flame_volume(*flame, colours));
   }
 
+  if (view == WHOLE_SCENE || view == FLAME) views::add_surfaces(surfaces, *renderer);
+
   // What has to be in the picture, and from where.
   std::vector<Vec3> points;
   Vec3 from{};  // from the middle towards the eye
   double far = 0;
   const double scene_size = plenoflame::length(middle_of(camera_bounds) -
                                                (flame ? middle_of(flame_bounds) : spec.position)) +
-                            1;
+                            (surfaces.all.IsValid() ? 2 * surfaces.all.GetDiagonalLength() : 0) + 1;
   if (close) {
     // In front of the pixel, from the sensor to beyond the array.
     const double p = spec.sensor.pixel_pitch;
@@ -221,9 +244,16 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
           points.push_back(centre + x * right + y * up + z * axis);
     from = 0.75 * axis + 0.8 * right + 0.55 * up;
     far = 40 * half;
-  } else if (view == FLAME && flame) {
-    points = views::corners(flame_bounds);
-    from = -0.55 * axis + 0.8 * right + 0.2 * up;
+  } else if (view == FLAME && (flame || surfaces.all.IsValid())) {
+    vtkBoundingBox box = surfaces.bodies;
+    if (flame) box.AddBounds(flame_bounds.data());
+    if (!box.IsValid()) box = surfaces.all;  // nothing but planes
+    std::array<double, 6> bounds{};
+    box.GetBounds(bounds.data());
+    points = views::corners(bounds);
+    // Bodies nearly as the camera sees them, so that they stand side by side.
+    from = surfaces.bodies.IsValid() ? -0.9 * axis + 0.35 * right + 0.35 * up
+                                     : -0.55 * axis + 0.8 * right + 0.2 * up;
     far = 4 * scene_size;
   } else {
     points = views::corners(camera_bounds);
@@ -231,13 +261,17 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
       const auto more = views::corners(flame_bounds);
       points.insert(points.end(), more.begin(), more.end());
     }
-    from = 0.35 * axis + 1.0 * right + 0.35 * up;
+    if (view == WHOLE_SCENE && surfaces.all.IsValid()) {
+      std::array<double, 6> bounds{};
+      surfaces.all.GetBounds(bounds.data());
+      const auto more = views::corners(bounds);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    // With walls and floors from the camera's side, so that they do not hide what is before them.
+    from = (view == WHOLE_SCENE && surfaces.all.IsValid() ? -0.35 : 0.35) * axis + 1.0 * right +
+           0.35 * up;
     far = 4 * scene_size;
   }
-  int* const size = renderer->GetSize();
-  const double aspect = size[1] > 0 ? static_cast<double>(size[0]) / size[1] : 1.5;
-  views::look_at(points, -from, up, aspect, far, *renderer);
-
   const int font = inset ? 12 : 15;
   if (this->ShowAxes) {
     Vec3 low = points.front();
@@ -248,7 +282,13 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     }
     const double axis_length = views::round_length(0.25 * extent);
     views::add_axes(low, axis_length, font, *renderer);
+    if (view == WHOLE_SCENE && surfaces.all.IsValid()) points.push_back(low);
   }
+  int* const size = renderer->GetSize();
+  const double aspect = size[1] > 0 ? static_cast<double>(size[0]) / size[1] : 1.5;
+  views::look_at(points, -from, up, aspect, far, *renderer);
+  if (view == WHOLE_SCENE && this->ShowInsets && surfaces.all.IsValid())
+    views::keep_below(0.64, *renderer);  // the insets would cover walls and floors
   const std::array<const char*, 4> titles{"", "camera", "microlenses", ""};
   if (inset) {
     views::add_title(titles[static_cast<std::size_t>(view)], font + 1, *renderer);
@@ -267,7 +307,9 @@ bool vtkPlenoflameScenePicture::AddTo(vtkRenderer* renderer) {
     vtkErrorMacro("there is no scene to show: call SetScene()");
     return false;
   }
-  return this->AddView(renderer, this->View, false, this->Flame());
+  const auto flame = this->Flame();
+  const auto surfaces = this->Surfaces(flame);
+  return surfaces && this->AddView(renderer, this->View, false, flame, *surfaces);
 }
 
 vtkImageData* vtkPlenoflameScenePicture::RenderToImage() {
@@ -286,6 +328,8 @@ vtkImageData* vtkPlenoflameScenePicture::RenderToImage() {
   window->SetAlphaBitPlanes(1);
   window->SetSize(this->Size);
   const auto flame = this->Flame();
+  const auto surfaces = this->Surfaces(flame);
+  if (!surfaces) return nullptr;
   bool good = true;
   const auto add = [&](int view, bool inset, double left, double bottom, double right, double top) {
     vtkNew<vtkRenderer> renderer;
@@ -294,7 +338,7 @@ vtkImageData* vtkPlenoflameScenePicture::RenderToImage() {
     renderer->SetUseDepthPeeling(1);
     renderer->SetMaximumNumberOfPeels(12);
     renderer->SetUseFXAA(true);
-    good = this->AddView(renderer, view, inset, flame) && good;
+    good = this->AddView(renderer, view, inset, flame, *surfaces) && good;
   };
   add(this->View, false, 0, 0, 1, 1);
   if (this->ShowInsets && this->View == WHOLE_SCENE) {

@@ -2,10 +2,10 @@
  * @class   vtkPlenoflameScenePicture
  * @brief   a picture of a scene: flame, camera, rays
  *
- * Shows the flame as a volume coloured by temperature, the lens' surfaces with their true shape,
- * the array and the sensor, and rays, in one of four views; the whole scene has insets of the
- * camera and of the array, since these are smaller by orders of magnitude. Every view has clipping
- * planes of its own.
+ * Shows the flame as a volume coloured by temperature, solid surfaces, the lens' surfaces with
+ * their true shape, the array and the sensor, and rays, in one of four views; the whole scene has
+ * insets of the camera and of the array, since these are smaller by orders of magnitude. Every view
+ * has clipping planes of its own.
  *
  * Without a window: RenderToImage() and WritePNG(). For an application: AddTo() puts the props into
  * a renderer of its own. Neither Qt nor a window is needed, but OpenGL is: see CanRender().
@@ -13,6 +13,7 @@
 #ifndef vtkPlenoflameScenePicture_h
 #define vtkPlenoflameScenePicture_h
 
+#include <memory>  // for std::unique_ptr
 #include <string>  // for messages
 
 #include "vtkObject.h"
@@ -23,6 +24,9 @@ class vtkImageData;
 class vtkPlenoflameScene;
 class vtkPolyData;
 class vtkRenderer;
+namespace plenoflame::views {
+struct SolidSurfaces;
+}
 
 class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
  public:
@@ -34,7 +38,7 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
     WHOLE_SCENE = 0,  ///< flame and camera from the side
     CAMERA = 1,       ///< main lens to sensor
     ARRAY = 2,        ///< a few microlenses and the pixels behind them
-    FLAME = 3         ///< as large as it fits
+    FLAME = 3         ///< flame and solid bodies as large as they fit
   };
   enum RayColorType { BY_TYPE = 0, BY_STATUS = 1 };
 
@@ -105,11 +109,15 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
 
   ///@{
   /**
-   * Whether the flame, the insets, and axes with lengths are shown (default: on).
+   * Whether the flame, the solid surfaces, the insets, and axes with lengths are shown (default:
+   * on).
    */
   vtkSetMacro(ShowFlame, bool);
   vtkGetMacro(ShowFlame, bool);
   vtkBooleanMacro(ShowFlame, bool);
+  vtkSetMacro(ShowSurfaces, bool);
+  vtkGetMacro(ShowSurfaces, bool);
+  vtkBooleanMacro(ShowSurfaces, bool);
   vtkSetMacro(ShowInsets, bool);
   vtkGetMacro(ShowInsets, bool);
   vtkBooleanMacro(ShowInsets, bool);
@@ -149,7 +157,7 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
   int Pixel[2] = {-1, -1};
   int Size[2] = {1200, 800};
   int FlameResolution = 96;
-  bool ShowFlame = true, ShowInsets = true, ShowAxes = true;
+  bool ShowFlame = true, ShowSurfaces = true, ShowInsets = true, ShowAxes = true;
   vtkSmartPointer<vtkPlenoflameScene> Scene;
   vtkSmartPointer<vtkPolyData> Rays;
   vtkSmartPointer<vtkImageData> SensorImage, Picture;
@@ -158,7 +166,9 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
   vtkPlenoflameScenePicture(const vtkPlenoflameScenePicture&) = delete;
   void operator=(const vtkPlenoflameScenePicture&) = delete;
 
-  bool AddView(vtkRenderer* renderer, int view, bool inset, vtkImageData* flame);
+  bool AddView(vtkRenderer* renderer, int view, bool inset, vtkImageData* flame,
+               const plenoflame::views::SolidSurfaces& surfaces);
+  std::unique_ptr<plenoflame::views::SolidSurfaces> Surfaces(vtkImageData* flame);
   vtkSmartPointer<vtkImageData> Flame();
 };
 

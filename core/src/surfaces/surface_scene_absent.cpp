@@ -1,7 +1,13 @@
 #include "plenoflame/base/error.h"
+#include "plenoflame/surfaces/surface_mesh.h"
 #include "plenoflame/surfaces/surface_scene.h"
 
 namespace plenoflame {
+
+SurfaceMesh surface_mesh(const SolidSurfaceSpec&, const std::string&, const SurfaceMeshSettings&,
+                         const Execution&) {
+  throw InputError("the scene has surfaces; this program was built without them");
+}
 
 std::unique_ptr<SurfaceScene> make_surface_scene(const std::vector<SolidSurfaceSpec>&,
                                                  const std::string&,

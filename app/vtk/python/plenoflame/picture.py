@@ -11,11 +11,12 @@ _COLOURS = ("type", "status")
 
 
 def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colour_by="type", pixel=None,
-            size=(1200, 800), flame=True, insets=True, axes=True):
-    """Draws a scene: the flame by temperature, the camera, rays.
+            size=(1200, 800), flame=True, surfaces=True, insets=True, axes=True):
+    """Draws a scene: the flame by temperature, solid surfaces, the camera, rays.
 
     scene: Scene; path: .png to write, or None: the picture is returned instead
-    view: "scene" (with insets of the others), "camera", "array" (a few microlenses) or "flame"
+    view: "scene" (with insets of the others), "camera", "array" (a few microlenses) or "flame" (and
+        solid bodies, as large as they fit)
     rays: Rays; light_field: LightField, for the sensor; colour_by: "type" of the microlens or "status" of the rays
     pixel: (column, row) in the middle of "array"; size: of the picture in pixels
 
@@ -41,6 +42,7 @@ def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colo
         drawing.SetPixel(*pixel)
     drawing.SetSize(*size)
     drawing.SetShowFlame(flame)
+    drawing.SetShowSurfaces(surfaces)
     drawing.SetShowInsets(insets)
     drawing.SetShowAxes(axes)
     with errors_of(drawing):

@@ -9,5 +9,5 @@ from .scene import Scene
 
 def picture(scene: Scene, path: Optional[Union[str, PathLike[str]]] = ..., *, view: str = ...,
             rays: Optional[Rays] = ..., light_field: Optional[LightField] = ..., colour_by: str = ...,
-            pixel: Optional[tuple[int, int]] = ..., size: tuple[int, int] = ..., flame: bool = ..., insets: bool = ...,
-            axes: bool = ...) -> Optional[ndarray]: ...
+            pixel: Optional[tuple[int, int]] = ..., size: tuple[int, int] = ..., flame: bool = ..., surfaces: bool = ...,
+            insets: bool = ..., axes: bool = ...) -> Optional[ndarray]: ...
