@@ -2,6 +2,7 @@
 own writers or byte by byte after the format's description. What comes back is known at every voxel."""
 
 import itertools
+import json
 import pathlib
 import struct
 
@@ -209,6 +210,53 @@ class Formats(PackageTest):
         with self.assertRaisesRegex(plenoflame.Error, "--solution"):
             plenoflame.import_flame(self.folder / "g.xyz", constant=1)
 
+    def test_plot3d_metadata_is_a_series(self):
+        """Two solutions on one grid, named by a file of metadata that stands in the working folder."""
+        points = lattice().astype("<f4")
+        size = struct.pack("<3i", *NODES)
+
+        def record(data):
+            return struct.pack("<i", len(data)) + data + struct.pack("<i", len(data))
+        (self.folder / "g.xyz").write_bytes(record(size) + record(numpy.moveaxis(points, -1, 0).tobytes()))
+        rho = numpy.full(points.shape[:3], 0.5, "<f4")
+        entries = []
+        for number, shift in enumerate((0, 100)):
+            energy = ((temperature(points.astype(float)) + shift) * rho / 0.4).astype("<f4")
+            q = numpy.stack([rho, 0 * rho, 0 * rho, 0 * rho, energy])
+            (self.folder / f"g{number}.q").write_bytes(
+                record(size) + record(struct.pack("<4f", 0.1, 0, 1e4, 0)) + record(q.tobytes()))
+            entries.append({"time": 0.5 * number, "xyz": "g.xyz", "q": f"g{number}.q"})
+        (self.folder / "g.p3d").write_text(json.dumps({"auto-detect-format": True, "filenames": entries, "functions": [120]}))
+        files = self.figures("flame", "import", "g.p3d", "--temperature", "Temperature", "--constant", "9 1/m",
+                             "--voxel-size", "2 mm", "-o", "s.vdb")["files"]
+        self.assertEqual([entry["time_s"] for entry in files], [0, 0.5])
+        for shift, entry in ((0, files[0]), (100, files[1])):
+            points, hot, kappa = voxels(plenoflame.read_flame(self.folder / entry["file"]))
+            inside = kappa > 0
+            self.assertGreater(inside.sum(), 5000)
+            numpy.testing.assert_allclose(hot[inside], temperature(points[inside]) + shift, rtol=3e-6)
+
+    def test_netcdf(self):
+        """Classic format, version 1: lists of dimensions, attributes and variables, then the values, big-endian."""
+        def name(text):
+            return struct.pack(">i", len(text)) + text.encode() + b"\0" * (-len(text) % 4)
+        variables = [(n, (k,), v) for k, (n, v) in enumerate(zip("xyz", axes()))]
+        variables += [("T", (2, 1, 0), temperature(lattice())), ("fv", (2, 1, 0), soot(lattice()))]
+        none = struct.pack(">ii", 0, 0)
+
+        def header(begin):
+            out = b"CDF\1" + struct.pack(">iii", 0, 10, 3)
+            out += b"".join(name(n) + struct.pack(">i", len(v)) for n, v in zip("xyz", axes())) + none
+            out += struct.pack(">ii", 11, len(variables))
+            for n, over, values in variables:
+                out += (name(n) + struct.pack(f">{1 + len(over)}i", len(over), *over) + none +
+                        struct.pack(">iii", 6, 8 * values.size, begin))
+                begin += 8 * values.size
+            return out
+        (self.folder / "a.nc").write_bytes(header(len(header(0))) +
+                                           b"".join(v.astype(">f8").tobytes() for _, _, v in variables))
+        self.check(self.folder / "a.nc")
+
     def test_cgns(self):
         """A structured zone, node by node (SIDS to HDF5 mapping)."""
         def node(parent, name, label, kind="MT", data=None):
@@ -400,7 +448,8 @@ class Formats(PackageTest):
         self.check(self.folder / "a.tec")
 
     def test_what_this_vtk_cannot_read(self):
-        for name, pattern in (("a.xdmf", "without a reader of Xdmf"), ("a.cas.h5", "Fluent's HDF5"),
+        for name, pattern in (("a.xdmf", "without a reader of Xdmf"), ("a.cas.h5", "export from Fluent as CGNS"),
+                              ("a.cas", "export from Fluent as CGNS"), ("a.h5", "CONVERGE are not read"),
                               ("a.fds", "no reader for this ending")):
             (self.folder / name).write_bytes(b"x")
             with self.assertRaisesRegex(plenoflame.Error, pattern):

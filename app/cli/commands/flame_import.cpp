@@ -102,9 +102,8 @@ Action add_flame_import(CLI::App& flame) {
           "FILE", request.files,
           "VTK (.vtu .vti .vts .vtr .vtm .vtk ..., series .pvd), OpenFOAM (.foam), EnSight "
           "(.case), PLOT3D "
-          "(.xyz with --solution, .p3d), CGNS, Fluent (.cas), Exodus, CONVERGE (.h5), Tecplot, "
-          "NetCDF, MFIX, the folder of an AMReX plotfile, or raw bricks (.json). Several files "
-          "are a series")
+          "(.xyz with --solution, .p3d), CGNS, Exodus, Tecplot, NetCDF, the folder of an AMReX "
+          "plotfile, or raw bricks (.json). Several files are a series")
       ->required();
   command
       .add_option("-o,--output", request.output,

@@ -3,7 +3,6 @@
 #include <vtkAMReXGridReader.h>
 #include <vtkAlgorithm.h>
 #include <vtkCGNSReader.h>
-#include <vtkCONVERGECFDReader.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkCompositeDataIterator.h>
@@ -11,14 +10,12 @@
 #include <vtkDataSet.h>
 #include <vtkExecutive.h>
 #include <vtkExodusIIReader.h>
-#include <vtkFLUENTReader.h>
 #include <vtkGenericDataObjectReader.h>
 #include <vtkGenericEnSightReader.h>
 #include <vtkHDFReader.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkLogger.h>
-#include <vtkMFIXReader.h>
 #include <vtkMultiBlockPLOT3DReader.h>
 #include <vtkNetCDFCFReader.h>
 #include <vtkNew.h>
@@ -96,6 +93,13 @@ vtkSmartPointer<vtkAlgorithm> plot3d(const std::string& path, const std::string&
   return reader;
 }
 
+vtkSmartPointer<vtkAlgorithm> plot3d_metadata(const std::string& path, const std::string&) {
+  const auto reader = vtkSmartPointer<vtkPlot3DMetaReader>::New();
+  // It looks for the files that are named in the root folder when its own path has no folder.
+  reader->SetFileName(std::filesystem::absolute(path).c_str());
+  return reader;
+}
+
 struct Format {
   const char* name;
   std::vector<const char*> endings;
@@ -113,12 +117,11 @@ std::vector<Format> formats() {
        maker<vtkOpenFOAMReader>([](vtkOpenFOAMReader& r) { r.CreateCellToPointOn(); })},
       {"EnSight", {".case", ".encas"}, maker<vtkGenericEnSightReader>()},
       {"PLOT3D", {".xyz", ".x", ".grd"}, plot3d},
-      {"PLOT3D with metadata", {".p3d"}, maker<vtkPlot3DMetaReader>()},
+      {"PLOT3D with metadata", {".p3d"}, plot3d_metadata},
       {"CGNS", {".cgns"}, maker<vtkCGNSReader>([](vtkCGNSReader& r) {
          r.UpdateInformation();
          r.EnableAllBases();
        })},
-      {"Fluent", {".cas"}, maker<vtkFLUENTReader>()},
       {"Exodus",
        {".e", ".exo", ".ex2", ".exii"},
        maker<vtkExodusIIReader>([](vtkExodusIIReader& r) {
@@ -126,11 +129,9 @@ std::vector<Format> formats() {
          r.SetAllArrayStatus(vtkExodusIIReader::NODAL, 1);
          r.SetAllArrayStatus(vtkExodusIIReader::ELEM_BLOCK, 1);
        })},
-      {"CONVERGE", {".h5"}, maker<vtkCONVERGECFDReader>()},
       {"VTK HDF", {".hdf", ".vtkhdf"}, maker<vtkHDFReader>()},
       {"Tecplot", {".tec", ".dat", ".tp"}, maker<vtkTecplotReader>()},
       {"NetCDF", {".nc", ".ncdf"}, maker<vtkNetCDFCFReader>()},
-      {"MFIX", {".RES"}, maker<vtkMFIXReader>()},
   };
 }
 
@@ -141,11 +142,12 @@ void refuse_unreadable(const std::string& path) {
     refuse(
         "VTK is built without a reader of Xdmf here; save the data as .vtu, .vtm or .pvd (in "
         "ParaView: File, Save Data)");
-  if (path.ends_with(".cas.h5") || path.ends_with(".dat.h5"))
+  if (path.ends_with(".cas.h5") || path.ends_with(".dat.h5") || path.ends_with(".cas"))
+    refuse("Fluent's own files are not read; export from Fluent as CGNS or EnSight");
+  if (path.ends_with(".h5"))
     refuse(
-        "VTK 9.1 has no reader of Fluent's HDF5 files; export from Fluent as CGNS or EnSight, or "
-        "as "
-        "legacy .cas");
+        "files of CONVERGE are not read; export as EnSight, or save the data as .vtu or .vtm (in "
+        "ParaView: File, Save Data)");
 }
 
 /// The steps of a .pvd file: its files by time, those of one time together.

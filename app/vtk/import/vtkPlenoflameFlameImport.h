@@ -2,8 +2,8 @@
  * @class   vtkPlenoflameFlameImport
  * @brief   a flame from a simulation, on voxels
  *
- * Reads what VTK reads (VTK XML and legacy, OpenFOAM, EnSight, PLOT3D, AMReX, CGNS, Fluent, Exodus,
- * CONVERGE, VTK HDF, Tecplot, NetCDF, MFIX; raw bricks with a JSON file) and samples it on a
+ * Reads what VTK reads (VTK XML, legacy and HDF, OpenFOAM, EnSight, PLOT3D, AMReX, CGNS, Exodus,
+ * Tecplot, NetCDF; raw bricks with a JSON file) and samples it on a
  * regular lattice. Output: a vtkImageData with the float arrays "temperature" [K] and "absorption"
  * [1/m], as vtkPlenoflameFlameWriter writes it. Outside of the mesh absorption is 0; temperature
  * goes on for three voxels, so that interpolation mixes in none of the surroundings, and is ambient
