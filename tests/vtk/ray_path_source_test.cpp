@@ -7,8 +7,10 @@
 #include <vtkPolyData.h>
 #include <vtkXMLPolyDataReader.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "events.h"
 #include "plenoflame/render/ray_paths.h"
@@ -137,6 +139,43 @@ TEST_F(RayPathSource, StatusAndTypeAreSelected) {
   source_->SetSelectedType(-1);
   source_->SetMaximumNumberOfRays(25);
   EXPECT_EQ(output()->GetNumberOfLines(), 25);
+}
+
+TEST_F(RayPathSource, ProgressRisesToOne) {
+  source_->SetNumberOfRandomPixels(300);
+  source_->SetRaysPerPixel(64);
+  std::vector<double> seen;
+  vtkNew<vtkCallbackCommand> callback;
+  callback->SetClientData(&seen);
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* list, void*) {
+    static_cast<std::vector<double>*>(list)->push_back(
+        vtkAlgorithm::SafeDownCast(caller)->GetProgress());
+  });
+  source_->AddObserver(vtkCommand::ProgressEvent, callback);
+  EXPECT_GT(output()->GetNumberOfLines(), 1000);
+  ASSERT_GE(seen.size(), 2U);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_EQ(seen.back(), 1);
+}
+
+// Some hundred million rays: without the abort the test would not end in its time.
+TEST_F(RayPathSource, AbortEndsItWithoutRays) {
+  source_->SetNumberOfRandomPixels(3000);
+  source_->SetRaysPerPixel(16384);
+  source_->SetNumberOfThreads(1);
+  vtkNew<vtkCallbackCommand> callback;
+  callback->SetCallback([](vtkObject* caller, unsigned long, void*, void*) {
+    vtkAlgorithm::SafeDownCast(caller)->SetAbortExecute(1);
+  });
+  const unsigned long tag = source_->AddObserver(vtkCommand::ProgressEvent, callback);
+  const Events errors(source_), of_executive(source_->GetExecutive());
+  EXPECT_EQ(output()->GetNumberOfLines(), 0);
+  EXPECT_EQ(errors.size(), 0U) << errors.all();
+  // And it can be used again.
+  source_->RemoveObserver(tag);
+  source_->SetNumberOfRandomPixels(10);
+  source_->SetRaysPerPixel(8);
+  EXPECT_GT(output()->GetNumberOfLines(), 0);
 }
 
 TEST_F(RayPathSource, WrongPixelIsAnErrorEvent) {

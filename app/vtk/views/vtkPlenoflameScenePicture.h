@@ -24,9 +24,12 @@ class vtkImageData;
 class vtkPlenoflameScene;
 class vtkPolyData;
 class vtkRenderer;
-namespace plenoflame::views {
+// Written apart: VTK's wrapping tools do not know the short form.
+namespace plenoflame {
+namespace views {
 struct SolidSurfaces;
 }
+}  // namespace plenoflame
 
 class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
  public:

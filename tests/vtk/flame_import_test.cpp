@@ -1,0 +1,108 @@
+// Flames from simulations in C++: an analytic field on tetrahedra comes back exactly.
+#include <vtkCellType.h>
+#include <vtkDataArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkExecutive.h>
+#include <vtkImageData.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include "events.h"
+#include "support/approx.h"
+#include "support/temporary_folder.h"
+#include "vtkPlenoflameFlameImport.h"
+
+namespace plenoflame::test {
+namespace {
+
+constexpr double kSide = 0.02;
+
+double temperature_at(const double* p) {
+  return 1500 + 8000 * p[0] - 6000 * p[1] + 3000 * p[2];
+}
+double soot_at(const double* p) {
+  return 2e-6 + 3e-5 * p[0] + 1e-5 * p[1] + 2e-5 * p[2];
+}
+
+/// A cube of six tetrahedra around its diagonal, with linear fields.
+void write_cube(const std::string& path) {
+  vtkNew<vtkUnstructuredGrid> grid;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkDoubleArray> hot, soot;
+  hot->SetName("T");
+  soot->SetName("fv");
+  for (int k = 0; k < 8; ++k) {
+    const double p[3] = {kSide * (k & 1), kSide * (k >> 1 & 1), kSide * (k >> 2)};
+    points->InsertNextPoint(p);
+    hot->InsertNextValue(temperature_at(p));
+    soot->InsertNextValue(soot_at(p));
+  }
+  grid->SetPoints(points);
+  constexpr std::array<std::array<vtkIdType, 4>, 6> cells{
+      {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}}};
+  for (const auto& cell : cells) grid->InsertNextCell(VTK_TETRA, 4, cell.data());
+  grid->GetPointData()->AddArray(hot);
+  grid->GetPointData()->AddArray(soot);
+  vtkNew<vtkXMLUnstructuredGridWriter> writer;
+  writer->SetFileName(path.c_str());
+  writer->SetInputData(grid);
+  ASSERT_EQ(writer->Write(), 1);
+}
+
+class FlameImport : public ::testing::Test {
+ protected:
+  FlameImport() {
+    write_cube(folder_.file("cube.vtu"));
+    import_->SetFileName(folder_.file("cube.vtu").c_str());
+    import_->SetSootArray("fv");
+    import_->SetVoxelSize(1.1e-3);
+  }
+  TemporaryFolder folder_;
+  vtkNew<vtkPlenoflameFlameImport> import_;
+};
+
+TEST_F(FlameImport, LinearFieldIsExact) {
+  import_->Update();
+  vtkImageData* const image = import_->GetOutput();
+  vtkDataArray* const hot = image->GetPointData()->GetArray("temperature");
+  vtkDataArray* const kappa = image->GetPointData()->GetArray("absorption");
+  ASSERT_TRUE(hot && kappa);
+  int inside = 0;
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i) {
+    double p[3];
+    image->GetPoint(i, p);
+    bool within = true;
+    for (const double x : p) within = within && x > 1e-5 && x < kSide - 1e-5;
+    if (!within) continue;
+    ++inside;
+    ASSERT_TRUE(relative(hot->GetTuple1(i), temperature_at(p), 1e-6));
+    // kappa = 6 pi E(m) f_v / wavelength with the defaults 0.26 and 650 nm.
+    ASSERT_TRUE(
+        relative(kappa->GetTuple1(i), 6 * std::acos(-1.0) * 0.26 * soot_at(p) / 650e-9, 1e-6));
+  }
+  EXPECT_GT(inside, 4000);
+}
+
+TEST_F(FlameImport, MissingArrayListsThosePresent) {
+  import_->SetTemperatureArray("heat");
+  const Events errors(import_), of_executive(import_->GetExecutive());
+  import_->Update();
+  EXPECT_TRUE(errors.one_with("has no array 'heat'; it has T, fv")) << errors.all();
+}
+
+TEST_F(FlameImport, UnknownFilesAreErrorEvents) {
+  const Events errors(import_), of_executive(import_->GetExecutive());
+  import_->SetFileName(folder_.file("none.vtu").c_str());
+  import_->Update();
+  EXPECT_TRUE(errors.one_with("none.vtu': No such file")) << errors.all();
+}
+
+}  // namespace
+}  // namespace plenoflame::test
