@@ -88,6 +88,12 @@ class Design(CommandTest):
             self.assertEqual(result.returncode, 1)
             self.assertIn(words, result.stderr.splitlines()[-1])
 
+    def test_types_that_coincide(self):
+        types = "".join(f'[[camera.array.types]]\nname = "{name}"\nradius_front = "0.225 mm"\n'
+                        'radius_back = "0.225 mm"\nindex = 1.5\n' for name in ("one", "two"))
+        self.write("a.toml", '[camera]\npreset = "paper-plenoptic2"\n' + types + '[camera.focus]\nconjugate = "one"\n')
+        self.fails(1, "design", "a.toml", mentions=['"one" and "two" have the same focal length', "leave one out"])
+
     def test_messages(self):
         self.fails(2, "design", mentions="SCENE")
         self.fails(1, "design", "none.toml", mentions="none.toml")

@@ -98,6 +98,13 @@ int run_design(const Settings& settings) {
   const Scene scene = read_valid_scene(settings.scene, &warnings).scene;
   const Camera camera(scene.camera);
   const CameraDesign d = design(camera);
+  for (std::size_t i = 0; i < d.types.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (std::fabs(d.types[i].focal_length / d.types[k].focal_length - 1) < 1e-9)
+        throw InputError(settings.scene + ": the microlens types \"" + d.types[k].name +
+                         "\" and \"" + d.types[i].name + "\" have the same focal length, " +
+                         length_text(d.types[i].focal_length) +
+                         ": give them different ones, or leave one out");
   warnings.insert(warnings.end(), d.warnings.begin(), d.warnings.end());
   warn(warnings);
   const ChannelSpec& channel = scene.channels.front();

@@ -204,9 +204,9 @@ void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
   const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
   const Vec2 b = camera.sensor_point(window.x, window.y);
   for (const LensIndex lens : camera.lattice().within(a - margin, b + margin)) {
-    const Vec2 place = camera.lattice().centre(lens);
     statistics.lenses += 1;
-    if (shared.beams && !shared.beams->lenses().may_meet(camera.lattice().type(lens), place))
+    if (shared.beams &&
+        !shared.beams->lenses().may_meet(camera.lattice().type(lens), camera.lens_place(lens)))
       statistics.lenses_skipped += 1;
   }
 }

@@ -132,7 +132,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
-  if (plan_.beams && !plan_.beams->lenses().may_meet(type, place)) return;
+  if (plan_.beams && !plan_.beams->lenses().may_meet(type, lens_place)) return;
   const double h = length(from_foot);
   const PupilNode node = table.at(h);
   if (node.dark()) return;
@@ -188,12 +188,12 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
                                       const BeamBounds* beams, int type) {
   const Camera& camera = plan_.scene->camera;
   const Vec2 centre = camera.sensor_point(column + 0.5, row + 0.5);
-  const Vec2 foot =
-      (type == plan_.between_type ? plan_.scene->pupils.between()->camera : camera).foot();
+  const Camera& own = type == plan_.between_type ? plan_.scene->pupils.between()->camera : camera;
+  const Vec2 foot = own.foot();
   const Vec2 from_foot = centre - foot;
   const PupilNode node = table.at(length(from_foot));
   if (node.dark()) return;
-  if (beams && !beams->may_meet(0, centre)) {
+  if (beams && !beams->may_meet(0, Vec3{centre.x, centre.y, own.sensor()})) {
     counters_.pixels_skipped += 1;
     return;
   }

@@ -9,6 +9,8 @@ namespace {
 // Edge rays are traced at 25 fields, from 25 aim points in 16 directions: polygons inscribed in the
 // true outline (2 % at most), and straight interpolation over the field.
 constexpr double kMargin = 0.08;
+// For what is taken to first order in cameras that are not aligned.
+constexpr double kMisalignedMargin = 1.25;
 
 }  // namespace
 
@@ -18,6 +20,19 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
   if (!region.bounded()) return;
   // Without array a beam belongs to a whole pixel, not to its centre.
   half_diagonal_ = camera.has_array() ? 0 : std::sqrt(0.5) * camera.spec().sensor.pixel_pitch;
+  misaligned_ = camera.misaligned();
+  if (misaligned_) {
+    const Camera aligned = camera.aligned();
+    const FirstOrder& lens = camera.lens_first_order();
+    to_lens_ = camera.lens_pose().inverse();
+    plane_ = camera.has_array() ? aligned.lens_place({0, 0}).z : aligned.sensor();
+    pupil_ = camera.exit_pupil();
+    pupil_radius_ = 0.5 * lens.exit_pupil_diameter;
+    aperture_ = camera.has_array() ? 0.5 * camera.spec().array.diameter : half_diagonal_;
+    tilt_ =
+        std::tan(std::min(1.5, length(camera.spec().lens.tilt) +
+                                   (camera.has_array() ? length(camera.spec().array.tilt) : 0)));
+  }
   const double planes[2] = {region.near_plane(), region.far_plane()};
   for (const PupilTable& table : tables) {
     FieldTable field;
@@ -47,8 +62,22 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
   }
 }
 
-bool BeamBounds::may_meet(int table, Vec2 place) const {
+bool BeamBounds::may_meet(int table, Vec3 place) const {
   if (!region_->bounded()) return true;
+  if (!misaligned_) return may_meet(table, {place.x, place.y}, 0);
+  if (!std::isfinite(pupil_)) return true;
+  const Vec3 p = to_lens_.point(place);
+  const Vec2 off{p.x, p.y};
+  const double to_pupil = pupil_ - p.z, scale = (pupil_ - plane_) / to_pupil;
+  if (!(to_pupil > 0 && scale > 0)) return true;
+  const double steepest = (pupil_radius_ + length(off)) / to_pupil;
+  const double room = (std::fabs(p.z - plane_) * pupil_radius_ / to_pupil +
+                       aperture_ * tilt_ * steepest + aperture_ * std::fabs(scale - 1)) *
+                      kMisalignedMargin;
+  return may_meet(table, scale * off, room);
+}
+
+bool BeamBounds::may_meet(int table, Vec2 place, double room) const {
   const FieldTable& field = fields_[static_cast<std::size_t>(table)];
   const double h = length(place);
   const auto last = field.nodes.size() - 1;
@@ -65,8 +94,9 @@ bool BeamBounds::may_meet(int table, Vec2 place) const {
     // A pixel without array is as wide as its diagonal; what it sees moves with the centre.
     const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
     const double across = h > 0 ? length(centre[k]) / h : along;
-    radius = std::max(radius, std::max(a.radius[k], b.radius[k]) +
-                                  (1 + kMargin) * std::max(along, across) * half_diagonal_);
+    radius =
+        std::max(radius, std::max(a.radius[k], b.radius[k]) +
+                             (1 + kMargin) * std::max(along, across) * (half_diagonal_ + room));
   }
   return region_->meets(centre, radius);
 }

@@ -9,15 +9,21 @@ namespace plenoflame {
 
 /// Whether the light that a microlens (or, without array, a pixel) can receive meets anything.
 /// Conservative: the beam is bounded by discs around its traced edge rays, with a margin.
+///
+/// A beam is what goes through a microlens' aperture and the main lens: its focal length does not
+/// matter. In a camera that is not aligned it is looked at in the frame of the main lens, from the
+/// place where the line to the middle of the exit pupil crosses the plane that the aperture would
+/// lie in; how far the aperture is out of that plane widens it.
 class BeamBounds {
  public:
   /// @param region kept, must live as long; @param tables of the camera's pupils
   BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables, const LitRegion& region);
 
-  /// @param place microlens centre or sensor point, camera x, y [m]
-  bool may_meet(int table, Vec2 place) const;
+  /// @param place microlens centre or sensor point in the camera's frame [m]
+  bool may_meet(int table, Vec3 place) const;
 
  private:
+  bool may_meet(int table, Vec2 place, double room) const;
   /// Footprints on the region's two planes, centres along the field direction.
   struct Footprint {
     double centre[2] = {0, 0};
@@ -30,6 +36,13 @@ class BeamBounds {
   const LitRegion* region_;
   std::vector<FieldTable> fields_;
   double half_diagonal_ = 0;  ///< [m] of a pixel, without array
+  bool misaligned_ = false;
+  RigidTransform to_lens_;   ///< from the camera's frame to that of the main lens
+  double plane_ = 0;         ///< z of microlenses or sensor in the aligned camera [m]
+  double pupil_ = 0;         ///< z of the exit pupil [m]
+  double pupil_radius_ = 0;  ///< [m]
+  double aperture_ = 0;      ///< radius of a microlens, or half the diagonal of a pixel [m]
+  double tilt_ = 0;          ///< tangent of the angle of the aperture with the plane
 };
 
 }  // namespace plenoflame

@@ -40,12 +40,18 @@ std::optional<std::vector<Box>> lit_boxes(const CompiledScene& scene) {
 }
 
 LitRegion::LitRegion(const Camera& camera, const std::vector<Box>& world) {
-  const RigidTransform to_camera = camera.to_world().inverse();
+  // Along the axis of the main lens, where that is not the camera's.
+  const RigidTransform to_camera = camera.to_world().inverse(),
+                       to_lens = camera.lens_pose().inverse();
+  const bool moved = camera.lens_moved();
   std::vector<Box> boxes;
   Box whole = nothing();
   for (const Box& box : world) {
     Box ahead = nothing();
-    for (const Vec3 corner : corners(box)) include(to_camera.point(corner), ahead);
+    for (const Vec3 corner : corners(box)) {
+      const Vec3 p = to_camera.point(corner);
+      include(moved ? to_lens.point(p) : p, ahead);
+    }
     include(ahead.lower, whole);
     include(ahead.upper, whole);
     boxes.push_back(ahead);

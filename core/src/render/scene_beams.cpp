@@ -3,7 +3,6 @@
 namespace plenoflame {
 
 std::unique_ptr<const SceneBeams> SceneBeams::make(const CompiledScene& scene) {
-  if (scene.camera.misaligned()) return nullptr;  // beams are those of the aligned camera
   const std::optional<std::vector<Box>> lit = lit_boxes(scene);
   return lit ? std::make_unique<const SceneBeams>(scene, *lit) : nullptr;
 }

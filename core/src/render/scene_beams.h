@@ -12,9 +12,7 @@ namespace plenoflame {
 /// of a rendering.
 class SceneBeams {
  public:
-  /// @return nullptr when light may come from everywhere, or beams from anywhere: cameras that are
-  /// not
-  ///         aligned
+  /// @return nullptr when light may come from everywhere
   static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene);
   SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit);
   SceneBeams(const SceneBeams&) = delete;

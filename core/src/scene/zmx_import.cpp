@@ -173,7 +173,7 @@ class Importer {
     } else if (key == "XDAT") {
       if (number(line, 2) != 0) fail(line.number, "XDAT: extra surface data is not supported");
     } else if (key == "SQAP" || key == "ELAP" || key == "OBSC" || key == "SQOB" || key == "SPID" ||
-               key == "UDAP" || key == "GARR" || key == "CLTI" || key == "BRTI") {
+               key == "UDAP" || key == "OBDC" || key == "GARR" || key == "CLTI" || key == "BRTI") {
       fail(line.number, key + " is not supported: apertures must be round and centred");
     } else if (key == "SCBD" || key == "TILT" || key == "DECX" || key == "DECY") {
       fail(line.number, key + ": tilted and decentred surfaces are not supported");

@@ -162,6 +162,10 @@ MeshData read_mesh(const std::string& path, const std::string& what, const Execu
   if (!scene) {
     std::string reason = importer.GetErrorString();
     std::replace(reason.begin(), reason.end(), '\n', ' ');
+    // What the library calls a file in memory.
+    const std::string alias = "$$$___magic___$$$." + extension;
+    if (const auto at = reason.find(alias); at != std::string::npos)
+      reason.replace(at, alias.size(), "the file");
     throw InputError(where + " cannot be used: " + (reason.empty() ? "it is damaged" : reason));
   }
   MeshData data;

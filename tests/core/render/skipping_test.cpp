@@ -205,6 +205,42 @@ TEST(Skipping, ScatteredFlamesKeepEveryBit) {
   EXPECT_GT(skipped, 0.5 * lenses);
 }
 
+// Nor where the camera is not mounted as it should be: more than anything that is made.
+TEST(Skipping, MisalignedCamerasKeepEveryBit) {
+  const CameraSpec camera = paper_flame(500, 500).camera;
+  CameraSpec stopped = camera;  // narrow beams
+  for (SurfaceSpec& surface : stopped.lens.surfaces)
+    surface.diameter = std::min(surface.diameter, 0.02);
+  CameraSpec jitter = camera, tilt = stopped, moved = stopped, ideal = camera;
+  jitter.array.focal_jitter = 0.1;
+  tilt.array.tilt = {0.03, -0.05};
+  moved.lens.decentre = {2e-3, -1e-3};
+  moved.lens.tilt = {0.02, 0.03};
+  ideal.lens.model = LensModel::ideal;
+  ideal.lens.tilt = {-0.02, 0.01};
+  ideal.array.tilt = {-0.02, 0.04};
+  ideal.array.focal_jitter = 0.05;
+  CameraSpec bare = bare_flame(200, 170, 1e-4).camera;
+  bare.lens.decentre = {1e-3, 2e-3};
+  bare.lens.tilt = {0.03, -0.02};
+  double skipped = 0, lenses = 0;
+  for (const CameraSpec& spec : {jitter, tilt, moved, ideal, bare}) {
+    RenderSettings settings;
+    settings.samples = 4;
+    settings.control_variate = false;
+    const CompiledScene scene = scene_of(spec, both());
+    ASSERT_TRUE(scene.camera.misaligned());
+    const Pair p = render_both(scene, settings);
+    EXPECT_GT(p.without.statistics.flux, 0);
+    EXPECT_EQ(p.with.light_field.channels[0].flux.pixels,
+              p.without.light_field.channels[0].flux.pixels);
+    EXPECT_EQ(p.without.statistics.lenses_skipped, 0);
+    skipped += p.with.statistics.lenses_skipped;
+    lenses += p.with.statistics.lenses;
+  }
+  EXPECT_GT(skipped, 0.3 * lenses);
+}
+
 double lit(const RenderResult& result) {
   const std::vector<float>& p = result.light_field.channels[0].flux.pixels;
   return static_cast<double>(std::count_if(p.begin(), p.end(), [](float f) { return f > 0; }));

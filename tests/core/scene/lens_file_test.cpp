@@ -180,6 +180,7 @@ TEST(LensImport, WhatZemaxFilesMayNotHave) {
   expect(zmx_error("PARM 1 0", "PARM 1 0.5"), "h^2");
   expect(zmx_error("COAT AR", "SQAP 1 2 0"), "SQAP is not supported");
   expect(zmx_error("COAT AR", "OBSC 0 2 0"), "OBSC is not supported");
+  expect(zmx_error("COAT AR", "OBDC 1 2"), "OBDC is not supported");
   expect(zmx_error("TOL TOFF 0 0", "MNUM 3"), "several configurations");
   expect(zmx_error("DISZ 9", "DISZ nine"), "\"nine\" is not a number");
   expect(zmx_error("DISZ 9", "DISZ -9"), "negative thickness");
