@@ -12,7 +12,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 3\n";
+constexpr std::string_view kMagic = "plenoflame film 4\n";
 
 template <class T>
 std::string_view bytes_of(const T* data, std::size_t count) {

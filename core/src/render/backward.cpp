@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
@@ -89,26 +90,31 @@ void add(TileCounters& total, const TileCounters& part) {
   total.medium += part.medium;
 }
 
-/// The tracers of one thread: one for each plan, made when it is needed.
+/// What one thread traces with: the tracer of a range, until jobs of another one come.
 template <class Real>
-class Tracers {
+class Tracer {
  public:
-  explicit Tracers(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
-      : plans_(plans), each_(plans.size()) {}
+  explicit Tracer(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
+      : plans_(plans) {}
 
-  TileTracer<Real>& of(std::size_t plan, Film& film) {
-    auto& tracer = each_[plan];
-    if (!tracer) tracer = std::make_unique<TileTracer<Real>>(*plans_[plan], film);
-    return *tracer;
+  TileTracer<Real>& of(std::size_t range, Film& film) {
+    if (!current_ || range != range_) {
+      if (current_) add(counters_, current_->counters());
+      current_ = std::make_unique<TileTracer<Real>>(*plans_[range], film);
+      range_ = range;
+    }
+    return *current_;
   }
   void add_to(TileCounters& total) const {
-    for (const auto& tracer : each_)
-      if (tracer) add(total, tracer->counters());
+    add(total, counters_);
+    if (current_) add(total, current_->counters());
   }
 
  private:
   const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans_;
-  std::vector<std::unique_ptr<TileTracer<Real>>> each_;
+  std::unique_ptr<TileTracer<Real>> current_;
+  std::size_t range_ = 0;
+  TileCounters counters_;  ///< of those before
 };
 
 template <class Real>
@@ -117,7 +123,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
                const Execution& execution, Film& film, RenderStatistics& statistics) {
   const int workers = execution.thread_count();
   const std::size_t parts = plans.size() / std::max<std::size_t>(ranges.size(), 1);
-  std::vector<Tracers<Real>> tracers;
+  std::vector<Tracer<Real>> tracers;
   for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
   const auto start = std::chrono::steady_clock::now();
   std::mutex mutex;
@@ -295,6 +301,13 @@ BackwardPass::~BackwardPass() = default;
 
 bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
                        RenderStatistics& statistics) const {
+  std::vector<bool> seen(static_cast<std::size_t>(film.tile_count()));
+  for (const TileJob& job : jobs) {
+    // Two threads would add to the same sums.
+    if (seen[static_cast<std::size_t>(job.tile)])
+      throw std::logic_error("a tile comes twice in a pass");
+    seen[static_cast<std::size_t>(job.tile)] = true;
+  }
   statistics.precision = is_single_ ? "single" : "double";
   return is_single_ ? run_plans(single_, ranges_, jobs, execution, film, statistics)
                     : run_plans(double_, ranges_, jobs, execution, film, statistics);

@@ -44,8 +44,9 @@ class BackwardPass {
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;
 
-  /// Adds the points to `film`, for the pixels of the tiles, each of which may come once. All
-  /// threads share all jobs, in their order. Statistics are added up.
+  /// Adds the points to `film`, for the pixels of the tiles, each of which may come once (else
+  /// std::logic_error). All threads share all jobs, in their order: those of a range best follow
+  /// one another. Statistics are added up.
   /// @return false when it was stopped; tiles that were not reached keep their number of samples.
   bool run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
            RenderStatistics& statistics) const;

@@ -13,9 +13,8 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kFirstPoints = 8;    ///< of each replicate in the first round
-constexpr int kMostPoints = 2048;  ///< of each replicate in one pass: their pools take 16 MB
-constexpr int kDarkPoints = 64;    ///< of each replicate, until what shows no light is called dark
+constexpr int kFirstPoints = 8;  ///< of each replicate in the first round
+constexpr int kDarkPoints = 64;  ///< of each replicate, until what shows no light is called dark
 constexpr double kGoalMargin = 0.97;  ///< on the mean square: a last round of its own costs more
 constexpr std::size_t kCheckpointBatches = 16;
 constexpr std::size_t kLeastBatch = 8;  ///< tiles of a thread between two checkpoints
@@ -181,9 +180,8 @@ std::vector<int> plan_round(const Film& film, const RenderSettings& settings,
 }
 
 void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
-                        const Execution& execution, Film& film, RenderStatistics& statistics,
-                        const BackwardShared& shared) {
-  const Deadline deadline(execution.stop, settings.time_limit);
+                        int most_points, const Deadline& deadline, const Execution& execution,
+                        Film& film, RenderStatistics& statistics, const BackwardShared& shared) {
   Execution inner = execution;
   inner.stop = deadline.token();
   Checkpoints checkpoints(settings);
@@ -205,7 +203,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     for (int t = 0; t < film.tile_count(); ++t) {
       const int done = static_cast<int>(film.tile_samples(t));
       const int points = static_cast<int>(film.tile_goals()[static_cast<std::size_t>(t)]) - done;
-      if (points > 0) groups[{std::min(points, kMostPoints), done}].push_back(t);
+      if (points > 0) groups[{std::min(points, most_points), done}].push_back(t);
     }
     // The longest first, and as many in one pass as their pools may take memory.
     std::vector<PointRange> ranges;
@@ -217,7 +215,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
       ranges.push_back({static_cast<std::uint32_t>(done), points, true});
       sum += points;
       const auto next = std::next(group);
-      if (next != groups.rend() && sum + next->first.first <= kMostPoints) continue;
+      if (next != groups.rend() && sum + next->first.first <= most_points) continue;
       const BackwardPass pass(scene, settings, std::move(ranges), shared, inner.threads);
       finished = run_in_batches(pass, jobs, settings, inner, film, statistics, checkpoints);
       ranges = {};
@@ -236,13 +234,16 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
 }  // namespace
 
 void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
-                   const Execution& execution, Film& film, RenderStatistics& statistics) {
+                   const Execution& execution, Film& film, RenderStatistics& statistics,
+                   int most_points) {
+  const Deadline deadline(execution.stop, settings.time_limit);
   // Every replicate gets the same number of points.
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
   if (settings.target_error > 0 || settings.time_limit > 0)
-    render_progressive(scene, settings, points, execution, film, statistics, shared);
+    render_progressive(scene, settings, points, most_points, deadline, execution, film, statistics,
+                       shared);
   else
     render_fixed(scene, settings, points, execution, film, statistics, shared);
 }

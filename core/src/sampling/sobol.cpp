@@ -142,7 +142,7 @@ void SobolPool::fill(int entry, std::uint32_t first, std::uint64_t seed, int fir
       std::uint32_t fraction = sobol(first, first_dimension + d);
       for (std::uint32_t i = 1; i <= static_cast<std::uint32_t>(points_); ++i) {
         *out++ = scramble_below(root, fraction, key);
-        fraction ^= steps[static_cast<std::size_t>(std::countr_zero(first + i)) % steps.size()];
+        fraction ^= steps[static_cast<std::size_t>(std::min(std::countr_zero(first + i), 31))];
       }
     }
   }

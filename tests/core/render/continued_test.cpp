@@ -5,6 +5,7 @@
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
 #include "render/backward.h"
+#include "render/rounds.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
@@ -147,6 +148,57 @@ TEST(Continued, BackwardWithinARoundToATarget) {
     settings.resume = nullptr;
     EXPECT_TRUE(rest.film == whole.film) << share;
   }
+}
+
+TEST(Continued, BetweenThePassesOfARound) {
+  // Tiles that get more points than a pass holds come several times in a round, and ranges that do
+  // not fit together come one after the other: stopped between any two of them nothing is lost.
+  constexpr int kMostPoints = 8;
+  RenderSettings settings;
+  settings.samples = 1 << 16;
+  settings.target_error = 0.02;
+  const CompiledScene scene = compile(paper_flame(200, 170, 0.004));
+  const PixelWindow window{0, 0, 200, 170};
+  const auto run = [&](Film& film, const Execution& execution) {
+    RenderStatistics statistics;
+    statistics.complete = true;
+    render_rounds(scene, settings, execution, film, statistics, kMostPoints);
+    return statistics;
+  };
+  Film whole(window, 1, settings.replicates);
+  settings.checkpoint_seconds = 0;
+  int passes = 0;
+  settings.checkpoint = [&](const Film&) { ++passes; };
+  ASSERT_TRUE(run(whole, threads(2)).target_reached);
+  double most = 0;
+  for (const double samples : whole.all_tile_samples()) most = std::max(most, samples);
+  EXPECT_GT(most, 4.0 * kMostPoints) << "no tile needed several passes";
+  ASSERT_GE(passes, 6);
+  for (const int stop_after : {1, 3, passes / 2, passes - 1}) {
+    Film film(window, 1, settings.replicates);
+    std::stop_source stop;
+    Execution execution = threads(3);
+    execution.stop = stop.get_token();
+    int count = 0;
+    settings.checkpoint = [&](const Film&) {
+      if (++count == stop_after) stop.request_stop();
+    };
+    ASSERT_FALSE(run(film, execution).complete) << stop_after;
+    settings.checkpoint = {};
+    EXPECT_TRUE(run(film, one_thread()).complete);
+    EXPECT_TRUE(film == whole) << stop_after;
+  }
+}
+
+TEST(Continued, ATileComesOnceInAPass) {
+  const CompiledScene scene = compile(paper_flame(64, 64, 0.001));
+  const RenderSettings settings;
+  const BackwardShared shared(scene, settings, {});
+  Film film({0, 0, 64, 64}, 1, settings.replicates);
+  RenderStatistics statistics;
+  const BackwardPass pass(scene, settings, {{0, 4}, {4, 4}}, shared);
+  EXPECT_THROW(pass.run({{0, 0}, {0, 1}}, one_thread(), film, statistics), std::logic_error);
+  EXPECT_EQ(film.tile_samples(0), 0);
 }
 
 TEST(Continued, ForwardWithFixedSamples) {

@@ -124,30 +124,38 @@ TEST(OwenScramble, EveryFractionBecomesUniform) {
 }
 
 TEST(OwenScramble, NodesOfTheTreeFlipIndependently) {
-  // Of the highest 18 bits, whether one is flipped says nothing about a lower one of the same
-  // fraction, nor about the same one of a fraction that differs anywhere above.
-  constexpr int kSeeds = 10000, kNested = 18;
+  // Whether a bit is flipped says nothing about a lower one of the same fraction, nor about a lower
+  // one of a fraction that differs in one of the highest 18 bits.
+  constexpr int kSeeds = 10000, kNested = 18, kBits = 32;
   const double half = kSeeds / 2.0, error = std::sqrt(kSeeds) / 2;
+  const auto flips_of = [](std::uint32_t f, std::uint64_t seed) {
+    return f ^ owen_scramble(f, mix64(seed));
+  };
+  const auto flipped = [](std::uint32_t flips, int bit) { return flips >> (31 - bit) & 1; };
   for (const std::uint32_t fraction : {0u, 0x9e3779b9u}) {
-    std::vector<int> same(kNested * kNested), other(kNested * kNested);
+    std::vector<int> same(kBits * kBits), other(kBits * kBits);
     for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-      const std::uint32_t flips = fraction ^ owen_scramble(fraction, mix64(seed));
-      const auto flipped = [](std::uint32_t f, int bit) { return f >> (31 - bit) & 1; };
-      for (int above = 0; above < kNested; ++above) {
-        const std::uint32_t neighbour = fraction ^ (0x80000000u >> above);
-        const std::uint32_t its = neighbour ^ owen_scramble(neighbour, mix64(seed));
-        for (int bit = above + 1; bit < kNested; ++bit) {
-          const auto i = static_cast<std::size_t>(above * kNested + bit);
+      const std::uint32_t flips = flips_of(fraction, seed);
+      for (int above = 0; above < kBits; ++above) {
+        const std::uint32_t its = flips_of(fraction ^ (0x80000000u >> above), seed);
+        for (int bit = above + 1; bit < kBits; ++bit) {
+          const auto i = static_cast<std::size_t>(above * kBits + bit);
           same[i] += flipped(flips, above) == flipped(flips, bit);
           other[i] += flipped(flips, bit) == flipped(its, bit);
         }
+        // Below, flips stay the same.
+        if (above >= kNested) {
+          ASSERT_EQ(flips, its);
+        }
       }
     }
-    for (int above = 0; above < kNested; ++above)
-      for (int bit = above + 1; bit < kNested; ++bit) {
-        const auto i = static_cast<std::size_t>(above * kNested + bit);
+    for (int above = 0; above < kBits; ++above)
+      for (int bit = above + 1; bit < kBits; ++bit) {
+        const auto i = static_cast<std::size_t>(above * kBits + bit);
         EXPECT_TRUE(within_standard_errors(same[i], half, error, 5)) << above << " " << bit;
-        EXPECT_TRUE(within_standard_errors(other[i], half, error, 5)) << above << " " << bit;
+        if (above < kNested) {
+          EXPECT_TRUE(within_standard_errors(other[i], half, error, 5)) << above << " " << bit;
+        }
       }
   }
 }
@@ -249,6 +257,15 @@ TEST(SobolPool, ContinuesTheSequence) {
     for (int d = 0; d < 4; ++d)
       for (int i = 0; i < 8; ++i)
         ASSERT_EQ(whole.fractions(e, d)[8 + i], second.fractions(e, d)[i]);
+  // Wherever it goes on: the next index may differ in many bits.
+  const SobolPool all(1, 4096, 0, 5);
+  for (const std::uint32_t first : {1u, 255u, 1000u, 2040u, 4080u}) {
+    const SobolPool part(1, 16, first, 5);
+    for (int e = 0; e < 16; ++e)
+      for (int d = 0; d < 4; ++d)
+        for (std::uint32_t i = 0; i < 16; ++i)
+          ASSERT_EQ(all.fractions(e, d)[first + i], part.fractions(e, d)[i]) << first << " " << i;
+  }
 }
 
 }  // namespace

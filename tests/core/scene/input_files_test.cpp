@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "support/temporary_folder.h"
+
 namespace plenoflame {
 namespace {
 
@@ -15,8 +17,6 @@ namespace fs = std::filesystem;
 class InputFiles : public testing::Test {
  protected:
   InputFiles() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     for (const char* name : {"flame.vdb", "body.ply", "plate.png", "filter.csv"})
       std::ofstream(folder_ / name) << name;
     scene_.file = (folder_ / "scene.toml").string();
@@ -29,9 +29,9 @@ class InputFiles : public testing::Test {
     scene_.channels.resize(1);
     scene_.channels[0].file = "filter.csv";
   }
-  ~InputFiles() override { fs::remove_all(folder_); }
 
-  fs::path folder_ = fs::path(testing::TempDir()) / "plenoflame_input_files";
+  test::TemporaryFolder temporary_;
+  fs::path folder_{temporary_.path()};
   Scene scene_;
 };
 

@@ -13,6 +13,7 @@ std::uint32_t sobol(std::uint32_t index, int dimension);
 /// Nested uniform (Owen) scrambling of a 32-bit fraction: every bit is flipped or not depending on
 /// the seed and on all higher bits, or, below the 18th, on the seed and the highest 18: points that
 /// agree in so many bits stay apart as they were. Owen, MCQMC 1994 (1995), 299.
+/// @param seed well mixed: those that differ in their low 19 bits only share some of the flips
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed);
 
 /// 64 well mixed bits from a 64-bit key (splitmix64; Steele, Lea, Flood 2014).
@@ -26,7 +27,7 @@ constexpr std::uint64_t mix64(std::uint64_t key) {
 /// A pool of independently Owen-scrambled stretches of the Sobol sequence in four dimensions (its
 /// first, or later ones that go with them). A pixel takes one entry at random and shifts it
 /// digitally (XOR) by random bits of its own: an Owen-scrambled net stays one under the shift, so
-/// that each pixel's points are exactly Owen-scrambled, at the cost of one load and one XOR a
+/// that each pixel's points are Owen-scrambled, too, at the cost of one load and one XOR a
 /// number.
 class SobolPool {
  public:
