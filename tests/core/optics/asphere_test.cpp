@@ -182,6 +182,20 @@ TEST(Asphere, Text) {
   EXPECT_THROW(parse_aspheric("0,0,0,0,0,0,0,0"), InputError);
 }
 
+TEST(Asphere, EveryTermCounts) {
+  // A plane with one term: 1 mm of sag at 10 mm; parallel rays meet it at sag (h / 10 mm)^n.
+  for (int i = 0; i < 7; ++i) {
+    SurfaceSpec surface{kInfinity, 0, 1.5, 60 * kMm, false};
+    surface.aspheric.assign(static_cast<std::size_t>(i), 0.0);
+    surface.aspheric.push_back(1 * kMm / std::pow(10 * kMm, 4 + 2 * i));
+    for (const double height : {10.0, 9.0}) {
+      Ray ray{{0, height * kMm, 20 * kMm}, {0, 0, -1}};
+      ASSERT_EQ(LensSystem({surface}).trace_to_sensor(ray).status, RayStatus::reached);
+      EXPECT_TRUE(relative(ray.origin.z, -kMm * std::pow(height / 10, 4 + 2 * i), 1e-11)) << i;
+    }
+  }
+}
+
 TEST(Asphere, SagIsTheSurface) {
   // 40 digits: the skew rays' points lie on it.
   for (const Skew& ray : kSkew)
