@@ -87,6 +87,21 @@ class Colour(CommandTest):
         self.assertLess(abs(images["curve"][15][20] / images["red"][15][20] / 1.5 - 1), 2e-3)
         self.assertIn("645 nm 1", self.succeeds("info", "raw.exr", "--scene"))
 
+    def test_truth_of_a_wide_channel_is_its_own(self):
+        wide = '[[channels]]\nname = "wide"\nkind = "band"\nwavelength = "600 nm"\nwidth = "400 nm"\n'
+        self.write("a.toml", self.scene(wide, layer='absorption = "5 1/m"'))
+        self.succeeds("render", "a.toml", "--samples", "4", "--quiet", "--truth", "-o", "raw.exr")
+        attributes, images = read_exr(self.path("raw.exr"))
+        self.assertLess(abs(struct.unpack("<d", attributes["plenoflame.number.truth.wavelength"][1])[0] / 600e-9 - 1), 1e-12)
+        # The absorption, 650 nm / wavelength, weighted with Planck's law; the chief ray at (20, 15) is a
+        # fraction of a pixel away from the axis.
+        n = 400
+        at = [400e-9 + 400e-9 * (i + 0.5) / n for i in range(n)]
+        light = [planck(w, 1700) for w in at]
+        mean = sum(b * 650e-9 / w for b, w in zip(light, at)) / sum(light)
+        self.assertLess(abs(images["truth.optical_depth"][15][20] / (5 * 40e-3 * mean) - 1), 1e-3)
+        self.assertLess(abs(images["truth.temperature"][15][20] / TEMPERATURE - 1), 1e-6)
+
     # ---- the sensor ----
 
     SENSOR = 'exposure_time = "0.5 ms"\nquantum_efficiency = 0.5\nfull_well = 30000\nread_noise = 5\n' \
@@ -148,6 +163,32 @@ class Colour(CommandTest):
             self.assertLess(abs(share / (raw[row + 2][column] / images[name][row + 2][column]) - 1), 1e-6)
         between = (raw[10][11] + raw[10][13]) / 2
         self.assertLess(abs(seen["red"][10][12] / between - 1), 1e-6)
+
+    def test_means_of_full_pixels_have_no_temperature(self):
+        names = "".join('[[channels]]\nname = "%s"\nkind = "named"\nresponse = "nikon_d5100_%s"\n' % (n, n)
+                        for n in ("red", "green", "blue"))
+        small = FLAME.replace('"20 mm", "20 mm", "20 mm"', '"2 mm", "20 mm", "1.5 mm"')
+        self.render(CAMERA % 'mosaic = "rggb"\nfull_well = 2000\nread_noise = 3' + small % (SOOT, THIN) + names)
+        for exposure in ("0.2 ms", "1 ms", "5 ms", "20 ms"):
+            self.succeeds("develop", "raw.exr", "--sensor", "--exposure", exposure, "-o", "e.exr")
+            attributes, images = read_exr(self.path("e.exr"))
+            raw, limit = images["sensor.raw"], 2000 - 5 * 3
+            # Red at even columns and rows, blue at odd ones; each pixel needs those next to it.
+            count = means = 0
+            for y in range(30):
+                for x in range(40):
+                    used = []
+                    for odd in (0, 1):
+                        ys = [y] if y % 2 == odd else [v for v in (y - 1, y + 1) if 0 <= v < 30]
+                        xs = [x] if x % 2 == odd else [v for v in (x - 1, x + 1) if 0 <= v < 40]
+                        used += [raw[v][u] for v in ys for u in xs]
+                    count += max(used) >= limit
+                    means += max(images["red"][y][x], images["blue"][y][x]) >= limit
+            if 0 < means < count:
+                break
+        self.assertGreater(means, 0)
+        self.assertGreater(count, means)
+        self.assertEqual(self.json_of("pyrometry", "e.exr", "--channels", "red,blue")["saturated"], count)
 
     # ---- pictures ----
 
@@ -229,9 +270,38 @@ class Colour(CommandTest):
         self.refused(self.scene(RED, spectrum='kind = "soot"\nindex = "dalzell"\nreference = "900 nm"'),
                      "Dalzell", "435.8 nm")
         self.refused(self.scene(RED, spectrum='kind = "table"\ntable = "500 nm 1, 450 nm 2"'), "ascend")
+        percent = '[[channels]]\nname = "q"\nkind = "curve"\nphotons = true\ncurve = "400 nm 20, 500 nm 52, 700 nm 30"\n'
+        self.refused(self.scene(percent), "52", "percent", "divide its values by 100")
         self.refused(self.scene(RED, spectrum='kind = "grey"', layer="volume_fraction = 1e-6"), "soot")
         self.refused(self.scene('[[channels]]\nname = "a"\nkind = "named"\nresponse = "kodak"\n'), "nikon_d5100_red")
         self.refused(self.scene(RED.replace("band", "line").replace("10 nm", "700 nm")), "line filter")
+        scattering = "[flames.scattering]\nalbedo = %s\n"
+        for albedo, mentions in (("1.2", "albedo"), ("-0.1", "albedo"), ("1", "below 1")):
+            self.refused(self.scene(scattering % albedo + RED), mentions)
+        self.refused(self.scene("[camera.transmission]\nfilter = \"400 nm 1.2, 700 nm 1\"\n" + RED), "at most everything")
+        glass = CAMERA.replace('focal_length = "100 mm"\ndiameter = "20 mm"',
+                               'preset = "achromat-100mm"') % ""
+        infrared = RED.replace("650 nm", "4 um")
+        self.refused(glass + FLAME % (SOOT, THIN) + infrared, "300 nm to 2.4 um")
+
+    # ---- what the camera does to light of each wavelength ----
+
+    def test_a_filter_dims_its_colours(self):
+        open_images = self.render(self.scene(RED + INFRARED))
+        filtered = "[camera.transmission]\nfilter = \"500 nm 0, 700 nm 1, 900 nm 0.2\"\n"
+        images = self.render(self.scene(filtered + RED + INFRARED))
+        self.assertLess(abs(images["red"][15][20] / open_images["red"][15][20] / 0.75 - 1), 2e-3)
+        self.assertLess(abs(images["ir"][15][20] / open_images["ir"][15][20] / 0.4 - 1), 2e-3)
+        # The ratio is that of filtered light.
+        self.assertLess(abs(self.json_of("pyrometry", "raw.exr")["mean_K"] / TEMPERATURE - 1), 1e-3)
+        self.write("a.toml", self.scene("[camera.transmission]\nfilter = \"400 nm 1, 500 nm 1\"\n" + RED))
+        self.fails(1, "render", "a.toml", "-o", "a.exr", mentions=["a.toml:", "red", "lets nothing through"])
+
+    def test_what_surfaces_reflect(self):
+        open_images = self.render(self.scene(RED))
+        cover = self.render(self.scene("[camera.transmission]\ncover_index = 1.5\n" + RED))
+        # An ideal lens reflects nothing, the cover glass 0.04 at each face.
+        self.assertLess(abs(cover["red"][15][20] / open_images["red"][15][20] / 0.96 ** 2 - 1), 1e-4)
 
     def test_bad_use(self):
         self.render(self.scene(RED))
