@@ -172,10 +172,12 @@ EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 
   const std::size_t ways = 1 + (versine > 0 ? 1 : 0) + planes_.size() - 1;
   auto chosen = std::min(static_cast<std::size_t>(way * static_cast<double>(ways)), ways - 1);
   Leaving leaving;
+  bool drawn_at_objects = false;
   const Vec3 to_objects = centre_ - point;
   if (chosen == 0) {
     leaving.direction = cosine_direction(normal, u, v);
   } else if (versine > 0 && --chosen == 0) {
+    drawn_at_objects = true;
     leaving.direction = cone_direction(normalize(to_objects), u * versine, v);
   } else {
     std::size_t other = chosen - 1;  // among those that are not `plane`
@@ -187,8 +189,11 @@ EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 
   const double cosine = dot(normal, leaving.direction);
   if (!(cosine > 0)) return leaving;
   double sum = cosine / constants::pi;
-  if (versine > 0 && dot(leaving.direction, to_objects) >= (1 - versine) * length(to_objects))
-    sum += 1 / (2 * constants::pi * versine);
+  // From far away the cosine of the cone's angle has no digits left that tell in from out.
+  const Vec3 beside = cross(leaving.direction, to_objects);
+  const bool at_objects =
+      dot(leaving.direction, to_objects) > 0 && dot(beside, beside) <= radius_ * radius_;
+  if (versine > 0 && (drawn_at_objects || at_objects)) sum += 1 / (2 * constants::pi * versine);
   for (std::size_t k = 0; k < planes_.size(); ++k) {
     double t = 0;
     if (k == plane || !crossing(k, {point, leaving.direction}, t) || !(t > 0)) continue;
