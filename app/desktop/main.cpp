@@ -1,4 +1,5 @@
 #include <QVTKOpenGLNativeWidget.h>
+#include <unistd.h>
 #include <QApplication>
 #include <QCommandLineParser>
 #include <QDockWidget>
@@ -9,8 +10,10 @@
 #include <QSurfaceFormat>
 #include <QTabWidget>
 #include <QTimer>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <string_view>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
@@ -28,10 +31,23 @@ int fail(int status, const QString& message) {
   return status;
 }
 
+/// What a crash in any thread ends with: a word on where the work is, then the end that it would
+/// have been. Only what may be called in a signal handler.
+void say_goodbye(int signal) {
+  constexpr std::string_view kText =
+      "plenoflame-desktop: ended unexpectedly. What was not saved is offered at the next start; "
+      "please report what you did.\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kText.data(), kText.size());
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   using plenoflame::desktop::MainWindow;
+  for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS})
+    std::signal(signal, say_goodbye);
   QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
 #if QT_VERSION < QT_VERSION_CHECK(6, 0, 0)
   QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);

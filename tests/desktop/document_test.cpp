@@ -16,11 +16,13 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scenes.h"
+#include "support/approx.h"
 #include "support/temporary_folder.h"
 
 namespace plenoflame::desktop::test {
 namespace {
 
+using plenoflame::test::relative;
 using plenoflame::test::TemporaryFolder;
 
 /// What the command prints on standard error about a file, and its status.
@@ -69,6 +71,97 @@ TEST_F(DocumentTest, ValuesOfASliderAreOneStep) {
   document_.undo();
   EXPECT_FALSE(document_.can_undo());
   EXPECT_EQ(document_.scene(), parse_scene(small_scene_text(), "small.toml").scene);
+}
+
+TEST_F(DocumentTest, LookOfTheFlameIsUndoneButNotSaved) {
+  int looks = 0, scenes = 0;
+  QObject::connect(&document_, &Document::look_changed, &document_, [&] { ++looks; });
+  QObject::connect(&document_, &Document::scene_changed, &document_, [&] { ++scenes; });
+  const FlameLook first = document_.look();
+  FlameLook look = first;
+  // A drag is one step, the next drag another.
+  for (int i = 0; i < 10; ++i) {
+    look.points[0].opacity = 0.09 * i;
+    document_.set_look(look, "opacity", "stroke 1");
+  }
+  const FlameLook dragged = look;
+  look.points[1].opacity = 0.5;
+  document_.set_look(look, "opacity", "stroke 2");
+  EXPECT_FALSE(document_.is_modified());
+  document_.set_value("render.samples", "8");
+  EXPECT_TRUE(document_.is_modified());
+  EXPECT_EQ(document_.look(), look);
+  EXPECT_EQ(looks, 11);
+  EXPECT_EQ(scenes, 1);
+  document_.undo();  // the samples
+  EXPECT_EQ(document_.look(), look);
+  EXPECT_EQ(looks, 11);
+  EXPECT_FALSE(document_.is_modified());
+  document_.undo();
+  EXPECT_EQ(document_.look(), dragged);
+  EXPECT_EQ(document_.undo_text(), "opacity");
+  document_.undo();
+  EXPECT_EQ(document_.look(), first);
+  EXPECT_FALSE(document_.can_undo());
+  document_.redo();
+  document_.redo();
+  EXPECT_EQ(document_.look(), look);
+  // Another scene keeps the look; what it had begun with is no step.
+  document_.open_text(small_scene_text(), "again.toml");
+  EXPECT_EQ(document_.look(), look);
+  EXPECT_FALSE(document_.can_undo());
+}
+
+TEST(FlameLook, OpacityRunsStraightBetweenPoints) {
+  const std::vector<OpacityPoint> points{{0, 0.2}, {0.5, 1}, {1, 0.4}};
+  EXPECT_EQ(opacity_at(points, -1), 0.2);
+  EXPECT_EQ(opacity_at(points, 0), 0.2);
+  EXPECT_TRUE(relative(opacity_at(points, 0.25), 0.6, 1e-12));
+  EXPECT_EQ(opacity_at(points, 0.5), 1.0);
+  EXPECT_TRUE(relative(opacity_at(points, 0.75), 0.7, 1e-12));
+  EXPECT_EQ(opacity_at(points, 2), 0.4);
+}
+
+TEST(FlameLook, PointsStayInOrderAndEndsStay) {
+  std::vector<OpacityPoint> points{{0, 1}, {1, 1}};
+  EXPECT_EQ(add_point(points, {0.6, 0.3}), 1U);
+  EXPECT_EQ(add_point(points, {0.2, 0.9}), 1U);
+  ASSERT_EQ(points.size(), 4U);
+  move_point(points, 1, {0.9, 2});  // beyond its neighbour, and more than opaque
+  EXPECT_LT(points[1].place, points[2].place);
+  EXPECT_GT(points[1].place, 0.59);
+  EXPECT_EQ(points[1].opacity, 1.0);
+  move_point(points, 0, {0.3, 0.5});
+  EXPECT_EQ(points[0], (OpacityPoint{0, 0.5}));
+  move_point(points, 3, {0.3, -1});
+  EXPECT_EQ(points[3], (OpacityPoint{1, 0}));
+  EXPECT_FALSE(remove_point(points, 0));
+  EXPECT_FALSE(remove_point(points, 3));
+  EXPECT_TRUE(remove_point(points, 1));
+  ASSERT_EQ(points.size(), 3U);
+  EXPECT_EQ(points[1].opacity, 0.3);
+}
+
+TEST(FlameLook, TextReadsBackAndNonsenseIsRefused) {
+  FlameLook look;
+  look.map = ColourMap::cividis;
+  look.automatic = false;
+  look.cold = 900;
+  look.hot = 1900.5;
+  look.density = 0.25;
+  look.points = {{0, 0}, {0.375, 0.1}, {1, 0.9}};
+  const auto read = look_from_text(look_to_text(look));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(*read, look);
+  for (
+      const char* text :
+      {"", "{}", "not json", R"({"colours":"grey","density":1,"points":[[0,1],[1,1]]})",
+       R"({"colours":"inferno","density":0,"points":[[0,1],[1,1]]})",
+       R"({"colours":"inferno","density":1,"points":[[0,1]]})",
+       R"({"colours":"inferno","density":1,"points":[[0,1],[0.5,2],[1,1]]})",
+       R"({"colours":"inferno","density":1,"points":[[0,1],[0.7,1],[0.5,1],[1,1]]})",
+       R"({"colours":"inferno","density":1,"automatic":false,"cold":5,"hot":5,"points":[[0,1],[1,1]]})"})
+    EXPECT_FALSE(look_from_text(text).has_value()) << text;
 }
 
 TEST_F(DocumentTest, RefusedValueChangesNothingAndSaysWhatTheCommandSays) {
@@ -201,7 +294,9 @@ TEST_F(DocumentTest, RecoveryFindsWhatADeadProgramLeft) {
   }
   int status = 0;
   waitpid(child, &status, 0);
-  const Recovery recovery(folder.file("recovery"));
+  Recovery recovery(folder.file("recovery"));
+  EXPECT_TRUE(recovery.ended_badly());
+  EXPECT_FALSE(recovery.ended_badly());  // said once
   const auto left = recovery.left_behind();
   ASSERT_EQ(left.size(), 1U);
   EXPECT_EQ(left[0].file, folder.file("mine.toml"));
@@ -226,6 +321,8 @@ TEST_F(DocumentTest, OwnRecoveryGoesWhenNothingIsUnsaved) {
     recovery.keep(document_);
     EXPECT_TRUE(std::filesystem::exists(copy));
     EXPECT_TRUE(recovery.left_behind().empty());  // this program is still there
+    Recovery another(folder.file("recovery"));
+    EXPECT_FALSE(another.ended_badly());
   }
   EXPECT_FALSE(std::filesystem::exists(copy));
 }

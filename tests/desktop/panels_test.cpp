@@ -1,6 +1,5 @@
 // Panels, files and pictures of the window, driven by clicks and keys. References: what the command
 // makes of the same scene.
-#include <QVTKOpenGLNativeWidget.h>
 #include <QAction>
 #include <QComboBox>
 #include <QDockWidget>
@@ -13,11 +12,11 @@
 #include <QProcess>
 #include <QSet>
 #include <QSlider>
-#include <QSurfaceFormat>
 #include <QTabWidget>
 #include <QTableWidget>
 #include <QUrl>
 
+#include "gui_tests.h"
 #include "plenoflame/image/png_file.h"
 #include "widgets/flame_dialogs.h"
 #include "widgets/flame_panel.h"
@@ -32,22 +31,6 @@ using plenoflame::desktop::test::difference;
 
 class PanelsTest : public test::WindowFixture {
   Q_OBJECT
-
- private:
-  /// What a program prints; fails when it does.
-  QString run(const QString& program, const QStringList& arguments) {
-    QProcess process;
-    process.start(program, arguments);
-    if (!process.waitForFinished(120000) || process.exitCode() != 0)
-      qWarning("%s", process.readAllStandardError().constData());
-    return QString::fromUtf8(process.readAllStandardOutput());
-  }
-  void raise(const char* dock) {
-    auto* widget = child<QDockWidget>(dock);
-    widget->show();
-    widget->raise();
-    QTest::qWait(50);
-  }
 
  private slots:
   void init() { begin(); }
@@ -324,12 +307,8 @@ class PanelsTest : public test::WindowFixture {
   }
 };
 
-int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
-  QApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
-  QApplication application(argc, argv);
-  PanelsTest test;
-  return QTest::qExec(&test, argc, argv);
+std::unique_ptr<QObject> plenoflame::desktop::test::make_panels_test() {
+  return std::make_unique<PanelsTest>();
 }
 
 #include "panels_test.moc"

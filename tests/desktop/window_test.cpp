@@ -1,11 +1,10 @@
 // The window, driven by clicks and keys as a person would.
-#include <QVTKOpenGLNativeWidget.h>
 #include <QFile>
 #include <QLabel>
-#include <QSurfaceFormat>
 #include <QTableWidget>
 #include <QTreeView>
 
+#include "gui_tests.h"
 #include "widgets/rays_panel.h"
 #include "widgets/render_panel.h"
 #include "widgets/scene_panel.h"
@@ -192,12 +191,8 @@ class WindowTest : public test::WindowFixture {
   }
 };
 
-int main(int argc, char** argv) {
-  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
-  QApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
-  QApplication application(argc, argv);
-  WindowTest test;
-  return QTest::qExec(&test, argc, argv);
+std::unique_ptr<QObject> plenoflame::desktop::test::make_window_test() {
+  return std::make_unique<WindowTest>();
 }
 
 #include "window_test.moc"

@@ -99,4 +99,8 @@ Rgb colour(ColourMap map, double t) {
   return {grey, grey, grey};
 }
 
+Rgb flame_colour(ColourMap map, double t) {
+  return colour(map, map == ColourMap::inferno ? 0.25 + 0.75 * t : t);
+}
+
 }  // namespace plenoflame::desktop

@@ -141,15 +141,28 @@ void Document::save(const std::string& path) {
 void Document::push(SceneDocument state, const std::string& what, const std::string& merge) {
   const Scene before = scene();
   history_.push(std::move(state), what, merge);
-  after(before);
+  after(before, look());
 }
 
-void Document::after(const Scene& before) {
+void Document::set_look(const FlameLook& look, const std::string& what, const std::string& merge) {
+  if (look == this->look()) return;
+  history_.push_look(look, what, merge);
+  emit state_changed();
+  emit look_changed();
+}
+
+void Document::begin_look(const FlameLook& look) {
+  history_.begin_look(look);
+  emit look_changed();
+}
+
+void Document::after(const Scene& before, const FlameLook& look_before) {
   const SceneChanges changes = changes_between(before, scene());
   issues_ = check_scene(scene(), positions());
   if (changes.image()) image_current_ = false;
   emit state_changed();
   if (changes.any()) emit scene_changed(changes);
+  if (!(look() == look_before)) emit look_changed();
 }
 
 void Document::set_value(const std::string& path, const std::string& text) {
@@ -213,15 +226,17 @@ void Document::change(const Scene& scene, const std::string& what, const std::st
 void Document::undo() {
   if (!can_undo()) return;
   const Scene before = scene();
+  const FlameLook look_before = look();
   history_.undo();
-  after(before);
+  after(before, look_before);
 }
 
 void Document::redo() {
   if (!can_redo()) return;
   const Scene before = scene();
+  const FlameLook look_before = look();
   history_.redo();
-  after(before);
+  after(before, look_before);
 }
 
 bool Document::is_valid() const {

@@ -91,6 +91,13 @@ class Document : public QObject {
   /// Any other change. @param what for the menu  @param merge see UndoHistory::push
   void change(const Scene& scene, const std::string& what, const std::string& merge = {});
 
+  /// How the flame is drawn in 3-D. It is not part of the scene's file, but can be undone.
+  const FlameLook& look() const { return history_.look(); }
+  /// @param what for the menu  @param merge see UndoHistory::push
+  void set_look(const FlameLook& look, const std::string& what, const std::string& merge = {});
+  /// The look to begin with; no step to undo.
+  void begin_look(const FlameLook& look);
+
   bool can_undo() const { return history_.can_undo(); }
   bool can_redo() const { return history_.can_redo(); }
   std::string undo_text() const { return history_.undo_text(); }
@@ -114,6 +121,7 @@ class Document : public QObject {
 
  signals:
   void scene_changed(const plenoflame::desktop::SceneChanges& changes);
+  void look_changed();
   void image_changed();
   void selection_changed();
   /// Name, whether it is modified, what can be undone.
@@ -122,7 +130,7 @@ class Document : public QObject {
  private:
   void begin(SceneDocument scene, const std::string& file, std::shared_ptr<const LightField> image);
   void push(SceneDocument state, const std::string& what, const std::string& merge = {});
-  void after(const Scene& before);
+  void after(const Scene& before, const FlameLook& look_before);
 
   UndoHistory history_;
   std::string file_;

@@ -88,6 +88,8 @@ std::vector<RayRow> ray_rows(const SelectedRays& rays) {
     const RayPath& ray = paths.rays[i];
     RayRow row;
     row.ray = static_cast<int>(i);
+    row.column = ray.column;
+    row.row = ray.row;
     row.status = status_text(paths, ray.status);
     if (ray.type >= 0 && static_cast<std::size_t>(ray.type) < types.size())
       row.microlens =

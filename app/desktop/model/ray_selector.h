@@ -23,10 +23,11 @@ struct SelectedRays {
 /// A line of the table of rays.
 struct RayRow {
   int ray = 0;
-  QString status;          ///< "reached", "vignetted at stop", ...
-  QString microlens;       ///< "type1 (3, -2)"
-  double angle = 0;        ///< [rad] with the optical axis where it leaves the sensor
-  double scene_angle = 0;  ///< [rad] where it leaves the front of the camera; NaN: it does not
+  int column = -1, row = -1;  ///< pixel that it belongs to; -1: none
+  QString status;             ///< "reached", "vignetted at stop", ...
+  QString microlens;          ///< "type1 (3, -2)"
+  double angle = 0;           ///< [rad] with the optical axis where it leaves the sensor
+  double scene_angle = 0;     ///< [rad] where it leaves the front of the camera; NaN: it does not
   double optical_thickness = 0;
   double radiance = 0;  ///< [W/(m^2 sr)] first channel
   double weight = 0;    ///< [m^2 sr]

@@ -6,13 +6,14 @@
 
 namespace plenoflame::desktop {
 
-/// Keeps a copy of the scene that is worked on in a folder of its own, and takes it away when the
-/// program ends as it should. Copies of programs that still run are left alone.
+/// Keeps a mark that the program runs, and a copy of the scene that is worked on, in a folder of
+/// its own, and takes both away when the program ends as it should. Copies of programs that still
+/// run are left alone.
 class Recovery {
  public:
   /// @param folder is made when it does not exist
   explicit Recovery(std::string folder);
-  /// Takes the copy away.
+  /// Takes copy and mark away.
   ~Recovery();
   Recovery(const Recovery&) = delete;
   Recovery& operator=(const Recovery&) = delete;
@@ -23,10 +24,13 @@ class Recovery {
 
   /// Copies that programs left behind.
   std::vector<RecoveredScene> left_behind() const;
+  /// Whether a program that used the folder is gone without having ended as it should; says so
+  /// once.
+  bool ended_badly();
   static void discard(const RecoveredScene& scene);
 
  private:
-  std::string folder_, path_;
+  std::string folder_, path_, mark_;
 };
 
 }  // namespace plenoflame::desktop

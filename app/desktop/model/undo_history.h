@@ -3,22 +3,30 @@
 #include <string>
 #include <vector>
 
+#include "model/flame_look.h"
 #include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame::desktop {
 
-/// States of a scene, the newest last. Whole scenes are kept: they are small, and nothing can be
-/// undone wrongly.
+/// States of a scene and of how its flame is drawn, the newest last. Whole scenes are kept: they
+/// are small, and nothing can be undone wrongly.
 class UndoHistory {
  public:
   static constexpr std::size_t kMost = 500;  ///< older states are forgotten
 
-  /// Begins anew with this state, which counts as saved.
+  UndoHistory() : states_(1) {}
+
+  /// Begins anew with this state, which counts as saved; the look stays.
   void reset(SceneDocument state);
 
   /// @param what was done, for the menu  @param merge edits in a row with the same word, not empty,
   ///        become one step (a slider being dragged)
   void push(SceneDocument state, const std::string& what, const std::string& merge = {});
+
+  /// The same for the look. It is no part of the file: a scene that is saved stays so.
+  void push_look(const FlameLook& look, const std::string& what, const std::string& merge = {});
+  /// Gives every state this look; nothing becomes a step.
+  void begin_look(const FlameLook& look);
 
   bool can_undo() const { return at_ > 0; }
   bool can_redo() const { return at_ + 1 < states_.size(); }
@@ -29,6 +37,7 @@ class UndoHistory {
   std::string redo_text() const { return can_redo() ? states_[at_ + 1].what : std::string(); }
 
   const SceneDocument& state() const { return states_[at_].state; }
+  const FlameLook& look() const { return states_[at_].look; }
 
   /// Changes every state alike; nothing becomes a step.
   template <class Change>
@@ -45,9 +54,12 @@ class UndoHistory {
   struct Entry {
     SceneDocument state;
     std::string what, merge;
-    std::size_t number;  ///< never used twice
+    std::size_t number = 1;  ///< of the scene's text: the same when only the look differs
+    FlameLook look;
   };
-  std::vector<Entry> states_{Entry{{}, {}, {}, 1}};
+  void append(Entry entry);
+
+  std::vector<Entry> states_;
   std::size_t at_ = 0, saved_ = 1, last_number_ = 1;
 };
 

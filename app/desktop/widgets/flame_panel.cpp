@@ -1,18 +1,15 @@
 #include "widgets/flame_panel.h"
 
 #include <QComboBox>
-#include <QDoubleSpinBox>
-#include <QFormLayout>
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QPushButton>
-#include <QSignalBlocker>
 #include <QSlider>
 #include <QVBoxLayout>
 #include <array>
-#include <cmath>
 
 #include "plenoflame/base/units.h"
+#include "widgets/flame_look_editor.h"
 #include "widgets/image_view.h"
 #include "widgets/plot_widget.h"
 
@@ -22,9 +19,6 @@ namespace {
 QString text_of(double value, Dimension dimension) {
   return QString::fromStdString(readable_quantity(value, dimension, 4));
 }
-
-constexpr std::array<ColourMap, 3> kMaps{ColourMap::inferno, ColourMap::viridis,
-                                         ColourMap::cividis};
 
 }  // namespace
 
@@ -61,6 +55,7 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   axis_->setToolTip(tr("Plane of the slice, in the world's axes"));
   quantity_ = new QComboBox(this);
   quantity_->addItems({tr("Temperature"), tr("Absorption")});
+  quantity_->setToolTip(tr("What the slice shows: temperature [K] or absorption [1/m]"));
   position_ = new QSlider(Qt::Horizontal, this);
   position_->setObjectName("slicePosition");
   position_->setRange(0, 100);
@@ -72,26 +67,7 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   slice_->set_value_format(Dimension::temperature);
   histogram_ = new PlotWidget(this);
   histogram_->set_empty_text(tr("The distribution of temperature appears with a flame."));
-  map_ = new QComboBox(this);
-  map_->addItems({tr("Inferno"), tr("Viridis"), tr("Cividis")});
-  map_->setToolTip(tr("Colours of temperature in the 3-D view"));
-  cold_ = new QDoubleSpinBox(this);
-  hot_ = new QDoubleSpinBox(this);
-  for (QDoubleSpinBox* box : {cold_, hot_}) {
-    box->setRange(0, 20000);
-    box->setDecimals(0);
-    box->setSingleStep(50);
-    box->setSuffix(" K");
-    box->setKeyboardTracking(false);
-    box->setMinimumWidth(60);
-  }
-  cold_->setToolTip(tr("Temperature of the first colour"));
-  hot_->setToolTip(tr("Temperature of the last colour"));
-  opacity_ = new QSlider(Qt::Horizontal, this);
-  opacity_->setObjectName("flameOpacity");
-  opacity_->setRange(-20, 20);
-  opacity_->setToolTip(
-      tr("How dense the flame looks in 3-D; the light field does not depend on it"));
+  look_ = new FlameLookEditor(document, this);
 
   auto* buttons = new QHBoxLayout;
   buttons->addWidget(generate);
@@ -101,13 +77,6 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   cut->addWidget(quantity_);
   cut->addWidget(axis_);
   cut->addWidget(position_, 1);
-  auto* ends = new QHBoxLayout;
-  ends->addWidget(map_);
-  ends->addWidget(cold_);
-  ends->addWidget(hot_);
-  auto* form = new QFormLayout;
-  form->addRow(tr("3-D colours"), ends);
-  form->addRow(tr("Density"), opacity_);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
   layout->addLayout(buttons);
@@ -116,30 +85,13 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   layout->addWidget(place_);
   layout->addWidget(slice_, 3);
   layout->addWidget(histogram_, 2);
-  layout->addLayout(form);
+  layout->addWidget(look_);
 
   const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
   connect(axis_, chosen, this, &FlamePanel::show_slice);
   connect(quantity_, chosen, this, &FlamePanel::show_slice);
   connect(position_, &QSlider::valueChanged, this, &FlamePanel::show_slice);
-  connect(map_, chosen, this, &FlamePanel::emit_look);
-  connect(opacity_, &QSlider::valueChanged, this, &FlamePanel::emit_look);
-  for (QDoubleSpinBox* box : {cold_, hot_})
-    connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this] {
-      automatic_ = false;
-      emit_look();
-    });
   connect(&sampler_, &FlameSampler::samples_changed, this, &FlamePanel::fill);
-}
-
-void FlamePanel::emit_look() {
-  FlameLook look;
-  look.map = kMaps[static_cast<std::size_t>(std::max(0, map_->currentIndex()))];
-  look.automatic = automatic_ || !(hot_->value() > cold_->value());
-  look.cold = cold_->value();
-  look.hot = hot_->value();
-  look.opacity = std::pow(2.0, opacity_->value() / 5.0);
-  emit look_changed(look);
 }
 
 void FlamePanel::fill() {
@@ -171,11 +123,7 @@ void FlamePanel::fill() {
     for (const std::string& remark : file.remarks) text += "\n! " + QString::fromStdString(remark);
   }
   summary_->setText(text);
-  if (automatic_) {
-    const QSignalBlocker first(cold_), second(hot_);
-    cold_->setValue(samples->coldest);
-    hot_->setValue(samples->hottest);
-  }
+  look_->set_flame_range(samples->coldest, samples->hottest);
   // Share of the absorbing volume by temperature.
   PlotWidget::Series series;
   series.colour = QColor(213, 94, 0);

@@ -3,15 +3,14 @@
 
 #include "model/document.h"
 #include "model/flame_sampler.h"
-#include "widgets/scene_view.h"
 
 class QComboBox;
-class QDoubleSpinBox;
 class QLabel;
 class QSlider;
 
 namespace plenoflame::desktop {
 
+class FlameLookEditor;
 class ImageView;
 class PlotWidget;
 
@@ -23,7 +22,6 @@ class FlamePanel : public QWidget {
   FlameSampler& sampler() { return sampler_; }
 
  signals:
-  void look_changed(const plenoflame::desktop::FlameLook& look);
   void generate_requested();
   void import_requested();
   /// Which grids of the flame's file are what. @param flame number in the scene
@@ -32,17 +30,15 @@ class FlamePanel : public QWidget {
  private:
   void fill();
   void show_slice();
-  void emit_look();
 
   Document& document_;
   FlameSampler sampler_;
   QLabel *summary_, *place_;
   ImageView* slice_;
   PlotWidget* histogram_;
-  QComboBox *axis_, *quantity_, *map_;
-  QSlider *position_, *opacity_;
-  QDoubleSpinBox *cold_, *hot_;
-  bool automatic_ = true;
+  FlameLookEditor* look_;
+  QComboBox *axis_, *quantity_;
+  QSlider* position_;
 };
 
 }  // namespace plenoflame::desktop

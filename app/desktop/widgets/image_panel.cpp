@@ -57,29 +57,32 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
       tr("Brightness by value: as displays do, in proportion, or by its logarithm (3 decades)"));
   map_ = combo("map", {tr("Grey"), tr("Viridis"), tr("Cividis"), tr("Inferno")},
                tr("Colours; all are even in lightness and safe for colour-blind people"));
-  auto* white_label = new QLabel(tr(" White "), tools);
-  tools->addWidget(white_label);
-  white_ = new QLineEdit(tools);
+  auto* more = new QToolBar(this);
+  more->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  auto* white_label = new QLabel(tr(" White "), more);
+  more->addWidget(white_label);
+  white_ = new QLineEdit(more);
   white_->setObjectName("white");
   white_->setPlaceholderText(tr("auto"));
   white_->setMaximumWidth(90);
   white_->setToolTip(tr(
       "Value that is shown as white, with its unit (e.g. 500 nW); empty: 99.9 % of the lit pixels "
       "are darker"));
-  tools->addWidget(white_);
-  saturation_ = tools->addAction(tr("Saturation"));
+  more->addWidget(white_);
+  saturation_ = more->addAction(tr("Saturation"));
+  saturation_->setObjectName("saturation");
   saturation_->setCheckable(true);
   saturation_->setToolTip(
       tr("Mark pixels that the sensor of this scene saturates (develop.saturation)"));
-  outlines_ = tools->addAction(tr("Outlines"));
+  outlines_ = more->addAction(tr("Outlines"));
   outlines_->setObjectName("outlines");
   outlines_->setCheckable(true);
   outlines_->setShortcut(Qt::Key_O);
   outlines_->setToolTip(tr(
       "Outlines of the micro-images, coloured by the type of their lens; zoom in to see them (O)"));
-  QAction* const fit = tools->addAction(tr("Fit"));
+  QAction* const fit = more->addAction(tr("Fit"));
   fit->setToolTip(tr("The whole image (F)"));
-  QAction* const one = tools->addAction(tr("1:1"));
+  QAction* const one = more->addAction(tr("1:1"));
   one->setToolTip(tr("One pixel of the screen per pixel of the image (1)"));
   connect(fit, &QAction::triggered, view_, &ImageView::fit);
   connect(one, &QAction::triggered, this, [this] { view_->set_scale(1); });
@@ -87,6 +90,7 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools);
+  layout->addWidget(more);
   layout->addWidget(view_, 1);
 
   histogram_plot_->setObjectName("histogram");

@@ -1,4 +1,5 @@
 #include "widgets/image_view.h"
+#include "widgets/pointer.h"
 
 #include <QKeyEvent>
 #include <QMouseEvent>
@@ -18,16 +19,6 @@ constexpr double kGridScale = 12;      ///< from here on pixels are separated by
 constexpr double kValueScale = 56;     ///< from here on values are written in them
 constexpr double kLeastCircle = 7;     ///< [logical pixel] diameter of an outline that is drawn
 constexpr std::size_t kMostCircles = 20000;
-
-/// The pointer's place, by the name that Qt of this version gives it.
-template <class Event>
-QPointF place(const Event* event) {
-#if QT_VERSION >= QT_VERSION_CHECK(6, 0, 0)
-  return event->position();
-#else
-  return event->localPos();
-#endif
-}
 
 }  // namespace
 
@@ -296,13 +287,13 @@ void ImageView::wheelEvent(QWheelEvent* event) {
 
 void ImageView::mousePressEvent(QMouseEvent* event) {
   if (event->button() != Qt::LeftButton && event->button() != Qt::MiddleButton) return;
-  pressed_ = last_ = place(event);
+  pressed_ = last_ = pointer_place(event);
   dragging_ = false;
   profiling_ = (event->modifiers() & Qt::ControlModifier) != 0;
 }
 
 void ImageView::mouseMoveEvent(QMouseEvent* event) {
-  const QPointF at = place(event);
+  const QPointF at = pointer_place(event);
   if ((event->buttons() & (Qt::LeftButton | Qt::MiddleButton)) != 0) {
     if ((at - pressed_).manhattanLength() > 4) dragging_ = true;
     if (profiling_) {
@@ -331,7 +322,7 @@ void ImageView::mouseReleaseEvent(QMouseEvent* event) {
     return;
   }
   if (dragging_ || event->button() != Qt::LeftButton || !image_ || image_->empty()) return;
-  const QPointF p = to_image(place(event));
+  const QPointF p = to_image(pointer_place(event));
   const int column = static_cast<int>(std::floor(p.x())), row = static_cast<int>(std::floor(p.y()));
   if (column < 0 || row < 0 || column >= image_->width() || row >= image_->height()) return;
   if ((event->modifiers() & Qt::ShiftModifier) != 0)

@@ -5,6 +5,7 @@
 #include <QFileDialog>
 #include <QFormLayout>
 #include <QHBoxLayout>
+#include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
 #include <QVBoxLayout>
@@ -57,12 +58,31 @@ ImportDialog::ImportDialog(const QString& folder, QWidget* parent) : QDialog(par
   form->addRow(tr("Array or value"), source_);
   form->addRow(tr("Wavelength"), wavelength_);
   form->addRow(tr("Voxel size"), voxel_size_);
+  kind_->setObjectName("importKind");
+  message_ = new QLabel(this);
+  message_->setObjectName("importMessage");
+  message_->setWordWrap(true);
+  message_->setMargin(4);
+  message_->setStyleSheet("background: #b3261e; color: white;");
+  message_->hide();
   auto* buttons = new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel, this);
-  connect(buttons, &QDialogButtonBox::accepted, this, &QDialog::accept);
+  connect(buttons, &QDialogButtonBox::accepted, this, &ImportDialog::accept);
   connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
   auto* layout = new QVBoxLayout(this);
   layout->addLayout(form);
+  layout->addWidget(message_);
   layout->addWidget(buttons);
+}
+
+void ImportDialog::accept() {
+  try {
+    request();
+  } catch (const Error& error) {
+    message_->setText(QString::fromUtf8(error.what()));
+    message_->show();
+    return;
+  }
+  QDialog::accept();
 }
 
 cli::FlameImportRequest ImportDialog::request() const {

@@ -4,6 +4,7 @@
 #include "vtk_commands.h"
 
 class QComboBox;
+class QLabel;
 class QLineEdit;
 
 namespace plenoflame::desktop {
@@ -15,10 +16,13 @@ class ImportDialog : public QDialog {
   explicit ImportDialog(const QString& folder, QWidget* parent = nullptr);
   /// @throws InputError naming the field that is wrong
   cli::FlameImportRequest request() const;
+  /// Stays open, with the message, while a field is wrong.
+  void accept() override;
 
  private:
   QLineEdit *file_, *temperature_, *source_, *wavelength_, *voxel_size_;
   QComboBox *temperature_unit_, *kind_;
+  QLabel* message_;
 };
 
 }  // namespace plenoflame::desktop

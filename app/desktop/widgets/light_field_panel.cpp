@@ -20,20 +20,12 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/lightfield/develop.h"
 #include "widgets/image_view.h"
+#include "widgets/pointer.h"
 
 namespace plenoflame::desktop {
 namespace {
 
 constexpr int kDepthSteps = 400;
-
-template <class Event>
-QPointF place_of(const Event* event) {
-#if QT_VERSION >= QT_VERSION_CHECK(6, 0, 0)
-  return event->position();
-#else
-  return event->localPos();
-#endif
-}
 
 QString length_text(double value) {
   return QString::fromStdString(readable_quantity(value, Dimension::length));
@@ -83,11 +75,11 @@ void AperturePad::move_to(QPointF place) {
 }
 
 void AperturePad::mousePressEvent(QMouseEvent* event) {
-  move_to(place_of(event));
+  move_to(pointer_place(event));
 }
 
 void AperturePad::mouseMoveEvent(QMouseEvent* event) {
-  if ((event->buttons() & Qt::LeftButton) != 0) move_to(place_of(event));
+  if ((event->buttons() & Qt::LeftButton) != 0) move_to(pointer_place(event));
 }
 
 void AperturePad::keyPressEvent(QKeyEvent* event) {
@@ -148,6 +140,9 @@ LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidg
   connect(tabs_, &QTabWidget::currentChanged, this, [this](int tab) {
     if (tab == 1) request_refocus();
     if (tab == 3) show_slice();
+  });
+  connect(&document_, &Document::image_changed, this, [this] {
+    if (!jobs_.views()) on_views_changed();
   });
   on_views_changed();
 }
@@ -267,6 +262,7 @@ QWidget* LightFieldPanel::make_epipolar_tab() {
   line_->setObjectName("lineSlider");
   line_->setToolTip(tr("Row (or column) of the views that is cut out"));
   slice_direction_ = new QComboBox(page);
+  slice_direction_->setObjectName("sliceDirection");
   slice_direction_->addItems({tr("Row"), tr("Column")});
   slice_direction_->setToolTip(
       tr("Along a row as the viewpoint moves across, or a column as it moves down"));
@@ -326,7 +322,7 @@ void LightFieldPanel::on_views_changed() {
   if (!views || views->views.empty()) {
     const QString text = document_.is_empty() ? QString()
                          : document_.scene().camera.array.present
-                             ? tr("Views are made when the image is there.")
+                             ? tr("Views are being made from the image...")
                              : tr("This camera has no microlens array, so there are no views.");
     for (QLabel* label : {view_label_, refocus_label_, slice_label_}) label->setText(text);
     for (ImageView* view : {view_, refocused_, slice_}) view->set_image(nullptr);

@@ -18,6 +18,7 @@
 #include <QUrl>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
 #include "widgets/design_panel.h"
 #include "widgets/flame_panel.h"
 #include "widgets/image_panel.h"
@@ -69,6 +70,8 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
   restoreGeometry(settings_->value("window/geometry").toByteArray());
   restoreState(settings_->value("window/state").toByteArray());
   set_dark(settings_->value("window/dark", false).toBool());
+  if (const auto look = look_from_text(settings_->value("flame/look").toByteArray()))
+    session_.document().begin_look(*look);
   update_recent();
   update_title();
 }
@@ -136,7 +139,11 @@ void MainWindow::make_docks() {
     if (visible && isVisible()) session_.set_views_wanted(true);
   });
   connect(light_field_, &LightFieldPanel::export_requested, this, &MainWindow::export_derived);
-  connect(flame_, &FlamePanel::look_changed, scene_view_, &SceneView::set_flame_look);
+  connect(&session_.document(), &Document::look_changed, this, [this] {
+    const FlameLook& look = session_.document().look();
+    scene_view_->set_flame_look(look);
+    settings_->setValue("flame/look", look_to_text(look));
+  });
   connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
   connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
   connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
@@ -156,6 +163,7 @@ void MainWindow::make_docks() {
   connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
           &QDockWidget::raise);
   connect(rays_, &RaysPanel::ray_chosen, section_, &SectionView::set_highlighted);
+  connect(rays_, &RaysPanel::ray_chosen, scene_view_, &SceneView::set_highlighted);
   connect(rays_, &RaysPanel::export_requested, this, &MainWindow::export_rays);
   connect(render_, &RenderPanel::failed, this, &MainWindow::fail);
   connect(scene_, &ScenePanel::failed, this, &MainWindow::fail);
@@ -175,8 +183,8 @@ void MainWindow::connect_session() {
           });
   connect(&session_.rays(), &RaySelector::rays_changed, this, [this] {
     const auto& rays = session_.rays().rays();
-    scene_view_->set_rays(rays);
-    section_->set_rays(rays);
+    scene_view_->set_rays(rays, rays_->chosen());
+    section_->set_rays(rays, rays_->chosen());
     image_->view().set_marks(rays ? rays->pixels : std::vector<Pixel>{});
   });
   connect(image_, &ImagePanel::pyramid_changed, this,
@@ -231,7 +239,13 @@ void MainWindow::connect_selection() {
   connect(scene_view_, &SceneView::pixel_picked, this, select_pixel);
   connect(scene_view_, &SceneView::lens_picked, this, select_lens);
   connect(scene_view_, &SceneView::point_picked, this, select_point);
+  connect(scene_view_, &SceneView::measured_changed, this, [this](double distance) {
+    statusBar()->showMessage(
+        tr("distance %1")
+            .arg(QString::fromStdString(readable_quantity(distance, Dimension::length, 4))));
+  });
   connect(scene_view_, &SceneView::picture_requested, this, &MainWindow::export_picture_of_scene);
+  connect(rays_, &RaysPanel::pixel_requested, this, select_pixel);
   connect(section_, &SectionView::lens_clicked, this, select_lens);
   connect(section_, &SectionView::point_clicked, this, select_point);
   connect(&document, &Document::selection_changed, this, &MainWindow::show_selection);
@@ -350,7 +364,11 @@ bool MainWindow::may_discard() {
 
 void MainWindow::offer_recovery() {
   if (!recovery_) return;
-  for (const RecoveredScene& scene : recovery_->left_behind()) {
+  const auto left = recovery_->left_behind();
+  if (recovery_->ended_badly() && left.empty())
+    statusBar()->showMessage(
+        tr("Plenoflame ended unexpectedly the last time. Nothing was unsaved then."), 20000);
+  for (const RecoveredScene& scene : left) {
     const QString name =
         scene.file.empty() ? tr("a scene without a name") : QString::fromStdString(scene.file);
     const bool wanted =

@@ -122,7 +122,10 @@ void MainWindow::export_views() {
       [folder, field, views](const Execution&) {
         std::vector<cli::NamedImage> images;
         for (const View& view : views->views)
-          images.push_back({"view-" + std::to_string(view.row) + "-" + std::to_string(view.column),
+          images.push_back({QString("view_%1_%2")
+                                .arg(view.row, 2, 10, QChar('0'))
+                                .arg(view.column, 2, 10, QChar('0'))
+                                .toStdString(),
                             view.image,
                             {}});
         images.push_back({"contact", contact_sheet(*views), {}});

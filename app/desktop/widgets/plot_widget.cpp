@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "widgets/pointer.h"
+
 namespace plenoflame::desktop {
 namespace {
 
@@ -187,11 +189,7 @@ void PlotWidget::paintEvent(QPaintEvent*) {
 }
 
 void PlotWidget::mouseMoveEvent(QMouseEvent* event) {
-#if QT_VERSION >= QT_VERSION_CHECK(6, 0, 0)
-  const QPointF at = event->position();
-#else
-  const QPointF at = event->localPos();
-#endif
+  const QPointF at = pointer_place(event);
   if (area_.isEmpty() || !area_.contains(at)) return QToolTip::hideText();
   double x = x_low_ + (at.x() - area_.left()) / area_.width() * (x_high_ - x_low_);
   double y = y_low_ + (area_.bottom() - at.y()) / area_.height() * (y_high_ - y_low_);

@@ -15,6 +15,8 @@
 namespace plenoflame::desktop {
 namespace {
 
+constexpr int kEndedColumn = 2;
+
 QString quantity(double value, Dimension dimension) {
   return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
                               : QString::fromUtf8("\xe2\x80\x93");
@@ -40,17 +42,19 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
 RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
     : QWidget(parent), rays_(rays), title_(new QLabel(this)) {
   auto* split = new QSplitter(Qt::Horizontal, this);
-  table_ = make_table({tr("Ray"), tr("Ended"), tr("Microlens"), tr("Angle at sensor"),
-                       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance"), tr("Weight")},
-                      {tr("Number of the ray"), tr("How it ended, and where"),
-                       tr("Type and place (q, r) of its microlens"),
-                       tr("Between ray and optical axis at the sensor"),
-                       tr("Between ray and optical axis in front of the camera"),
-                       tr("Of the flames along the ray; 1 takes 63 % of the light from behind"),
-                       tr("That it brings to the camera, first channel [W/(m\302\262 sr)]"),
-                       tr("Share of the pixel's etendue [m\302\262 sr]; times radiance, summed "
-                          "over the rays: the pixel's flux")},
-                      split);
+  table_ = make_table(
+      {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle at sensor"),
+       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance"), tr("Weight")},
+      {tr("Number of the ray"),
+       tr("Column and row of the pixel that it belongs to; double click or Return selects it"),
+       tr("How it ended, and where"), tr("Type and place (q, r) of its microlens"),
+       tr("Between ray and optical axis at the sensor"),
+       tr("Between ray and optical axis in front of the camera"),
+       tr("Of the flames along the ray; 1 takes 63 % of the light from behind"),
+       tr("That it brings to the camera, first channel [W/(m\302\262 sr)]"),
+       tr("Share of the pixel's etendue [m\302\262 sr]; times radiance, summed "
+          "over the rays: the pixel's flux")},
+      split);
   table_->setObjectName("raysTable");
   surfaces_ = make_table({tr("Surface"), tr("Distance"), tr("Height"), tr("Angle"), tr("Index")},
                          {tr("What it meets, in order"), tr("Along the ray from its start"),
@@ -76,11 +80,16 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   layout->addLayout(top);
   layout->addWidget(split, 1);
   connect(&rays_, &RaySelector::rays_changed, this, &RaysPanel::fill);
-  connect(table_, &QTableWidget::currentCellChanged, this, [this](int row) {
-    QTableWidgetItem* const item = row >= 0 ? table_->item(row, 0) : nullptr;
-    const int ray = item ? item->data(Qt::UserRole).toInt() : -1;
-    fill_surfaces(ray);
-    emit ray_chosen(ray);
+  connect(table_, &QTableWidget::currentCellChanged, this, [this] {
+    fill_surfaces(chosen());
+    emit ray_chosen(chosen());
+  });
+  connect(table_, &QTableWidget::cellActivated, this, [this](int row) {
+    const auto shown = rays_.rays();
+    const auto number = static_cast<std::size_t>(table_->item(row, 0)->data(Qt::UserRole).toInt());
+    if (!shown || number >= shown->paths.rays.size()) return;
+    const RayPath& ray = shown->paths.rays[number];
+    if (ray.column >= 0) emit pixel_requested(ray.column, ray.row);
   });
   connect(export_, &QPushButton::clicked, this, &RaysPanel::export_requested);
   fill();
@@ -130,25 +139,33 @@ void RaysPanel::fill() {
   const bool dark = palette().color(QPalette::Base).lightness() < 128;
   for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
     const RayRow& row = rows[static_cast<std::size_t>(i)];
-    const QStringList texts{QString::number(row.ray + 1),
-                            row.status,
-                            row.microlens,
-                            quantity(row.angle, Dimension::angle),
-                            quantity(row.scene_angle, Dimension::angle),
-                            QString::number(row.optical_thickness, 'g', 4),
-                            QString::number(row.radiance, 'g', 4),
-                            QString::number(row.weight, 'g', 4)};
+    const QStringList texts{
+        QString::number(row.ray + 1),
+        row.column < 0 ? QString() : QString("%1, %2").arg(row.column).arg(row.row),
+        row.status,
+        row.microlens,
+        quantity(row.angle, Dimension::angle),
+        quantity(row.scene_angle, Dimension::angle),
+        QString::number(row.optical_thickness, 'g', 4),
+        QString::number(row.radiance, 'g', 4),
+        QString::number(row.weight, 'g', 4)};
     for (int k = 0; k < texts.size(); ++k) {
       auto* item = new QTableWidgetItem(texts[k]);
       item->setData(Qt::UserRole, row.ray);
-      if (k == 1)
+      if (k == kEndedColumn)
         item->setForeground(
             status_colour(rays->paths.rays[static_cast<std::size_t>(row.ray)].status.status, dark));
       table_->setItem(i, k, item);
     }
   }
-  table_->blockSignals(quiet);
   if (!rows.empty()) table_->setCurrentCell(0, 0);
+  table_->blockSignals(quiet);
+  fill_surfaces(chosen());
+}
+
+int RaysPanel::chosen() const {
+  const QTableWidgetItem* const item = table_->item(table_->currentRow(), 0);
+  return item ? item->data(Qt::UserRole).toInt() : -1;
 }
 
 void RaysPanel::fill_surfaces(int ray) {

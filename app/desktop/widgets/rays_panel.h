@@ -15,9 +15,13 @@ class RaysPanel : public QWidget {
  public:
   explicit RaysPanel(RaySelector& rays, QWidget* parent = nullptr);
   QTableWidget& table() { return *table_; }
+  /// Number of the ray that is chosen; -1: none.
+  int chosen() const;
 
  signals:
   void ray_chosen(int ray);
+  /// The pixel of a ray, by double click or Return on its line.
+  void pixel_requested(int column, int row);
   void export_requested();
 
  private:

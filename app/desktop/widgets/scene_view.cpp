@@ -3,20 +3,20 @@
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
-#include <vtkCellData.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkDistanceRepresentation2D.h>
 #include <vtkDistanceWidget.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
 #include <vtkFloatArray.h>
+#include <vtkFocalPlanePointPlacer.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkHandleRepresentation.h>
 #include <vtkImageData.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPiecewiseFunction.h>
 #include <vtkPointData.h>
-#include <vtkPolyData.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
@@ -41,10 +41,13 @@
 #include "picture_annotation.h"
 #include "picture_camera.h"
 #include "plenoflame/base/error.h"
-#include "ray_path_data.h"
+#include "plenoflame/base/units.h"
 #include "scene_props.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
+#include "widgets/flame_opacity.h"
+#include "widgets/pointer.h"
+#include "widgets/ray_lines.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -67,6 +70,7 @@ struct SceneView::View {
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   vtkNew<vtkCallbackCommand> before_drawing;
   vtkNew<vtkDistanceWidget> ruler;
+  vtkNew<vtkCallbackCommand> ruler_moved;
   std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
 
   /// Replaces what the layer shows by what add(renderer) adds.
@@ -112,12 +116,25 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);
   v.ruler->CreateDefaultRepresentation();
-  if (auto* shape = vtkDistanceRepresentation2D::SafeDownCast(v.ruler->GetRepresentation()))
-    shape->SetLabelFormat("%.4g m");
+  // Clicks are places in the plane through the focal point; VTK would put them on the near plane.
+  if (auto* shape = vtkDistanceRepresentation::SafeDownCast(v.ruler->GetRepresentation())) {
+    vtkNew<vtkFocalPlanePointPlacer> placer;
+    shape->InstantiateHandleRepresentation();
+    shape->GetPoint1Representation()->SetPointPlacer(placer);
+    shape->GetPoint2Representation()->SetPointPlacer(placer);
+  }
+  v.ruler_moved->SetClientData(this);
+  v.ruler_moved->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
+    static_cast<SceneView*>(self)->show_measured();
+  });
+  for (const unsigned long event :
+       {vtkCommand::PlacePointEvent, vtkCommand::InteractionEvent, vtkCommand::EndInteractionEvent})
+    v.ruler->AddObserver(event, v.ruler_moved);
   v.widget->installEventFilter(this);
 
   tools_ = new QToolBar(this);
   tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  tools_->setStyleSheet("QToolButton { padding: 2px 3px; }");
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
@@ -140,7 +157,9 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   measure_->setCheckable(true);
   measure_->setToolTip(
       tr("Distance between two clicks, in the plane through the middle of the view [m]"));
+  measure_->setObjectName("measure");
   connect(measure_, &QAction::toggled, this, [this](bool on) {
+    view_->ruler->SetWidgetStateToStart();
     view_->ruler->SetEnabled(on ? 1 : 0);
     render();
   });
@@ -160,7 +179,35 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
 
 SceneView::~SceneView() {
   task_.cancel();
+  view_->ruler->RemoveObserver(view_->ruler_moved);
   view_->ruler->SetInteractor(nullptr);
+}
+
+QPointF SceneView::to_widget(const Vec3& world) const {
+  const double ratio = view_->widget->devicePixelRatioF();
+  const int* const size = view_->renderer->GetSize();
+  view_->renderer->SetWorldPoint(world.x, world.y, world.z, 1);
+  view_->renderer->WorldToDisplay();
+  const double* const p = view_->renderer->GetDisplayPoint();
+  return {p[0] / ratio, (size[1] - 1 - p[1]) / ratio};
+}
+
+double SceneView::measured() const {
+  if (!measure_->isChecked() || view_->ruler->GetWidgetState() == vtkDistanceWidget::Start)
+    return 0;
+  std::array<double, 3> a{}, b{};
+  auto* const shape = vtkDistanceRepresentation::SafeDownCast(view_->ruler->GetRepresentation());
+  shape->GetPoint1WorldPosition(a.data());
+  shape->GetPoint2WorldPosition(b.data());
+  return length(Vec3{a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+}
+
+void SceneView::show_measured() {
+  // The representation writes the distance by a format for printf: here it is the text itself.
+  const double distance = measured();
+  if (auto* shape = vtkDistanceRepresentation2D::SafeDownCast(view_->ruler->GetRepresentation()))
+    shape->SetLabelFormat(readable_quantity(distance, Dimension::length, 4).c_str());
+  emit measured_changed(distance);
 }
 
 void SceneView::render() {
@@ -270,7 +317,7 @@ void SceneView::add_flame() {
   if (!geometry_) return;
   vtkImageData* const flame = geometry_->flame;
   view_->replace("flame", [&](vtkRenderer& renderer) {
-    if (!flame || !look_.visible) return;
+    if (!flame) return;
     auto colours = views::temperature_colours(*flame);
     const double cold = look_.automatic ? temperatures_[0] : look_.cold,
                  hot = look_.automatic ? temperatures_[1] : look_.hot;
@@ -278,22 +325,11 @@ void SceneView::add_flame() {
     constexpr int kStops = 17;
     for (int i = 0; i < kStops; ++i) {
       const double t = static_cast<double>(i) / (kStops - 1);
-      // The darkest fifth of the map is left out: it would look like a hole in the flame.
-      const Rgb c = colour(look_.map, look_.map == ColourMap::inferno ? 0.25 + 0.75 * t : t);
+      const Rgb c = flame_colour(look_.map, t);
       colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
     }
     const auto volume = views::flame_volume(*flame, colours);
-    if (look_.opacity != 1) {
-      vtkPiecewiseFunction* const old = volume->GetProperty()->GetScalarOpacity();
-      vtkNew<vtkPiecewiseFunction> opacity;
-      for (int i = 0; i < old->GetSize(); ++i) {
-        std::array<double, 4> node{};
-        old->GetNodeValue(i, node.data());
-        // Optical thickness is what scales.
-        opacity->AddPoint(node[0], 1 - std::pow(std::max(0.0, 1 - node[1]), look_.opacity));
-      }
-      volume->GetProperty()->SetScalarOpacity(opacity);
-    }
+    apply_opacity(look_, cold, hot, *volume);
     if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
       mapper->SetAutoAdjustSampleDistances(1);
       mapper->SetMinimumImageSampleDistance(1);
@@ -319,19 +355,25 @@ void SceneView::add_flame() {
 void SceneView::add_rays() {
   view_->replace("rays", [&](vtkRenderer& renderer) {
     if (!rays_ || rays_->paths.rays.empty()) return;
-    vtkNew<vtkPolyData> lines;
-    pipeline::ray_paths_to_polydata(rays_->paths, *lines);
-    views::add_rays(*lines, true, renderer);
+    add_ray_lines(rays_->paths, highlighted_, dark_, renderer);
   });
 }
 
-void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays) {
+void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
   const bool moved = rays && rays->selection.kind == Selection::Kind::pixel &&
                      !(rays_ && rays_->selection == rays->selection);
   rays_ = std::move(rays);
+  highlighted_ = chosen;
   add_rays();
   if (moved && geometry_) build_geometry();  // the microlenses near the pixel
   if (part_ == Part::pixel || part_ == Part::array) aim();
+  render();
+}
+
+void SceneView::set_highlighted(int ray) {
+  if (ray == highlighted_) return;
+  highlighted_ = ray;
+  add_rays();
   render();
 }
 
@@ -435,15 +477,19 @@ QImage SceneView::picture() {
   return view_->widget->grabFramebuffer();
 }
 
+void SceneView::prepare() {
+  // The context, and the programs that its drivers compile.
+  if (!geometry_) view_->widget->grabFramebuffer();
+}
+
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
   if (object == view_->widget && !measure_->isChecked()) {
     if (event->type() == QEvent::MouseButtonPress)
-      pressed_ = static_cast<QMouseEvent*>(event)->pos();
+      pressed_ = pointer_place(static_cast<QMouseEvent*>(event));
     if (event->type() == QEvent::MouseButtonRelease) {
       const auto* const mouse = static_cast<QMouseEvent*>(event);
-      if (mouse->button() == Qt::LeftButton &&
-          (QPointF(mouse->pos()) - pressed_).manhattanLength() < 4)
-        pick(mouse->pos());
+      const QPointF at = pointer_place(mouse);
+      if (mouse->button() == Qt::LeftButton && (at - pressed_).manhattanLength() < 4) pick(at);
     }
   }
   return QWidget::eventFilter(object, event);
@@ -463,7 +509,8 @@ void SceneView::pick(const QPointF& place) {
   const Ray ray{near, normalize(far - near)};
   const bool close = part_ == Part::array || part_ == Part::pixel;
   Vec3 point;
-  if (!close && look_.visible && scene_->medium && flame_point(*scene_->medium, ray, point)) {
+  const bool flame_is_shown = part_ == Part::scene || part_ == Part::flame;
+  if (flame_is_shown && scene_->medium && flame_point(*scene_->medium, ray, point)) {
     emit point_picked(point);
     return;
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "model/flame_look.h"
 #include "model/image_display.h"
 #include "model/latest_task.h"
 #include "model/ray_selector.h"
@@ -16,15 +17,6 @@ class QLabel;
 class QToolBar;
 
 namespace plenoflame::desktop {
-
-/// How the flame is drawn in three dimensions.
-struct FlameLook {
-  bool visible = true;
-  ColourMap map = ColourMap::inferno;
-  bool automatic = true;     ///< temperatures from the flame itself
-  double cold = 0, hot = 0;  ///< [K] ends of the colours otherwise
-  double opacity = 1;        ///< times what makes the thickest way nearly opaque
-};
 
 /// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
 ///
@@ -40,7 +32,9 @@ class SceneView : public QWidget {
 
   /// Geometry follows in the background. @param changes since the scene before
   void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes);
-  void set_rays(std::shared_ptr<const SelectedRays> rays);
+  /// @param chosen the ray that stands out; -1: none
+  void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
+  void set_highlighted(int ray);
   void set_image(const std::shared_ptr<const ImagePyramid>& image);
   void set_flame_look(const FlameLook& look);
   const FlameLook& flame_look() const { return look_; }
@@ -49,16 +43,24 @@ class SceneView : public QWidget {
   void set_dark(bool dark);
   /// What is seen now, without the window around it.
   QImage picture();
+  /// Makes what drawing needs before there is anything to draw, so that the first scene does not
+  /// have to wait for it.
+  void prepare();
   /// Temperatures [K] that the flame has where it absorbs; 0, 0: there is none.
   std::array<double, 2> flame_temperatures() const { return temperatures_; }
   /// Width and height of what the camera sees at its focus [m].
   double view_height() const;
   std::array<double, 2> clipping_range() const;
+  /// Where a point of the world [m] is seen, on the widget "scene3d" [logical pixel].
+  QPointF to_widget(const Vec3& world) const;
+  /// Distance between the two clicks of *Measure* [m]; 0: there are none yet.
+  double measured() const;
 
  signals:
   void pixel_picked(int column, int row);
   void lens_picked(const plenoflame::LensIndex& lens);
   void point_picked(const plenoflame::Vec3& point);
+  void measured_changed(double distance);
   void picture_requested();
   /// Geometry of the scene is on display.
   void geometry_shown();
@@ -76,6 +78,7 @@ class SceneView : public QWidget {
   void add_camera();
   void aim();
   void pick(const QPointF& place);
+  void show_measured();
   void render();
 
   std::unique_ptr<View> view_;
@@ -86,6 +89,7 @@ class SceneView : public QWidget {
   FlameLook look_;
   Part part_ = Part::scene;
   std::array<double, 2> temperatures_{0, 0};
+  int highlighted_ = -1;
   bool aimed_ = false, dark_ = false;
   QToolBar* tools_ = nullptr;
   std::array<QAction*, 5> part_actions_{};

@@ -12,6 +12,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "widgets/image_view.h"
+#include "widgets/pointer.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -19,15 +20,6 @@ namespace {
 constexpr int kFlameSide = 160;   ///< points along the longer side of the flame's picture
 constexpr double kLeastLens = 5;  ///< [screen pixel] pitch from which microlenses are drawn
 constexpr int kArcPoints = 24;
-
-template <class Event>
-QPointF place(const Event* event) {
-#if QT_VERSION >= QT_VERSION_CHECK(6, 0, 0)
-  return event->position();
-#else
-  return event->localPos();
-#endif
-}
 
 /// Sag of a sphere; 0 beyond it.
 double sphere_sag(double radius, double height) {
@@ -37,6 +29,10 @@ double sphere_sag(double radius, double height) {
 }
 
 }  // namespace
+
+QColor chosen_colour() {
+  return {255, 42, 109};
+}
 
 QColor status_colour(RayStatus status, bool dark_background) {
   switch (status) {
@@ -65,9 +61,9 @@ void SectionView::set_scene(std::shared_ptr<const CompiledScene> scene) {
   update();
 }
 
-void SectionView::set_rays(std::shared_ptr<const SelectedRays> rays) {
+void SectionView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
   rays_ = std::move(rays);
-  highlighted_ = -1;
+  highlighted_ = chosen;
   if (part_ == Part::array) aim();
   update();
 }
@@ -329,7 +325,7 @@ void SectionView::draw_rays(QPainter& painter) {
       const QPointF p = project(paths.vertices[ray.first + k].position);
       line << to_widget(p.x(), p.y());
     }
-    QColor ink = status_colour(ray.status.status, dark);
+    QColor ink = strong ? chosen_colour() : status_colour(ray.status.status, dark);
     if (!strong) ink.setAlpha(paths.rays.size() > 100 ? 90 : 170);
     painter.setPen(QPen(ink, strong ? 2.6 : 1));
     painter.drawPolyline(line);
@@ -386,12 +382,12 @@ void SectionView::wheelEvent(QWheelEvent* event) {
 }
 
 void SectionView::mousePressEvent(QMouseEvent* event) {
-  pressed_ = last_ = place(event);
+  pressed_ = last_ = pointer_place(event);
   dragging_ = false;
 }
 
 void SectionView::mouseMoveEvent(QMouseEvent* event) {
-  const QPointF at = place(event);
+  const QPointF at = pointer_place(event);
   if ((event->buttons() & Qt::LeftButton) == 0) return;
   if ((at - pressed_).manhattanLength() > 4) dragging_ = true;
   if (!dragging_) return;
@@ -402,7 +398,7 @@ void SectionView::mouseMoveEvent(QMouseEvent* event) {
 
 void SectionView::mouseReleaseEvent(QMouseEvent* event) {
   if (dragging_ || !scene_ || event->button() != Qt::LeftButton) return;
-  const QPointF p = from_widget(place(event));
+  const QPointF p = from_widget(pointer_place(event));
   const double reach = 8 / scale_;
   const Camera& camera = scene_->camera;
   if (camera.has_array() && p.x() < camera.array_front() + reach &&

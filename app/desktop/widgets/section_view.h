@@ -21,12 +21,16 @@ class SectionView : public QWidget {
   explicit SectionView(QWidget* parent = nullptr);
 
   void set_scene(std::shared_ptr<const CompiledScene> scene);
-  void set_rays(std::shared_ptr<const SelectedRays> rays);
+  /// @param chosen the ray that stands out; -1: none
+  void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
   void show_part(Part part);
   /// The ray that stands out; -1: none.
   void set_highlighted(int ray);
   /// The plane: up and down as the picture, or across.
   void set_horizontal(bool on);
+
+  /// Where a place of the plane is drawn. @param z of the camera  @param height above its axis [m]
+  QPointF to_widget(double z, double height) const;
 
   QSize sizeHint() const override { return {640, 220}; }
 
@@ -43,9 +47,8 @@ class SectionView : public QWidget {
   void resizeEvent(QResizeEvent* event) override;
 
  private:
-  QPointF to_widget(double z, double height) const;  ///< camera z and height in the plane [m]
-  QPointF from_widget(QPointF place) const;          ///< x: camera z, y: height
-  QPointF project(Vec3 world) const;                 ///< the same of a point
+  QPointF from_widget(QPointF place) const;  ///< x: camera z, y: height
+  QPointF project(Vec3 world) const;         ///< the same of a point
   void draw_flame(QPainter& painter);
   void draw_lens(QPainter& painter);
   void draw_array(QPainter& painter);
@@ -66,6 +69,8 @@ class SectionView : public QWidget {
   QRectF flame_place_;  ///< left: largest z; in metres
 };
 
+/// Colour of the chosen ray, the same in all views.
+QColor chosen_colour();
 /// Colour of a ray by how it ended, the same in all views.
 QColor status_colour(RayStatus status, bool dark_background);
 

@@ -1,0 +1,166 @@
+// Everything that can be exported, from the menu. Reference: the files that the command writes.
+#include <QDir>
+#include <QDirIterator>
+#include <QFile>
+#include <QTabWidget>
+
+#include "gui_tests.h"
+#include "plenoflame/image/png_file.h"
+#include "widgets/light_field_panel.h"
+#include "widgets/scene_view.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+
+class ExportsTest : public test::WindowFixture {
+  Q_OBJECT
+
+  QString file(const QString& name) const { return folder_->filePath(name); }
+  static QByteArray content(const QString& path) {
+    QFile file(path);
+    return file.open(QIODevice::ReadOnly) ? file.readAll() : QByteArray();
+  }
+  /// Names of the files below a folder, relative to it.
+  static QStringList names(const QString& folder) {
+    QStringList found;
+    QDirIterator at(folder, QDir::Files, QDirIterator::Subdirectories);
+    while (at.hasNext()) found << QDir(folder).relativeFilePath(at.next());
+    found.sort();
+    return found;
+  }
+  bool done_in_background() {
+    return until([this] { return window_->is_settled(); }, 120000);
+  }
+  /// The scene as a file, and its light field as the command renders it.
+  void save_for_the_command() {
+    session().document().save(file("scene.toml").toStdString());
+    run(PLENOFLAME_COMMAND, {"render", "--quiet", file("scene.toml"), "-o", file("raw.exr")});
+    QVERIFY(QFile::exists(file("raw.exr")));
+  }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { window_.reset(); }
+
+  void raysAreTheCommandsInEveryFormat() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    QVERIFY(click_menu({"File", "Export", "Rays of the selection..."}));
+    QVERIFY(window_->last_message().contains("click a pixel"));
+    QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(145, 150));
+    const Selection selected = session().document().selection();
+    QVERIFY(until([&] { return session().rays().rays() != nullptr; }));
+    session().document().save(file("scene.toml").toStdString());
+    for (const QString format : {"csv", "json", "vtp"}) {
+      const QString own = file("own." + format), reference = file("command." + format);
+      answer_file_dialog(own);
+      QVERIFY(click_menu({"File", "Export", "Rays of the selection..."}));
+      run(PLENOFLAME_COMMAND, {"rays", file("scene.toml"), "--pixel",
+                               QString("%1,%2").arg(selected.column).arg(selected.row), "--rays",
+                               QString::number(RaySelector::kRaysPerPixel), "-o", reference});
+      QVERIFY(!content(own).isEmpty());
+      QCOMPARE(content(own).size(), content(reference).size());
+      QVERIFY2(content(own) == content(reference), qPrintable(format));
+    }
+    // A name that means nothing: said, and nothing is written.
+    answer_file_dialog(file("rays.xyz"));
+    QVERIFY(click_menu({"File", "Export", "Rays of the selection..."}));
+    QVERIFY(window_->last_message().contains("rays.xyz"));
+    QVERIFY(!QFile::exists(file("rays.xyz")));
+  }
+
+  void imageIsTheCommandsAndWrongNamesAreSaid() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    save_for_the_command();
+    const QString item = "Light field (.exr) or developed picture (.png)...";
+    answer_file_dialog(file("own.exr"));
+    QVERIFY(click_menu({"File", "Export", item}));
+    const LightField own = read_light_field(file("own.exr").toStdString()),
+                     command = read_light_field(file("raw.exr").toStdString());
+    QVERIFY(own.channels[0].flux.pixels == command.channels[0].flux.pixels);
+    QVERIFY(own.channels[0].standard_error.pixels == command.channels[0].standard_error.pixels);
+    answer_file_dialog(file("own.png"));
+    QVERIFY(click_menu({"File", "Export", item}));
+    run(PLENOFLAME_COMMAND, {"develop", file("raw.exr"), "-o", file("raw.png")});
+    QVERIFY(read_png(file("own.png").toStdString()).samples ==
+            read_png(file("raw.png").toStdString()).samples);
+    answer_file_dialog(file("own.bmp"));
+    QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(window_->last_message().contains("must end in"));
+    answer_file_dialog("/no/such/folder/own.exr");
+    QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(!QFile::exists("/no/such/folder/own.exr"));
+  }
+
+  void pictureOfTheSceneIsWhatIsShown() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
+    answer_file_dialog(file("scene.png"));
+    QVERIFY(click_menu({"File", "Export", "Picture of the 3-D view..."}));
+    const QImage written(file("scene.png"));
+    QCOMPARE(test::difference(written, window_->scene_view().picture()), 0.0);
+  }
+
+  void viewsAndDerivedPicturesAreTheCommands() {
+    QVERIFY(window_->open_example("paper-previous-60x60"));
+    QVERIFY(click_menu({"File", "Export", "All views..."}));
+    QVERIFY(window_->last_message().contains("light-field panel"));
+    raise("lightFieldDock");
+    QVERIFY(settled());
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }, 60000));
+    save_for_the_command();
+    QDir(folder_->path()).mkdir("own");
+    answer_file_dialog(file("own"));
+    QVERIFY(click_menu({"File", "Export", "All views..."}));
+    QVERIFY(done_in_background());
+    run(PLENOFLAME_COMMAND,
+        {"views", file("raw.exr"), "--grid", QString::number(LightFieldJobs::kGrid), "--exr", "-o",
+         file("command")});
+    const QStringList own = names(file("own")), command = names(file("command"));
+    QVERIFY(own.size() > LightFieldJobs::kGrid * LightFieldJobs::kGrid);
+    int compared = 0;
+    for (const QString& name : own) {
+      if (!name.endsWith(".exr") || !command.contains(name)) continue;
+      const LightField a = read_light_field(file("own/" + name).toStdString()),
+                       b = read_light_field(file("command/" + name).toStdString());
+      QVERIFY2(a.channels[0].flux.pixels == b.channels[0].flux.pixels, qPrintable(name));
+      ++compared;
+    }
+    QVERIFY2(compared >= LightFieldJobs::kGrid * LightFieldJobs::kGrid,
+             qPrintable(own.join(' ') + " | " + command.join(' ')));
+    // The refocused picture: its values, by the menu.
+    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    auto* edit = child<QLineEdit>("depthEdit");
+    edit->selectAll();
+    QTest::keyClicks(edit, "0.9 m");
+    QTest::keyClick(edit, Qt::Key_Return);
+    QVERIFY(until(
+        [&] {
+          const DerivedImage& r = session().light_field().refocused();
+          return r.image && !r.preview && r.depth == window_->light_field_panel().depth();
+        },
+        30000));
+    answer_file_dialog(file("refocused.exr"));
+    QVERIFY(click_menu({"File", "Export", "Picture of the light-field panel..."}));
+    run(PLENOFLAME_COMMAND, {"refocus", file("raw.exr"), "--depth",
+                             QString::number(window_->light_field_panel().depth(), 'g', 17) + " m",
+                             "--exr", "-o", file("refocus")});
+    const LightField mine = read_light_field(file("refocused.exr").toStdString());
+    bool found = false;
+    for (const QString& name : names(file("refocus"))) {
+      if (!name.endsWith(".exr")) continue;
+      const LightField theirs = read_light_field(file("refocus/" + name).toStdString());
+      found |= theirs.channels[0].flux.pixels == mine.channels[0].flux.pixels;
+    }
+    QVERIFY2(found, qPrintable(names(file("refocus")).join(' ')));
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_exports_test() {
+  return std::make_unique<ExportsTest>();
+}
+
+#include "exports_test.moc"

@@ -1,0 +1,186 @@
+// Files that come in: simulations, recent files, what a crash left behind.
+#include <unistd.h>
+
+#include <QComboBox>
+#include <QFile>
+#include <QListWidget>
+#include <QMessageBox>
+#include <QPushButton>
+
+#include "gui_tests.h"
+#include "plenoflame/base/error.h"
+#include "widgets/flame_panel.h"
+#include "widgets/import_dialog.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+
+class FilesTest : public test::WindowFixture {
+  Q_OBJECT
+
+  QString file(const QString& name) const { return folder_->filePath(name); }
+  void write(const QString& path, const QByteArray& text) {
+    QFile out(path);
+    QVERIFY(out.open(QIODevice::WriteOnly));
+    out.write(text);
+  }
+  /// A simulation on 12 x 12 x 12 points, 5 mm apart: T = 1000 K + 50 K per point along z.
+  QByteArray simulation() {
+    constexpr int kPoints = 12;
+    QByteArray t, k;
+    for (int z = 0; z < kPoints; ++z)
+      for (int i = 0; i < kPoints * kPoints; ++i) {
+        t += QByteArray::number(1000 + 50 * z) + '\n';
+        k += "12\n";
+      }
+    const QByteArray array =
+        "<DataArray type=\"Float32\" Name=\"%1\" format=\"ascii\">\n%2</DataArray>\n";
+    const auto filled = [&](const char* name, const QByteArray& values) {
+      return QByteArray(array).replace("%1", name).replace("%2", values);
+    };
+    return "<VTKFile type=\"ImageData\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "<ImageData WholeExtent=\"0 11 0 11 0 11\" Origin=\"-0.03 -0.03 0\" "
+           "Spacing=\"0.005 0.005 0.005\">\n<Piece Extent=\"0 11 0 11 0 11\">\n<PointData>\n" +
+           filled("T", t) + filled("kappa", k) +
+           "</PointData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
+  }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { window_.reset(); }
+
+  void simulationIsImportedThroughTheDialog() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    write(file("burner.vti"), simulation());
+    raise("flameDock");
+    const auto flames_before = session().document().scene().flames;
+    when_shown<ImportDialog>([&](ImportDialog& dialog) {
+      const auto type = [&](const char* name, const QString& text) {
+        auto* edit = dialog.findChild<QLineEdit*>(name);
+        edit->selectAll();
+        QTest::keyClicks(edit, text);
+      };
+      // Nothing chosen yet: said in the dialog, which stays.
+      QTest::keyClick(&dialog, Qt::Key_Return);
+      QVERIFY(dialog.isVisible());
+      auto* message = dialog.findChild<QWidget*>("importMessage");
+      QVERIFY(message->isVisible());
+      type("importFile", file("burner.vti"));
+      type("importTemperature", "T");
+      type("importSource", "kappa");
+      type("importVoxelSize", "5 kg");
+      QTest::keyClick(&dialog, Qt::Key_Return);
+      QVERIFY(dialog.isVisible());
+      QVERIFY(session().document().scene().flames == flames_before);
+      type("importVoxelSize", "5 mm");
+      answer_file_dialog(file("burner.vdb"));
+      QTest::keyClick(&dialog, Qt::Key_Return);
+    });
+    QTest::mouseClick(child<QPushButton>("flameImport"), Qt::LeftButton);
+    QVERIFY2(until(
+                 [&] {
+                   const auto& flames = session().document().scene().flames;
+                   return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
+                 },
+                 30000),
+             qPrintable(window_->last_message()));
+    QVERIFY2(settled(), qPrintable(window_->last_message()));
+    const auto samples = [&] { return window_->flame_panel().sampler().samples(); };
+    QVERIFY(until([&] { return samples() && samples()->hottest > 1500; }));
+    QVERIFY(samples()->hottest <= 1550 * (1 + 1e-6));
+    QVERIFY(std::fabs(samples()->densest / 12 - 1) < 1e-5);
+  }
+
+  void arrayThatIsNotThereIsSaidAndNothingChanges() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    write(file("burner.vti"), simulation());
+    raise("flameDock");
+    const Scene before = session().document().scene();
+    when_shown<ImportDialog>([&](ImportDialog& dialog) {
+      QTest::keyClicks(dialog.findChild<QLineEdit*>("importFile"), file("burner.vti"));
+      QTest::keyClicks(dialog.findChild<QLineEdit*>("importSource"), "soot");
+      answer_file_dialog(file("burner.vdb"));
+      QTest::keyClick(&dialog, Qt::Key_Return);
+    });
+    QTest::mouseClick(child<QPushButton>("flameImport"), Qt::LeftButton);
+    QVERIFY(until([&] { return !window_->last_message().isEmpty(); }, 30000));
+    QVERIFY2(window_->last_message().contains("soot"), qPrintable(window_->last_message()));
+    QVERIFY(session().document().scene() == before);
+    QVERIFY(!QFile::exists(file("burner.vdb")));
+  }
+
+  void recentFilesOpenFromTheMenuAndTheWelcomePage() {
+    for (const char* name : {"one.toml", "two.toml"})
+      QVERIFY(QFile::copy(":/examples/lenslets-30.toml", file(name)));
+    for (const char* name : {"one.toml", "two.toml"}) {
+      answer_file_dialog(file(name));
+      press(Qt::Key_O, Qt::ControlModifier);
+      QCOMPARE(session().document().file(), file(name).toStdString());
+    }
+    QVERIFY(click_menu({"File", "Open recent", file("one.toml")}));
+    QCOMPARE(session().document().file(), file("one.toml").toStdString());
+    QVERIFY(click_menu({"File", "Welcome page"}));
+    auto* list = child<QListWidget>("recentFiles");
+    QVERIFY(list->isVisible());
+    QCOMPARE(list->count(), 2);
+    QVERIFY(list->item(0)->text().startsWith("one.toml"));  // the last one first
+    list->setFocus();
+    list->setCurrentRow(1);
+    QTest::keyClick(list, Qt::Key_Return);
+    QCOMPARE(session().document().file(), file("two.toml").toStdString());
+    // One that is gone: said, and the document stays.
+    QVERIFY(QFile::remove(file("one.toml")));
+    QVERIFY(click_menu({"File", "Open recent", file("one.toml")}));
+    QVERIFY(window_->last_message().contains("one.toml"));
+    QCOMPARE(session().document().file(), file("two.toml").toStdString());
+  }
+
+  void sceneOfAProgramThatCrashedIsOffered() {
+    const QString scene = file("scene.toml"), left = file("left");
+    QVERIFY(QFile::copy(":/examples/lenslets-30.toml", scene));
+    QProcess program;
+    program.start(QCoreApplication::applicationFilePath(), {"crash", scene, left});
+    QVERIFY(program.waitForFinished(60000));
+    QCOMPARE(program.exitStatus(), QProcess::CrashExit);
+    // The next program asks; yes.
+    window_.reset();
+    window_ = std::make_unique<MainWindow>(settings(), left.toStdString());
+    window_->show();
+    QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
+    QString question;
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      question = box.text();
+      QTest::mouseClick(box.button(QMessageBox::Yes), Qt::LeftButton);
+    });
+    window_->offer_recovery();
+    QVERIFY2(question.contains("scene.toml"), qPrintable(question));
+    QCOMPARE(session().document().scene().camera.focus.object_distance, 1.37);
+    QCOMPARE(session().document().file(), scene.toStdString());
+    QVERIFY(window_->isWindowModified());
+    window_->set_unattended(true);
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_files_test() {
+  return std::make_unique<FilesTest>();
+}
+
+int plenoflame::desktop::test::crash_with_changes(const char* scene, const char* recovery_folder) {
+  QTemporaryDir folder;
+  MainWindow window(
+      std::make_unique<QSettings>(folder.filePath("settings.ini"), QSettings::IniFormat),
+      recovery_folder);
+  window.set_unattended(true);
+  window.show();
+  if (!window.open(scene)) return 2;
+  window.session().document().set_value("camera.focus.object_distance", "1.37 m");
+  const QDir kept(recovery_folder);
+  if (!QTest::qWaitFor([&] { return !kept.entryList({"recovery-*.toml"}).isEmpty(); }, 30000))
+    return 3;
+  std::abort();
+}
+
+#include "files_test.moc"

@@ -1,0 +1,55 @@
+// Tests of the window:  desktop_gui_test NAME [QtTest's options]
+//                       desktop_gui_test crash SCENE.toml FOLDER
+//                       desktop_gui_test measure SCENE.toml
+#include <QVTKOpenGLNativeWidget.h>
+#include <QApplication>
+#include <QStringList>
+#include <QSurfaceFormat>
+#include <QTest>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "gui_tests.h"
+
+namespace {
+
+using namespace plenoflame::desktop::test;
+
+struct Entry {
+  const char* name;
+  std::unique_ptr<QObject> (*make)();
+};
+constexpr std::array<Entry, 8> kTests{{{"window", make_window_test},
+                                       {"panels", make_panels_test},
+                                       {"selection", make_selection_test},
+                                       {"picture", make_picture_test},
+                                       {"files", make_files_test},
+                                       {"exports", make_exports_test},
+                                       {"manners", make_manners_test},
+                                       {"tour", make_tour_test}}};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
+#if QT_VERSION < QT_VERSION_CHECK(6, 0, 0)
+  QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
+  QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
+#endif
+  QApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
+  QApplication application(argc, argv);
+  QStringList arguments = QApplication::arguments();
+  const QString name = arguments.value(1);
+  if (name == "crash" && argc == 4) return crash_with_changes(argv[2], argv[3]);
+  if (name == "measure" && argc == 3) return measure(argv[2]);
+  for (const Entry& entry : kTests) {
+    if (name != entry.name) continue;
+    arguments.removeAt(1);
+    return QTest::qExec(entry.make().get(), arguments);
+  }
+  std::fprintf(stderr, "usage: desktop_gui_test NAME [QtTest's options]; names:");
+  for (const Entry& entry : kTests) std::fprintf(stderr, " %s", entry.name);
+  std::fprintf(stderr, "\n");
+  return 2;
+}

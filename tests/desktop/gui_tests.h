@@ -1,0 +1,23 @@
+#pragma once
+#include <QObject>
+#include <memory>
+
+/// The tests of the window, each class in a file of its own; gui_main.cpp runs them by name.
+namespace plenoflame::desktop::test {
+
+std::unique_ptr<QObject> make_window_test();
+std::unique_ptr<QObject> make_panels_test();
+std::unique_ptr<QObject> make_selection_test();
+std::unique_ptr<QObject> make_picture_test();
+std::unique_ptr<QObject> make_files_test();
+std::unique_ptr<QObject> make_exports_test();
+std::unique_ptr<QObject> make_manners_test();
+std::unique_ptr<QObject> make_tour_test();
+
+/// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
+/// @return never 0
+int crash_with_changes(const char* scene, const char* recovery_folder);
+/// Prints how long things take that somebody waits for. @return exit status
+int measure(const char* scene);
+
+}  // namespace plenoflame::desktop::test

@@ -1,0 +1,224 @@
+// Keys, menus, themes, help: what one expects of any window.
+#include <QAbstractButton>
+#include <QComboBox>
+#include <QDesktopServices>
+#include <QLabel>
+#include <QMessageBox>
+#include <QSlider>
+#include <QSpinBox>
+#include <QStackedWidget>
+#include <QTableWidget>
+#include <QTreeView>
+#include <QUrl>
+
+#include "gui_tests.h"
+#include "plenoflame/scene/presets.h"
+#include "widgets/render_panel.h"
+#include "widgets/scene_panel.h"
+#include "widgets/scene_view.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+using plenoflame::desktop::test::difference;
+
+class MannersTest : public test::WindowFixture {
+  Q_OBJECT
+
+  QUrl opened_;
+  void open_small() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+  }
+  /// Clicks through the context menu of a line of the scene's tree.
+  bool click_context(const char* path, const QStringList& texts) {
+    ScenePanel& panel = window_->scene_panel();
+    panel.reveal(path);
+    QTest::qWait(30);
+    QTreeView& tree = panel.tree();
+    const QPoint at = tree.visualRect(tree.currentIndex()).center();
+    bool clicked = false;
+    when_shown<QMenu>([&](QMenu& menu) {
+      QMenu* at_menu = &menu;
+      for (const QString& text : texts) {
+        QAction* found = nullptr;
+        for (QAction* action : at_menu->actions())
+          if (action->text() == text) found = action;
+        if (!found) return menu.close(), void();
+        QTest::mouseClick(at_menu, Qt::LeftButton, {}, at_menu->actionGeometry(found).center());
+        if (!found->menu()) {
+          clicked = true;
+          return;
+        }
+        at_menu = found->menu();
+        QTest::qWait(50);
+      }
+    });
+    QContextMenuEvent event(QContextMenuEvent::Mouse, at, tree.viewport()->mapToGlobal(at));
+    QApplication::sendEvent(tree.viewport(), &event);
+    return clicked;
+  }
+
+ public slots:
+  void catch_url(const QUrl& url) { opened_ = url; }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { window_.reset(); }
+
+  void renderingObeysItsKeys() {
+    open_small();
+    session().document().set_value("render.samples", "20000");
+    RenderJob& job = session().render();
+    QVERIFY(until([&] { return job.state() == RenderJob::State::running; }));
+    press(Qt::Key_F6);
+    QVERIFY(job.state() == RenderJob::State::paused);
+    press(Qt::Key_F6);
+    QVERIFY(job.state() == RenderJob::State::running);
+    press(Qt::Key_F5, Qt::ShiftModifier);
+    QVERIFY(job.state() == RenderJob::State::idle);
+    press(Qt::Key_F5);
+    QVERIFY(job.state() == RenderJob::State::running);
+    QTest::mouseClick(child<QWidget>("renderStop"), Qt::LeftButton);
+    // Without following changes nothing starts by itself; the button does it.
+    QTest::mouseClick(child<QAbstractButton>("renderAutomatic"), Qt::LeftButton, {}, QPoint(8, 8));
+    QVERIFY(!session().auto_render());
+    session().document().set_value("render.samples", "16");
+    QTest::qWait(200);
+    QVERIFY(job.state() == RenderJob::State::idle);
+    QTest::mouseClick(child<QAbstractButton>("renderStart"), Qt::LeftButton);
+    QVERIFY(until([&] { return job.state() == RenderJob::State::finished; }, 30000));
+    QVERIFY(job.curve().size() >= 2);
+    QVERIFY(child<QLabel>("renderError")->text().contains('%'));
+  }
+
+  void presetsItemsAndDefaultsComeFromTheContextMenu() {
+    open_small();
+    Document& document = session().document();
+    const Scene first = document.scene();
+    QVERIFY(
+        click_context("camera.lens.surfaces", {"Start from a preset", "thin-50mm"}) ||
+        click_context("camera.lens", {"Start from a preset",
+                                      QString::fromStdString(preset_names(PresetKind::lens)[0])}));
+    QVERIFY(document.scene().camera.lens != first.camera.lens);
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(document.scene() == first);
+    const QString flame = QString::fromStdString(preset_names(PresetKind::flame).back());
+    QVERIFY(click_context("flames", {"Start from a preset", flame}));
+    QCOMPARE(document.scene().flames.size(), std::size_t(2));
+    QVERIFY(click_context("flames[1]", {"Remove this item"}));
+    QCOMPARE(document.scene().flames.size(), std::size_t(1));
+    QVERIFY(click_context("flames", {"Add an item"}));
+    QCOMPARE(document.scene().flames.size(), std::size_t(2));
+    for (int i = 0; i < 3; ++i) press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(document.scene() == first);
+    QVERIFY(click_context("render.samples", {"Back to the default"}));
+    QVERIFY(document.scene().render.samples != 0);
+    const auto names = preset_names(PresetKind::camera);
+    QVERIFY(click_context("camera", {"Start from a preset", QString::fromStdString(names.back())}));
+    QVERIFY(!(document.scene().camera == first.camera));
+  }
+
+  void themeChangesEverywhereAndBack() {
+    open_small();
+    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
+    QTest::qWait(100);
+    const auto lightness = [](const QImage& image) {
+      double sum = 0;
+      for (int y = 0; y < image.height(); y += 3)
+        for (int x = 0; x < image.width(); x += 3) sum += QColor(image.pixel(x, y)).lightnessF();
+      return sum * 9 / (image.width() * image.height());
+    };
+    const QImage light = window_->grab().toImage();
+    QVERIFY(click_menu({"View", "Dark theme"}));
+    QTest::qWait(150);
+    const QImage dark = window_->grab().toImage();
+    QVERIFY(lightness(light) > 0.6 && lightness(dark) < 0.35);
+    QVERIFY(lightness(window_->scene_view().picture()) < 0.4);
+    // Text stands out from what it is on.
+    const QPalette palette = window_->palette();
+    QVERIFY(palette.color(QPalette::Text).lightness() - palette.color(QPalette::Base).lightness() >
+            120);
+    QVERIFY(click_menu({"View", "Dark theme"}));
+    QTest::qWait(150);
+    QVERIFY(difference(light, window_->grab().toImage()) < 0.01);
+  }
+
+  void helpIsAboutWhatHasTheFocus() {
+    open_small();
+    QDesktopServices::setUrlHandler("file", this, "catch_url");
+    const auto page = [&](QWidget* focus) {
+      focus->setFocus();
+      opened_.clear();
+      press(Qt::Key_F1);
+      return opened_.fileName();
+    };
+    QCOMPARE(page(&image()), QString("desktop.md"));
+    QCOMPARE(page(&window_->scene_panel().tree()), QString("scene.md"));
+    raise("raysDock");
+    QCOMPARE(page(child<QTableWidget>("raysTable")), QString("rays.md"));
+    raise("designDock");
+    QCOMPARE(page(child<QTableWidget>("designTable")), QString("design.md"));
+    raise("flameDock");
+    QCOMPARE(page(child<QWidget>("flameGenerate")), QString("flames.md"));
+    raise("lightFieldDock");
+    QCOMPARE(page(child<QWidget>("exportDerived")), QString("light-fields.md"));
+    QDesktopServices::unsetUrlHandler("file");
+  }
+
+  void aboutBoxNamesTheVersions() {
+    QString text;
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      text = box.text();
+      QTest::keyClick(&box, Qt::Key_Escape);
+    });
+    QVERIFY(click_menu({"Help", "About Plenoflame"}));
+    const QString version = run(PLENOFLAME_COMMAND, {"--version"}).trimmed().section(' ', 1, 1);
+    QVERIFY2(!version.isEmpty() && text.contains(version), qPrintable(text + " / " + version));
+    QVERIFY(text.contains(qVersion()));
+    QVERIFY(text.contains("VTK 9."));
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      text = box.text();
+      QTest::keyClick(&box, Qt::Key_Escape);
+    });
+    press(Qt::Key_F1, Qt::ShiftModifier);
+    QVERIFY(text.contains("F6"));
+  }
+
+  void everyControlSaysWhatItIs() {
+    open_small();
+    QStringList silent;
+    for (QDockWidget* dock : window_->findChildren<QDockWidget*>())
+      for (QWidget* widget : dock->widget()->findChildren<QWidget*>()) {
+        const bool control = qobject_cast<QComboBox*>(widget) || qobject_cast<QSlider*>(widget) ||
+                             qobject_cast<QAbstractSpinBox*>(widget) ||
+                             qobject_cast<QAbstractButton*>(widget) ||
+                             qobject_cast<QLineEdit*>(widget);
+        const QWidget* const parent = widget->parentWidget();
+        const bool part = qobject_cast<const QAbstractSpinBox*>(parent) ||
+                          qobject_cast<const QComboBox*>(parent) || parent->inherits("QTabBar") ||
+                          parent->inherits("QAbstractItemView");
+        if (!control || part || !widget->toolTip().isEmpty()) continue;
+        if (widget->inherits("QTableCornerButton")) continue;
+        silent << dock->objectName() + "/" + widget->metaObject()->className() + " " +
+                      widget->objectName();
+      }
+    QVERIFY2(silent.isEmpty(), qPrintable(silent.join("; ")));
+  }
+
+  void tableOfTheParametersHasUnitsRangesAndMeanings() {
+    open_small();
+    QTreeView& tree = window_->scene_panel().tree();
+    window_->scene_panel().reveal("camera.sensor.pixel_pitch");
+    const QModelIndex index = tree.currentIndex();
+    QVERIFY(index.data().toString().contains("um"));
+    QVERIFY(!index.data(Qt::ToolTipRole).toString().isEmpty());
+    QVERIFY(!index.siblingAtColumn(ParameterModel::kAllowed).data().toString().isEmpty());
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_manners_test() {
+  return std::make_unique<MannersTest>();
+}
+
+#include "manners_test.moc"

@@ -1,0 +1,253 @@
+// What the image view and the light-field panel show, and how the flame is drawn. References: sums
+// over the document's image.
+#include <QAction>
+#include <QComboBox>
+#include <QLabel>
+#include <QSlider>
+#include <QTabWidget>
+#include <cmath>
+
+#include "gui_tests.h"
+#include "plenoflame/base/units.h"
+#include "widgets/flame_panel.h"
+#include "widgets/light_field_panel.h"
+#include "widgets/opacity_curve.h"
+#include "widgets/plot_widget.h"
+#include "widgets/scene_view.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+using plenoflame::desktop::test::difference;
+
+class PictureTest : public test::WindowFixture {
+  Q_OBJECT
+
+  void open_small() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+  }
+  const LightFieldChannel& channel() { return session().document().image()->channels[0]; }
+  void choose(const char* box, const QString& text) {
+    auto* combo = child<QComboBox>(box);
+    combo->setFocus();
+    for (int i = 0; i < combo->count() && combo->currentText() != text; ++i)
+      QTest::keyClick(combo, i == 0 ? Qt::Key_Home : Qt::Key_Down);
+    QCOMPARE(combo->currentText(), text);
+  }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { window_.reset(); }
+
+  void profileHasTheValuesAlongTheLine() {
+    open_small();
+    image().set_scale(4);
+    image().centre_on(150, 150);
+    QTest::qWait(30);
+    const QPoint a = of_pixel(120, 150), b = of_pixel(180, 150);
+    drag(&image(), a, b, Qt::ControlModifier);
+    auto* plot = dynamic_cast<PlotWidget*>(child<QWidget>("profile"));
+    QVERIFY(plot && plot->series().size() == 1);
+    const auto& points = plot->series()[0].points;
+    QVERIFY(points.size() >= 60);
+    // The light along the line is that of the pixels it crosses.
+    double drawn = 0, there = 0;
+    for (const QPointF& p : points) drawn += p.y();
+    for (int column = 120; column <= 180; ++column)
+      there += static_cast<double>(channel().flux.at(column, 150));
+    QVERIFY(std::fabs(drawn / points.size() / (there / 61) - 1) < 0.05);
+    QVERIFY(std::fabs(points.back().x() - 60) < 1);
+    QVERIFY(child<QDockWidget>("profileDock")->isVisible());
+    QVERIFY(plot->isVisible());
+  }
+
+  void histogramCountsEveryLitPixel() {
+    open_small();
+    auto* plot = dynamic_cast<PlotWidget*>(child<QWidget>("histogram"));
+    QVERIFY(plot && plot->series().size() == 1);
+    double counted = 0;
+    for (const QPointF& p : plot->series()[0].points) counted += p.y();
+    // Four decades below the largest; what is darker is not in it.
+    double largest = 0, lit = 0;
+    for (const float f : channel().flux.pixels) largest = std::max(largest, static_cast<double>(f));
+    for (const float f : channel().flux.pixels)
+      lit += static_cast<double>(f) >= 1e-4 * largest ? 1 : 0;
+    QVERIFY(lit > 1000);
+    QVERIFY2(std::fabs(counted / lit - 1) < 0.01,
+             qPrintable(QString("%1 of %2").arg(counted).arg(lit)));
+    raise("histogramDock");
+    const QImage before = plot->grab().toImage();
+    choose("quantity", "Standard error");
+    QVERIFY(until([&] { return difference(before, plot->grab().toImage()) > 1e-3; }));
+  }
+
+  void saturatedPixelsAreMarked() {
+    open_small();
+    double largest = 0;
+    for (const float f : channel().flux.pixels) largest = std::max(largest, static_cast<double>(f));
+    const double threshold = 0.5 * largest;
+    session().document().set_value("develop.saturation",
+                                   readable_quantity(threshold, Dimension::flux, 17));
+    QVERIFY(settled());
+    int above = 0;
+    for (const float f : channel().flux.pixels)
+      above += static_cast<double>(f) >= threshold ? 1 : 0;
+    QVERIFY(above > 10);
+    QTest::keyClick(&image(), Qt::Key_1);
+    const QImage plain = image().grab().toImage();
+    child<QAction>("saturation")->trigger();
+    QVERIFY(image().tone_settings().saturation > 0);
+    // At one to one every pixel of the image is one of the screen.
+    const QImage marked = image().grab().toImage();
+    int changed = 0;
+    for (int y = 1; y + 1 < plain.height(); ++y)
+      for (int x = 1; x + 1 < plain.width(); ++x)
+        changed += plain.pixel(x, y) != marked.pixel(x, y) ? 1 : 0;
+    QVERIFY2(std::abs(changed - above) <= 0.02 * above + 2,
+             qPrintable(QString("%1 marked of %2").arg(changed).arg(above)));
+  }
+
+  void errorMapsAndScalesAreShown() {
+    open_small();
+    QList<QImage> seen{image().grab().toImage()};
+    for (const char* text : {"Standard error", "Relative error"}) {
+      choose("quantity", text);
+      QVERIFY(until([&] { return difference(seen.back(), image().grab().toImage()) > 0.05; }));
+      seen << image().grab().toImage();
+    }
+    // In the map of relative errors the value shown is the ratio.
+    QVERIFY(window_->image_panel().pyramid());
+    const float shown = window_->image_panel().pyramid()->level(0).at(150, 140);
+    QVERIFY(
+        std::fabs(static_cast<double>(shown) * static_cast<double>(channel().flux.at(150, 140)) /
+                      static_cast<double>(channel().standard_error.at(150, 140)) -
+                  1) < 1e-5);
+    choose("quantity", "Flux");
+    QVERIFY(until([&] { return difference(seen.front(), image().grab().toImage()) == 0; }));
+    for (const char* text : {"Linear", "Logarithmic"}) {
+      const QImage before = image().grab().toImage();
+      choose("scale", text);
+      QVERIFY(difference(before, image().grab().toImage()) > 0.02);
+    }
+    // White that is half as bright, by a number with its unit.
+    const QImage before = image().grab().toImage();
+    auto* white = child<QLineEdit>("white");
+    QTest::keyClicks(white, QString::fromStdString(readable_quantity(
+                                0.3 * image().tone_settings().white, Dimension::flux, 4)));
+    QTest::keyClick(white, Qt::Key_Return);
+    QVERIFY(difference(before, image().grab().toImage()) > 0.02);
+    white->selectAll();
+    QTest::keyClicks(white, "3 kg");
+    QTest::keyClick(white, Qt::Key_Return);
+    QVERIFY(white->toolTip().contains("kg"));
+  }
+
+  void pointerIsDescribedInTheStatusBar() {
+    open_small();
+    image().set_scale(8);
+    image().centre_on(150, 150);
+    QTest::mouseMove(&image(), of_pixel(145, 150));
+    auto* label = child<QLabel>("pointerLabel");
+    QVERIFY(until([&] { return label->text().contains("145, 150"); }));
+    QVERIFY(label->text().contains(QString::fromStdString(
+        readable_quantity(static_cast<double>(channel().flux.at(145, 150)), Dimension::flux))));
+  }
+
+  void apertureDepthAndLineAreDraggedByThePointer() {
+    QVERIFY(window_->open_example("paper-previous-60x60"));
+    raise("lightFieldDock");
+    QVERIFY(settled());
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }, 60000));
+    auto* pad = child<QWidget>("aperturePad");
+    auto* view = child<ImageView>("subApertureView");
+    const QPoint middle = pad->rect().center();
+    const double step = 0.7 * (std::min(pad->width(), pad->height()) - 8.0) / LightFieldJobs::kGrid;
+    const QImage from_the_middle = view->grab().toImage();
+    drag(pad, middle, middle + QPointF(3 * step, 0));
+    // Three views to the right of the middle one.
+    QCOMPARE(window_->light_field_panel().shown_name(), QString("view-4-7"));
+    QVERIFY(difference(from_the_middle, view->grab().toImage()) > 1e-3);
+    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    auto* slider = child<QSlider>("depthSlider");
+    const double before = window_->light_field_panel().depth();
+    // The handle, ten pixels wide, is taken where it stands.
+    const double place = static_cast<double>(slider->value()) / slider->maximum(),
+                 handle = 6 + place * (slider->width() - 12.0), y = 0.5 * slider->height();
+    drag(slider, QPointF(handle, y), QPointF(handle - 0.25 * slider->width(), y));
+    QVERIFY(window_->light_field_panel().depth() < 0.95 * before);
+    const double wanted = window_->light_field_panel().depth();
+    const auto exact = [&] {
+      const DerivedImage& r = session().light_field().refocused();
+      return r.image && !r.preview && std::fabs(r.depth / wanted - 1) < 1e-9;
+    };
+    QVERIFY(until(exact, 30000));
+    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
+    auto* slice = child<ImageView>("epipolarView");
+    QVERIFY(slice->image() != nullptr);
+    const QImage earlier = slice->grab().toImage();
+    QTest::keyClick(child<QSlider>("lineSlider"), Qt::Key_PageUp);
+    QVERIFY(difference(earlier, slice->grab().toImage()) > 1e-3);
+    QVERIFY(child<ImageView>("epipolarView")->image()->height() % LightFieldJobs::kGrid == 0);
+  }
+
+  void opacityOfTheFlameIsDrawnByHandAndUndone() {
+    open_small();
+    raise("flameDock");
+    QVERIFY(until([&] { return window_->flame_panel().sampler().samples() != nullptr; }));
+    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
+    auto* curve = dynamic_cast<OpacityCurve*>(child<QWidget>("flameOpacity"));
+    QVERIFY(curve);
+    Document& document = session().document();
+    const bool was_modified = document.is_modified();
+    press(Qt::Key_2, Qt::ControlModifier);  // the flame fills the view
+    QTest::qWait(100);
+    const QImage whole = window_->scene_view().picture();
+    const auto look = [&] { return document.look().points; };
+    const auto at = [&](double place, double opacity) {
+      return curve->to_widget({place, opacity}).toPoint();
+    };
+    // A click adds a point, and the drag that follows moves it: cold gas is hidden.
+    drag(curve, at(0.5, 0.8), at(0.7, 0.1));
+    QCOMPARE(look().size(), std::size_t(3));
+    QVERIFY(std::fabs(look()[1].place - 0.7) < 0.02 && std::fabs(look()[1].opacity - 0.1) < 0.03);
+    drag(curve, at(0, 1), at(0, 0));
+    QVERIFY(look()[0].place == 0 && look()[0].opacity < 0.03);
+    QTest::qWait(100);
+    QVERIFY(difference(whole, window_->scene_view().picture()) > 1e-3);
+    // Each drag is one step; the scene's file has nothing of it.
+    QCOMPARE(document.is_modified(), was_modified);
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QCOMPARE(look()[0].opacity, 1.0);
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QCOMPARE(look().size(), std::size_t(2));
+    QTest::qWait(100);
+    QCOMPARE(difference(whole, window_->scene_view().picture()), 0.0);
+    press(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+    QCOMPARE(look().size(), std::size_t(3));
+    // By keys: up by a tenth, then away. The next window remembers what is left.
+    curve->setFocus();
+    QTest::keyClick(curve, Qt::Key_N);
+    while (curve->chosen() != 1) QTest::keyClick(curve, Qt::Key_N);
+    const double opacity = look()[1].opacity;
+    QTest::keyClick(curve, Qt::Key_Up, Qt::ShiftModifier);
+    QVERIFY(std::fabs(look()[1].opacity - opacity - 0.1) < 1e-9);
+    const auto kept = look();
+    window_->close();
+    window_.reset();
+    make_window();
+    QVERIFY(session().document().look().points == kept);
+    QVERIFY(!session().document().can_undo());
+    open_small();
+    raise("flameDock");
+    curve = dynamic_cast<OpacityCurve*>(child<QWidget>("flameOpacity"));
+    QTest::mouseClick(curve, Qt::RightButton, {}, curve->to_widget(kept[1]).toPoint());
+    QCOMPARE(session().document().look().points.size(), std::size_t(2));
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_picture_test() {
+  return std::make_unique<PictureTest>();
+}
+
+#include "picture_test.moc"

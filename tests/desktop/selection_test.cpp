@@ -1,0 +1,281 @@
+// What is selected shows everywhere, and can be selected everywhere, by real clicks. References:
+// the camera's frame as docs/reference defines it, written out here. Runs on a screen of double
+// density, too: places on widgets are logical pixels, what VTK draws is not.
+#include <QFile>
+#include <QTableWidget>
+#include <algorithm>
+#include <cmath>
+
+#include "gui_tests.h"
+#include "widgets/rays_panel.h"
+#include "widgets/scene_view.h"
+#include "widgets/section_view.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+using plenoflame::desktop::test::difference;
+
+class SelectionTest : public test::WindowFixture {
+  Q_OBJECT
+
+  SceneView& view() { return window_->scene_view(); }
+  SectionView& section() { return window_->section_view(); }
+  QWidget* scene3d() { return child<QWidget>("scene3d"); }
+  QTableWidget* table() { return child<QTableWidget>("raysTable"); }
+  const Selection& selection() { return session().document().selection(); }
+  const CompiledScene& scene() { return *session().compiler().compiled(); }
+  bool rays_are_there() {
+    const bool there = until([this] {
+      return session().rays().rays() && session().rays().rays()->selection == selection();
+    });
+    QTest::qWait(80);  // drawn
+    return there;
+  }
+  void open_small() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    QVERIFY(until([&] { return view().flame_temperatures()[1] > 0; }, 60000));
+    QTest::qWait(100);
+  }
+  void part(Qt::Key key) {
+    press(key, Qt::ControlModifier);
+    QTest::qWait(150);
+  }
+  /// A point of the camera's frame in the world: z towards the scene, x right, y down.
+  Vec3 world(Vec3 camera) {
+    const CameraSpec& spec = session().document().scene().camera;
+    const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
+               up = cross(right, axis);
+    return spec.position + camera.z * axis + camera.x * right - camera.y * up;
+  }
+  /// Middle of a pixel: x = (W/2 - column) pitch, y = (H/2 - row) pitch.
+  Vec3 pixel_in_world(int column, int row) {
+    const SensorSpec& sensor = session().document().scene().camera.sensor;
+    return world({(0.5 * sensor.columns - column - 0.5) * sensor.pixel_pitch,
+                  (0.5 * sensor.rows - row - 0.5) * sensor.pixel_pitch, scene().camera.sensor()});
+  }
+  QPoint seen_at(Vec3 point) { return view().to_widget(point).toPoint(); }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { window_.reset(); }
+
+  void pixelOfTheImageIsTheOneUnderThePointer() {
+    open_small();
+    const double ratio = qEnvironmentVariable("QT_SCALE_FACTOR", "1").toDouble();
+    QCOMPARE(image().devicePixelRatioF(), ratio);
+    image().set_scale(16 * ratio);  // pixels of the device
+    image().centre_on(150, 140);
+    QTest::qWait(50);
+    const QImage shown = image().grab().toImage();
+    QCOMPARE(shown.width(), static_cast<int>(std::lround(image().width() * ratio)));
+    const ToneTable table(image().tone_settings());
+    const Image& flux = session().document().image()->channels[0].flux;
+    int compared = 0;
+    for (int row = 134; row < 146; row += 3)
+      for (int column = 144; column < 156; column += 3) {
+        const QPoint at = of_pixel(column, row);
+        if (!image().rect().contains(at)) continue;
+        QTest::mouseClick(&image(), Qt::LeftButton, {}, at);
+        QCOMPARE(selection().column, column);
+        QCOMPARE(selection().row, row);
+        // And it is what is drawn there.
+        const QColor drawn(shown.pixel(QPoint(static_cast<int>((at.x() + 0.5) * ratio),
+                                              static_cast<int>((at.y() + 0.5) * ratio))));
+        const QColor meant(table(flux.at(column, row)));
+        QVERIFY(std::abs(drawn.red() - meant.red()) <= 2);
+        ++compared;
+      }
+    QVERIFY(compared > 8);
+  }
+
+  void pixelOfTheSensorIsPickedIn3d() {
+    open_small();
+    part(Qt::Key_3);
+    const QPoint at = seen_at(pixel_in_world(210, 90));
+    QVERIFY(scene3d()->rect().contains(at));
+    QTest::mouseClick(scene3d(), Qt::LeftButton, {}, at);
+    QVERIFY(selection().kind == Selection::Kind::pixel);
+    // A place on the screen is a square of the sensor, seen at a slant.
+    const double screen_pixel = view().view_height() / scene3d()->height();
+    const double reach = 4 * screen_pixel / session().document().scene().camera.sensor.pixel_pitch;
+    QVERIFY(reach < 100);
+    QVERIFY2(std::hypot(selection().column - 210, selection().row - 90) < reach,
+             qPrintable(QString("%1, %2").arg(selection().column).arg(selection().row)));
+    QVERIFY(rays_are_there());
+  }
+
+  void microlensIsPickedIn3dWithItsImageAndCone() {
+    open_small();
+    part(Qt::Key_4);
+    const auto& lattice = scene().camera.lattice();
+    for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{-1, 0}}) {
+      const Vec2 centre = lattice.centre(lens);
+      const QPoint at = seen_at(world({centre.x, centre.y, scene().camera.array_front()}));
+      QVERIFY(scene3d()->rect().contains(at));
+      const QImage image_before = image().grab().toImage(), scene_before = view().picture();
+      QTest::mouseClick(scene3d(), Qt::LeftButton, {}, at);
+      QVERIFY(selection().kind == Selection::Kind::microlens);
+      QCOMPARE(selection().lens.q, lens.q);
+      QCOMPARE(selection().lens.r, lens.r);
+      QVERIFY(rays_are_there());
+      QVERIFY(difference(image_before, image().grab().toImage()) > 1e-4);  // its pixels are marked
+      QVERIFY(difference(scene_before, view().picture()) > 1e-4);          // its cone is drawn
+      // Its pixels stand where a line from the middle of the exit pupil through it arrives.
+      double x = 0;
+      for (const Pixel& p : session().rays().rays()->pixels) x += p.column + 0.5;
+      x /= static_cast<double>(session().rays().rays()->pixels.size());
+      const double pitch = scene().scene.camera.sensor.pixel_pitch;
+      QVERIFY(std::fabs(x - (150 - centre.x / pitch)) < 1.5);
+    }
+  }
+
+  void microlensOfAPixelIsFoundByShiftAndClick() {
+    open_small();
+    // Lens (0, 0) stands 0.5 mm, that is five pixels, to the left of the middle of the image.
+    QTest::mouseClick(&image(), Qt::LeftButton, Qt::ShiftModifier, of_pixel(145, 150));
+    QVERIFY(selection().kind == Selection::Kind::microlens);
+    QCOMPARE(selection().lens.q, 0);
+    QCOMPARE(selection().lens.r, 0);
+    QVERIFY(rays_are_there());
+    for (int row = 0; row < table()->rowCount(); ++row)
+      QVERIFY(table()->item(row, 3)->text().contains("(0, 0)"));
+    QTest::mouseClick(&image(), Qt::LeftButton, Qt::ShiftModifier, of_pixel(155, 150));
+    QCOMPARE(selection().lens.q, -1);
+  }
+
+  void microlensIsPickedInTheSection() {
+    open_small();
+    part(Qt::Key_4);
+    const double front = scene().camera.array_front();
+    QTest::mouseClick(&section(), Qt::LeftButton, {}, section().to_widget(front, 0).toPoint());
+    QVERIFY(selection().kind == Selection::Kind::microlens);
+    QCOMPARE(selection().lens.r, 0);
+    QVERIFY(rays_are_there());
+  }
+
+  void pointOfTheFlameLightsThePixelsThatSeeIt() {
+    open_small();
+    // In the section: a point 29 mm below its middle would be the flame's foot; the axis is in it.
+    const Vec3 point = world({0, 0, 1.0});
+    QTest::mouseClick(&section(), Qt::LeftButton, {}, section().to_widget(1.0, 0).toPoint());
+    QVERIFY(selection().kind == Selection::Kind::point);
+    QVERIFY(length(selection().point - point) < 0.02);
+    QVERIFY(rays_are_there());
+    const auto pixels = session().rays().rays()->pixels;
+    QVERIFY(!pixels.empty());
+    // Marked in the image: the same picture without the selection differs.
+    const QImage marked = image().grab().toImage();
+    // From a ray back to its pixel, by the table.
+    table()->setFocus();
+    int line = 0;
+    while (line < table()->rowCount() && table()->item(line, 1)->text().isEmpty()) ++line;
+    QVERIFY(line < table()->rowCount());
+    table()->setCurrentCell(line, 0);
+    const QString text = table()->item(line, 1)->text();
+    const QPoint cell = table()->visualItemRect(table()->item(line, 1)).center();
+    QTest::mouseClick(table()->viewport(), Qt::LeftButton, {}, cell);
+    QTest::mouseDClick(table()->viewport(), Qt::LeftButton, {}, cell);
+    QVERIFY(selection().kind == Selection::Kind::pixel);
+    QCOMPARE(QString("%1, %2").arg(selection().column).arg(selection().row), text);
+    QVERIFY(rays_are_there());
+    QVERIFY(difference(marked, image().grab().toImage()) > 1e-5);
+    // Its rays pass the point within what a pixel covers there.
+    double nearest = 1;
+    const SelectedRays& back = *session().rays().rays();
+    for (const RayPath& ray : back.paths.rays) {
+      if (ray.status.status != RayStatus::reached || ray.count < 2) continue;
+      const Vec3 a = back.paths.vertices[ray.first + ray.count - 2].position,
+                 b = back.paths.vertices[ray.first + ray.count - 1].position;
+      nearest = std::min(nearest, length(cross(point - a, normalize(b - a))));
+    }
+    QVERIFY(nearest < 0.03);
+  }
+
+  void pointOfTheFlameIsPickedIn3d() {
+    open_small();
+    part(Qt::Key_2);
+    const Vec3 middle = world({0, 0, 1.0});
+    QTest::mouseClick(scene3d(), Qt::LeftButton, {}, seen_at(middle));
+    QVERIFY(selection().kind == Selection::Kind::point);
+    // Somewhere along what is seen there, inside of the flame.
+    const QPointF again = view().to_widget(selection().point);
+    QVERIFY(std::hypot(again.x() - seen_at(middle).x(), again.y() - seen_at(middle).y()) < 2);
+    QVERIFY(length(selection().point - middle) < 0.1);
+    QVERIFY(rays_are_there());
+  }
+
+  void chosenRayStandsOut() {
+    open_small();
+    part(Qt::Key_3);
+    QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(145, 150));
+    QVERIFY(rays_are_there());
+    QVERIFY(table()->rowCount() > 6);
+    const auto choose = [&](int row) {
+      const QRect cell = table()->visualItemRect(table()->item(row, 0));
+      QTest::mouseClick(table()->viewport(), Qt::LeftButton, {}, cell.center());
+      QTest::qWait(80);
+      return std::pair(view().picture(), section().grab().toImage());
+    };
+    table()->scrollToTop();
+    const auto first = choose(0);
+    QTest::keyClick(table(), Qt::Key_Down);
+    QTest::keyClick(table(), Qt::Key_Down);
+    QTest::qWait(80);
+    const QImage other_scene = view().picture(), other_section = section().grab().toImage();
+    QVERIFY(difference(first.first, other_scene) > 1e-5);
+    QVERIFY(difference(first.second, other_section) > 1e-5);
+    QTest::keyClick(table(), Qt::Key_Home, Qt::ControlModifier);
+    QTest::qWait(80);
+    QCOMPARE(difference(first.second, section().grab().toImage()), 0.0);
+    QCOMPARE(difference(first.first, view().picture()), 0.0);
+    // The surfaces that it meets, from the sensor on.
+    auto* surfaces = child<QTableWidget>("surfacesTable");
+    QCOMPARE(surfaces->item(0, 0)->text(), QString("sensor"));
+    QVERIFY(surfaces->rowCount() > 4);
+  }
+
+  void raysAreColouredByHowTheyEnd() {
+    open_small();
+    // A pixel at the corner: some rays are stopped.
+    QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(40, 40));
+    QVERIFY(rays_are_there());
+    QSet<QString> colours, ends;
+    for (int row = 0; row < table()->rowCount(); ++row) {
+      const QTableWidgetItem* const item = table()->item(row, 2);
+      colours << item->foreground().color().name();
+      ends << item->text().section(' ', 0, 0);
+    }
+    QVERIFY(!ends.isEmpty());
+    QCOMPARE(colours.size(), ends.size());
+  }
+
+  void distanceIsMeasuredBetweenTwoClicks() {
+    open_small();
+    for (const Qt::Key key : {Qt::Key_1, Qt::Key_4}) {  // a metre, and a millimetre
+      part(key);
+      QAction* const measure = child<QAction>("measure");
+      measure->trigger();
+      QTest::qWait(80);
+      const QPoint a = scene3d()->rect().center() - QPoint(60, 20), b = a + QPoint(110, 40);
+      for (const QPoint& p : {a, b}) {
+        mouse(scene3d(), QEvent::MouseMove, p, Qt::NoButton);
+        QTest::mouseClick(scene3d(), Qt::LeftButton, {}, p);
+        QTest::qWait(60);
+      }
+      const double expected = std::hypot(110, 40) * view().view_height() / scene3d()->height();
+      QVERIFY2(std::fabs(view().measured() / expected - 1) < 0.03,
+               qPrintable(QString("%1 for %2").arg(view().measured()).arg(expected)));
+      QVERIFY(selection().kind == Selection::Kind::none);  // these clicks measure only
+      measure->trigger();
+      QCOMPARE(view().measured(), 0.0);
+    }
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_selection_test() {
+  return std::make_unique<SelectionTest>();
+}
+
+#include "selection_test.moc"
