@@ -68,6 +68,9 @@ class Optimize(CommandTest):
             self.assertIn(result.returncode, (1, 2))
             self.assertIn(words, result.stderr.splitlines()[-1])
         self.fails(2, "optimize", "a.toml", "--merit", "light", mentions="--output")
+        for option, value in [("--bound", "nan"), ("--bound", "1"), ("--time-limit", "inf"), ("--bound", "2x")]:
+            self.fails(2, "optimize", "a.toml", "--merit", "light", "-o", "b.toml", option, value,
+                       mentions=[option, value + " is not a number from"])
 
 
 if __name__ == "__main__":

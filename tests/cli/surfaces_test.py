@@ -40,6 +40,16 @@ class Surfaces(CommandTest):
         self.bad(MESH, "a.toml:6:", "thing.obj")
         self.write("thing.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
         self.bad(MESH, "a.toml:6:", "without area")
+        good = "v 0 0 0\nv 1 0 0 # here\nv 0 1 0\n"
+        for text, *mentions in [("v 0 0 0\nv 1 0 0x\nv 0 1 0\nf 1 2 3\n", "line 2", '"0x"'),
+                                ("v 0 abc 1\n" + good + "f 2 3 4\n", "line 1", '"abc"'),
+                                ("v 0 1\n" + good + "f 2 3 4\n", "line 1", "2 numbers"),
+                                (good + "f 1 2\n", "line 4", "2 corners"),
+                                (good + "f 1 2 4\n", "line 4", "no vertex 4 among 3"),
+                                (good + "f 1 2 -4\n", "line 4", "no vertex"),
+                                (good + "f 1 \\\n2 x\n", "line 5", '"x"')]:
+            self.write("thing.obj", text)
+            self.bad(MESH, "a.toml:6:", "thing.obj", *mentions)
         self.write("thing.obj", "# nothing\n")
         self.bad(MESH, "a.toml:6:", "thing.obj")
 

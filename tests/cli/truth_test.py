@@ -99,8 +99,17 @@ class Truth(CommandTest):
         self.assertGreater(rays["chief.dx"][32][48], 0.999)
         self.fails(2, "truth", "w.exr", mentions="--output")
         self.fails(2, "truth", "w.exr", "--points", "p.csv", mentions="--projections")
-        self.write("p.csv", "1,2\n1,2,3\n4,5\n")
+        self.write("p.csv", "x,y,z\n1,2,3\n4,5\n")
         self.fails(1, "truth", "w.exr", "--points", "p.csv", "--projections", "i.csv", mentions="p.csv:3")
+        # A first line with any number in it is no header.
+        for line in ["1.0,abc,2", "1,0", "nan,0,0", ",,"]:
+            self.write("p.csv", line + "\n1,0,0\n")
+            self.fails(1, "truth", "w.exr", "--points", "p.csv", "--projections", "none.csv", mentions="p.csv:1:")
+        self.write("p.csv", "x,y,z\n1,0,0\n-1,0,0\n")
+        self.fails(1, "truth", "w.exr", "--points", "p.csv", "--projections", "none.csv",
+                   mentions=["point 1", "-1, 0, 0 m", "in front of the camera"])
+        self.fails(2, "truth", "w.exr", "-o", "i.csv", "--points", "p.csv", "--projections", "i.csv", mentions="same file")
+        self.assertNotIn("none.csv", self.files())
         self.fails(1, "truth", "t.csv", "-o", "x.csv", mentions="t.csv")
 
     def test_tolerances_move_the_micro_images(self):

@@ -1,4 +1,5 @@
 #include "plenoflame/camera/design.h"
+#include "number_range.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -158,7 +159,7 @@ void register_design(const Registry& registry) {
       ->check(CLI::Range(1, 3))
       ->capture_default_str();
   command.add_option("--greatest-index", settings->array.index_limit, "With --solve")
-      ->check(CLI::Range(1.0, 5.0))
+      ->check(number_between(1.0, 5.0))
       ->capture_default_str();
   command.add_option("--least-radius", settings->array.least_radius,
                      "With --solve: of the faces, with unit");

@@ -14,6 +14,7 @@
 #include "commands/commands.h"
 #include "commands/flame_import.h"
 #include "interrupt.h"
+#include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
@@ -191,7 +192,7 @@ void register_flame(const Registry& registry) {
                      "candle, diffusion: absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
   command.add_option("--seed", s->seed_text, "turbulent: which plume (1)")->option_text("N");
   command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from(0));
   command.add_flag("--json", s->json, "Print what was written as JSON");
 #ifdef PLENOFLAME_HAS_VTK
   const Action import_action = add_flame_import(command);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_library.h"
@@ -120,7 +121,7 @@ Action add_flame_import(CLI::App& flame) {
   command
       .add_option("--temperature-scale", request.temperature_scale,
                   "Factor on the stored temperatures (1)")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above(0))
       ->option_text("F");
   command.add_option("--absorption", request.absorption, "Array of the absorption coefficient")
       ->option_text("ARRAY");
@@ -132,7 +133,7 @@ Action add_flame_import(CLI::App& flame) {
                   "Array of soot volume fraction f_v: absorption is 6 pi E(m) f_v / wavelength")
       ->option_text("ARRAY");
   command.add_option("--soot-function", request.soot_function, "E(m) of soot, 0.2 to 0.4 (0.26)")
-      ->check(CLI::Range(1e-6, kGreatestSootFunction))
+      ->check(number_between(1e-6, kGreatestSootFunction))
       ->option_text("E");
   command
       .add_option("--wavelength", settings->wavelength, "At which the absorption holds (650 nm)")
@@ -150,12 +151,12 @@ Action add_flame_import(CLI::App& flame) {
                   "Part to import: x low, x high, y low, y high, z low, z high, with units")
       ->option_text("BOX");
   command.add_option("--length-scale", request.length_scale, "Metre per unit of the mesh (1)")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above(0))
       ->option_text("F");
   command
       .add_option("--step", request.step,
                   "Only this time step, counted from 0; without it, all of them")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from(0))
       ->option_text("N");
   command.add_flag("--half", request.half, "Store values with 16 bits");
   command.add_flag("--json", settings->json, "Print what was written as JSON");

@@ -8,6 +8,7 @@
 #include <map>
 #include <system_error>
 
+#include "number_range.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field_channel.h"
 #include "plenoflame/image/png_file.h"
@@ -60,7 +61,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
   command
       .add_option("--spread", arguments.spread,
                   "Side of the square that the views cover, in diameters of a micro-image (0.7)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0.0, 1.0))
       ->option_text("S");
   std::vector<std::string> names;
   for (const auto& entry : view_resamplings()) names.push_back(entry.first);

@@ -10,6 +10,7 @@
 #include "commands/design_array.h"
 #include "commands/design_report.h"
 #include "commands/scene_input.h"
+#include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
@@ -211,7 +212,7 @@ void register_optimize(const Registry& registry) {
       ->check(CLI::IsMember({"focal", "pitch", "spacing", "aperture", "focus", "types"}))
       ->capture_default_str();
   command.add_option("--bound", settings->bound, "Greatest factor by which each may change")
-      ->check(CLI::Range(1.0001, 100.0))
+      ->check(number_between(1.0001, 100.0))
       ->capture_default_str();
   command.add_option("--array-range", settings->array_range,
                      "Near and far end in front of the array, with unit; far < 0: past infinity");
@@ -226,16 +227,16 @@ void register_optimize(const Registry& registry) {
       ->check(CLI::IsMember({"index", "radius"}))
       ->capture_default_str();
   command.add_option("--greatest-index", settings->greatest_index, "Of the microlenses")
-      ->check(CLI::Range(1.0, 5.0))
+      ->check(number_between(1.0, 5.0))
       ->capture_default_str();
   command
       .add_option("--overlap", settings->overlap,
                   "Pixels by which neighbouring micro-images may overlap (0; as at the start when "
                   "only focal lengths vary)")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_between(0.0, 1e6));
   command.add_flag("--paraxial", settings->paraxial, "Judge by the formulas only, not by rays");
   command.add_option("--time-limit", settings->time_limit, "Seconds for the part with rays")
-      ->check(CLI::Range(0.1, 1e5))
+      ->check(number_between(0.1, 1e5))
       ->capture_default_str();
   command.add_option("-o,--output", settings->output, "The optimised scene (.toml)")
       ->option_text("SCENE.toml");

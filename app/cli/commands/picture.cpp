@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "commands/commands.h"
+#include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -83,7 +84,7 @@ void register_picture(const Registry& registry) {
       ->allow_extra_args(false);
   command.add_flag("--chief", request.chief, "Draw the chief ray of every microlens");
   command.add_option("--random", request.random, "Draw the rays of N pixels drawn at random")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from(0))
       ->option_text("N");
   command.add_option("--rays", request.rays, "Rays per pixel and microlens, and per point (32)")
       ->check(CLI::Range(2, 1 << 20))

@@ -1,4 +1,5 @@
 #include "plenoflame/lightfield/pyrometry.h"
+#include "number_range.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -286,12 +287,12 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("LAW");
   command
       .add_option("--exponent", settings->exponent, "Of law power: absorption as wavelength^-N (1)")
-      ->check(CLI::Range(-20.0, 20.0))
+      ->check(number_between(-20.0, 20.0))
       ->option_text("N");
   command
       .add_option("--threshold", settings->threshold,
                   "Pixels below this share of the largest value have no temperature (0.01)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_pyrometry(*settings); });

@@ -1,4 +1,5 @@
 #include "plenoflame/lightfield/refocus.h"
+#include "number_range.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -137,7 +138,7 @@ void register_refocus(const Registry& registry) {
   command
       .add_option("--aperture", settings->aperture,
                   "Diameter of the synthetic lens in those of the real one, above 0 to 1 (1)")
-      ->check(CLI::Range(1e-3, 1.0))
+      ->check(number_between(1e-3, 1.0))
       ->option_text("A");
   command.add_flag("--all-in-focus", settings->all_in_focus,
                    "With --depths: the picture that is sharp everywhere, all_in_focus.png, and the "

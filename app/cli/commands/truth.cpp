@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -35,24 +37,25 @@ std::vector<Vec3> read_points(const std::string& path) {
     std::istringstream words(line);
     std::string word;
     int count = 0;
-    bool good = true;
+    bool good = true, is_header = true;
     while (std::getline(words, word, ',')) {
       const auto begin = word.find_first_not_of(" \t\r");
       const auto end = word.find_last_not_of(" \t\r");
       double value = 0;
       if (begin == std::string::npos) {
-        good = false;
+        good = is_header = false;
         break;
       }
       const char* stop = word.data() + end + 1;
       const auto [at, error] = std::from_chars(word.data() + begin, stop, value);
       good = good && error == std::errc() && at == stop && std::isfinite(value) && count < 3;
+      is_header = is_header && at == word.data() + begin;
       if (count < 3) values[count] = value;
       ++count;
     }
     if (good && count == 3)
       points.push_back({values[0], values[1], values[2]});
-    else if (number > 1 || !points.empty())
+    else if (number > 1 || !is_header)
       throw InputError(SourcePosition{path, number}, "this is not a point: x,y,z in metres");
   }
   if (points.empty()) throw InputError(SourcePosition{path}, "there is no point in it");
@@ -65,7 +68,10 @@ std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points
   text.imbue(std::locale::classic());
   text.precision(10);
   text << "point,x,y,z,q,r,type,column,row\n";
-  for (std::size_t i = 0; i < points.size(); ++i)
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(camera.to_world().inverse().point(points[i]).z > 0))
+      throw InputError(fmt::format("point {} at {}, {}, {} m is not in front of the camera", i,
+                                   points[i].x, points[i].y, points[i].z));
     for (const PointTruth& image : project_point(camera, points[i])) {
       ++images;
       const auto& types = camera.spec().array.types;
@@ -75,6 +81,7 @@ std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points
                              : types[static_cast<std::size_t>(image.type)].name)
            << ',' << image.pixel.x << ',' << image.pixel.y << '\n';
     }
+  }
   return text.str();
 }
 
@@ -86,6 +93,8 @@ int run_truth(const Settings& settings) {
     throw UsageError(
         "truth writes nothing without --output, --projections, --attach or "
         "--chief-rays");
+  if (!settings.output.empty() && settings.output == settings.projections)
+    throw UsageError("--output and --projections are the same file");
   for (const auto& [option, path] : {std::pair{"--output", settings.output},
                                      {"--projections", settings.projections},
                                      {"--attach", settings.attach},

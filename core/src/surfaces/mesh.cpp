@@ -121,6 +121,63 @@ std::string ply_fault(std::string_view text) {
   return lines < rows ? fmt::format("it has {} of {} lines of data", lines, rows) : "";
 }
 
+/// The importer takes what it can of an OBJ file: a number that is none becomes 0, a face of two
+/// corners is left out. @return what is wrong, with its line; empty: nothing
+std::string obj_fault(std::string_view text) {
+  struct Corner {
+    std::size_t line;
+    long vertex;
+  };
+  std::vector<Corner> corners;
+  long vertices = 0;
+  std::size_t line = 0;
+  std::string joined;  // lines that a backslash continues
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    std::string_view part = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    ++line;
+    if (part.ends_with('\r')) part.remove_suffix(1);
+    const bool goes_on = part.ends_with('\\');
+    if (goes_on) part.remove_suffix(1);
+    joined += part;
+    if (goes_on && !text.empty()) continue;
+    Words words(joined);
+    const std::string_view kind = words.next();
+    if (kind == "v") {
+      ++vertices;
+      int numbers = 0;
+      for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++numbers) {
+        double value = 0;
+        const char* const stop = word.data() + word.size();
+        const auto [at, error] = std::from_chars(word.data(), stop, value);
+        if (word.front() == '#') break;
+        if (error != std::errc() || at != stop || !std::isfinite(value))
+          return fmt::format("line {}: \"{}\" is not a number", line, word);
+      }
+      if (numbers < 3) return fmt::format("line {}: a vertex of {} numbers", line, numbers);
+    } else if (kind == "f") {
+      int count = 0;
+      for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++count) {
+        if (word.front() == '#') break;
+        long index = 0;
+        const char* const stop = word.data() + word.size();
+        const auto [at, error] = std::from_chars(word.data(), stop, index);
+        if (error != std::errc() || (at != stop && *at != '/') || index == 0)
+          return fmt::format("line {}: \"{}\" is not the number of a vertex", line, word);
+        corners.push_back({line, index < 0 ? vertices + index + 1 : index});
+      }
+      if (count < 3) return fmt::format("line {}: a face of {} corners", line, count);
+    }
+    joined.clear();
+  }
+  for (const Corner& corner : corners)
+    if (corner.vertex < 1 || corner.vertex > vertices)
+      return fmt::format("line {}: there is no vertex {} among {}", corner.line, corner.vertex,
+                         vertices);
+  return "";
+}
+
 /// Adds what is a triangle of positive area. @return false when it has none
 bool add_face(const aiMesh& mesh, const aiFace& face, std::uint32_t first, MeshData& data) {
   std::array<std::uint32_t, 3> corner{};
@@ -152,7 +209,9 @@ MeshData read_mesh(const std::string& path, const std::string& what, const Execu
     if (broken > 0)
       throw InputError(where + fmt::format(" is damaged or breaks off: see its facet {}", broken));
   }
-  const std::string fault = extension == "ply" ? ply_fault(bytes) : "";
+  const std::string fault = extension == "ply"   ? ply_fault(bytes)
+                            : extension == "obj" ? obj_fault(bytes)
+                                                 : "";
   if (!fault.empty()) throw InputError(where + " is damaged or breaks off: " + fault);
   if (bytes.empty()) throw InputError(where + " is empty");
   Assimp::Importer importer;
