@@ -477,11 +477,6 @@ QImage SceneView::picture() {
   return view_->widget->grabFramebuffer();
 }
 
-void SceneView::prepare() {
-  // The context, and the programs that its drivers compile.
-  if (!geometry_) view_->widget->grabFramebuffer();
-}
-
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
   if (object == view_->widget && !measure_->isChecked()) {
     if (event->type() == QEvent::MouseButtonPress)

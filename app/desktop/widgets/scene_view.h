@@ -43,9 +43,6 @@ class SceneView : public QWidget {
   void set_dark(bool dark);
   /// What is seen now, without the window around it.
   QImage picture();
-  /// Makes what drawing needs before there is anything to draw, so that the first scene does not
-  /// have to wait for it.
-  void prepare();
   /// Temperatures [K] that the flame has where it absorbs; 0, 0: there is none.
   std::array<double, 2> flame_temperatures() const { return temperatures_; }
   /// Width and height of what the camera sees at its focus [m].
