@@ -220,7 +220,7 @@ TEST(SurfaceAgreement, CalibrationPlate) {
   expect_agreement(coarse_example("calibration-plate", 60), load_core_medium, 2 * kBundles);
 }
 
-// The candle of the example is a file that is generated; three ellipsoids of its size stand here.
+// The candle of the example is a file that is generated; two ellipsoids of its size stand here.
 TEST(SurfaceAgreement, Burner) {
   Scene scene = coarse_example("burner", 60);
   const FlameSpec candle = scene.flames[0];

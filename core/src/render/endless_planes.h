@@ -42,7 +42,7 @@ class EndlessPlanes {
   /// and towards points drawn on the other planes, are drawn as well, and the density is that of
   /// all ways together. Of the light that goes from the distance r to another plane a share of
   /// (R / r)^3 ends at the distance R, where it is worth R^-3: points are drawn there with the same
-  /// probability in every octave of R up to r, and no weight grows from reflection to reflection.
+  /// probability in every octave of R up to r: weights stay bounded for a number of reflections.
   /// @param normal of the plane, on the side that light leaves from
   /// @param way, choice, u, v uniform in (0, 1)
   Leaving leave(std::size_t plane, Vec3 point, Vec3 normal, double way, double choice, double u,
