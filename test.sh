@@ -131,7 +131,7 @@ if [ "$quick" = no ]; then
   # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
   if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
   # What runs in threads; the rest was tested above, and one thread has no races.
-  threaded=(base camera lightfield_views render ray_paths forward measurement)
+  threaded=(base camera pupil_sampling lightfield_views render ray_paths forward measurement)
   if time_for "thread sanitizer" 15 &&
     stage "build: thread sanitizer" build tsan --target "${threaded[@]/%/_test}"; then
     run_tests tsan -R "^($(IFS='|' && echo "${threaded[*]}"))\." -LE 'slow|long|meta|fuzz'
