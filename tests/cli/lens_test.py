@@ -77,6 +77,9 @@ class Lens(CommandTest):
         self.fails(1, "design", "a.zmx", mentions=["a.zmx:11", "N-BK7"])
         self.write("a.dat", COLUMNS)
         self.fails(2, "design", "a.dat", "--field", "2", mentions="--field")
+        for option, value in [("--field", "0 deg"), ("--field", "-5 deg"), ("--field", "90 deg"),
+                              ("--wavelength", "0 nm"), ("--wavelength", "1 m"), ("--wavelength", "-400 nm")]:
+            self.fails(2, "design", "a.dat", option + "=" + value, mentions=[option, value])
         self.fails(1, "design", "a.dat", "--distance", "10 mm", mentions="inside the front focal point")
         self.fails(1, "design", "a.dat", "--field", "80 deg", mentions="choose a smaller one")
         self.write("b.toml", '[camera.lens]\nfile = "a.dat"\npreset = "paper-singlet"\n')

@@ -75,6 +75,10 @@ class Truth(CommandTest):
             self.assertLess(error, 1e-3 * flux)
             self.assertLess(abs(flux - expected), 4 * error + 1.1e-4 * flux, (number, flux, expected, error))
         self.fails(2, "render", "a.toml", "--white", "--f-numbers", "4", "-o", "w.exr", mentions="wider than the lens")
+        # All of them are tried before the first is rendered.
+        self.fails(2, "render", "a.toml", "--white", "--f-numbers", "22,4", "-o", "n.exr", mentions="wider than the lens")
+        self.fails(2, "render", "a.toml", "--white", "--f-numbers", "22,22.0", "-o", "n.exr", mentions="twice")
+        self.assertFalse([name for name in self.files() if name.startswith("n")])
         self.fails(2, "render", "a.toml", "--f-numbers", "8", "-o", "w.exr", mentions="white")
 
     def test_truth(self):

@@ -6,6 +6,8 @@
 
 #include "commands/design_report.h"
 #include "options.h"
+#include "plenoflame/base/constants.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/optics/glass.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/lens_file.h"
@@ -44,12 +46,16 @@ LensDesign add_lens_design(const LensTask& task, MainLensSpec& lens,
   double wavelength = kLineD;
   if (!task.wavelength.empty())
     wavelength = quantity_option("--wavelength", task.wavelength, Dimension::length);
+  if (!(wavelength >= 100e-9 && wavelength <= 100e-6))
+    throw UsageError("--wavelength: " + task.wavelength + " is not from 100 nm to 100 um");
   CameraSpec camera;
   camera.lens = file.lens;
   set_indices(camera, wavelength);
   lens = file.lens;
   const double field =
       task.field.empty() ? 0 : quantity_option("--field", task.field, Dimension::angle);
+  if (!task.field.empty() && !(field > 0 && field < 0.5 * constants::pi))
+    throw UsageError("--field: " + task.field + " is not an angle above 0 and below 90 deg");
   const double distance = task.distance.empty()
                               ? kInfinity
                               : quantity_option("--distance", task.distance, Dimension::length);
@@ -77,8 +83,11 @@ LensDesign add_lens_design(const LensTask& task, MainLensSpec& lens,
                  " the paraxial image",
              "image_distance_m", d.image_distance);
   report.add_json("focus_shift_m", d.focus);
-  report.add("field", "to " + degrees(d.greatest_field) + ", where a tenth of the light is left",
-             "greatest_field_rad", d.greatest_field);
+  const bool vignetted = field == 0 && d.fields.back().throughput < 0.2;
+  report.add(
+      "field",
+      "to " + degrees(d.greatest_field) + (vignetted ? ", where a tenth of the light is left" : ""),
+      "greatest_field_rad", d.greatest_field);
   nlohmann::json fields = nlohmann::json::array();
   for (const LensFieldDesign& f : d.fields) {
     nlohmann::json tangential = nlohmann::json::array(), sagittal = tangential;

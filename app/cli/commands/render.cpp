@@ -279,6 +279,15 @@ int run_render(const RenderArguments& arguments) {
   if (!options.white) return render_one(options, document);
   document.scene.flames.clear();
   if (options.f_numbers.empty()) return render_one(options, document);
+  // All are tried before the first picture is begun.
+  for (std::size_t i = 0; i < options.f_numbers.size(); ++i) {
+    MainLensSpec lens = document.scene.camera.lens;
+    stop_down(lens, options.f_numbers[i]);
+    for (std::size_t k = 0; k < i; ++k)
+      if (with_f_number("", options.f_numbers[k]) == with_f_number("", options.f_numbers[i]))
+        throw UsageError(
+            fmt::format("--f-numbers: f/{:g} is asked for twice", options.f_numbers[i]));
+  }
   int status = 0;
   for (const double number : options.f_numbers) {
     SceneDocument stopped = document;

@@ -302,7 +302,11 @@ Glass::Glass(std::string_view text) {
     std::copy(given.begin(), given.end(), values_);
     return;
   }
-  std::string name = first;
+  std::string name = first;  // "fused silica" is as good as "FUSED-SILICA"
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    name += '-';
+    name += upper(words[i]);
+  }
   for (const auto& alias : kAliases)
     if (name == alias[0]) name = alias[1];
   const CatalogueGlass* nearest = nullptr;
@@ -311,7 +315,7 @@ Glass::Glass(std::string_view text) {
     const std::size_t distance = edits(name, glass.name);
     if (!nearest || distance < least) nearest = &glass, least = distance;
   }
-  if (least > 0 || words.size() != 1)
+  if (least > 0)
     throw InputError(
         "there is no glass \"" + std::string(text) + "\" in the catalogue; did you mean \"" +
         std::string(nearest->name) +

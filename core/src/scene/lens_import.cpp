@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/lens_file.h"
 #include "scene/nearest.h"
 
@@ -69,11 +71,19 @@ LensFile import_four_columns(std::string_view text, const std::string& name) {
       throw InputError(here, "the index is " + columns[2] + ", but 1 to 5 is possible");
     if (!(surface.diameter > 0)) throw InputError(here, "the clear diameter is not positive");
     if (!(surface.thickness >= 0)) throw InputError(here, "the thickness is negative");
+    if (surface.diameter > 2 * greatest_height(surface))
+      throw InputError(here, "a sphere of this radius has no such diameter");
     file.lens.surfaces.push_back(surface);
   }
   if (file.lens.surfaces.empty())
     throw InputError(SourcePosition{name}, "there is no surface in it");
+  const auto is_stop = [](const SurfaceSpec& surface) { return surface.stop; };
+  if (std::none_of(file.lens.surfaces.begin(), file.lens.surfaces.end(), is_stop))
+    throw InputError(SourcePosition{name}, "there is no aperture stop in it: a line of radius 0");
   SurfaceSpec& last = file.lens.surfaces.back();
+  if (last.index != 1)
+    throw InputError(SourcePosition{name}, "behind its last surface there is an index of " +
+                                               std::to_string(last.index) + ", not air");
   file.image_distance = last.thickness;
   last.thickness = 0;
   return file;

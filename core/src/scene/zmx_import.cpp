@@ -205,6 +205,8 @@ class Importer {
       fail(block.line, "this surface has no clear aperture (DIAM or CLAP)");
     surface.stop = block.stop;
     surface.conic = block.conic;
+    if (surface.diameter > 2 * greatest_height(surface))
+      fail(block.line, "this surface is curved too much for its clear aperture");
     const bool even = block.type == "EVENASPH";
     for (std::size_t i = 0; i < block.parameters.size(); ++i) {
       const double value = block.parameters[i];

@@ -52,6 +52,11 @@ std::string message(const char* text) {
   return "";
 }
 
+TEST(Glass, NamesMayHaveSpaces) {
+  EXPECT_EQ(Glass("fused silica").index(kLineD), Glass("FUSED-SILICA").index(kLineD));
+  EXPECT_NE(message("fused silicon").find("did you mean \"FUSED-SILICA\""), std::string::npos);
+}
+
 TEST(Glass, Errors) {
   EXPECT_NE(message("N-BK8").find("did you mean \"N-BK7\""), std::string::npos);
   EXPECT_NE(message("LSF").find("no glass \"LSF\""), std::string::npos);

@@ -185,6 +185,7 @@ TEST(LensImport, WhatZemaxFilesMayNotHave) {
   expect(zmx_error("DISZ 9", "DISZ nine"), "\"nine\" is not a number");
   expect(zmx_error("DISZ 9", "DISZ -9"), "negative thickness");
   expect(zmx_error("  DIAM 13.5 1 0 0 1 \"\"", "  DIAM 0"), "no clear aperture");
+  expect(zmx_error("  DIAM 13.5 1 0 0 1 \"\"", "  DIAM 13500"), "curved too much");
   // What is replaced or unknown is said.
   std::string text = kZmx;
   text.replace(text.find("GLAS SF2"), 8, "GLAS XYZ");
@@ -197,8 +198,25 @@ TEST(LensImport, WhatZemaxFilesMayNotHave) {
 }
 
 TEST(LensImport, FourColumnErrors) {
-  for (const char* text : {"1 2 3", "1 2 1.5 x", "", "10 1 0.3 5", "10 -1 1.5 5", "10 1 1.5 0"})
-    EXPECT_THROW(import_four_columns(text, "a.dat"), InputError) << text;
+  const std::pair<const char*, const char*> cases[] = {
+      {"1 2 3", "3 columns"},
+      {"1 2 1.5 x", "\"x\" is not a number"},
+      {"", "no surface"},
+      {"10 1 0.3 5", "the index is 0.3"},
+      {"10 -1 1.5 5", "thickness is negative"},
+      {"10 1 1.5 0", "not positive"},
+      {"10 1 1.5 20.1\n0 1 0 5\n-10 9 1 5", "a.dat:1: a sphere of this radius"},
+      {"10 1 1.5 5\n-10 9 1 5", "no aperture stop"},
+      {"0 1 0 5\n10 1 1.5 5\n-10 9 1.4 5", "not air"}};
+  for (const auto& [text, words] : cases) {
+    std::string message;
+    try {
+      import_four_columns(text, "a.dat");
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find(words), std::string::npos) << text << ": " << message;
+  }
 }
 
 TEST(LensFiles, InAScene) {
