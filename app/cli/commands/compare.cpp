@@ -31,6 +31,11 @@ void add_statistics(Report& report, const Comparison& c) {
     report.add_text("noise", "unknown: neither image holds standard errors");
     return;
   }
+  report.add_json("dark_in_one_share", c.dark_in_one_share);
+  if (c.dark_in_one_share > 0.01)
+    report.add_text("dark in one only",
+                    readable_percent(c.dark_in_one_share) +
+                        " of the lit pixels: if rays are few there, the noise is underestimated");
   report.add("expected from noise", readable_percent(c.expected_rmse), "expected_rmse",
              c.expected_rmse);
   report.add("bias / its error",

@@ -88,6 +88,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   constexpr double kRounding = 0x1p-24;
   double sum_a = 0, sum_b = 0, difference_sum = 0, square_sum = 0, variance_sum = 0;
   double flux = 0, stray = 0, chi_sum = 0, block_sum = 0;
+  double lit_in_either = 0, dark_in_one = 0;
   std::vector<Block> blocks(static_cast<std::size_t>((window.width + kBlock - 1) / kBlock));
   for (int y = 0; y < window.height; ++y) {
     for (int x = 0; x < window.width; ++x) {
@@ -105,6 +106,10 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
       }
       const double rounding = kRounding * kRounding * (va * va + vb * vb);
       const double variance = result.has_standard_errors ? ea * ea + eb * eb + rounding : 0;
+      if (std::max(va, vb) > lit_above) {
+        lit_in_either += 1;
+        dark_in_one += va == 0 || vb == 0 ? 1 : 0;
+      }
       if (vb > lit_above) {
         ++result.lit_pixels;
         sum_a += va;
@@ -146,6 +151,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   result.relative_rmse = std::sqrt(square_sum / n) / result.reference_mean;
   result.relative_bias = difference_sum / n / result.reference_mean;
   result.stray_share = flux > 0 ? stray / flux : 0;
+  result.dark_in_one_share = dark_in_one / lit_in_either;
   if (result.chi_square_pixels > 0) {
     const auto pixels = static_cast<double>(result.chi_square_pixels);
     const auto count = static_cast<double>(result.blocks);

@@ -55,6 +55,7 @@ TEST(Compare, FollowsItsDefinitions) {
   EXPECT_TRUE(relative(c.relative_rmse, 0.27664166758624409, 1e-12));
   EXPECT_TRUE(relative(c.relative_bias, -0.035714285714285712, 1e-12));
   EXPECT_TRUE(relative(c.stray_share, 0.068965517241379309, 1e-12));
+  EXPECT_EQ(c.dark_in_one_share, 0.2);  // the last one
   EXPECT_EQ(c.largest_difference, -0.75 * unit);
   EXPECT_EQ(c.largest_column, 3);
   EXPECT_TRUE(c.has_standard_errors);

@@ -42,6 +42,10 @@ struct Comparison {
   /// * How far block_chi_square is above 1, in standard deviations of a normal distribution
   /// (Wilson and Hilferty, PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
   double block_score = 0;
+  /// Of the pixels that are lit in one of the images, the share in which the other is exactly 0:
+  /// where no ray has found light yet the error is not 0, as its estimate is. Unless these
+  /// are dark in truth, all that is marked * means little above a hundredth.
+  double dark_in_one_share = 0;
 
   static constexpr int kBlock = 16;
 };
