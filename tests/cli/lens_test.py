@@ -77,6 +77,8 @@ class Lens(CommandTest):
         self.fails(1, "design", "a.zmx", mentions=["a.zmx:11", "N-BK7"])
         self.write("a.dat", COLUMNS)
         self.fails(2, "design", "a.dat", "--field", "2", mentions="--field")
+        self.fails(2, "design", "a.dat", "-o", "b.zmx", mentions=["b.zmx", ".toml"])
+        self.fails(2, "design", "a.dat", "--solve", "index", mentions="--solve")
         for option, value in [("--field", "0 deg"), ("--field", "-5 deg"), ("--field", "90 deg"),
                               ("--wavelength", "0 nm"), ("--wavelength", "1 m"), ("--wavelength", "-400 nm")]:
             self.fails(2, "design", "a.dat", option + "=" + value, mentions=[option, value])

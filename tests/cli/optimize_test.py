@@ -68,6 +68,8 @@ class Optimize(CommandTest):
             self.assertIn(result.returncode, (1, 2))
             self.assertIn(words, result.stderr.splitlines()[-1])
         self.fails(2, "optimize", "a.toml", "--merit", "light", mentions="--output")
+        self.fails(2, "optimize", "a.toml", "--merit", "depth", "--array-range", "0 mm,1 mm", "-o", "b.toml",
+                   mentions=["--array-range", "array itself"])
         for option, value in [("--bound", "nan"), ("--bound", "1"), ("--time-limit", "inf"), ("--bound", "2x")]:
             self.fails(2, "optimize", "a.toml", "--merit", "light", "-o", "b.toml", option, value,
                        mentions=[option, value + " is not a number from"])

@@ -55,7 +55,15 @@ void warn(const std::vector<std::string>& warnings) {
     std::cerr << "plenoflame: warning: " << warning << '\n';
 }
 
+void check_is_toml(const std::string& output) {
+  if (!output.empty() && !output.ends_with(".toml"))
+    throw UsageError("--output: '" + output + "' must end in .toml");
+}
+
 int run_lens(const Settings& settings) {
+  if (!settings.array.freedom.empty())
+    throw UsageError("--solve: a lens alone has no array; give a scene");
+  check_is_toml(settings.array.output);
   Report report;
   LensTask task = settings.lens;
   task.file = settings.scene;
@@ -95,6 +103,7 @@ int run_design(const Settings& settings) {
   const ArrayTask& task = settings.array;
   if (!task.output.empty() && task.freedom.empty())
     throw UsageError("--output: there is nothing to write without --solve");
+  check_is_toml(task.output);
   std::vector<std::string> warnings;
   const Scene scene = read_valid_scene(settings.scene, &warnings).scene;
   const Camera camera(scene.camera);

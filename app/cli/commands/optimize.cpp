@@ -49,6 +49,8 @@ MeritSpec merit_spec(const Settings& settings) {
     needed(settings.array_range, "--array-range", "depth");
     spec.kind = MeritKind::depth;
     std::tie(spec.array_near, spec.array_far) = pair("--array-range", settings.array_range);
+    if (spec.array_near == 0 || spec.array_far == 0)
+      throw UsageError("--array-range: at 0 is the array itself, where nothing is sharp");
     if (!(1 / spec.array_near > 1 / spec.array_far))
       throw UsageError("--array-range: the near end first; a negative far end is past infinity");
     return spec;

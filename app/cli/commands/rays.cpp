@@ -1,5 +1,7 @@
 #include "plenoflame/render/ray_paths.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -93,6 +95,11 @@ int run_rays(const Settings& settings) {
   check_writable(settings.output);
 
   const SceneDocument document = read_valid_scene(settings.scene);
+  const ArraySpec& array = document.scene.camera.array;
+  for (const int type : settings.types)
+    if (!array.present || type < 0 || type >= static_cast<int>(array.types.size()))
+      throw UsageError(fmt::format("--type: there is no type {}; the array has {}", type,
+                                   array.present ? array.types.size() : 0));
   render.seed = settings.seed.empty()
                     ? document.scene.render.seed
                     : whole_number_option<std::uint64_t>("--seed", settings.seed, 0);
