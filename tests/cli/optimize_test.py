@@ -52,12 +52,24 @@ class Optimize(CommandTest):
         # From a camera whose micro-images overlap: they must not any more, or it is said.
         narrow = self.figures("wide.toml", "--merit", "light", "--vary", "aperture", "--bound", "3", "-o", "c.toml")
         self.assertLess(abs(narrow["after"]["overlap_pixels"]), 1e-3)
-        result = self.run_command("optimize", "wide.toml", "--merit", "light", "--vary", "aperture", "--bound", "1.01",
-                                  "-o", "d.toml")
-        self.assertEqual(result.returncode, 1)
-        for words in ("overlap by at most 0 pixels", "--bound", "--overlap"):
-            self.assertIn(words, result.stderr.splitlines()[-1])
-        self.assertNotIn("d.toml", self.files())
+        factor = narrow["before"]["entrance_pupil_m"] / narrow["after"]["entrance_pupil_m"]
+        self.assertGreater(factor, 1.1)
+        for bound in (1.01, factor ** 0.6):  # not far enough down
+            result = self.run_command("optimize", "wide.toml", "--merit", "light", "--vary", "aperture", "--bound",
+                                      str(bound), "-o", "d.toml")
+            self.assertEqual(result.returncode, 1)
+            for words in ("overlap by at most 0 pixels", "--bound", "--overlap"):
+                self.assertIn(words, result.stderr.splitlines()[-1])
+            self.assertNotIn("d.toml", self.files())
+
+    def test_bounds_hold(self):
+        """More aperture is more light, up to the bound."""
+        self.write("a.toml", '[camera]\npreset = "paper-plenoptic2"\n')
+        for bound in (1.1, 1.2):
+            figures = self.figures("a.toml", "--merit", "light", "--vary", "aperture", "--bound", str(bound),
+                                   "--overlap", "1000", "-o", "b.toml")
+            grown = figures["after"]["entrance_pupil_m"] / figures["before"]["entrance_pupil_m"]
+            self.assertLess(abs(grown / bound - 1), 1e-6)
 
     def test_messages(self):
         self.write("a.toml", '[camera]\npreset = "raytrix-r29"\n')
