@@ -61,13 +61,13 @@ FlameLookEditor::FlameLookEditor(Document& document, QWidget* parent)
   ends->addWidget(map_);
   ends->addWidget(cold_);
   ends->addWidget(hot_);
-  ends->addWidget(automatic_);
   auto* density = new QHBoxLayout;
   density->addWidget(density_, 1);
   density->addWidget(reset);
   auto* form = new QFormLayout(this);
   form->setContentsMargins(0, 0, 0, 0);
   form->addRow(tr("3-D colours"), ends);
+  form->addRow(QString(), automatic_);  // on a line of its own: the panel is narrow
   form->addRow(tr("Density"), density);
   form->addRow(tr("Opacity"), curve_);
 
