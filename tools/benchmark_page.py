@@ -65,6 +65,14 @@ def section(path):
     return "\n".join(lines) + "\n"
 
 
+def machine():
+    """The processor of this machine, where the runs in the folder were made."""
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return "an unknown processor"
+
+
 def whole_images(folder):
     """Table of the renders that `render --stats` described, medians over their runs."""
     runs = {}
@@ -79,7 +87,8 @@ def whole_images(folder):
     lines = ["## The paper's flame, whole image", "",
              "3000 x 3000 pixels (`examples/paper-flame-1m.toml`), the layers in closed form or as a grid of 0.234 mm voxels (96 x 96 x 264); "
              "medians of 3 runs. Reached: share of the rays sent that left the camera. Compile: solving the camera and "
-             "tracing its pupils, before the first ray; not part of the time. The paper: 28 thousand rays/s per thread, "
+             f"tracing its pupils, before the first ray; not part of the time. On {machine()}. "
+             "The paper: 28 thousand rays/s per thread, "
              "10 hours on 20 threads.", "",
              "| what | rays | reached | compile | time | rays/s | stated RMSE |", "|---|---|---|---|---|---|---|"]
     for name in runs:
@@ -115,6 +124,38 @@ def skipping(folder):
     return ["\n".join(lines) + "\n"]
 
 
+# (what, scene, scene that it is compared with, asked)
+COLOURS = [("three bands, grey layers, constant indices", "three", "mono", ""),
+           ("X, Y, Z of all wavelengths, grey layers", "xyz", "mono", ""),
+           ("red, green, blue of a camera, soot layers", "soot-rgb", "soot-mono", "at most 2"),
+           ("red, green, blue of a camera, soot candle of voxels", "candle-rgb", "candle-mono", "at most 2"),
+           ("X, Y, Z of all wavelengths, soot layers", "soot-xyz", "soot-mono", ""),
+           ("X, Y, Z of all wavelengths, soot candle of voxels", "candle-xyz", "candle-mono", ""),
+           ("three bands, lens of N-BK7", "glass-three", "glass-mono", "at most 3.2")]
+
+
+def colours(folder):
+    """Table of what several channels cost, medians of the ratios of runs that followed one another."""
+    runs = {}
+    for path in sorted(folder.glob("colour-*.json")):
+        scene, run = path.stem[len("colour-"):].rsplit("-", 1)
+        stats = json.loads(path.read_text())
+        runs.setdefault(scene, {})[run] = stats["seconds"] + stats["seconds_compile"]
+    if not runs:
+        return []
+    lines = ["## Colours", "",
+             "The middle 1000 x 1000 pixels of `paper-flame-1m`, 64 samples, 1 thread, with the time to compile; one band of 10 nm at 650 nm "
+             f"against several channels in turn, medians of the pairs. On {machine()}.", "",
+             "| channels | one band | these | ratio | asked |", "|---|---|---|---|---|"]
+    for what, many, one, asked in COLOURS:
+        if many not in runs or one not in runs:
+            continue
+        ratios = [runs[many][run] / runs[one][run] for run in runs[many] if run in runs[one]]
+        lines.append(f"| {what} | {statistics.median(runs[one].values()):.3g} s | {statistics.median(runs[many].values()):.3g} s | "
+                     f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f}) | {asked} |")
+    return ["\n".join(lines) + "\n"]
+
+
 def memory(folder):
     """Table of the largest resident memory of renders, from memory-NAME, N samples.json."""
     rows = []
@@ -142,7 +183,7 @@ def main():
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1])
     old = by_title(["## " + text.rstrip("\n") + "\n" for text in PAGE.read_text(encoding="ascii").split("\n## ")[1:]])
-    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + skipping(folder) + memory(folder))
+    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + skipping(folder) + colours(folder) + memory(folder))
     PAGE.write_text("\n".join([INTRODUCTION, *(old | new).values()]), encoding="ascii")
 
 

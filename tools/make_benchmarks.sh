@@ -3,7 +3,7 @@
 #
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
-# PARTS="lenslets-30 paper-flame-1m whole skipping memory" says what to measure, all of it unless set; the other
+# PARTS="lenslets-30 paper-flame-1m whole skipping colour memory" says what to measure, all of it unless set; the other
 # sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
@@ -16,7 +16,7 @@ if [ -z "$command" ]; then
   command=build/release/app/cli/plenoflame
 fi
 
-parts=" ${PARTS:-lenslets-30 paper-flame-1m whole skipping memory} "
+parts=" ${PARTS:-lenslets-30 paper-flame-1m whole skipping colour memory} "
 wanted() { [[ "$parts" == *" $1 "* ]]; }
 
 results=()
@@ -106,6 +106,47 @@ END
     --no-control-variate --window 1300,1300,400,400
   skipping "opaque tails: sooty cylinder, every ray integrated" out/benchmarks/cylinder.toml \
     --no-control-variate --window 1300,1300,400,400
+fi
+# What colours cost: the scenes in turn, five times.
+if wanted colour; then
+  rm -f out/benchmarks/colour-*.json
+  folder=out/benchmarks
+  sed '/^\[\[channels\]\]/,/^kind = /d' examples/paper-flame-1m.toml >$folder/no-channels.toml
+  band() { printf '[[channels]]\nname = "%snm"\nkind = "band"\nwavelength = "%s nm"\nwidth = "10 nm"\n' "$1" "$1"; }
+  named() { printf '[[channels]]\nname = "%s"\nkind = "named"\nresponse = "%s"\n' "$1" "$1"; }
+  xyz() { named cie_x; named cie_y; named cie_z; }
+  rgb() { named nikon_d5100_red; named nikon_d5100_green; named nikon_d5100_blue; }
+  soot() { sed 's|^preset = "paper-layered"|&\nspectrum = { kind = "soot", reference = "650 nm" }|' $folder/no-channels.toml; }
+  flint() {
+    cat $folder/no-channels.toml
+    for radius in 300 -300; do
+      printf '[[camera.lens.surfaces]]\nradius = "%s mm"\ndiameter = "120 mm"\n' $radius
+      if [ $radius = 300 ]; then printf 'thickness = "24.26 mm"\nglass = "N-BK7"\n'; else printf 'thickness = "0 mm"\nindex = 1\n'; fi
+    done
+    printf '[[camera.lens.surfaces]]\nradius = "inf"\nindex = 1\ndiameter = "100 mm"\nstop = true\n'
+  }
+  "$command" flame candle -o $folder/candle.vdb --voxel-size "0.25 mm"
+  candle() {
+    sed 's|^preset = "paper-layered"|kind = "vdb"\nfile = "candle.vdb"\nspectrum = { kind = "soot", reference = "650 nm" }|' \
+      $folder/no-channels.toml
+  }
+  { cat $folder/no-channels.toml; band 650; } >$folder/mono.toml
+  { cat $folder/no-channels.toml; band 450; band 550; band 650; } >$folder/three.toml
+  { cat $folder/no-channels.toml; xyz; } >$folder/xyz.toml
+  { soot; band 650; } >$folder/soot-mono.toml
+  { soot; rgb; } >$folder/soot-rgb.toml
+  { soot; xyz; } >$folder/soot-xyz.toml
+  { candle; band 650; } >$folder/candle-mono.toml
+  { candle; rgb; } >$folder/candle-rgb.toml
+  { candle; xyz; } >$folder/candle-xyz.toml
+  { flint; band 650; } >$folder/glass-mono.toml
+  { flint; band 450; band 550; band 650; } >$folder/glass-three.toml
+  for run in 1 2 3 4 5; do
+    for scene in mono three xyz soot-mono soot-rgb soot-xyz candle-mono candle-rgb candle-xyz glass-mono glass-three; do
+      "$command" render $folder/$scene.toml -o $folder/colour.exr --seed $run --quiet --threads 1 --window 1000,1000,1000,1000 \
+        --stats "$folder/colour-$scene-$run.json"
+    done
+  done
 fi
 # Largest resident memory of a process of its own: NAME SCENE SAMPLES
 memory() {

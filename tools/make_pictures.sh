@@ -136,6 +136,15 @@ if chosen paper-objects-r29; then # views, planes and depth of docs/light-fields
 fi
 if chosen burner; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture burner 0.5,0.45
+if chosen smoke; then
+  "$plenoflame" render examples/smoke.toml --samples $((8 * samples)) -o out/smoke.exr
+  "$plenoflame" develop out/smoke.exr -o out/smoke.png
+  rm -rf out/smoke-planes
+  "$plenoflame" refocus out/smoke.exr -o out/smoke-planes --depths 1m:1.03m:2 --size 200
+  convert out/smoke.png -filter point -resize 200% out/panel-smoke.png
+  convert out/smoke-planes/*.png -filter point -resize 300% -background gray30 +smush 8 out/panel-planes.png
+  join smoke out/panel-smoke.png out/panel-planes.png
+fi
 picture calibration-plate 0.3,0.3
 
 # The plots of docs/design.md, made by its commands.

@@ -282,7 +282,7 @@ class Colour(CommandTest):
         glass = CAMERA.replace('focal_length = "100 mm"\ndiameter = "20 mm"',
                                'preset = "achromat-100mm"') % ""
         infrared = RED.replace("650 nm", "4 um")
-        self.refused(glass + FLAME % (SOOT, THIN) + infrared, "300 nm to 2.4 um")
+        self.refused(glass + FLAME % (SOOT, THIN) + infrared, "N-BK7", "300 nm to 2.5 um")
 
     # ---- what the camera does to light of each wavelength ----
 

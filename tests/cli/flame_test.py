@@ -14,6 +14,39 @@ temperature = "1500 K"
 absorption = "20 1/m"
 """
 
+SCENE = """
+[camera.lens]
+model = "ideal"
+focal_length = "50 mm"
+diameter = "20 mm"
+[camera.sensor]
+columns = 24
+rows = 32
+pixel_pitch = "0.1 mm"
+[camera.focus]
+object_distance = "1 m"
+conjugate = "sensor"
+[[flames]]
+kind = "vdb"
+file = "a.vdb"
+position = ["1 m", "0 mm", "-16 mm"]
+[[flames.lines]]
+kind = "ch"
+width = "1 nm"
+[[flames.lines]]
+kind = "na_d"
+[[channels]]
+name = "blue"
+kind = "band"
+wavelength = "431 nm"
+width = "20 nm"
+[[channels]]
+name = "yellow"
+kind = "band"
+wavelength = "589 nm"
+width = "10 nm"
+"""
+
 
 class Flame(CommandTest):
     def grids(self, *arguments):
@@ -60,6 +93,28 @@ class Flame(CommandTest):
         high = self.grids("candle", "--voxel-size", "1 mm", "--soot-function", "0.39", "--wavelength",
                           "325 nm")["absorption"]["maximum"]
         self.assertLess(abs(high / low - 3), 1e-5)  # E(m)/lambda: 1.5 times 2
+
+    def test_lines(self):
+        grids = self.grids("candle", "--voxel-size", "0.5 mm", "--line", "ch", "--line", "na_d=2 kW/m^3")
+        self.assertEqual(sorted(grids), ["CH*", "Na_D", "absorption", "temperature"])
+        self.assertEqual({grids[name]["unit"] for name in ("CH*", "Na_D")}, {"W/m^3"})
+        # Near the base, at a rim that no sample meets exactly.
+        self.assertTrue(60 < grids["CH*"]["maximum"] <= 100)
+        self.assertLess(abs(grids["Na_D"]["maximum"] / grids["CH*"]["maximum"] / 20 - 1), 1e-5)
+        info = self.json_of("info", "a.vdb")
+        self.assertEqual(info["lines"], [{"grid": "CH*", "kind": "ch"}, {"grid": "Na_D", "kind": "na_d"}])
+        self.write("a.toml", SCENE)
+        flame = self.json_of("info", "a.toml")["flames"][0]
+        self.assertEqual([line["kind"] for line in flame["lines"]], ["ch", "na_d"])
+        self.assertLess(abs(flame["lines"][0]["seen"]["blue"] - 1), 1e-9)
+        self.assertEqual(flame["lines"][0]["seen"]["yellow"], 0)
+        self.assertEqual(flame["lines"][1]["seen"], {"blue": 0, "yellow": 1})
+        self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "4", "--quiet")
+        for options, mentions in ((["--line", "ch=2 m"], "needs a peak above 0 with its unit"),
+                                  (["--line", "x"], "known are ch"),
+                                  (["--line", "ch", "--line", "ch"], "given twice")):
+            self.fails(2, "flame", "candle", *options, "-o", "b.vdb", mentions=["--line", mentions])
+        self.fails(2, "flame", "turbulent", "--line", "ch", "-o", "b.vdb", mentions="has no meaning")
 
     def test_seeds_differ_and_repeat(self):
         contents = []

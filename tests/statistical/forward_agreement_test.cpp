@@ -4,6 +4,7 @@
 
 #include "core/media_voxel/voxel_fixture.h"
 #include "plenoflame/media/voxel_medium.h"
+#include "plenoflame/scene/spectral.h"
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
 
@@ -192,6 +193,49 @@ TEST(ForwardAgreement, VoxelMedium) {
                                 const std::vector<SourceFunction>& channels,
                                 const Execution&) { return ball(channels, interpolation); });
   }
+}
+
+// A shell that glows at one wavelength around the ball, partly where nothing absorbs; one channel
+// sees the heat alone, one both, one little but the line. Fails when the forward estimator takes
+// emission for absorption times the source function.
+TEST(ForwardAgreement, EmissionLines) {
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  const LineSpec line{LineKind::custom, 500e-9, 0, {"glow", "W/m^3"}};
+  scene.flames[0].kind = FlameKind::vdb;
+  scene.flames[0].file = "glow.vdb";
+  scene.flames[0].layers.clear();
+  scene.flames[0].lines = {line};
+  scene.flames[0].spectrum.kind = SpectrumKind::power;
+  scene.channels = {{"heat", ChannelKind::band, 650e-9, 10e-9},
+                    {"wide", ChannelKind::band, 520e-9, 60e-9},
+                    {"blue", ChannelKind::band, 500e-9, 1e-9}};
+  expect_agreement(scene, [](const FlameSpec& flame, const std::string&,
+                             const std::vector<SourceFunction>& channels, const Execution&) {
+    const AffineTransform map = [] {
+      AffineTransform made;
+      for (std::size_t i = 0; i < 3; ++i)
+        made.linear.rows[i] = {i == 0 ? 0.5e-3 : 0, i == 1 ? 0.5e-3 : 0, i == 2 ? 0.5e-3 : 0};
+      made.translation = {1, 0, 0};
+      return made;
+    }();
+    const auto radius = [](int i, int j, int k) {
+      return std::sqrt(static_cast<double>(i * i + j * j + k * k)) / 16;
+    };
+    const auto field = [&](const auto& value, float background) {
+      return make_field({-24, -24, -24}, {24, 24, 24}, value, map, background);
+    };
+    return make_voxel_medium(
+        field([](int, int, int) { return 1700.0f; }, 300),
+        field([&](int i, int j, int k) { return radius(i, j, k) < 0.8 ? 60.0f : 0.0f; }, 0),
+        VoxelInterpolation::trilinear, channels, {}, absorption_factors(flame.spectrum, channels),
+        {{field(
+             [&](int i, int j, int k) {
+               const double r = (radius(i, j, k) - 0.9) / 0.2;
+               return static_cast<float>(i + j > 4 && r * r < 4 ? 900 * std::exp(-r * r) : 0);
+             },
+             0)},
+         line_weights(flame, channels)});
+  });
 }
 
 }  // namespace

@@ -217,6 +217,94 @@ TEST_F(FlameFile, InfoTellsWhatASceneWouldNeed) {
   EXPECT_TRUE(contains(info.remarks[1], "grid \"kappa\" states no unit; it is taken to be in 1/m"));
 }
 
+FlameSpec with_line(const LineSpec& line) {
+  FlameSpec spec;
+  spec.lines = {line};
+  return spec;
+}
+
+TEST_F(FlameFile, EmissionLines) {
+  const std::vector<Grid> grids{
+      {"temperature", "", 1500, 300}, {"absorption", "", 30}, {"ch*", "W/cm^3", 2}};
+  EXPECT_TRUE(read(grids).lines.empty());
+  FlameFields flame = read(grids, with_line({LineKind::ch}));
+  ASSERT_EQ(flame.lines.size(), 1u);
+  EXPECT_EQ(value(flame.lines[0]), 2e6);
+  // Mapped: 0.5 * 2 + 0 in W/(m^3 sr).
+  flame = read(grids, with_line({LineKind::custom, 500e-9, 0, {"ch*", "W/(m^3 sr)", 0.5, 0}}));
+  EXPECT_TRUE(relative(value(flame.lines[0]), 12.566370614359172, 1e-6));
+  // Photons of the line's own wavelength: hc / lambda each.
+  flame = read(grids, with_line({LineKind::custom, 400e-9, 0, {"ch*", "1/(m^3 s)", 1e19, 0}}));
+  EXPECT_TRUE(relative(value(flame.lines[0]), 2e19 * 1.98644586e-25 / 400e-9, 1e-6));
+
+  const auto without_unit =
+      refused({{"absorption", "", 30}, {"C2", "", 1}}, with_line({LineKind::c2_474}));
+  EXPECT_TRUE(contains(without_unit, "grid \"C2\" states no unit; set lines[0].unit"));
+  EXPECT_TRUE(contains(refused({{"CH", "1/m", 1}}, with_line({LineKind::ch})),
+                       "states the unit \"1/m\", which is not one of emission"));
+  EXPECT_TRUE(contains(refused({{"CH", "W/m^3", -2}}, with_line({LineKind::ch})),
+                       "voxel (9, 2, -3) is -2 W/m^3; it must be at least 0"));
+  EXPECT_TRUE(contains(refused({{"CH", "W/m^3", std::numeric_limits<float>::quiet_NaN()}},
+                               with_line({LineKind::ch})),
+                       "must be a finite number"));
+  EXPECT_TRUE(contains(refused({{"CH", "W/m^3", 2, 1}}, with_line({LineKind::ch})),
+                       "all of space would glow"));
+  EXPECT_TRUE(contains(refused({{"absorption", "", 30}}, with_line({LineKind::oh})),
+                       "has no grid for lines[0]; it holds: \"absorption\""));
+}
+
+// Gas that only glows has no other grid; a grid of absorption that the scene names must be there.
+TEST_F(FlameFile, EmissionLinesAlone) {
+  FlameSpec spec = with_line({LineKind::ch});
+  const FlameFields flame = read({{"CH*", "W/m^3", 2}}, spec);
+  EXPECT_TRUE(flame.absorption.brick_origins.empty());
+  EXPECT_EQ(value(flame.lines[0]), 2);
+  EXPECT_TRUE(warnings_.empty());
+  spec.absorption.grid = "kappa";
+  EXPECT_TRUE(contains(message_of<InputError>([&] {
+                         read({{"CH*", "W/m^3", 2}, {"temperature", "", 1500}}, spec);
+                       }),
+                       "kappa"));
+  const std::string no_temperature =
+      refused({{"CH*", "W/m^3", 2}, {"absorption", "", 30}}, with_line({LineKind::ch}));
+  EXPECT_TRUE(contains(no_temperature, "has no temperature grid"));
+}
+
+// Into all directions in the file, into each in the medium, in a channel's share.
+TEST_F(FlameFile, EmissionOfTheMedium) {
+  FlameSpec spec = with_line({LineKind::ch});
+  spec.kind = FlameKind::vdb;
+  spec.file = path();
+  static_cast<void>(message_of<InputError>([&] { read({{"CH*", "W/m^3", 2}}); }));
+  const EmissionLine ch = EmissionLine::named("ch");
+  const auto medium = load_flame(spec, "/nowhere",
+                                 {SourceFunction::band(431e-9, 10e-9).with_lines({{ch, 0.25}}),
+                                  SourceFunction::band(650e-9, 10e-9)},
+                                 {});
+  double emission[2] = {-1, -1};
+  EXPECT_EQ(medium->coefficients({9e-3, 2e-3, -3e-3}, emission), 0);
+  EXPECT_TRUE(relative(emission[0], 0.25 * 2 / (4 * std::acos(-1.0)), 1e-5));
+  EXPECT_EQ(emission[1], 0);
+}
+
+TEST_F(FlameFile, Albedos) {
+  FlameSpec spec;
+  spec.scattering.grid = "omega";
+  const auto grids = [](float albedo, float background = 0) {
+    return std::vector<Grid>{
+        {"temperature", "", 1500, 300}, {"absorption", "", 30}, {"omega", "", albedo, background}};
+  };
+  EXPECT_TRUE(relative(value(*read(grids(0.25f), spec).albedo), 0.25, 1e-7));
+  EXPECT_FALSE(read(grids(0.25f)).albedo.has_value());
+  EXPECT_TRUE(contains(refused(grids(1), spec), "voxel (9, 2, -3) is an albedo of 1"));
+  EXPECT_TRUE(contains(refused(grids(30), spec), "is the grid in percent?"));
+  EXPECT_TRUE(contains(refused(grids(-0.5f), spec), "must be at least 0 and below 1"));
+  EXPECT_TRUE(contains(refused(grids(std::nanf("")), spec), "is an albedo of nan"));
+  EXPECT_TRUE(contains(refused(grids(0.5f, 1), spec), "the background is an albedo of 1"));
+  spec.scattering.grid = "none";
+  EXPECT_TRUE(contains(message_of<InputError>([&] { read(grids(0.5f), spec); }), "none"));
+}
+
 TEST_F(FlameFile, PlacedByPositionAndRotation) {
   FlameSpec spec;
   spec.position = {1, 2, 3};

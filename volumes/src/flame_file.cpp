@@ -52,6 +52,10 @@ constexpr std::string_view kAbsorptionNames[] = {"absorption",
                                                  "kappa",
                                                  "kappa_a",
                                                  "sigma_a"};
+constexpr std::string_view kChNames[] = {"ch*", "ch_star", "ch_emission", "ch"};
+constexpr std::string_view kC2Names[] = {"c2*", "c2_star", "c2_emission", "c2"};
+constexpr std::string_view kOhNames[] = {"oh*", "oh_star", "oh_emission", "oh"};
+constexpr std::string_view kSodiumNames[] = {"na_d", "na", "na_emission", "sodium"};
 constexpr std::string_view kDensityNames[] = {"density"};
 
 /// What is read: one of the two grids of a flame.
@@ -69,6 +73,11 @@ Quantity temperature() {
 Quantity absorption() {
   return {"absorption", "1/m", "1/m, 1/cm or 1/mm, or 1 or ppm of soot", kAbsorptionUnits,
           kAbsorptionNames};
+}
+
+/// Emission lines have units of their own: their table is empty.
+Quantity emission(const LineSpec& line) {
+  return {"lines", "W/m^3", "", {}, line_grid_names(line.kind)};
 }
 
 const GridInfo* choose(const std::vector<GridInfo>& grids, std::span<const std::string_view> names,
@@ -89,6 +98,9 @@ std::string list_of(const std::vector<GridInfo>& grids) {
 [[noreturn]] void missing(const std::string& path, const Quantity& quantity,
                           const std::vector<GridInfo>& grids) {
   std::string hint = fmt::format("name one of them with {}.grid in the scene", quantity.name);
+  if (quantity.table.empty())
+    throw InputError(fmt::format("{}: has no grid for {}; it holds: {}; {}", path, quantity.name,
+                                 list_of(grids), hint));
   if (std::string_view(quantity.name) == "absorption" && choose(grids, kDensityNames) != nullptr)
     hint =
         "to take it from the smoke density, set absorption.grid = \"density\" and "
@@ -139,8 +151,8 @@ void convert(const std::string& path, VoxelField& field, const GridSpec& spec, c
 }
 
 /// Index of a name with several grids: the name that read_voxel_field takes for this very grid.
-VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, const GridSpec& spec,
-                const Quantity& quantity, double per_fraction = 0) {
+VoxelField read_stored(const std::string& path, const std::vector<GridInfo>& grids,
+                       const GridSpec& spec, const Quantity& quantity) {
   if (!std::isfinite(spec.scale) || spec.scale == 0 || !std::isfinite(spec.offset))
     throw InputError(
         fmt::format("{}: {}.scale must be a finite number other than 0, and {}.offset a "
@@ -154,7 +166,12 @@ VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, con
     if (chosen == nullptr) missing(path, quantity, grids);
     name = chosen->name;
   }
-  VoxelField field = read_voxel_field(path, name);
+  return read_voxel_field(path, name);
+}
+
+VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, const GridSpec& spec,
+                const Quantity& quantity, double per_fraction = 0) {
+  VoxelField field = read_stored(path, grids, spec, quantity);
   const auto info = std::find_if(grids.begin(), grids.end(),
                                  [&](const GridInfo& grid) { return grid.name == field.name; });
   Unit unit = unit_of(path, spec, *info, quantity);
@@ -170,7 +187,90 @@ VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, con
   return field;
 }
 
+/// Light of an emission line, of the flame's line number `index`.
+VoxelField read_line(const std::string& path, const std::vector<GridInfo>& grids,
+                     const LineSpec& line, std::size_t index) {
+  const std::string key = fmt::format("lines[{}]", index);
+  Quantity quantity = emission(line);
+  quantity.name = key.c_str();
+  VoxelField field = read_stored(path, grids, line.emission, quantity);
+  const auto info = std::find_if(grids.begin(), grids.end(),
+                                 [&](const GridInfo& grid) { return grid.name == field.name; });
+  const bool from_scene = !line.emission.unit.empty();
+  const std::string& name = from_scene ? line.emission.unit : info->unit;
+  const auto factor = emission_unit(name, emission_line(line).wavelength());
+  if (name.empty())
+    throw InputError(fmt::format("{}: grid \"{}\" states no unit; set {}.unit in the scene to {}",
+                                 path, field.name, key, emission_unit_list()));
+  if (!factor)
+    throw InputError(
+        from_scene ? fmt::format("{}: {}.unit \"{}\" is not known; use {}", path, key, name,
+                                 emission_unit_list())
+                   : fmt::format("{}: grid \"{}\" states the unit \"{}\", which is not one of "
+                                 "emission; set {}.unit in the scene to {}",
+                                 path, field.name, name, key, emission_unit_list()));
+  convert(path, field, line.emission, {name, *factor, 0}, quantity);
+  if (field.background != 0)
+    throw InputError(fmt::format(
+        "{}: grid \"{}\" has the background {:g} W/m^3; it must be 0, or all of space would glow",
+        path, field.name, field.background));
+  return field;
+}
+
+VoxelField read_albedo(const std::string& path, const std::string& name) {
+  VoxelField field = read_voxel_field(path, name);
+  const auto check = [&](float value, const std::string& where) {
+    if (value >= 0 && value < 1) return;
+    throw InputError(
+        fmt::format("{}: grid \"{}\": {} is an albedo of {:g}; it must be at least 0 and below 1{}",
+                    path, field.name, where, value,
+                    value > 1 && value <= 100 ? " (is the grid in percent?)"
+                    : value == 1 ? ", with which any absorption would come with endless scattering"
+                                 : ""));
+  };
+  check(field.background, "the background");
+  for (std::size_t i = 0; i < field.values.size(); ++i)
+    if (const float value = field.values[i]; !(value >= 0 && value < 1))
+      check(value, "voxel " + detail::to_string(detail::voxel_index(field, i / detail::kBrickValues,
+                                                                    i % detail::kBrickValues)));
+  return field;
+}
+
+/// Nothing that absorbs, on another field's samples.
+VoxelField nothing_on(const VoxelField& samples, const char* name, double background) {
+  VoxelField field;
+  field.name = name;
+  field.index_to_world = samples.index_to_world;
+  field.background = static_cast<float>(background);
+  return field;
+}
+
+/// Whether a flame of emission lines has no absorption, nor asks for one.
+bool is_clear(const FlameSpec& spec, const std::vector<GridInfo>& grids) {
+  return !spec.lines.empty() && spec.absorption.grid.empty() && spec.temperature.grid.empty() &&
+         !spec.scattering.present() && choose(grids, kAbsorptionNames) == nullptr &&
+         choose(grids, kAbsorptionNames, /*readable=*/false) == nullptr;
+}
+
 }  // namespace
+
+std::span<const std::string_view> line_grid_names(LineKind line) {
+  switch (line) {
+    case LineKind::ch:
+      return kChNames;
+    case LineKind::c2_474:
+    case LineKind::c2_517:
+    case LineKind::c2_564:
+      return kC2Names;
+    case LineKind::oh:
+      return kOhNames;
+    case LineKind::na_d:
+      return kSodiumNames;
+    case LineKind::custom:
+      break;
+  }
+  return {};
+}
 
 std::span<const std::string_view> temperature_grid_names() {
   return kTemperatureNames;
@@ -186,14 +286,29 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
     file = std::filesystem::path(scene_folder) / file;
   const std::string path = file.string();
   const std::vector<GridInfo> grids = list_grids(path, /*statistics=*/false);
+  std::vector<VoxelField> lines;
+  for (std::size_t i = 0; i < spec.lines.size(); ++i)
+    lines.push_back(read_line(path, grids, spec.lines[i], i));
+  if (is_clear(spec, grids)) {
+    constexpr double kAmbient = 293.15;
+    execution.warn(
+        fmt::format("{}: no grid of absorption: the flame is clear, only its emission "
+                    "lines shine",
+                    path));
+    VoxelField nothing = nothing_on(lines.front(), "absorption", 0);
+    return {nothing_on(lines.front(), "temperature", kAmbient), std::move(nothing),
+            std::move(lines)};
+  }
   FlameFields flame{read(path, grids, spec.temperature, temperature()),
                     read(path, grids, spec.absorption, absorption(),
-                         absorption_spectrum(spec.spectrum).per_volume_fraction())};
+                         absorption_spectrum(spec.spectrum).per_volume_fraction()),
+                    std::move(lines)};
+  if (!spec.scattering.grid.empty()) flame.albedo = read_albedo(path, spec.scattering.grid);
   if (flame.absorption.background != 0)
     throw InputError(fmt::format(
         "{}: grid \"{}\" has the background {:g} 1/m; it must be 0, or all of space would absorb",
         path, flame.absorption.name, flame.absorption.background));
-  if (flame.absorption.brick_origins.empty())
+  if (flame.absorption.brick_origins.empty() && flame.lines.empty())
     execution.warn(fmt::format("{}: grid \"{}\" is 0 everywhere: the flame is invisible", path,
                                flame.absorption.name));
   const auto range = detail::range(flame.temperature);
@@ -219,6 +334,19 @@ VdbInfo vdb_info(const std::string& path) {
   std::error_code error;
   info.file_size = std::filesystem::file_size(path, error);
   const auto remark = [&](std::string text) { info.remarks.push_back(std::move(text)); };
+  constexpr std::pair<LineKind, const char*> kLines[] = {{LineKind::ch, "ch"},
+                                                         {LineKind::c2_517, "c2_517"},
+                                                         {LineKind::oh, "oh"},
+                                                         {LineKind::na_d, "na_d"}};
+  for (const auto& [line, kind] : kLines)
+    if (const GridInfo* grid = choose(info.grids, line_grid_names(line)); grid != nullptr) {
+      info.lines.push_back({grid->name, kind});
+      if (!emission_unit(grid->unit, 500e-9))
+        remark(
+            fmt::format("grid \"{}\" states no unit of emission: as the emission line \"{}\" it "
+                        "needs lines[].unit",
+                        grid->name, kind));
+    }
   const GridInfo* hot = choose(info.grids, temperature_grid_names());
   const GridInfo* sooty = choose(info.grids, absorption_grid_names());
   if (hot != nullptr) {
@@ -230,7 +358,7 @@ VdbInfo vdb_info(const std::string& path) {
           fmt::format("grid \"{}\" is {:g} at most: if that is not in K, a scene needs "
                       "temperature.unit or temperature.scale",
                       hot->name, std::fmax(hot->maximum, hot->background)));
-  } else {
+  } else if (sooty != nullptr || info.lines.empty()) {
     remark("no grid with a name of temperature: a scene needs temperature.grid");
   }
   if (sooty != nullptr) {
@@ -240,6 +368,8 @@ VdbInfo vdb_info(const std::string& path) {
     if (sooty->background != 0)
       remark(fmt::format("grid \"{}\" has the background {:g}, which must be 0 for absorption",
                          sooty->name, sooty->background));
+  } else if (!info.lines.empty()) {
+    remark("no grid with a name of absorption: a flame of emission lines alone");
   } else {
     remark(
         "no grid with a name of absorption: a scene needs absorption.grid, for example "

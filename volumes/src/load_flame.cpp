@@ -1,7 +1,9 @@
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "field.h"
+#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/spectral.h"
 #include "plenoflame/volumes/flame_file.h"
@@ -16,7 +18,19 @@ std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& sce
   std::vector<double> factors = absorption_factors(spec.spectrum, channels);
   FlameFields flame = read_flame(spec, scene_folder, execution);
   const RigidTransform placement{rotation_xyz(spec.rotation), spec.position};
-  for (VoxelField* field : {&flame.temperature, &flame.absorption}) {
+  std::vector<VoxelField*> fields{&flame.temperature, &flame.absorption};
+  VoxelExtras extras;
+  extras.lines = std::move(flame.lines);
+  extras.line_weights = line_weights(spec, channels);
+  for (VoxelField& line : extras.lines) {
+    // From all directions to one.
+    for (float& value : line.values)
+      value = static_cast<float>(static_cast<double>(value) / (4 * constants::pi));
+    fields.push_back(&line);
+  }
+  extras.albedo = std::move(flame.albedo);
+  if (extras.albedo) fields.push_back(&*extras.albedo);
+  for (VoxelField* field : fields) {
     AffineTransform& transform = field->index_to_world;
     for (Vec3& row : transform.linear.rows) row = spec.scale * row;
     transform.translation = spec.scale * transform.translation;
@@ -26,7 +40,7 @@ std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& sce
                            spec.interpolation == Interpolation::trilinear
                                ? VoxelInterpolation::trilinear
                                : VoxelInterpolation::constant,
-                           std::move(channels), {}, std::move(factors));
+                           std::move(channels), {}, std::move(factors), std::move(extras));
 }
 
 }  // namespace plenoflame

@@ -1,6 +1,7 @@
 #include "plenoflame/film/compare.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -48,6 +49,7 @@ void add_statistics(Report& report, const Comparison& c) {
              "largest_z", c.largest_z);
   report.add_json("largest_z_pixel", {c.largest_z_column, c.largest_z_row});
   report.add_json("largest_z_probability", c.largest_z_probability);
+  if (std::isfinite(c.freedom)) report.add_json("degrees_of_freedom", c.freedom);
   report.add("chi-square, pixels",
              readable_number(c.chi_square) + " over " + std::to_string(c.chi_square_pixels),
              "chi_square", c.chi_square);

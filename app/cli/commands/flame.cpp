@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cstdint>
 #include <iomanip>
 #include <iostream>
@@ -9,6 +8,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "commands/command.h"
 #include "commands/commands.h"
@@ -19,6 +19,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
+#include "plenoflame/radiometry/emission_line.h"
 #include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_writer.h"
@@ -33,6 +34,7 @@ struct Settings {
   std::optional<std::string> voxel_size, wavelength, layers, seed_text;
   std::uint64_t seed = 1;
   std::optional<double> soot_function;
+  std::vector<std::string> lines;
   bool half = false;
   std::string compression = "blosc";
   int threads = 0;
@@ -56,6 +58,31 @@ double length(const char* option, const std::string& text) {
   throw UsageError(std::string(option) + ": \"" + text + "\" must be above 0 and below 1 km");
 }
 
+/// "ch" or "ch=200 W/m^3": a grid of an emission line.
+SootFlameOptions::Line line_option(const std::string& text) {
+  struct Known {
+    const char *name, *grid;
+  };
+  constexpr Known kKnown[] = {{"ch", "CH*"}, {"c2_517", "C2*"}, {"oh", "OH*"}, {"na_d", "Na_D"}};
+  constexpr double kPeak = 100;  // [W/m^3]
+  const auto equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  for (const Known& known : kKnown) {
+    if (name != known.name) continue;
+    if (equals == std::string::npos) return {known.grid, kPeak};
+    std::istringstream value(text.substr(equals + 1));
+    double number = 0;
+    std::string unit;
+    if (value >> number && std::getline(value >> std::ws, unit)) {
+      const auto factor = emission_unit(unit, EmissionLine::named(name).wavelength());
+      if (factor && number > 0) return {known.grid, number * *factor};
+    }
+    throw UsageError("--line: \"" + text + "\" needs a peak above 0 with its unit, such as " +
+                     name + "=\"200 W/m^3\"");
+  }
+  throw UsageError("--line: there is no line \"" + name + "\"; known are ch, c2_517, oh, na_d");
+}
+
 /// Makes sure that no option is given that the flame has no use for.
 void check_use(const Settings& s) {
   const bool layered = s.name == "layered", sooty = s.name == "candle" || s.name == "diffusion";
@@ -65,6 +92,7 @@ void check_use(const Settings& s) {
   if (!layered) refuse(s.layers.has_value(), "--layers");
   if (!sooty) refuse(s.wavelength.has_value(), "--wavelength");
   if (!sooty) refuse(s.soot_function.has_value(), "--soot-function");
+  if (!sooty) refuse(!s.lines.empty(), "--line");
   if (s.name != "turbulent") refuse(s.seed_text.has_value(), "--seed");
   if (!s.output.ends_with(".vdb"))
     throw UsageError("--output: '" + s.output + "' must end in .vdb");
@@ -85,6 +113,12 @@ FlameFields generate(const Settings& s, const Execution& execution) {
     SootFlameOptions options = s.name == "candle" ? candle_flame() : diffusion_flame();
     if (s.soot_function) options.absorption_function = *s.soot_function;
     if (s.wavelength) options.wavelength = length("--wavelength", *s.wavelength);
+    for (const std::string& text : s.lines) {
+      SootFlameOptions::Line line = line_option(text);
+      for (const SootFlameOptions::Line& other : options.lines)
+        if (other.name == line.name) throw UsageError("--line: " + text + " is given twice");
+      options.lines.push_back(std::move(line));
+    }
     set_voxel_size(options.voxel_size);
     return make_soot_flame(options, execution);
   }
@@ -152,7 +186,8 @@ int run(Settings& s) {
   ProgressBar bar(false);
   bar.connect(execution);
   FlameFields flame = generate(s, execution);
-  const std::array<GridOutput, 2> grids{{{&flame.temperature, "K"}, {&flame.absorption, "1/m"}}};
+  std::vector<GridOutput> grids{{&flame.temperature, "K"}, {&flame.absorption, "1/m"}};
+  for (const VoxelField& line : flame.lines) grids.push_back({&line, "W/m^3"});
   GridWriteOptions options;
   options.half = s.half;
   options.compression = std::map<std::string, VdbCompression>{{"none", VdbCompression::none},
@@ -190,6 +225,14 @@ void register_flame(const Registry& registry) {
                      "candle, diffusion: at which the absorption holds (650 nm)");
   command.add_option("--soot-function", s->soot_function,
                      "candle, diffusion: absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
+  command
+      .add_option(
+          "--line", s->lines,
+          "candle, diffusion: a grid of an emission line as well, with its peak: ch, c2_517, "
+          "oh, na_d, or \"ch=200 W/m^3\" (100 W/m^3); may be given several times")
+      ->option_text("LINE")
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_option("--seed", s->seed_text, "turbulent: which plume (1)")->option_text("N");
   command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
       ->check(number_from(0));

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 
 #include "commands/info.h"
@@ -5,6 +7,7 @@
 #include "options.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/scene_schema.h"
+#include "plenoflame/scene/spectral.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -55,11 +58,41 @@ std::string channel_text(const ChannelSpec& channel) {
          readable(channel.wavelength, Dimension::length) + quantum;
 }
 
+/// An emission line, and what each channel sees of it.
+std::string line_text(const Scene& scene, const LineSpec& spec) {
+  const EmissionLine line = emission_line(spec);
+  std::string text = readable(line.wavelength(), Dimension::length);
+  if (line.width() > 0) text += ", " + readable(line.width(), Dimension::length) + " wide";
+  for (const ChannelSpec& channel : scene.channels)
+    text += ", " + channel.name + " sees " +
+            readable_number(line.seen_by(camera_response(scene, channel)));
+  return text;
+}
+
+nlohmann::json lines_json(const Scene& scene, const FlameSpec& flame, const std::string& path) {
+  nlohmann::json lines = nlohmann::json::array();
+  for (std::size_t l = 0; l < flame.lines.size(); ++l) {
+    const EmissionLine line = emission_line(flame.lines[l]);
+    nlohmann::json seen = nlohmann::json::object();
+    for (const ChannelSpec& channel : scene.channels)
+      seen[channel.name] = line.seen_by(camera_response(scene, channel));
+    lines.push_back({{"kind", get_text(scene, path + ".lines[" + std::to_string(l) + "].kind")},
+                     {"wavelength_m", line.wavelength()},
+                     {"width_m", line.width()},
+                     {"grid", flame.lines[l].emission.grid},
+                     {"seen", seen}});
+  }
+  return lines;
+}
+
 }  // namespace
 
 void describe_scene(const std::string& path, Report& report) {
   std::vector<std::string> warnings;
-  const Scene scene = read_valid_scene(path, &warnings).scene;
+  Scene scene = read_valid_scene(path, &warnings).scene;
+  const bool lines = std::any_of(scene.flames.begin(), scene.flames.end(),
+                                 [](const FlameSpec& flame) { return !flame.lines.empty(); });
+  if (lines) read_curves(scene, std::filesystem::path(path).parent_path().string());
   for (const std::string& warning : warnings)
     std::cerr << "plenoflame: warning: " << warning << '\n';
   const CameraSpec& camera = scene.camera;
@@ -79,10 +112,16 @@ void describe_scene(const std::string& path, Report& report) {
     const FlameSpec& flame = scene.flames[i];
     const std::string name = flame.name.empty() ? std::to_string(i + 1) : flame.name;
     report.add_text("flame " + name, flame_text(flame));
+    const std::string key = "flames[" + std::to_string(i) + "]";
+    for (std::size_t l = 0; l < flame.lines.size(); ++l) {
+      const std::string kind = get_text(scene, key + ".lines[" + std::to_string(l) + "].kind");
+      report.add_text("line " + kind, line_text(scene, flame.lines[l]));
+    }
     flames.push_back({{"name", flame.name},
                       {"kind", flame.kind == FlameKind::vdb ? "vdb" : "layered"},
                       {"file", flame.file},
                       {"layers", flame.layers.size()},
+                      {"lines", lines_json(scene, flame, key)},
                       {"position_m", {flame.position.x, flame.position.y, flame.position.z}}});
   }
   report.add_json("flames", flames);

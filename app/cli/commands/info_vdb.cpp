@@ -74,6 +74,12 @@ void describe_vdb(const std::string& path, Report& report) {
              info.temperature_grid);
   report.add("absorption from", taken(info.absorption_grid), "absorption_grid",
              info.absorption_grid);
+  nlohmann::json lines = nlohmann::json::array();
+  for (const VdbInfo::Line& line : info.lines) {
+    report.add_text("emission line from", line.grid + " (kind = \"" + line.kind + "\")");
+    lines.push_back({{"grid", line.grid}, {"kind", line.kind}});
+  }
+  report.add_json("lines", lines);
   for (const std::string& remark : info.remarks) report.add_text("remark", remark);
   report.add_json("remarks", info.remarks);
 }

@@ -127,6 +127,7 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add_json("lenses", s.lenses);
   report.add_json("pixels", s.pixels);
   report.add_json("pairs", s.pairs);
+  report.add_json("pairs_left_to_chance", s.pairs_left_to_chance);
   report.add_json("tiles", s.tiles);
   if (s.table_nodes > 0) {
     const double all = s.table_looked_up + s.table_corrected + s.table_rough;
@@ -139,6 +140,7 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
     report.add_json("table_rough", s.table_rough);
     report.add_json("table_nodes", s.table_nodes);
     report.add_json("table_clamped", s.table_clamped);
+    report.add_json("table_bias_bound", s.table_sum > 0 ? s.table_clamped_sum / s.table_sum : 0.0);
   }
   report.add_json("medium_counters", {{"rays", s.medium.rays},
                                       {"cells", s.medium.cells},

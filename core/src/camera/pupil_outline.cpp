@@ -47,7 +47,9 @@ PupilOutline::PupilOutline(PupilTracer& open, double h, double centre, double ra
       const Interval& interval = grid[i];
       const bool some = interval.out >= interval.in;
       opens = std::min(opens, some && interval.in <= 0 ? interval.out : 0.0);
-      if (some) closes = std::max(closes, last_inside(azimuth, i));
+      double& end = ends_[static_cast<std::size_t>(azimuth)][i];
+      end = some ? last_inside(azimuth, i) : 0;
+      closes = std::max(closes, end);
     }
     opens_[static_cast<std::size_t>(azimuth)] = opens;
     closes_[static_cast<std::size_t>(azimuth)] = closes;
@@ -224,13 +226,11 @@ void PupilOutline::fill_cuts(PupilCuts& cuts) const {
   }
 }
 
-double PupilOutline::open_share(double distance) const {
+double PupilOutline::opened(double distance) const {
   double seen = 0, all = 0;
-  for (int azimuth = 0; azimuth < PupilCuts::kAzimuths; ++azimuth) {
-    const Grid& grid = grids_[static_cast<std::size_t>(azimuth)];
+  for (std::size_t azimuth = 0; azimuth < PupilCuts::kAzimuths; ++azimuth) {
     const bool end = azimuth == 0 || azimuth == PupilCuts::kAzimuths - 1;
     for (std::size_t i = 0; i < kPoints; ++i) {
-      if (quick_length(aim(azimuth, distance, i)) > discs_.bound) continue;
       const std::size_t ring = i == 0 ? 0 : (i - 1) / kSpokes;
       const double outer =
           ring + 1 < kRings ? 0.5 * (kRingRadii[ring] + kRingRadii[ring + 1]) : 1.0;
@@ -239,10 +239,11 @@ double PupilOutline::open_share(double distance) const {
       const double area = i == 0 ? inner * inner * kSpokes : outer * outer - inner * inner;
       const double weight = area * (end ? 0.5 : 1.0);
       all += weight;
-      if (grid[i].in <= distance && distance <= grid[i].out) seen += weight;
+      const double from = std::max(grids_[azimuth][i].in, 0.0);
+      seen += weight * std::max(std::min(distance, ends_[azimuth][i]) - from, 0.0);
     }
   }
-  return all > 0 ? seen / all : 0;
+  return seen / all;
 }
 
 }  // namespace plenoflame

@@ -26,8 +26,9 @@ class PupilOutline {
   const std::array<double, PupilCuts::kAzimuths>& closes() const { return closes_; }
   /// The cuts at steps from opens to closes (which may be wider than the own ones).
   void fill_cuts(PupilCuts& cuts) const;
-  /// Share of the aperture that sees the scene at some distance, averaged over the azimuths.
-  double open_share(double distance) const;
+  /// Share of the aperture that sees the scene, averaged over the azimuths and integrated over the
+  /// distances up to this one [m].
+  double opened(double distance) const;
   /// Rays at the ends of the intervals, in the plane z = 0 of the camera frame.
   const std::vector<Ray>& edge_rays() const { return edge_rays_; }
 
@@ -50,6 +51,8 @@ class PupilOutline {
   std::array<Vec2, PupilCuts::kAzimuths> directions_;
   ApertureDiscs discs_;
   std::array<Grid, PupilCuts::kAzimuths> grids_;
+  /// Of every interval, as far as its point lies inside the bound.
+  std::array<std::array<double, kPoints>, PupilCuts::kAzimuths> ends_{};
   std::array<double, PupilCuts::kAzimuths> opens_{}, closes_{};
   std::vector<Ray> edge_rays_;
   bool dark_ = true;

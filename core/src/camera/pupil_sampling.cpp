@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <tuple>
 #include <utility>
 
+#include "camera/bare_pupil.h"
+#include "camera/passing_edge.h"
+#include "camera/pupil_field.h"
 #include "camera/pupil_outline.h"
 #include "camera/widen_cuts.h"
 #include "plenoflame/base/constants.h"
@@ -16,72 +18,8 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kNodes = 25;            ///< of a table over the field
-constexpr int kDirections = 32;       ///< in which an edge is searched
-constexpr int kBisections = 24;       ///< halvings of the first bracket: edges to 6e-8 of it
 constexpr double kSafety = 0.001;     ///< of a radius, over the measured margin
 constexpr double kDiscSafety = 8e-4;  ///< the same for the microlens' own apertures
-/// Without array the edge is seen directly: as sharp as 48 halvings make it. Rays that are drawn
-/// beside it are rare, but a pixel whose pupil nothing cuts is otherwise nearly free of noise.
-constexpr double kBareSafety = 1e-11;
-constexpr int kBareBisections = 48;
-
-using Passes = std::function<bool(Vec2)>;
-
-/// Some point that passes, near `guess`; searched on ever finer grids within `range`.
-bool find_inside(const Passes& passes, double range, Vec2& guess) {
-  if (passes(guess)) return true;
-  for (const int n : {9, 41}) {
-    Vec2 sum;
-    int count = 0;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) {
-        const Vec2 p{guess.x + range * (2.0 * i / (n - 1) - 1),
-                     guess.y + range * (2.0 * j / (n - 1) - 1)};
-        if (!passes(p)) continue;
-        sum = sum + p;
-        ++count;
-      }
-    if (count == 0) continue;
-    const Vec2 mean = (1.0 / count) * sum;  // inside, as what passes is nearly convex
-    if (passes(mean)) {
-      guess = mean;
-      return true;
-    }
-  }
-  return false;
-}
-
-/// The outermost passing points around `inside`, up to `range` away.
-std::vector<Vec2> find_edge(const Passes& passes, Vec2 inside, double range,
-                            int bisections = kBisections) {
-  std::vector<Vec2> edge;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = 2 * constants::pi * k / kDirections;
-    const Vec2 direction{std::cos(angle), std::sin(angle)};
-    double lo = 0, hi = range;
-    if (passes(inside + hi * direction)) {
-      lo = hi;
-    } else {
-      for (int i = 0; i < bisections; ++i) {
-        const double mid = 0.5 * (lo + hi);
-        (passes(inside + mid * direction) ? lo : hi) = mid;
-      }
-    }
-    edge.push_back(inside + lo * direction);
-  }
-  return edge;
-}
-
-/// Centre of the points' extent: for an outline cut by two circles the mean would be off.
-Vec2 middle(const std::vector<Vec2>& points) {
-  Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
-  for (const Vec2 p : points) {
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
-  }
-  return 0.5 * (lower + upper);
-}
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
 class MicrolensTracer {
@@ -202,29 +140,6 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
   return discs;
 }
 
-/// A node where nothing passes next to one where something does must not cut the light between.
-void extend_into_shadow(std::vector<PupilNode>& nodes, std::vector<PupilCuts>& cuts) {
-  for (std::size_t i = 1; i < nodes.size(); ++i)
-    if (nodes[i].dark() && !nodes[i - 1].dark()) {
-      nodes[i] = nodes[i - 1];
-      cuts[i] = cuts[i - 1];
-      break;
-    }
-}
-
-double field_radius(const Camera& camera) {
-  const SensorSpec& sensor = camera.spec().sensor;
-  return 0.5 * sensor.pixel_pitch * std::hypot(sensor.columns, sensor.rows);
-}
-
-/// How far a main lens that is moved displaces its field over array and sensor, as the middle of
-/// the stop sees it or along its own axis [m].
-double field_shift(const Camera& camera) {
-  if (!camera.lens_moved()) return 0;
-  const Vec3 middle = camera.lens_pose().inverse().point({0, 0, camera.array_front()});
-  return std::max(length(camera.foot()), length(Vec2{middle.x, middle.y}));
-}
-
 /// Fills in what the cuts say of a whole micro-image.
 void summarise(const PupilCuts& cuts, PupilNode& node) {
   node.outer_radius = 0;
@@ -271,16 +186,19 @@ class TableMaker {
       : given_(camera),
         camera_(camera.misaligned() ? camera.aligned() : camera),
         type_(type),
-        tracer_(camera_, type),
-        images_(kNodes),
-        cuts_(kNodes) {
+        tracer_(camera_, type) {
     // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
     const double h_max =
         field_radius(camera_) + 2 * camera_.spec().array.pitch + field_shift(given_);
-    table_.field_step = h_max / (kNodes - 1);
-    table_.nodes.resize(kNodes);
-    table_.edges.resize(kNodes);
+    const std::size_t nodes = field_nodes(camera_, h_max);
+    table_.field_step = h_max / static_cast<double>(nodes - 1);
+    table_.nodes.resize(nodes);
+    table_.edges.resize(nodes);
+    images_.resize(nodes);
+    cuts_.resize(nodes);
   }
+
+  std::size_t nodes() const { return table_.nodes.size(); }
 
   void find_image(std::size_t i) { images_[i] = find_chief_image(tracer_, place(i)); }
 
@@ -309,9 +227,9 @@ class TableMaker {
     }
     outline.fill_cuts(cuts);
     summarise(cuts, node);
-    for (std::size_t k = 0; k < node.open.size(); ++k)
-      node.open[k] = outline.open_share(node.outer_radius * static_cast<double>(k) /
-                                        static_cast<double>(node.open.size() - 1));
+    for (std::size_t k = 0; k < node.opened.size(); ++k)
+      node.opened[k] = outline.opened(node.outer_radius * static_cast<double>(k) /
+                                      static_cast<double>(node.opened.size() - 1));
     table_.edges[i] = outline.edge_rays();
   }
 
@@ -356,12 +274,13 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
     parallel_for(threads, parts * makers.size(),
                  [&](std::size_t index, int) { stage(*makers[index / parts], index % parts); });
   };
-  of_each(kNodes, [](TableMaker& maker, std::size_t i) { maker.find_image(i); });
+  const std::size_t nodes = makers.front()->nodes();  // all types have the same field
+  of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.find_image(i); });
   for (const auto& maker : makers) maker->fit_discs();
-  of_each(kNodes, [](TableMaker& maker, std::size_t i) { maker.trace_outline(i); });
+  of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.trace_outline(i); });
   for (const auto& maker : makers) maker->fill_shadow();
   for (const std::size_t first : {0, 1})  // pairs that share no node
-    of_each((kNodes - first) / 2,
+    of_each((nodes - first) / 2,
             [first](TableMaker& maker, std::size_t k) { maker.widen(2 * k + first); });
   of_each(1, [](TableMaker& maker, std::size_t) { maker.finish(); });
   std::vector<PupilTable> tables;
@@ -369,80 +288,18 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
   return tables;
 }
 
-struct Outline {
-  PupilNode node;
-  std::vector<Vec2> edge;
-  std::vector<Ray> rays;
-};
-
-/// @param turn the azimuth of the field, for a camera that is not alike all around
-Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
-  Outline outline;
-  const auto turned = [turn](Vec2 v) {
-    return Vec2{turn.x * v.x - turn.y * v.y, turn.y * v.x + turn.x * v.y};
-  };
-  const double plane = camera.aim_plane(0);
-  const FirstOrder& lens = camera.lens_first_order();
-  const Passes passes = [&](Vec2 u) {
-    return camera.trace(camera.foot() + turned({h, 0}), std::nullopt, camera.foot() + turned(u))
-               .status.status == RayStatus::reached;
-  };
-  double centre = h, radius = 0.5 * lens.entrance_pupil_diameter;
-  if (std::isfinite(camera.exit_pupil())) {
-    const double to_pupil = camera.exit_pupil() - camera.sensor();
-    const double part = (plane - camera.sensor()) / to_pupil;
-    centre = h * (1 - part);
-    radius = 0.5 * lens.exit_pupil_diameter * std::fabs(part);
-  }
-  Vec2 inside{centre, 0};
-  if (!find_inside(passes, 1.5 * radius, inside)) return outline;
-  std::vector<Vec2> edge = find_edge(passes, inside, 4 * radius, kBareBisections);
-  outline.node.aim_centre = middle(edge).x;
-  outline.node.image_radius = kInfinity;
-  outline.node.open.fill(1);
-  for (const Vec2 u : edge) {
-    outline.node.aim_radius =
-        std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
-    outline.edge.push_back(u);
-    if (!camera.misaligned()) outline.rays.push_back(camera.trace({h, 0}, std::nullopt, u).exit);
-  }
-  return outline;
-}
-
-PupilTable bare_table(const Camera& given) {
-  constexpr int kTurns = 12;
-  const Camera camera = given.misaligned() ? given.aligned() : given;
-  PupilTable table;
-  table.field_step =
-      (field_radius(camera) + camera.spec().sensor.pixel_pitch + field_shift(given)) / (kNodes - 1);
-  for (int i = 0; i < kNodes; ++i) {
-    Outline outline = trace_bare_outline(camera, i * table.field_step);
-    table.nodes.push_back(outline.node);
-    table.edges.push_back(std::move(outline.rays));
-  }
-  std::vector<PupilCuts> none(kNodes);
-  extend_into_shadow(table.nodes, none);
-  double margin = 0;
-  for (int i = 0; i + 1 < kNodes; ++i) {
-    const double h = (i + 0.5) * table.field_step;
-    const PupilNode node = table.at(h);
-    const auto hold = [&](const Outline& outline) {
-      for (const Vec2 u : outline.edge)
-        margin = std::max(margin, length(u - Vec2{node.aim_centre, 0}) - node.aim_radius);
-    };
-    hold(trace_bare_outline(camera, h));
-    if (!given.misaligned()) continue;
-    for (int k = 0; k < kTurns; ++k) {
-      const double angle = 2 * constants::pi * (k + 0.5 * (i % 2)) / kTurns;
-      hold(trace_bare_outline(given, h, {std::cos(angle), std::sin(angle)}));
-    }
-  }
-  for (PupilNode& node : table.nodes)
-    if (node.aim_radius > 0) node.aim_radius += 1.5 * margin + kBareSafety * node.aim_radius;
-  return table;
-}
-
 }  // namespace
+
+double PupilNode::mean_open(double distance, double half) const {
+  const auto last = static_cast<double>(opened.size() - 1);
+  const auto up_to = [&](double d) {
+    const double place = std::min(d / outer_radius * last, last);
+    const auto i = std::min(static_cast<std::size_t>(place), opened.size() - 2);
+    return opened[i] + (place - static_cast<double>(i)) * (opened[i + 1] - opened[i]);
+  };
+  const double from = std::max(distance - half, 0.0), to = distance + half;
+  return (up_to(to) - up_to(from)) / (to - from);
+}
 
 PupilNode PupilTable::at(double h) const {
   const double place = h / field_step;
@@ -459,7 +316,8 @@ PupilNode PupilTable::at(double h) const {
   node.aim_centre = mix(a.aim_centre, b.aim_centre);
   node.aim_radius = mix(a.aim_radius, b.aim_radius);
   node.outer_radius = std::max(a.outer_radius, b.outer_radius);
-  node.open = t < 0.5 ? a.open : b.open;
+  for (std::size_t k = 0; k < node.opened.size(); ++k)
+    node.opened[k] = mix(a.opened[k], b.opened[k]);
   node.cuts = PixelCuts::mix(a.cuts, b.cuts, static_cast<float>(t));
   return node;
 }

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
+#include "film/error_bound.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -41,9 +43,25 @@ double normal_score(double sum, double n) {
   return (std::cbrt(sum / n) - (1.0 - variance)) / std::sqrt(variance);
 }
 
-/// Probability that the largest of n normal numbers is at least |z| in magnitude.
-double largest_probability(double z, double n) {
-  const double one = std::erfc(std::fabs(z) / std::sqrt(2.0));
+/// Degrees of freedom of the standard errors: those of the image with the fewest randomisations;
+/// infinite where none says how many it had.
+double fewest_freedom(const LightField& a, bool a_counts, const LightField& b, bool b_counts) {
+  double freedom = std::numeric_limits<double>::infinity();
+  const auto take = [&](const LightField& field, bool counts) {
+    const auto replicates = field.numbers.find("render.replicates");
+    if (counts && replicates != field.numbers.end() && replicates->second >= 2)
+      freedom = std::min(freedom, replicates->second - 1);
+  };
+  take(a, a_counts);
+  take(b, b_counts);
+  return freedom;
+}
+
+/// Probability that the largest of n numbers of Student's distribution (infinite freedom: of the
+/// normal one) is at least |z| in magnitude.
+double largest_probability(double z, double n, double freedom) {
+  const double one =
+      std::isfinite(freedom) ? student_tail(z, freedom) : std::erfc(std::fabs(z) / std::sqrt(2.0));
   return one >= 1 ? 1 : -std::expm1(n * std::log1p(-one));
 }
 
@@ -157,7 +175,8 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
     const auto count = static_cast<double>(result.blocks);
     result.relative_bias_error = std::sqrt(variance_sum) / n / result.reference_mean;
     result.expected_rmse = std::sqrt(variance_sum / n) / result.reference_mean;
-    result.largest_z_probability = largest_probability(result.largest_z, pixels);
+    result.freedom = fewest_freedom(a, !error_a.empty(), reference, !error_b.empty());
+    result.largest_z_probability = largest_probability(result.largest_z, pixels, result.freedom);
     result.chi_square = chi_sum / pixels;
     result.block_chi_square = block_sum / count;
     result.block_score = normal_score(block_sum, count);

@@ -57,6 +57,13 @@ double f_quantile(double probability, double numerator, double denominator) {
   return std::exp(0.5 * (low + high));
 }
 
+double student_tail(double t, double freedom) {
+  // I_x(n/2, 1/2), x = n / (n + t^2) (Abramowitz and Stegun 26.7.1 with 26.5.27).
+  const double t2 = t * t, sum = freedom + t2;
+  if (!(t2 > 0)) return 1;
+  return regularised_beta(0.5 * freedom, 0.5, freedom / sum, t2 / sum);
+}
+
 StatedError stated_error(const Image& flux, const Image& standard_error, int replicates) {
   StatedError stated;
   if (flux.empty()) return stated;

@@ -7,4 +7,8 @@ namespace plenoflame {
 /// Relative error below 1e-10. @param probability in (0, 1)
 double f_quantile(double probability, double numerator, double denominator);
 
+/// Probability that a number of Student's t distribution with `freedom` degrees of freedom (> 0,
+/// need not be whole) is at least |t| in magnitude. Relative error below 1e-10.
+double student_tail(double t, double freedom);
+
 }  // namespace plenoflame

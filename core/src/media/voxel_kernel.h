@@ -14,11 +14,16 @@ inline constexpr int kLanes = 16;  // rays that advance together
 inline constexpr int kStepWords = kBrickSide * kBrickSide;
 inline constexpr int kCellStep = 8;
 inline constexpr int kMaxFitTerms = 12, kTermsOfTwo = 10;
+inline constexpr int kMaxExtras = 9;  // further fields on the same samples
 
 /// Bricks of (temperature [K], absorption [1/m]) pairs and the table that finds them. Sample
 /// (i, j, k) of a brick is pair (i * 9 + j) * 9 + k. Coordinates count cells from the lowest brick.
 struct LatticeView {
   const float* values;
+  /// Further fields of brick n of the values: sample s of field e at
+  /// (n * extra_fields + e) * kBrickPairs + s.
+  const float* extras;
+  int extra_fields;
   const int* steps;  ///< kStepWords for each brick of the values
   const int* plain;  ///< 1 for a brick of the values all of whose codes are kCellStep, else 0
   /// table[top[block] + brick within its block]: -1 empty; 2 n: values of brick n; 2 n + 1: the
@@ -66,6 +71,13 @@ struct MediumView {
   int channels;
   /// On the absorption, per channel; nullptr: grey.
   const Real* factors;
+  /// 1: the first extra field multiplies the source functions; 0: there is no such field.
+  int share_fields;
+  /// The other extra fields are emission lines [W/(m^3 sr)]; what channel c counts of field e is
+  /// at [c * extra_fields + e].
+  const Real* line_weights;
+  /// What lines emit into channel c in constant brick n, at [c * constants + n]; nullptr: no lines.
+  const Real* constant_lines;
 };
 
 /// From world to cell coordinates: cell = linear * (offset from the anchor) + origin.

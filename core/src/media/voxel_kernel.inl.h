@@ -1,6 +1,7 @@
 // Emission and absorption along rays through voxel bricks, sixteen together: brick by brick, then
 // interval by interval, composed front to back. Formulas: docs/theory.md, "Voxel grids".
 #include "media/voxel_kernel_cells.h"
+#include "media/voxel_kernel_extras.h"
 #include "media/voxel_kernel_transfer.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
@@ -206,6 +207,10 @@ class Packet {
   void add_constants(const int* constant) {
     for (int l = 0; l < kLanes; ++l) {
       if (constant[l] < 0) continue;
+      for (int c = 0; c < channels_ && medium_.constant_lines; ++c)
+        radiance_[c][l] += (medium_.factors ? passed_[c][l] : transmittance_[l]) *
+                           constant_line(medium_, first_channel_ + c, constant[l],
+                                         segment_end_[l] - segment_begin_[l]);
       const auto a = attenuation(medium_.constant_absorption[constant[l]] *
                                  (segment_end_[l] - segment_begin_[l]));
       for (int c = 0; c < channels_ && !medium_.factors; ++c) {
@@ -240,6 +245,7 @@ class Packet {
     alignas(64) Real last[kLanes];
     alignas(64) int steps[kLanes];  // first word of the brick's step codes
     const float* values[kLanes];
+    const float* extras[kLanes];
   };
 
   // Crosses the bricks that were found, all lanes in step. The next interval is laid out, and its
@@ -265,9 +271,14 @@ class Packet {
       counters_.cells += active;
       interpolate_fields(at, intervals[turn]);
       if (kOwnTemperature) interpolate_temperature(own[turn], intervals[turn]);
+      if (cells_.extras) interpolate_extras(cells_, at.extras, intervals[turn], extras_);
       active = advance<kOwnTemperature, kPlain>(at, intervals[turn ^ 1], own[turn ^ 1]);
       if (active > 0) fetch(at, intervals[turn ^ 1]);
-      compose(intervals[turn]);
+      if (cells_.extras)
+        compose_with_extras(medium_, first_channel_, channels_, intervals[turn], extras_, radiance_,
+                            passed_, transmittance_);
+      else
+        compose(intervals[turn]);
     }
   }
 
@@ -278,6 +289,7 @@ class Packet {
     for (int l = 0; l < kLanes; ++l) {
       const int data = found_[l] ? data_of(cells_, segment_entry_[l]) : cells_.blank;
       at.values[l] = cells_.values + static_cast<long>(data) * (2 * kBrickPairs);
+      at.extras[l] = cells_.extras + static_cast<long>(data) * (cells_.extra_fields * kBrickPairs);
       at.steps[l] = data * voxel::kStepWords;
       special |= found_[l] & ~cells_.plain[data];
       at.t[l] = found_[l] ? segment_begin_[l] : Real(0);
@@ -553,6 +565,7 @@ class Packet {
   alignas(64) Real t_[kLanes], end_[kLanes], spacing_[kLanes], transmittance_[kLanes];
   alignas(64) Real radiance_[kMaxChannels][kLanes];
   alignas(64) Real passed_[kMaxChannels][kLanes];  // transmittance of each channel, not grey
+  alignas(64) Real extras_[voxel::kMaxExtras][2 * kLanes];  // of the present intervals
   Triple<int> brick_, segment_brick_;
   alignas(64) int searching_[kLanes], found_[kLanes], segment_entry_[kLanes];
   alignas(64) Real segment_begin_[kLanes], segment_end_[kLanes];

@@ -125,6 +125,32 @@ std::vector<Index> touched_bricks(const FieldReader& reader, bool one_value_per_
   return bricks;
 }
 
+// The same for an extra field, whose samples may be moved: bricks of the other one's cells.
+void add_touched(const ExtraField& extra, bool one_value_per_cell, std::vector<Index>& bricks) {
+  std::unordered_map<std::uint64_t, Index> touched;
+  const VoxelField& field = extra.field->field();
+  const int reach = one_value_per_cell ? 0 : 1;
+  for (std::size_t b = 0; b < field.brick_origins.size(); ++b)
+    for (int v = 0; v < 512; ++v) {
+      if (field.values[b * 512 + v] == 0) continue;
+      const int within[3] = {v / 64, v / 8 % 8, v % 8};
+      Index low, high;
+      for (int a = 0; a < 3; ++a) {
+        const int at = field.brick_origins[b][a] + within[a] - extra.shift[a];
+        low[a] = floor_div(at - reach, 8);
+        high[a] = floor_div(at, 8);
+        if (std::abs(low[a]) >= kFarthestBrick)
+          throw InputError(fmt::format("field '{}' lies too far from the absorption", field.name));
+      }
+      for (int x = low[0]; x <= high[0]; ++x)
+        for (int y = low[1]; y <= high[1]; ++y)
+          for (int z = low[2]; z <= high[2]; ++z) touched.emplace(key({x, y, z}), Index{x, y, z});
+    }
+  for (const auto& [unused, brick] : touched) bricks.push_back(brick);
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
 // The 9^3 samples from `low`: at most 2^3 bricks, found once.
 class Window {
  public:
@@ -155,12 +181,14 @@ class Window {
 }  // namespace
 
 Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, VoxelInterpolation interpolation,
-                               const StepPlanner& steps) {
+                               Index temperature_shift, const std::vector<ExtraField>& extras,
+                               VoxelInterpolation interpolation, const StepPlanner& steps) {
   Lattice lattice(absorption, interpolation);
   if (temperature) lattice.background_temperature_ = temperature->field().background;
-  lattice.store(touched_bricks(absorption, lattice.one_value_per_cell_), &absorption, temperature,
-                temperature_shift, &steps);
+  std::vector<Index> bricks = touched_bricks(absorption, lattice.one_value_per_cell_);
+  for (const ExtraField& extra : extras)
+    if (extra.emits) add_touched(extra, lattice.one_value_per_cell_, bricks);
+  lattice.store(bricks, &absorption, temperature, temperature_shift, extras, &steps);
   return lattice;
 }
 
@@ -168,12 +196,14 @@ Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolati
   Lattice lattice(temperature, interpolation);
   lattice.background_temperature_ = temperature.field().background;
   lattice.store(touched_bricks(temperature, lattice.one_value_per_cell_), nullptr, &temperature, {},
-                nullptr);
+                {}, nullptr);
   return lattice;
 }
 
 void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorption,
-                    const FieldReader* temperature, Index shift, const StepPlanner* steps) {
+                    const FieldReader* temperature, Index shift,
+                    const std::vector<ExtraField>& extras, const StepPlanner* steps) {
+  extra_fields_ = static_cast<int>(extras.size());
   temperature_range_ = {background_temperature_, background_temperature_};
   if (bricks.empty()) return;
   const FieldReader& primary = absorption ? *absorption : *temperature;
@@ -200,14 +230,15 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
                   std::numeric_limits<int>::max()};
   Index tight_high{std::numeric_limits<int>::min(), std::numeric_limits<int>::min(),
                    std::numeric_limits<int>::min()};
-  std::map<std::pair<float, float>, int> constant_data;
-  std::vector<float> pairs(2 * kBrickPairs);
+  std::map<std::vector<float>, int> constant_data;
+  std::vector<float> pairs(2 * kBrickPairs), further(extras.size() * kBrickPairs);
   const auto append = [&] {
     values_.insert(values_.end(), pairs.begin(), pairs.end());
+    extras_.insert(extras_.end(), further.begin(), further.end());
     steps_.resize(steps_.size() + kStepWords, 0);
     if (steps)
-      steps->plan(pairs.data(), one_value_per_cell_, temperature == nullptr,
-                  steps_.data() + steps_.size() - kStepWords);
+      steps->plan(pairs.data(), one_value_per_cell_, temperature == nullptr, further.data(),
+                  extra_fields_, steps_.data() + steps_.size() - kStepWords);
     plain_.push_back(std::all_of(steps_.end() - kStepWords, steps_.end(), is_plain) ? 1 : 0);
     return static_cast<int>(values_.size() / pairs.size()) - 1;
   };
@@ -218,6 +249,19 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
                               {8 * b[0] + shift[0], 8 * b[1] + shift[1], 8 * b[2] + shift[2]});
     const Window absorptions(absorption, {8 * b[0], 8 * b[1], 8 * b[2]});
     bool constant = true;
+    std::vector<bool> lit(kBrickPairs);  // samples at which an extra field is not 0
+    for (std::size_t e = 0; e < extras.size(); ++e) {
+      const Index& by = extras[e].shift;
+      const Window window(extras[e].field, {8 * b[0] + by[0], 8 * b[1] + by[1], 8 * b[2] + by[2]});
+      float* const field = further.data() + e * kBrickPairs;
+      for (int s = 0; s < kBrickPairs; ++s) {
+        const int i = s / (kApronSide * kApronSide), j = s / kApronSide % kApronSide,
+                  k = s % kApronSide;
+        field[s] = window.at(i, j, k);
+        if (extras[e].emits && field[s] != 0) lit[s] = true;
+        if (i < checked && j < checked && k < checked && field[s] != field[0]) constant = false;
+      }
+    }
     float* out = pairs.data();
     for (int i = 0; i < kApronSide; ++i)
       for (int j = 0; j < kApronSide; ++j)
@@ -227,7 +271,8 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
           out[1] = absorption ? absorptions.at(i, j, k) : 0;
           const bool counts = i < checked && j < checked && k < checked;
           if (counts && (out[0] != pairs[0] || out[1] != pairs[1])) constant = false;
-          if (counts && (absorption ? out[1] != 0 : out[0] != background_temperature_))
+          const bool bright = lit[(i * kApronSide + j) * kApronSide + k];
+          if (counts && (absorption ? out[1] != 0 || bright : out[0] != background_temperature_))
             for (int a = 0; a < 3; ++a) {
               const int at = a == 0 ? x : a == 1 ? y : z;
               tight_low[a] = std::min(tight_low[a], at - (one_value_per_cell_ ? 0 : 1));
@@ -240,7 +285,9 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
         }
     int entry;
     if (constant) {
-      const auto [at, fresh] = constant_data.try_emplace({pairs[0], pairs[1]}, 0);
+      std::vector<float> values{pairs[0], pairs[1]};
+      for (std::size_t e = 0; e < extras.size(); ++e) values.push_back(further[e * kBrickPairs]);
+      const auto [at, fresh] = constant_data.try_emplace(std::move(values), 0);
       if (fresh) at->second = append();
       entry = 2 * static_cast<int>(constants_.size()) + 1;
       constants_.push_back({pairs[0], pairs[1], at->second});
@@ -308,24 +355,49 @@ bool Lattice::occupied(Vec3 index) const {
   return at.valid && !empty() && entry(at.brick) >= 0;
 }
 
-std::array<double, 2> Lattice::sample(Vec3 index) const {
+Lattice::Corners Lattice::corners(Vec3 index) const {
+  Corners corners;
   const Place at = place(index);
   const int found = at.valid && !empty() ? entry(at.brick) : -1;
-  if (found < 0) return {background_temperature_, 0};
-  const std::size_t data = found & 1 ? constants_[found / 2].data : found / 2;
-  const float* values = values_.data() + 2 * kBrickPairs * data;
-  std::array<double, 2> sum{0, 0};
+  if (found < 0) return corners;
+  corners.brick = found & 1 ? constants_[found / 2].data : found / 2;
+  corners.count = one_value_per_cell_ ? 1 : 8;
   const double f[3] = {at.fraction.x, at.fraction.y, at.fraction.z};
-  for (int m = 0; m < (one_value_per_cell_ ? 1 : 8); ++m) {
+  for (int m = 0; m < corners.count; ++m) {
     const int step[3] = {m >> 2, m >> 1 & 1, m & 1};
     double weight = 1;
-    int pair = 0;
+    int sample = 0;
     for (int a = 0; a < 3; ++a) {
       if (!one_value_per_cell_) weight *= step[a] ? f[a] : 1 - f[a];
-      pair = pair * kApronSide + at.cell[a] + step[a];
+      sample = sample * kApronSide + at.cell[a] + step[a];
     }
-    sum[0] += weight * values[2 * pair];
-    sum[1] += weight * values[2 * pair + 1];
+    corners.sample[m] = sample;
+    corners.weight[m] = weight;
+  }
+  return corners;
+}
+
+std::array<double, 2> Lattice::sample(Vec3 index) const {
+  const Corners around = corners(index);
+  if (around.brick < 0) return {background_temperature_, 0};
+  const float* values = values_.data() + 2 * kBrickPairs * static_cast<std::size_t>(around.brick);
+  std::array<double, 2> sum{0, 0};
+  for (int m = 0; m < around.count; ++m) {
+    sum[0] += around.weight[m] * values[2 * around.sample[m]];
+    sum[1] += around.weight[m] * values[2 * around.sample[m] + 1];
+  }
+  return sum;
+}
+
+double Lattice::sum_extras(Vec3 index, const double* weights) const {
+  const Corners around = corners(index);
+  if (around.brick < 0) return 0;
+  double sum = 0;
+  for (int e = 0; e < extra_fields_; ++e) {
+    const float* field =
+        extras_.data() + static_cast<std::size_t>(around.brick * extra_fields_ + e) * kBrickPairs;
+    for (int m = 0; m < around.count; ++m)
+      sum += weights[e] * around.weight[m] * field[around.sample[m]];
   }
   return sum;
 }
@@ -333,6 +405,8 @@ std::array<double, 2> Lattice::sample(Vec3 index) const {
 LatticeView Lattice::view() const {
   LatticeView view{};
   view.values = values_.data();
+  view.extras = extra_fields_ > 0 ? extras_.data() : nullptr;
+  view.extra_fields = extra_fields_;
   view.top = top_.data();
   view.table = table_.data();
   view.steps = steps_.data();
@@ -369,7 +443,7 @@ double Lattice::largest_absorption() const {
 }
 
 std::size_t Lattice::bytes() const {
-  return values_.size() * sizeof(float) +
+  return (values_.size() + extras_.size()) * sizeof(float) +
          (steps_.size() + top_.size() + table_.size()) * sizeof(int);
 }
 

@@ -28,21 +28,31 @@ class FieldReader {
   std::unordered_map<std::uint64_t, std::size_t> bricks_;
 };
 
-/// One or two fields on the same samples as bricks of 8 x 8 x 8 cells with an apron, ready for the
-/// kernel. Index coordinates here are those of the field, shifted by half a spacing when every
-/// voxel has one value, so that a cell always reaches from one whole coordinate to the next.
+/// A further field on the samples of another one: its sample i + shift belongs to sample i of that.
+struct ExtraField {
+  const FieldReader* field;
+  Index shift;
+  bool emits;  ///< cells where it is not 0 are not empty
+};
+
+/// One or two fields, and further ones, on the same samples as bricks of 8 x 8 x 8 cells with an
+/// apron, ready for the kernel. Index coordinates here are those of the field, shifted by half a
+/// spacing when every voxel has one value, so that a cell always reaches from one whole coordinate
+/// to the next.
 class Lattice {
  public:
-  /// Cells where `absorption` is not 0. Temperature sample i + temperature_shift belongs to sample
-  /// i; without a temperature field only absorption is stored.
+  /// Cells where `absorption`, or one of the extra fields, is not 0. Temperature sample i +
+  /// temperature_shift belongs to sample i; without a temperature field only absorption is stored.
   static Lattice of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, VoxelInterpolation interpolation,
-                               const StepPlanner& steps);
+                               Index temperature_shift, const std::vector<ExtraField>& extras,
+                               VoxelInterpolation interpolation, const StepPlanner& steps);
   /// Cells where `temperature` differs from its background.
   static Lattice of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation);
 
   /// (temperature, absorption) at an index coordinate; the background outside of stored bricks.
   std::array<double, 2> sample(Vec3 index) const;
+  /// Adds up what a caller makes of the extra fields at an index coordinate: weights[e] * field e.
+  double sum_extras(Vec3 index, const double* weights) const;
   /// Whether the brick around an index coordinate is stored.
   bool occupied(Vec3 index) const;
   /// What the kernel reads. Valid as long as this lattice is.
@@ -66,6 +76,10 @@ class Lattice {
     float temperature, absorption;
     int data;  ///< its brick in the values, shared by equal ones
   };
+  /// Extra field e of a constant brick.
+  float constant_extra(const Constant& constant, int e) const {
+    return extras_[static_cast<std::size_t>(constant.data * extra_fields_ + e) * kBrickPairs];
+  }
   const std::vector<Constant>& constants() const { return constants_; }
   std::size_t bytes() const;
   /// [1/m] of any sample.
@@ -76,7 +90,16 @@ class Lattice {
  private:
   Lattice(const FieldReader& primary, VoxelInterpolation interpolation);
   void store(const std::vector<Index>& bricks, const FieldReader* absorption,
-             const FieldReader* temperature, Index temperature_shift, const StepPlanner* steps);
+             const FieldReader* temperature, Index temperature_shift,
+             const std::vector<ExtraField>& extras, const StepPlanner* steps);
+  /// Samples around a place, with their weights: pair (value index) and brick of the values.
+  struct Corners {
+    int brick = -1;  ///< of the values; -1: background
+    int count = 0;
+    std::array<int, 8> sample{};
+    std::array<double, 8> weight{};
+  };
+  Corners corners(Vec3 index) const;
   int entry(Index brick) const;
 
   AffineTransform index_to_world_, world_to_index_;
@@ -89,6 +112,8 @@ class Lattice {
   std::vector<int> top_;    // first entry of a block in table_, -1: empty
   std::vector<int> table_;  // entries of bricks, see LatticeView
   std::vector<float> values_;
+  std::vector<float> extras_;
+  int extra_fields_ = 0;
   std::vector<int> steps_;  // kStepWords for each brick of the values
   std::vector<int> plain_;
   int blank_ = 0;  // brick of the values without absorption

@@ -39,6 +39,102 @@ std::optional<Index> shift_between(const AffineTransform& temperature,
   return shift;
 }
 
+/// Value of a field at a sample.
+float value_at(const voxel::FieldReader& reader, const Index& at) {
+  Index brick;
+  for (int a = 0; a < 3; ++a) brick[a] = at[a] >= 0 ? at[a] / 8 : -((7 - at[a]) / 8);
+  const float* values = reader.brick(brick);
+  if (!values) return reader.field().background;
+  return values[((at[0] & 7) * 8 + (at[1] & 7)) * 8 + (at[2] & 7)];
+}
+
+/// What is not scattered of the extinction, from a field of albedos.
+VoxelField share_of(const VoxelField& albedo) {
+  VoxelField share = albedo;
+  const auto turn = [&](float& value, const std::string& where) {
+    if (!(value >= 0 && value < 1))
+      throw InputError(
+          fmt::format("field '{}': the albedo {} is {:g}; it must be at least 0 and "
+                      "below 1",
+                      albedo.name, where, value));
+    value = static_cast<float>(1 - static_cast<double>(value));
+  };
+  turn(share.background, "of the background");
+  for (std::size_t v = 0; v < share.values.size(); ++v) {
+    const auto& o = share.brick_origins.at(v / 512);
+    const int in = static_cast<int>(v % 512);
+    float& value = share.values[v];
+    if (value >= 0 && value < 1)  // no text for every voxel
+      turn(value, "");
+    else
+      turn(value,
+           fmt::format("at index ({}, {}, {})", o[0] + in / 64, o[1] + in / 8 % 8, o[2] + in % 8));
+  }
+  return share;
+}
+
+/// Fields on the samples of the absorption.
+class Extras {
+ public:
+  Extras(const VoxelExtras& extras, const VoxelField& absorption, std::size_t channels) {
+    if (extras.lines.size() > kMostVoxelLines)
+      throw InputError(fmt::format("a voxel medium has {} emission lines at most, not {}",
+                                   kMostVoxelLines, extras.lines.size()));
+    if (extras.line_weights.size() != channels * extras.lines.size())
+      throw InputError("a voxel medium needs one weight for each line and channel");
+    for (const double weight : extras.line_weights)
+      if (!(weight >= 0) || !std::isfinite(weight))
+        throw InputError("an emission line's weight must be a number of at least 0");
+    readers_.reserve(extras.lines.size() + 1);
+    if (extras.albedo) {
+      share_ = share_of(*extras.albedo);
+      add(share_, absorption, false);
+    }
+    for (const VoxelField& line : extras.lines) {
+      if (line.background != 0)
+        throw InputError(fmt::format(
+            "field '{}': its background is {} W/(m^3 sr); it must be 0, or all of space would glow",
+            line.name, line.background));
+      add(line, absorption, true);
+    }
+    const std::size_t lines = extras.lines.size();
+    for (std::size_t c = 0; c < channels; ++c) {
+      if (extras.albedo) weights.push_back(0);
+      const auto own = extras.line_weights.begin() + static_cast<std::ptrdiff_t>(c * lines);
+      weights.insert(weights.end(), own, own + static_cast<std::ptrdiff_t>(lines));
+    }
+  }
+  bool has_share() const { return !share_.values.empty() || share_.background > 0; }
+  /// Turns absorption into extinction.
+  void scatter(VoxelField& absorption) const {
+    if (!has_share()) return;
+    const auto& [reader, shift, unused] = fields.front();
+    for (std::size_t v = 0; v < absorption.values.size(); ++v) {
+      const auto& o = absorption.brick_origins.at(v / 512);
+      const int in = static_cast<int>(v % 512);
+      const Index at{o[0] + in / 64 + shift[0], o[1] + in / 8 % 8 + shift[1],
+                     o[2] + in % 8 + shift[2]};
+      absorption.values[v] /= value_at(*reader, at);
+    }
+  }
+  std::vector<voxel::ExtraField> fields;
+  std::vector<double> weights;  ///< of field e in channel c, at [c * fields + e]
+
+ private:
+  void add(const VoxelField& field, const VoxelField& absorption, bool emits) {
+    readers_.emplace_back(field);
+    const auto shift = shift_between(field.index_to_world, absorption.index_to_world, field.name);
+    if (!shift)
+      throw InputError(
+          fmt::format("field '{}' is not on the lattice of '{}': its voxels must have the same "
+                      "size and axes and lie a whole number of voxels apart; resample one of them",
+                      field.name, absorption.name));
+    fields.push_back({&readers_.back(), *shift, emits});
+  }
+  VoxelField share_;
+  std::vector<voxel::FieldReader> readers_;
+};
+
 voxel::CellMap cell_map(const Lattice& lattice, Vec3 anchor) {
   const AffineTransform& map = lattice.world_to_index();
   voxel::CellMap out{};
@@ -61,11 +157,22 @@ template <class Real>
 struct Tables {
   std::vector<std::vector<Real>> exponents, weights;
   std::vector<voxel::SourceView<Real>> sources;
-  std::vector<Real> constant_absorption, constant_source, factors;
+  std::vector<Real> constant_absorption, constant_source, factors, line_weights, constant_lines;
 
   // @param temperatures lowest and highest that occur [K]
   Tables(const std::vector<SourceFunction>& channels, const std::vector<double>& given_factors,
-         const Lattice& cells, std::array<float, 2> temperatures) {
+         const std::vector<double>& given_weights, int share_fields, const Lattice& cells,
+         std::array<float, 2> temperatures) {
+    const std::size_t fields = given_weights.size() / channels.size();
+    for (const double weight : given_weights) line_weights.push_back(static_cast<Real>(weight));
+    for (std::size_t c = 0; c < channels.size() && fields > 0; ++c)
+      for (const auto& constant : cells.constants()) {
+        double emission = 0;
+        for (std::size_t e = 0; e < fields; ++e)
+          emission += given_weights[c * fields + e] *
+                      static_cast<double>(cells.constant_extra(constant, static_cast<int>(e)));
+        constant_lines.push_back(static_cast<Real>(emission));
+      }
     for (const double factor : given_factors) factors.push_back(static_cast<Real>(factor));
     for (const SourceFunction& channel : channels) {
       auto& e = exponents.emplace_back();
@@ -75,7 +182,9 @@ struct Tables {
         w.push_back(static_cast<Real>(node.weight));
       }
       for (const auto& constant : cells.constants())
-        constant_source.push_back(static_cast<Real>(channel(constant.temperature)));
+        constant_source.push_back(static_cast<Real>(
+            channel(constant.temperature) *
+            (share_fields > 0 ? static_cast<double>(cells.constant_extra(constant, 0)) : 1)));
     }
     for (std::size_t c = 0; c < channels.size(); ++c) {
       voxel::SourceView<Real>& view = sources.emplace_back();
@@ -119,9 +228,27 @@ class VoxelMedium final : public Medium {
  public:
   VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors)
+              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras)
       : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
-                    std::move(channels), options, std::move(factors)) {}
+                    std::move(channels), options, std::move(factors), extras) {}
+
+  /// One channel of another one, on the same lattices. Cells are cut as all channels need it.
+  VoxelMedium(const VoxelMedium& whole, std::size_t channel)
+      : channels_{whole.channels_.at(channel)},
+        factors_(grey_or_checked({whole.factors_.empty() ? 1.0 : whole.factors_[channel]}, 1)),
+        line_weights_(row_of(whole, channel)),
+        share_fields_(whole.share_fields_),
+        constant_(whole.constant_),
+        shared_cells_(whole.shared_cells_),
+        cells_(*shared_cells_),
+        temperature_(whole.temperature_),
+        single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
+        double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
+        bounds_(whole.bounds_) {}
+
+  std::shared_ptr<const Medium> single_channel(int channel) const override {
+    return std::make_shared<VoxelMedium>(*this, static_cast<std::size_t>(channel));
+  }
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
 
@@ -158,6 +285,24 @@ class VoxelMedium final : public Medium {
     return {temperature_->sample(temperature_->world_to_index().point(world))[0], both[1]};
   }
 
+  double coefficients(Vec3 world, double* emission) const override {
+    const double absorption = Medium::coefficients(world, emission);
+    const std::size_t fields = line_weights_.size() / channels_.size();
+    const Vec3 index = cells_.world_to_index().point(world);
+    const double share = 1 - albedo(world);
+    for (std::size_t c = 0; c < channels_.size() && fields > 0; ++c)
+      emission[c] = share * emission[c] + cells_.sum_extras(index, &line_weights_[c * fields]);
+    return absorption;
+  }
+
+  double albedo(Vec3 world) const override {
+    if (share_fields_ == 0) return 0;
+    double first[voxel::kMaxExtras] = {1};
+    // Where nothing is stored nothing is scattered.
+    const Vec3 index = cells_.world_to_index().point(world);
+    return cells_.occupied(index) ? 1 - cells_.sum_extras(index, first) : 0;
+  }
+
   double source(int channel, double temperature) const override {
     return channels_.at(static_cast<std::size_t>(channel))(temperature);
   }
@@ -167,35 +312,56 @@ class VoxelMedium final : public Medium {
   std::string description() const override {
     const std::size_t bytes = cells_.bytes() + (temperature_ ? temperature_->bytes() : 0);
     return fmt::format(
-        "voxels of {:.4g} mm, {}, {} varying and {} constant bricks of 8^3, {}{:.1f} MB",
+        "voxels of {:.4g} mm, {}, {} varying and {} constant bricks of 8^3, {}{}{:.1f} MB",
         1e3 * cells_.spacing(), constant_ ? "one value each" : "trilinear", cells_.varying_bricks(),
         cells_.constant_bricks(), temperature_ ? "temperature on a lattice of its own, " : "",
-        1e-6 * double(bytes));
+        lines_text(), 1e-6 * double(bytes));
   }
 
  private:
+  /// Weights of the extra fields in one channel.
+  static std::vector<double> row_of(const VoxelMedium& whole, std::size_t channel) {
+    const std::size_t fields = whole.line_weights_.size() / whole.channels_.size();
+    const auto row = whole.line_weights_.begin() + static_cast<std::ptrdiff_t>(channel * fields);
+    return {row, row + static_cast<std::ptrdiff_t>(fields)};
+  }
+  std::array<float, 2> temperature_range() const {
+    return (temperature_ ? *temperature_ : cells_).temperature_range();
+  }
+  std::string lines_text() const {
+    const std::size_t lines =
+        line_weights_.size() / channels_.size() - static_cast<std::size_t>(share_fields_);
+    std::string text = share_fields_ > 0 ? "a field of albedos, " : "";
+    if (lines > 0) text += fmt::format("{} emission line{}, ", lines, lines == 1 ? "" : "s");
+    return text;
+  }
+
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors)
+              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras)
       : VoxelMedium(temperature, absorption, interpolation, std::move(channels), options,
-                    std::move(factors),
+                    std::move(factors), extras,
                     shift_between(temperature.field().index_to_world,
                                   absorption.field().index_to_world, temperature.field().name)) {}
 
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors,
+              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
               const std::optional<Index>& shift)
       : channels_(std::move(channels)),
         factors_(grey_or_checked(std::move(factors), channels_.size())),
+        line_weights_(extras.weights),
+        share_fields_(extras.has_share() ? 1 : 0),
         constant_(interpolation == VoxelInterpolation::constant),
-        cells_(Lattice::of_absorption(absorption, shift ? &temperature : nullptr,
-                                      shift.value_or(Index{}), interpolation,
-                                      voxel::StepPlanner(channels_, options.tolerance))),
-        temperature_(shift ? std::nullopt
-                           : std::optional(Lattice::of_temperature(temperature, interpolation))),
-        single_(channels_, factors_, cells_, (shift ? cells_ : *temperature_).temperature_range()),
-        double_(channels_, factors_, cells_, (shift ? cells_ : *temperature_).temperature_range()) {
+        shared_cells_(std::make_shared<const Lattice>(Lattice::of_absorption(
+            absorption, shift ? &temperature : nullptr, shift.value_or(Index{}), extras.fields,
+            interpolation, voxel::StepPlanner(channels_, options.tolerance)))),
+        cells_(*shared_cells_),
+        temperature_(shift ? nullptr
+                           : std::make_shared<const Lattice>(
+                                 Lattice::of_temperature(temperature, interpolation))),
+        single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
+        double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()) {
     if (!cells_.empty()) set_bounds();
   }
 
@@ -219,10 +385,13 @@ class VoxelMedium final : public Medium {
                        MediumCounters& counters) const;
 
   std::vector<SourceFunction> channels_;
-  std::vector<double> factors_;  ///< on the absorption, per channel; empty: grey
+  std::vector<double> factors_;       ///< on the absorption, per channel; empty: grey
+  std::vector<double> line_weights_;  ///< of extra field e in channel c, at [c * fields + e]
+  int share_fields_;  ///< 1: the first extra field is the share that is not scattered
   bool constant_;
-  Lattice cells_;
-  std::optional<Lattice> temperature_;
+  std::shared_ptr<const Lattice> shared_cells_;
+  const Lattice& cells_;
+  std::shared_ptr<const Lattice> temperature_;  ///< nullptr: on the cells' samples
   Tables<float> single_;
   Tables<double> double_;
   Box bounds_;
@@ -279,6 +448,9 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   medium.sources = tables.sources.data();
   medium.channels = channel_count();
   medium.factors = tables.factors.empty() ? nullptr : tables.factors.data();
+  medium.share_fields = share_fields_;
+  medium.line_weights = tables.line_weights.data();
+  medium.constant_lines = tables.constant_lines.empty() ? nullptr : tables.constant_lines.data();
 
   voxel::Call<Real> call{};
   call.medium = &medium;
@@ -376,7 +548,8 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
                                           const VoxelMediumOptions& options,
-                                          std::vector<double> absorption_factors) {
+                                          std::vector<double> absorption_factors,
+                                          VoxelExtras extras) {
   if (!(options.tolerance >= 0 && options.tolerance < 1))
     throw InputError("the voxel medium's tolerance must be at least 0 and below 1");
   if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
@@ -384,8 +557,10 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
     throw InputError(fmt::format(
         "field '{}': absorption's background is {} 1/m; it must be 0, or the flame has no end",
         absorption.name, absorption.background));
+  const Extras fields(extras, absorption, channels.size());
+  fields.scatter(absorption);
   return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels),
-                                       options, std::move(absorption_factors));
+                                       options, std::move(absorption_factors), fields);
 }
 
 }  // namespace plenoflame

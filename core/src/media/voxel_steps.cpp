@@ -13,13 +13,31 @@ const float* sample(const float* pairs, int i, int j, int k) {
   return pairs + 2 * ((i * kApronSide + j) * kApronSide + k);
 }
 
+// The brick's samples.
+struct Samples {
+  const float* pairs;
+  bool one_value, own_temperature;
+  const float* extras;
+  int extra_fields;
+};
+
 // Whether nothing varies in the block of side^3 cells whose lowest is (i, j, k): all samples are
-// equal, or nothing absorbs.
-bool uniform(const float* pairs, bool one_value, bool own_temperature, int i, int j, int k,
-             int side) {
+// equal, or nothing absorbs; and all extra fields are.
+bool uniform(const Samples& samples, int i, int j, int k, int side) {
+  const float* const pairs = samples.pairs;
   const float* first = sample(pairs, i, j, k);
-  const int reach = one_value ? side : side + 1;
-  bool equal = !own_temperature, empty = true;
+  const int reach = samples.one_value ? side : side + 1;
+  for (int e = 0; e < samples.extra_fields; ++e) {
+    const float* const field = samples.extras + e * kBrickPairs;
+    const auto value = [&](int x, int y, int z) {
+      return field[(x * kApronSide + y) * kApronSide + z];
+    };
+    for (int x = i; x < i + reach; ++x)
+      for (int y = j; y < j + reach; ++y)
+        for (int z = k; z < k + reach; ++z)
+          if (value(x, y, z) != value(i, j, k)) return false;
+  }
+  bool equal = !samples.own_temperature, empty = true;
   for (int x = i; x < i + reach; ++x)
     for (int y = j; y < j + reach; ++y)
       for (int z = k; z < k + reach; ++z) {
@@ -34,7 +52,8 @@ bool uniform(const float* pairs, bool one_value, bool own_temperature, int i, in
 }  // namespace
 
 void StepPlanner::plan(const float* pairs, bool one_value_per_cell, bool own_temperature,
-                       int* words) const {
+                       const float* extras, int extra_fields, int* words) const {
+  const Samples samples{pairs, one_value_per_cell, own_temperature, extras, extra_fields};
   int codes[kBrickSide * kBrickSide * kBrickSide];
   std::fill(std::begin(codes), std::end(codes), kCellStep);
   if (!one_value_per_cell && !own_temperature && tolerance_ > 0) subdivide(pairs, codes);
@@ -43,7 +62,7 @@ void StepPlanner::plan(const float* pairs, bool one_value_per_cell, bool own_tem
     for (int i = 0; i < kBrickSide; i += side)
       for (int j = 0; j < kBrickSide; j += side)
         for (int k = 0; k < kBrickSide; k += side)
-          if (uniform(pairs, one_value_per_cell, own_temperature, i, j, k, side))
+          if (uniform(samples, i, j, k, side))
             for (int x = i; x < i + side; ++x)
               for (int y = j; y < j + side; ++y)
                 for (int z = k; z < k + side; ++z)

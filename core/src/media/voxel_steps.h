@@ -17,8 +17,10 @@ class StepPlanner {
   /// @param pairs the brick's samples, (temperature, absorption)
   /// @param one_value_per_cell cells have the value of their lowest sample
   /// @param own_temperature temperature is on another lattice: `pairs` holds absorption only
+  /// @param extras `extra_fields` further fields, kBrickPairs samples each
   /// @param words kStepWords codes, overwritten
-  void plan(const float* pairs, bool one_value_per_cell, bool own_temperature, int* words) const;
+  void plan(const float* pairs, bool one_value_per_cell, bool own_temperature, const float* extras,
+            int extra_fields, int* words) const;
 
  private:
   void subdivide(const float* pairs, int* codes) const;

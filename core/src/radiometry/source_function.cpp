@@ -161,6 +161,8 @@ SourceFunction SourceFunction::scaled(double factor) const {
   if (is_total()) {
     source = band(0.5 * (1e-7 + 1e-3), 1e-3 - 1e-7);
     source.wavelength_ = 0;
+    source.share_ = share_;
+    source.lines_ = lines_;
   }
   for (Node& node : source.nodes_) node.weight *= factor;
   return source;
@@ -172,6 +174,18 @@ SourceFunction SourceFunction::node(const Node& node, double wavelength, double 
   source.wavelength_ = wavelength;
   source.share_ = share;
   return source;
+}
+
+SourceFunction SourceFunction::of_lines(double wavelength, std::vector<LineShare> lines) {
+  return node({constants::second_radiation / wavelength, 0}, wavelength, 0)
+      .with_lines(std::move(lines));
+}
+
+double SourceFunction::line_share(const EmissionLine& line) const {
+  double sum = 0;
+  for (const LineShare& known : lines_)
+    if (known.line == line) sum += known.share;
+  return sum;
 }
 
 struct SourceFunction::Shared {

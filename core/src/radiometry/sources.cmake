@@ -1,5 +1,6 @@
 list(APPEND core_sources
   src/radiometry/absorption_spectrum.cpp
+  src/radiometry/emission_line.cpp
   src/radiometry/gauss_legendre.cpp
   src/radiometry/gauss_rule.cpp
   src/radiometry/source_function.cpp

@@ -189,10 +189,12 @@ SpectralResponse SpectralResponse::broken_at(const std::vector<double>& waveleng
 SpectralResponse SpectralResponse::behind(const SpectralResponse& filter) const {
   const double low = std::max(shortest(), filter.shortest());
   const double high = std::min(longest(), filter.longest());
-  if (!(low < high))
+  const auto refuse = [&] {
     throw InputError(fmt::format(
         "the filter ({:g} to {:g} nm) lets nothing through of the channel ({:g} to {:g} nm)",
         1e9 * filter.shortest(), 1e9 * filter.longest(), 1e9 * shortest(), 1e9 * longest()));
+  };
+  if (!(low < high)) refuse();
   SpectralResponse response;
   for (const std::vector<double>* list : {&breakpoints_, &filter.breakpoints_})
     for (const double at : *list)
@@ -201,6 +203,7 @@ SpectralResponse SpectralResponse::behind(const SpectralResponse& filter) const 
   const auto end = std::unique(response.breakpoints_.begin(), response.breakpoints_.end());
   response.breakpoints_.erase(end, response.breakpoints_.end());
   response.value_ = [a = *this, b = filter](double at) { return a(at) * b(at); };
+  if (!(response.integral() > 0)) refuse();  // 0 where they meet
   return response;
 }
 

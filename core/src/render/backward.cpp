@@ -16,8 +16,12 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kLevels = 5;         ///< of fewer points, each half of the one before
-constexpr int kLeastPoints = 1;    ///< of a replicate on the last level
+constexpr int kLevels = 7;  ///< of fewer points, each half of the one before
+/// The same where others go on with the sequences: every part must have points on every level.
+constexpr int kPartLevels = 5;
+constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
+/// Of so few points stated errors would come out too small: what is dim is often dark by chance.
+constexpr int kLeastSparsePoints = 4;
 constexpr int kPartEntries = 256;  ///< of a pool whose sequences others go on with
 
 /// How far from its microlens' centre any micro-image reaches [m].
@@ -40,12 +44,13 @@ double shift_by_tilt(const Camera& camera) {
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                              const RenderSettings& settings, const PointRange& range,
-                             const SurfaceLightPlan* light) {
+                             const SurfaceLightPlan* light, const ScatterPlan* scatter) {
   const auto [first, points, part] = range;
   BackwardPlan<Real> plan;
   plan.scene = &scene;
   plan.medium = &medium;
   plan.settings = &settings;
+  plan.scatter = scatter;
   plan.first = first;
   plan.kernels = backward_kernels<Real>(settings.isa);
   plan.optics = camera_kernels<Real>(settings.isa);
@@ -60,10 +65,14 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
     plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
   }
-  for (int level = 0; level < kLevels && points >> level >= kLeastPoints; ++level)
+  const int levels = part ? kPartLevels : kLevels;
+  for (int level = 0; level < levels && points >> level >= kLeastPoints; ++level)
     plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
                             mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
                             part ? kPartEntries : 0);
+  if (!part && points >= kLeastSparsePoints)
+    plan.sparse_levels =
+        std::clamp(levels - static_cast<int>(plan.pools.size()), 0, kMostSparseLevels);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
   if (light)
@@ -76,6 +85,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.rays += part.rays;
   total.rays_reached += part.rays_reached;
   total.pairs += part.pairs;
+  total.pairs_left_to_chance += part.pairs_left_to_chance;
   total.pixels_skipped += part.pixels_skipped;
   total.tiles_skipped += part.tiles_skipped;
   total.table.looked_up += part.table.looked_up;
@@ -83,6 +93,8 @@ void add(TileCounters& total, const TileCounters& part) {
   total.table.rough += part.table.rough;
   total.table.nodes += part.table.nodes;
   total.table.clamped += part.table.clamped;
+  total.table.clamped_sum += part.table.clamped_sum;
+  total.table.total += part.table.total;
   total.seconds_generate += part.seconds_generate;
   total.seconds_optics += part.seconds_optics;
   total.seconds_medium += part.seconds_medium;
@@ -159,6 +171,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   statistics.rays += total.rays;
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
+  statistics.pairs_left_to_chance += total.pairs_left_to_chance;
   statistics.pixels_skipped += total.pixels_skipped;
   statistics.tiles += static_cast<double>(done);
   statistics.tiles_skipped += total.tiles_skipped;
@@ -167,6 +180,8 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   statistics.table_rough += total.table.rough;
   statistics.table_nodes += total.table.nodes;
   statistics.table_clamped += total.table.clamped;
+  statistics.table_clamped_sum += total.table.clamped_sum;
+  statistics.table_sum += total.table.total;
   statistics.seconds_optics += total.seconds_optics;
   statistics.seconds_medium += total.seconds_medium;
   statistics.seconds_surfaces += total.seconds_surfaces;
@@ -197,8 +212,8 @@ template BackwardKernels<double> backward_kernels<double>(Isa);
 
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, const PointRange& range,
-                                      const SurfaceLightPlan* light) {
-  return make_plan<double>(scene, medium, settings, range, light);
+                                      const SurfaceLightPlan* light, const ScatterPlan* scatter) {
+  return make_plan<double>(scene, medium, settings, range, light, scatter);
 }
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
@@ -262,7 +277,9 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
                                const Execution& execution)
     : beams(settings.skip && has_content(scene) ? SceneBeams::make(scene) : nullptr),
       table(scene.parts.empty() ? make_radiance_table(scene, settings) : nullptr),
-      light(scene.parts.empty() ? make_surface_light(scene, settings, execution) : nullptr) {
+      light(scene.parts.empty() ? make_surface_light(scene, settings, execution) : nullptr),
+      scatter(scene.parts.empty() ? make_scatter_plan(scene, settings, execution, light.get())
+                                  : nullptr) {
   for (const CompiledScene& part : scene.parts) parts.emplace_back(part, settings, execution);
 }
 
@@ -277,7 +294,8 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
     const CompiledScene& part = scene.parts.empty() ? scene : scene.parts[p];
     const BackwardShared& of_part = scene.parts.empty() ? shared : shared.parts[p];
     auto plan = std::make_unique<BackwardPlan<Real>>(
-        make_plan<Real>(part, media_[p]->get(), settings, ranges_[range], of_part.light.get()));
+        make_plan<Real>(part, media_[p]->get(), settings, ranges_[range], of_part.light.get(),
+                        of_part.scatter.get()));
     if constexpr (std::is_same_v<Real, float>) plan->table = of_part.table.get();
     plan->beams = of_part.beams.get();
     plans[i] = std::move(plan);

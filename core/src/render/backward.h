@@ -6,6 +6,7 @@
 #include "plenoflame/render/render.h"
 #include "render/point_range.h"
 #include "render/radiance_table.h"
+#include "render/scatter_walk.h"
 #include "render/scene_beams.h"
 #include "render/scene_medium.h"
 #include "render/surface_light.h"
@@ -23,6 +24,7 @@ struct BackwardShared {
   /// Stands in for the medium where it is smooth (single precision only); may be nullptr.
   std::unique_ptr<RadianceTable> table;
   std::unique_ptr<const SurfaceLightPlan> light;  ///< nullptr: no surfaces, no surroundings
+  std::unique_ptr<const ScatterPlan> scatter;     ///< nullptr: nothing scatters
   std::vector<BackwardShared> parts;              ///< of a scene that has parts: theirs
 };
 

@@ -36,8 +36,12 @@ BackwardSurfacePlan::BackwardSurfacePlan(const SurfaceLightPlan& surface_light,
 }
 
 template <class Real>
-SurfaceBlock<Real>::SurfaceBlock(const BackwardSurfacePlan& plan, int channels)
-    : plan_(plan), surfaces_(plan.light.scene->surfaces.get()), light_(plan.light) {
+SurfaceBlock<Real>::SurfaceBlock(const BackwardSurfacePlan& plan, int channels, ScatterWalk* walk)
+    : plan_(plan),
+      surfaces_(plan.light.scene->surfaces.get()),
+      light_(plan.light),
+      walk_(walk),
+      ends_(kBlockRays, kInf) {
   const RigidTransform& camera = plan.light.scene->camera.to_world();
   axis_ = camera.direction({0, 0, 1});
   front_vertex_ = camera.translation;
@@ -65,6 +69,7 @@ SurfaceLight::First SurfaceBlock<Real>::random_of(const RayGroup& group, int poi
 template <class Real>
 void SurfaceBlock<Real>::trace_ray(const KernelBlock<Real>& block, const RayGroup& group, int i) {
   t_far_[i] = std::numeric_limits<Real>::infinity();
+  ends_[static_cast<std::size_t>(i)] = kInf;
   if (!(block.weight[i] > 0)) return;
   const Vec3 along{static_cast<double>(block.dx[i]), static_cast<double>(block.dy[i]),
                    static_cast<double>(block.dz[i])};
@@ -78,6 +83,7 @@ void SurfaceBlock<Real>::trace_ray(const KernelBlock<Real>& block, const RayGrou
   SurfacePath path;
   if (surfaces_ && surfaces_->intersect(ray, t_near, kInf, {}, path.hit)) {
     t_far_[i] = static_cast<Real>(path.hit.t / norm);
+    ends_[static_cast<std::size_t>(i)] = path.hit.t;
     path.ray = i;
     const int points =
         plan_.pools.empty() ? 0 : plan_.pools[static_cast<std::size_t>(group.level)].points();
@@ -110,7 +116,10 @@ void SurfaceBlock<Real>::trace(const KernelBlock<Real>& block, const std::vector
     count_ = group.first + group.count;
   }
   for (int i = count_; i < padded; ++i) t_far_[i] = t_far_[0];
-  light_.add(paths_, random_, radiance_, counters);
+  if (walk_)
+    walk_->add_surfaces(paths_, random_, radiance_, counters);
+  else
+    light_.add(paths_, random_, radiance_, counters);
 }
 
 template <class Real>

@@ -4,6 +4,7 @@
 
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
+#include "render/scatter_walk.h"
 #include "render/surface_light.h"
 
 namespace plenoflame {
@@ -34,7 +35,8 @@ struct BackwardSurfacePlan {
 template <class Real>
 class SurfaceBlock {
  public:
-  SurfaceBlock(const BackwardSurfacePlan& plan, int channels);
+  /// @param walk follows the light instead where media scatter; kept; nullptr: nothing does
+  SurfaceBlock(const BackwardSurfacePlan& plan, int channels, ScatterWalk* walk = nullptr);
 
   /// Finds where the rays end, and the radiance that comes from there.
   /// @param padded number of rays with their padding, whose t_far is set
@@ -42,6 +44,8 @@ class SurfaceBlock {
              MediumCounters& counters);
   /// Where each ray ends, in the block's own measure [m]; aligned to 64 bytes.
   const Real* t_far() const { return t_far_; }
+  /// [m] where ray i ends.
+  double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
   /// Adds transmittance * radiance of the surfaces to `radiance`, channel c at c * stride.
   void add(const Real* transmittance, int transmittance_stride, Real* radiance, int stride) const;
   double rays() const { return light_.rays(); }
@@ -53,10 +57,12 @@ class SurfaceBlock {
   const BackwardSurfacePlan& plan_;
   const SurfaceScene* surfaces_;
   SurfaceLight light_;
+  ScatterWalk* walk_;
   Vec3 axis_, front_vertex_;
   int count_ = 0;
   std::vector<Real> storage_;
   Real* t_far_ = nullptr;
+  std::vector<double> ends_;
   std::vector<std::vector<double>> radiance_;  ///< per channel and ray
   std::vector<SurfacePath> paths_;
   std::vector<SurfaceLight::First> random_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
 
 #include "render/channel_sum.h"
@@ -52,14 +53,10 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
     transmittance_stride_ = kPadding;
   }
   block_.code = codes_.data();
-  if (!plan.scene->scatterers.empty()) {
-    MediumOptions options;
-    options.isa = plan.settings->isa;
-    options.skip = plan.settings->skip;
-    scatter_ = std::make_unique<ScatterWalk>(*plan.scene, options);
-  }
+  if (plan.scatter) scatter_ = std::make_unique<ScatterWalk>(*plan.scatter);
   if (plan.surfaces)
-    surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, plan.scene->node_count());
+    surfaces_ = std::make_unique<SurfaceBlock<Real>>(*plan.surfaces, plan.scene->node_count(),
+                                                     scatter_.get());
 }
 
 template <class Real>
@@ -172,14 +169,18 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       if (!place_pixel(at, centre, outer)) continue;
       const Vec2 v = at - centre;
       const double away = std::sqrt(dot(v, v));
+      const double open = node.mean_open(away, half_pitch);
+      const int level = level_of(open * static_cast<double>(pixel_.x_width) / pitch);
+      set_random(column, row, key);
+      const std::uint64_t chosen = chosen_replicates(level);
+      if (chosen == 0) {
+        counters_.pairs_left_to_chance += 1;
+        continue;
+      }
       const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
       if (cut.dark) continue;
       set_cut(cut.open ? whole_aperture(table.discs.bound) : cut);
-      const double distance = away / outer * (static_cast<double>(node.open.size()) - 1);
-      const double open =
-          node.open[std::min(static_cast<std::size_t>(distance), node.open.size() - 1)];
-      add_pair(type, column, row, key,
-               level_of(open * static_cast<double>(pixel_.x_width) / pitch));
+      add_pair(type, column, row, level, chosen);
     }
 }
 
@@ -214,7 +215,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
   place_pixel(centre, centre, 2 * pitch);    // nothing cuts the pixel
   set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
-  add_pair(type, column, row, mix64(plan_.settings->seed), 0);
+  set_random(column, row, mix64(plan_.settings->seed));
+  add_pair(type, column, row, 0, chosen_replicates(0));
 }
 
 template <class Real>
@@ -232,47 +234,86 @@ template <class Real>
 int TileTracer<Real>::level_of(double worth) const {
   // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
   // error falls with points^-a; a is about 3/4: level k for a worth below 2^(-k / 0.8).
-  constexpr double kWorth[] = {0.42044820762685725, 0.17677669529663687, 0.07432544468767006,
-                               0.03125};
+  constexpr double kWorth[] = {0.42044820762685725,  0.17677669529663687,
+                               0.07432544468767006,  0.03125,
+                               0.013139006488339288, 0.005524271728019903};
   int level = 0;
   for (const double limit : kWorth) level += worth <= limit ? 1 : 0;
-  return std::min(level, static_cast<int>(plan_.pools.size()) - 1);
+  return std::min(level, static_cast<int>(plan_.pools.size()) - 1 + plan_.sparse_levels);
 }
 
 template <class Real>
-void TileTracer<Real>::add_pair(int type, int column, int row, std::uint64_t key, int level) {
-  const SobolPool& pool = plan_.pools[static_cast<std::size_t>(level)];
+void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
   const std::uint64_t pixel =
       (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
       static_cast<std::uint32_t>(row);
-  const std::uint64_t h0 = mix64(pixel ^ key), h1 = mix64(h0), h2 = mix64(h1);
+  random_[0] = mix64(pixel ^ key);
+  random_[1] = mix64(random_[0]);
+  random_[2] = mix64(random_[1]);
+}
+
+/// Where less than one ray would be due to each randomisation, chance decides which of them get
+/// one, which then counts for the others. @return the mask of them; all below the sparse levels
+template <class Real>
+std::uint64_t TileTracer<Real>::chosen_replicates(int level) const {
+  const int sparse = level - static_cast<int>(plan_.pools.size()) + 1;
+  if (sparse <= 0) return ~std::uint64_t{0};
+  std::uint64_t chosen = 0;
+  std::uint64_t bits = mix64(random_[2] + plan_.first);
+  for (int r = 0; r < plan_.settings->replicates; ++r, bits >>= kMostSparseLevels) {
+    if (r > 0 && r % (64 / kMostSparseLevels) == 0)
+      bits = mix64(random_[2] + plan_.first + (static_cast<std::uint64_t>(r) << 32));
+    if ((bits & ((std::uint64_t{1} << sparse) - 1)) == 0) chosen |= std::uint64_t{1} << r;
+  }
+  return chosen;
+}
+
+template <class Real>
+void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::uint64_t chosen) {
+  const int pool_level = std::min(level, static_cast<int>(plan_.pools.size()) - 1);
+  const SobolPool& pool = plan_.pools[static_cast<std::size_t>(pool_level)];
   // The upper half of the product: evenly spread over the entries, without a division.
   const int entry =
-      static_cast<int>(((h2 >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
-  pixel_.shift[0] = static_cast<std::uint32_t>(h0);
-  pixel_.shift[1] = static_cast<std::uint32_t>(h0 >> 32);
-  pixel_.shift[2] = static_cast<std::uint32_t>(h1);
-  pixel_.shift[3] = static_cast<std::uint32_t>(h1 >> 32);
+      static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
+  pixel_.shift[0] = static_cast<std::uint32_t>(random_[0]);
+  pixel_.shift[1] = static_cast<std::uint32_t>(random_[0] >> 32);
+  pixel_.shift[2] = static_cast<std::uint32_t>(random_[1]);
+  pixel_.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
   counters_.pairs += 1;
   type_ = type;
+  const Pending pair{column, row, 0, 0, 0, pool_level, scale_of(level)};
   const int total = pool.replicates() * pool.points();
-  // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must not
-  // depend on the neighbours, or results would depend on the window.
-  if (count_ + std::min(total, kBlockRays) > kBlockRays) flush();
-  for (int offset = 0; offset < total; offset += kBlockRays) {
-    if (offset > 0) flush();
-    const int count = std::min(total - offset, kBlockRays);
-    for (int d = 0; d < SobolPool::kDimensions; ++d) {
-      pixel_.fractions[d] = pool.fractions(entry, d) + offset;
-      __builtin_prefetch(pixel_.fractions[d]);
+  if (level == pool_level) {
+    // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
+    // not depend on the neighbours, or results would depend on the window.
+    if (count_ + std::min(total, kBlockRays) > kBlockRays) flush();
+    for (int offset = 0; offset < total; offset += kBlockRays) {
+      if (offset > 0) flush();
+      queue(pair, pool, entry, offset, std::min(total - offset, kBlockRays));
     }
-    pixel_.first = count_;
-    pixel_.count = count;
-    queued_.push_back(pixel_);
-    pending_.push_back({column, row, count_, count, offset, level});
-    if (surfaces_ || scatter_) groups_.push_back({count_, count, offset, level, entry, h0});
-    count_ += count;
+  } else {  // one point a replicate
+    if (count_ + total > kBlockRays) flush();
+    for (int r = 0; r < total; ++r)
+      if (chosen >> r & 1) queue(pair, pool, entry, r, 1);
   }
+}
+
+/// Queues points [offset, offset + count) of an entry of the pool.
+template <class Real>
+void TileTracer<Real>::queue(Pending pending, const SobolPool& pool, int entry, int offset,
+                             int count) {
+  for (int d = 0; d < SobolPool::kDimensions; ++d) {
+    pixel_.fractions[d] = pool.fractions(entry, d) + offset;
+    __builtin_prefetch(pixel_.fractions[d]);
+  }
+  pixel_.first = pending.first = count_;
+  pixel_.count = pending.count = count;
+  pending.offset = offset;
+  queued_.push_back(pixel_);
+  pending_.push_back(pending);
+  if (surfaces_ || scatter_)
+    groups_.push_back({count_, count, offset, pending.level, entry, random_[0]});
+  count_ += count;
 }
 
 template <class Real>
@@ -346,12 +387,18 @@ void TileTracer<Real>::add_scattered() {
       const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
       const Vec3 along{static_cast<double>(block_.dx[i]), static_cast<double>(block_.dy[i]),
                        static_cast<double>(block_.dz[i])};
+      // Nearly all of a thin medium's, few where most rays are scattered anyway.
+      const double through = std::clamp(static_cast<double>(transmittance_[i]), 0.0, 1.0);
+      const double even = through * through;
       starts.push_back(
           {i,
            {plan_.anchor + Vec3{static_cast<double>(block_.x[i]), static_cast<double>(block_.y[i]),
                                 static_cast<double>(block_.z[i])},
             normalize(along)},
-           mix64(mix64(group.key + kScatterSeed) ^ (replicate << 32 | point))});
+           mix64(mix64(group.key + kScatterSeed + static_cast<std::uint64_t>(group.level)) ^
+                 (replicate << 32 | point)),
+           surfaces_ ? surfaces_->end(i) : std::numeric_limits<double>::infinity(),
+           even});
     }
   }
   std::vector<std::vector<double>> scattered(static_cast<std::size_t>(plan_.scene->node_count()),
@@ -384,7 +431,11 @@ bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
     set(fair_factor_, kFairPoints);
     table_worker_->integrate({&block_, padded, transmittance_, fair_factor_, radiance_, kPadding},
                              counters_.medium);
-    counters_.table = table_worker_->counters();
+    const RadianceTableCounters& of_worker = table_worker_->counters();
+    counters_.table.looked_up = of_worker.looked_up;
+    counters_.table.corrected = of_worker.corrected;
+    counters_.table.rough = of_worker.rough;
+    counters_.table.nodes = of_worker.nodes;
     return true;
   } else {
     return false;
@@ -424,8 +475,8 @@ void TileTracer<Real>::flush() {
   for (int channel = 0; channel < channels; ++channel) add_to_film(channel);
   if (sink_)
     for (const Pending& pending : pending_)
-      sink_->finished(pending.column, pending.row, pending.first, pending.count,
-                      scale_of(pending.level), radiance_, kPadding, transmittance_);
+      sink_->finished(pending.column, pending.row, pending.first, pending.count, pending.scale,
+                      radiance_, kPadding, transmittance_);
   pending_.clear();
   count_ = 0;
 }
@@ -433,8 +484,24 @@ void TileTracer<Real>::flush() {
 /// What a sum on this level counts, compared with one over all points.
 template <class Real>
 double TileTracer<Real>::scale_of(int level) const {
-  return static_cast<double>(plan_.pools.front().points()) /
-         plan_.pools[static_cast<std::size_t>(level)].points();
+  const int last = static_cast<int>(plan_.pools.size()) - 1;
+  const int points = plan_.pools[static_cast<std::size_t>(std::min(level, last))].points();
+  return static_cast<double>(plan_.pools.front().points()) / points *
+         static_cast<double>(1 << std::max(level - last, 0));
+}
+
+/// A table that says too much is corrected by single rays that count for many: the sum over all of
+/// them can become negative, which light cannot. What that adds is counted: it bounds the bias.
+template <class Real>
+double TileTracer<Real>::not_negative(double sum, double scale) {
+  RadianceTableCounters& table = counters_.table;
+  if (sum < 0) {
+    table.clamped += 1;
+    table.clamped_sum -= scale * sum;
+    sum = 0;
+  }
+  table.total += scale * sum;
+  return sum;
 }
 
 template <class Real>
@@ -448,7 +515,7 @@ void TileTracer<Real>::add_to_film(int channel) {
       film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
   for (const Pending& pending : pending_) {
     const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
-    const double scale = scale_of(pending.level);
+    const double scale = pending.scale;
     double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *
                                       static_cast<std::size_t>(tile_.width) +
                                   static_cast<std::size_t>(pending.column - tile_.x)) *
@@ -465,6 +532,7 @@ void TileTracer<Real>::add_to_film(int channel) {
         sum = plan_.kernels.accumulate(block_.weight + i, radiance + i, end - i);
       }
       i = end;
+      if (plan_.table) sum = not_negative(sum, scale);
       pixel[replicate] += scale * sum;
     }
   }

@@ -28,6 +28,9 @@ struct BackwardKernels {
 template <class Real>
 BackwardKernels<Real> backward_kernels(Isa isa);
 
+/// At most 2^this times less than a point of each randomisation.
+inline constexpr int kMostSparseLevels = 2;
+
 /// Everything that is the same for all tiles; immutable.
 template <class Real>
 struct BackwardPlan {
@@ -47,17 +50,20 @@ struct BackwardPlan {
   RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
   /// One pool per level: level k has 2^-k of the points, for pixels worth less.
   std::vector<SobolPool> pools;
+  /// So many levels follow on which not every randomisation gets a point.
+  int sparse_levels = 0;
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
+  const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
   std::uint32_t first = 0;                        ///< number of the first point
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
 /// What a BackwardPass goes by in double precision. @param medium the scene's, or what stands in
-/// for it @param light of surfaces; nullptr without them. Plan and tracers keep pointers to all of
-/// them
+/// for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing scatters.
+/// Plan and tracers keep pointers to all of them
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, const PointRange& range,
-                                      const SurfaceLightPlan* light);
+                                      const SurfaceLightPlan* light, const ScatterPlan* scatter);
 
 /// Receives the rays of a tracer, for those who want more of them than their sum.
 template <class Real>
@@ -79,6 +85,7 @@ class RaySink {
 /// Numbers counted by one worker.
 struct TileCounters {
   double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0, tiles_skipped = 0;
+  double pairs_left_to_chance = 0;
   double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
   MediumCounters medium;
   RadianceTableCounters table;
@@ -98,6 +105,7 @@ class TileTracer {
  private:
   struct Pending {
     int column, row, first, count, offset, level;  ///< offset: first number of the replicates
+    double scale;                                  ///< what its rays count for
   };
   void add_microlens(LensIndex lens);
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
@@ -107,13 +115,17 @@ class TileTracer {
   void set_cut(const PixelCut& cut);
   bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
   int level_of(double worth) const;
-  void add_pair(int type, int column, int row, std::uint64_t key, int level);
+  void set_random(int column, int row, std::uint64_t key);
+  std::uint64_t chosen_replicates(int level) const;
+  void add_pair(int type, int column, int row, int level, std::uint64_t chosen);
+  void queue(Pending pending, const SobolPool& pool, int entry, int offset, int count);
   void generate_queued();
   void flush();
   void integrate(int padded);
   bool integrate_by_table(int padded);
   void add_scattered();
   double scale_of(int level) const;
+  double not_negative(double sum, double scale);
   void add_to_film(int channel);
 
   const BackwardPlan<Real>& plan_;
@@ -123,6 +135,7 @@ class TileTracer {
   PixelWindow tile_;  ///< that is being rendered
   KernelPatch<Real> patch_{};
   KernelPixel<Real> pixel_{};
+  std::uint64_t random_[3] = {};      ///< of pixel, microlens and seed
   int type_ = 0;                      ///< of the patch
   KernelMicrolens<Real> own_lens_{};  ///< of the patch, where lenses of a type differ
   bool has_own_lens_ = false;
@@ -132,9 +145,9 @@ class TileTracer {
   std::vector<Real> storage_;
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
+  std::unique_ptr<ScatterWalk> scatter_;          ///< nullptr: nothing scatters
   std::unique_ptr<SurfaceBlock<Real>> surfaces_;  ///< nullptr as in the plan
   std::vector<RayGroup> groups_;                  ///< for what follows light: what is pending
-  std::unique_ptr<ScatterWalk> scatter_;          ///< nullptr: nothing scatters
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
   int transmittance_stride_ = 0;  ///< of the nodes; 0: one for all

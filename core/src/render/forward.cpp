@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "plenoflame/base/error.h"
 #include "plenoflame/sampling/philox.h"
 #include "render/aperture_cone.h"
 #include "render/emission_proposal.h"
@@ -325,7 +324,7 @@ class DispersedBundles : public BundleSource {
 std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
                                            const RenderSettings& settings, const Film& film,
                                            const EmissionProposal* proposal) {
-  if (!scene.surfaces && scene.lights.environment.empty())
+  if (!scene.surfaces && scene.lights.environment.empty() && scene.scatterers.empty())
     return proposal ? std::make_unique<BundleTracer>(scene, settings, film, *proposal) : nullptr;
   auto bundles = std::make_unique<SurfaceBundles>(scene, settings, film, proposal);
   return bundles->dark() ? nullptr : std::move(bundles);
@@ -335,8 +334,6 @@ std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
 
 void render_forward(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution, Film& film, RenderStatistics& statistics) {
-  if (!scene.scatterers.empty())
-    throw InputError("the forward estimator does not scatter; use the backward estimator");
   statistics.precision = "double";
   const auto start = Clock::now();
   const std::int64_t points =

@@ -7,6 +7,8 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/sampling/philox.h"
+#include "render/forward_work.h"
+#include "render/phase_function.h"
 #include "render/run_control.h"
 #include "render/scene_medium.h"
 #include "render/surface_light.h"
@@ -36,19 +38,6 @@ double field_versine(const PupilSampling& pupils, const Camera& camera) {
 }
 
 }  // namespace
-
-struct SurfaceBundles::Work {
-  Work(const Medium* medium, const MediumOptions& options, std::size_t channel_count)
-      : channels(channel_count), segments(medium, options), emission(channel_count) {}
-  std::size_t channels;
-  MediumSegments segments;
-  std::vector<double> emission;
-  std::vector<double> spectra;  ///< channels values for each bundle
-  std::vector<Camera::Arrival> arrivals;
-  std::vector<Arrived> arrived;
-  std::vector<Ray> ways;     ///< of what arrived, from where it last left
-  std::vector<double> ends;  ///< [m] of these ways
-};
 
 SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings,
                                const Film& film, const EmissionProposal* proposal)
@@ -89,23 +78,25 @@ bool SurfaceBundles::can_reflect() const {
 }
 
 void SurfaceBundles::add_jobs(const EmissionProposal* proposal) {
+  const bool scatters = !scene_.scatterers.empty();
   const bool reflects = scene_.surfaces && scene_.scene.render.reflections > 0;
   if (proposal) {
     jobs_.push_back({Origin::flame, 0, true});
-    if (reflects && scene_.scene.render.flame_light) jobs_.push_back({Origin::flame, 0, false});
+    if (scatters || (reflects && scene_.scene.render.flame_light))
+      jobs_.push_back({Origin::flame, 0, false});
   }
-  if (reflects)
+  if (scatters || reflects)
     for (std::size_t i = 0; i < scene_.lights.delta.size(); ++i)
       jobs_.push_back({Origin::delta_light, static_cast<int>(i), false});
   if (!scene_.lights.environment.empty()) {
     jobs_.push_back({Origin::environment, 0, true});
-    if (reflects) jobs_.push_back({Origin::environment, 0, false});
+    if (scatters || reflects) jobs_.push_back({Origin::environment, 0, false});
   }
   if (!scene_.surfaces) return;
   for (int i = 0; i < scene_.surfaces->surface_count(); ++i) {
     if (!scene_.surfaces->emission(i, true)) continue;
     jobs_.push_back({Origin::surface, i, true});
-    if (reflects && can_reflect()) jobs_.push_back({Origin::surface, i, false});
+    if (scatters || (reflects && can_reflect())) jobs_.push_back({Origin::surface, i, false});
   }
 }
 
@@ -121,6 +112,7 @@ bool SurfaceBundles::start_at_flame(const Job& job, Bundle& bundle, Work& work) 
   scene_.medium->coefficients(point.position, work.emission.data());
   bundle.ray.origin = point.position;
   bundle.weight /= point.density;
+  bundle.lights_surfaces = scene_.scene.render.flame_light;
   if (job.to_camera) return true;
   bundle.ray.direction = cone_direction({0, 0, 1}, 2 * unit_uniform(a[2]), unit_uniform(a[3]));
   bundle.weight *= 4 * kPi;
@@ -302,7 +294,9 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
       cone_.draw(origin, number(bundle.index, block, 0), number(bundle.index, block, 1));
   if (!(way.solid_angle > 0)) return;
   const Vec3 direction = scene_.camera.to_world().direction(way.direction);
-  const double cosine = has_normal ? dot(bundle.normal, direction) : 1;
+  double cosine = has_normal ? dot(bundle.normal, direction) : 1;
+  if (bundle.scatterer)
+    cosine = phase_function(bundle.scatterer->spec, dot(bundle.ray.direction, direction));
   if (!(cosine > 0)) return;
   work.arrivals.clear();
   scene_.camera.trace_from_scene({origin, way.direction}, work.arrivals);
@@ -380,6 +374,22 @@ void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
   }
 }
 
+/// From surface to surface.
+void SurfaceBundles::reflect(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const {
+  for (int depth = 0; depth < scene_.scene.render.reflections && !bundles.empty(); ++depth) {
+    meet_surfaces(bundles, work, chunk);
+    const std::uint64_t block = 4 + 2 * static_cast<std::uint64_t>(depth);
+    for (Bundle& b : bundles) {
+      b.weight *= b.reflectivity;
+      send_to_camera(b, true, 1 / kPi, block, work, chunk);
+    }
+    std::erase_if(bundles, [&](Bundle& b) {
+      return !send_on(endless_->find(b.from.surface), number(b.index, block + 1, 0),
+                      number(b.index, block + 1, 1), block + 1, b);
+    });
+  }
+}
+
 void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const {
   const auto begin = std::chrono::steady_clock::now();
   Work work(scene_.medium.get(), options_, static_cast<std::size_t>(scene_.node_count()));
@@ -395,18 +405,10 @@ void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& c
     else
       on_their_way.push_back(bundle);
   }
-  for (int depth = 0; depth < scene_.scene.render.reflections && !on_their_way.empty(); ++depth) {
-    meet_surfaces(on_their_way, work, chunk);
-    const std::uint64_t block = 4 + 2 * static_cast<std::uint64_t>(depth);
-    for (Bundle& b : on_their_way) {
-      b.weight *= b.reflectivity;
-      send_to_camera(b, true, 1 / kPi, block, work, chunk);
-    }
-    std::erase_if(on_their_way, [&](Bundle& b) {
-      return !send_on(endless_->find(b.from.surface), number(b.index, block + 1, 0),
-                      number(b.index, block + 1, 1), block + 1, b);
-    });
-  }
+  if (scene_.scatterers.empty())
+    reflect(on_their_way, work, chunk);
+  else
+    scatter(on_their_way, work, chunk);
   deposit(work, chunk);
   chunk.bundles = static_cast<double>(end - first);
   chunk.seconds_surfaces = seconds_since(begin);

@@ -13,10 +13,10 @@
 
 namespace plenoflame {
 
-/// Bundles of a scene with surfaces or lights. A bundle leaves a flame, a light or a hot surface
-/// either towards the camera or to light the scene; in the latter case it is reflected from surface
-/// to surface, and at each of them the part that goes towards the camera's aperture is traced
-/// there.
+/// Bundles of a scene with surfaces, lights or media that scatter. A bundle leaves a flame, a light
+/// or a hot surface either towards the camera or to light the scene; in the latter case it is
+/// reflected by surfaces and scattered by media, and at each of these places the part that goes
+/// towards the camera's aperture is traced there.
 class SurfaceBundles : public BundleSource {
  public:
   /// @param proposal where the flames emit; nullptr: there are none, or they are dark
@@ -40,6 +40,9 @@ class SurfaceBundles : public BundleSource {
     SurfacePart from;
     Vec3 normal;  ///< where it leaves a surface
     double reflectivity = 0;
+    const Scatterer* scatterer = nullptr;  ///< that it leaves; its ray still has the old direction
+    int reflections = 0;                   ///< on surfaces, so far; of scenes that scatter
+    bool lights_surfaces = true;
     double weight = 0;  ///< times spectrum: flux [W], per steradian where it leaves for the camera
     std::size_t spectrum = 0;  ///< its place in Work::spectra
   };
@@ -62,6 +65,10 @@ class SurfaceBundles : public BundleSource {
   bool start_at_surface(const Job& job, Bundle& bundle, Work& work) const;
   bool send_on(std::optional<std::size_t> plane, double u, double v, std::uint64_t block,
                Bundle& bundle) const;
+  void reflect(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  void scatter(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  void meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
+                   ForwardChunk& chunk) const;
   void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
   /// @param factor [1/sr] share of the weight that leaves per solid angle and cosine
   void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,

@@ -75,10 +75,12 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
   for (std::size_t k = 0; k + 1 < limits.size(); ++k) {
     const double start = limits[k], width = limits[k + 1] - start;
     if (!(width > 0)) continue;
-    double deepest = 0;
-    for (const double x : at)
+    double deepest = 0, brightest = 0;
+    for (const double x : at) {
       deepest = std::max(deepest, coefficients(medium, ray.at(start + x * width), nodes, work));
-    if (!(deepest > 0)) continue;
+      for (std::size_t n = 0; n < nodes; ++n) brightest = std::max(brightest, work.emission[n]);
+    }
+    if (!(deepest > 0 || brightest > 0)) continue;
     if (!truth.hit) truth.first = start;
     truth.hit = true;
     truth.last = start + width;

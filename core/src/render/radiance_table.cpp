@@ -262,8 +262,7 @@ void RadianceTable::Worker::integrate_chosen(const Request& request, MediumCount
       if (quality_[i] != 0)
         value = out[i] + (quality_[i] == 2 ? request.smooth_factor : request.fair_factor)[i] *
                              (value - out[i]);
-      if (value < 0) counters_.clamped += 1;
-      out[i] = std::max(value, 0.F);
+      out[i] = value;
     }
   }
 }

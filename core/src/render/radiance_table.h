@@ -17,7 +17,9 @@ struct RadianceTableCounters {
   double corrected = 0;  ///< rays that were integrated to correct the table
   double rough = 0;      ///< rays integrated because the table is not smooth there
   double nodes = 0;      ///< rays integrated to fill the table
-  double clamped = 0;    ///< corrections that would have made a ray's radiance negative
+  /// Sums (of a pixel's rays through one microlens, of one randomisation) that a correction made
+  /// negative and that count as 0, and what that adds to the picture's sum, which is `total`.
+  double clamped = 0, clamped_sum = 0, total = 0;
 };
 
 /// Radiance of the medium on the lines through its middle and the camera's entrance pupil, linearly
@@ -44,7 +46,7 @@ class RadianceTable {
     /// otherwise the ray is integrated and counts as table + factor * (integral - table).
     const float* smooth_factor;
     const float* fair_factor;
-    float* radiance;  ///< channel c at radiance + c * stride
+    float* radiance;  ///< channel c at radiance + c * stride; single rays' may be negative
     int stride;
   };
 

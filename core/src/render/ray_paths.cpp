@@ -93,14 +93,17 @@ void to_channels(const CompiledScene& scene, std::vector<double>& carried) {
   carried.resize(scene.scene.channels.size() + 1);
 }
 
-/// What surfaces and surroundings send along single rays, behind the flames.
+/// What surfaces and surroundings send along single rays behind the flames, and what these scatter.
 class LightBehind {
  public:
   explicit LightBehind(const CompiledScene& scene)
       : scene_(scene), nodes_(static_cast<std::size_t>(scene.node_count())) {
-    if (!scene.surfaces) return;
-    plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
-    light_ = std::make_unique<SurfaceLight>(*plan_);
+    if (scene.surfaces) {
+      plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
+      light_ = std::make_unique<SurfaceLight>(*plan_);
+    }
+    scatter_ = make_scatter_plan(scene, RenderSettings{}, Execution{}, plan_.get());
+    if (scatter_) walk_ = std::make_unique<ScatterWalk>(*scatter_);
   }
 
   /// @param line whose origin is the ray's last vertex @param before a vertex ahead of it
@@ -121,20 +124,33 @@ class LightBehind {
       for (std::size_t k = 0; k < 4; ++k) first[0].u[k] = unit_uniform(word[k]);
       std::vector<SurfacePath> paths{path};
       MediumCounters counters;
-      light_->add(paths, first, radiance, counters);
+      if (walk_)
+        walk_->add_surfaces(paths, first, radiance, counters);
+      else
+        light_->add(paths, first, radiance, counters);
     } else {
       const std::vector<double>& environment = scene_.lights.environment;
       for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
     }
     const double transmittance = std::exp(-carried.back());
     for (std::size_t n = 0; n < nodes_; ++n) carried[n] += transmittance * radiance[n][0];
+    if (walk_) add_scattered(line, number, ray.solid >= 0, carried);
   }
 
  private:
+  void add_scattered(const Ray& line, std::size_t number, bool ends, std::vector<double>& carried) {
+    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
+    MediumCounters counters;
+    walk_->add({{0, line, mix64(~number), ends ? 0 : kInfinity}}, radiance, counters);
+    for (std::size_t n = 0; n < nodes_; ++n) carried[n] += radiance[n][0];
+  }
+
   const CompiledScene& scene_;
   std::size_t nodes_;
   std::unique_ptr<SurfaceLightPlan> plan_;
   std::unique_ptr<SurfaceLight> light_;
+  std::unique_ptr<const ScatterPlan> scatter_;
+  std::unique_ptr<ScatterWalk> walk_;
 };
 
 /// Leaves out what does not go through this microlens.
@@ -184,8 +200,9 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const SceneMedium medium(scene);
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   const auto light = make_surface_light(scene, settings, execution);
+  const auto scatter = make_scatter_plan(scene, settings, execution, light.get());
   const BackwardPlan<double> plan =
-      make_double_plan(scene, medium.get(), settings, {0, points}, light.get());
+      make_double_plan(scene, medium.get(), settings, {0, points}, light.get(), scatter.get());
   // Rays that pass beside the flames are wanted, too: no beams.
   const PathTracer tracer(scene.camera, medium.get(), scene.surfaces.get());
   const double samples = static_cast<double>(points) * settings.replicates;

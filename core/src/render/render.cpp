@@ -139,6 +139,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   double samples = 0;
   for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
   field.samples = samples * settings.replicates;
+  field.numbers["render.replicates"] = settings.replicates;
   field.complete = statistics.complete;
   statistics.seconds = seconds_since(start);
   return result;

@@ -8,6 +8,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/math/ray_span.h"
+#include "render/phase_function.h"
 #include "sampling/directions.h"
 
 namespace plenoflame {
@@ -15,129 +16,185 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kRoulette = 0.2;  ///< weight below which a walk may end
+/// The lookups of the emission must not be numbers that walks use.
+constexpr std::uint64_t kFlameSeed = 0x73636174666cu;
+constexpr int kFlameCells = 24;  ///< as for the light on surfaces
 
 }  // namespace
 
-double phase_function(const ScatteringSpec& spec, double cosine) {
-  if (spec.phase == PhaseFunction::rayleigh)
-    return 3 * (1 + cosine * cosine) / (16 * constants::pi);
-  const double g = spec.asymmetry, base = 1 + g * g - 2 * g * cosine;
-  return (1 - g * g) / (4 * constants::pi * base * std::sqrt(base));
-}
-
-double draw_cosine(const ScatteringSpec& spec, double u) {
-  if (spec.phase == PhaseFunction::rayleigh) {
-    // c^3 + 3 c = 8 u - 4, by Cardano.
-    const double a = 4 * u - 2, root = std::cbrt(a + std::sqrt(a * a + 1));
-    return std::clamp(root - 1 / root, -1.0, 1.0);
-  }
-  const double g = spec.asymmetry;
-  if (std::fabs(g) < 1e-3) {
-    // The first terms in g of the inverse, which would lose its digits.
-    const double c = 1 - 2 * u;
-    return std::clamp(-c + 1.5 * g * (1 - c * c), -1.0, 1.0);
-  }
-  const double s = (1 - g * g) / (1 - g + 2 * g * u);
-  return std::clamp((1 + g * g - s * s) / (2 * g), -1.0, 1.0);
-}
-
-ScatterWalk::ScatterWalk(const CompiledScene& scene, const MediumOptions& options)
-    : scene_(scene),
-      medium_(*scene.medium),
-      bounds_(medium_.bounds()),
-      majorant_(medium_.largest_absorption()),
-      nodes_(static_cast<std::size_t>(medium_.channel_count())),
-      segments_(scene.medium.get(), options),
-      coefficients_(nodes_) {
-  if (!std::isfinite(majorant_))
+ScatterPlan::ScatterPlan(const CompiledScene& compiled, const RenderSettings& settings,
+                         const Execution& execution, const SurfaceLightPlan* light)
+    : scene(&compiled),
+      surface_light(light),
+      majorant(compiled.medium->largest_absorption()),
+      reflections(compiled.scene.render.reflections) {
+  options.isa = settings.isa;
+  options.skip = settings.skip;
+  if (!std::isfinite(majorant))
     throw InputError("this medium does not know its largest absorption, which scattering needs");
+  if (light && light->flame) {
+    flame = light->flame.get();
+    return;
+  }
+  own_flame = std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed,
+                                                 execution, kFlameCells);
+  if (!own_flame->dark()) flame = own_flame.get();
 }
 
-/// Draws the next place of extinction behind `from`, by the first node's. @return false: none
-bool ScatterWalk::collide(Walk& walk, double from, double& t) const {
-  const RaySpan span = clip_to_box(bounds_, walk.line, from, kInf);
-  if (span.empty() || !(majorant_ > 0)) return false;
-  std::vector<double> each(nodes_);
+std::unique_ptr<const ScatterPlan> make_scatter_plan(const CompiledScene& scene,
+                                                     const RenderSettings& settings,
+                                                     const Execution& execution,
+                                                     const SurfaceLightPlan* light) {
+  if (scene.scatterers.empty()) return nullptr;
+  return std::make_unique<ScatterPlan>(scene, settings, execution, light);
+}
+
+double ScatterWalk::Walk::density(Vec3 way) const {
+  return scatterer ? phase_function(scatterer->spec, dot(line.direction, way))
+                   : std::max(0.0, dot(normal, way)) / constants::pi;
+}
+
+ScatterWalk::ScatterWalk(const ScatterPlan& plan)
+    : plan_(plan),
+      scene_(*plan.scene),
+      medium_(*plan.scene->medium),
+      bounds_(medium_.bounds()),
+      nodes_(static_cast<std::size_t>(medium_.channel_count())),
+      segments_(plan.scene->medium.get(), plan.options),
+      coefficients_(nodes_) {}
+
+/// Draws the next place of extinction on the line, by the first node's. @return false: none
+bool ScatterWalk::collide(Walk& walk, double& t) {
+  const RaySpan span = clip_to_box(bounds_, walk.line, 0, walk.end);
+  if (span.empty() || !(plan_.majorant > 0)) return false;
   t = span.near;
   for (;;) {
-    t -= std::log(walk.noise.uniform()) / majorant_;
+    t -= std::log(walk.noise.uniform()) / plan_.majorant;
     if (!(t < span.far)) return false;
-    medium_.absorptions(walk.line.at(t), each.data());
-    if (walk.noise.uniform() * majorant_ < each[0]) return true;
+    medium_.absorptions(walk.line.at(t), coefficients_.data());
+    if (walk.noise.uniform() * plan_.majorant < coefficients_[0]) return true;
   }
 }
 
 /// Which flame scatters at a place, if any does: drawn in proportion to what each scatters at the
 /// first node. The weights get what it scatters at theirs, over the density of place and choice.
 const Scatterer* ScatterWalk::scatter(Walk& walk, Vec3 place) {
-  double scattering = 0, extinction = 0;
-  std::vector<double> shares;
+  double scattering = 0;
+  shares_.clear();
   medium_.absorptions(place, coefficients_.data());
-  extinction = coefficients_[0];
+  extinction_ = coefficients_[0];
   for (const Scatterer& scatterer : scene_.scatterers) {
     scatterer.medium->absorptions(place, coefficients_.data());
-    shares.push_back(scatterer.spec.albedo * coefficients_[0]);
-    scattering += shares.back();
+    shares_.push_back(scatterer.albedo(place) * coefficients_[0]);
+    scattering += shares_.back();
   }
   if (!(scattering > 0)) return nullptr;
   double u = walk.noise.uniform() * scattering;
-  std::size_t chosen = shares.size();
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    if (!(shares[i] > 0)) continue;
+  std::size_t chosen = shares_.size();
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
+    if (!(shares_[i] > 0)) continue;
     chosen = i;  // rounding may leave u above 0 behind the last
-    u -= shares[i];
+    u -= shares_[i];
     if (u <= 0) break;
   }
   const Scatterer& scatterer = scene_.scatterers[chosen];
   scatterer.medium->absorptions(place, coefficients_.data());
   for (std::size_t c = 0; c < nodes_; ++c)
-    walk.weight[c] *= scattering / extinction * (coefficients_[c] / coefficients_[0]);
+    walk.weight[c] *= scattering / extinction_ * (coefficients_[c] / coefficients_[0]);
   return &scatterer;
 }
 
+/// @return false when the surface sends nothing back
+bool ScatterWalk::reflect(Walk& walk, const SurfaceHit& hit) const {
+  if (walk.reflections >= plan_.reflections || !(hit.reflectivity > 0)) return false;
+  ++walk.reflections;
+  for (double& weight : walk.weight) weight *= hit.reflectivity;
+  walk.line.origin = hit.point;
+  walk.scatterer = nullptr;
+  walk.from = hit.where;
+  walk.normal = hit.normal;
+  return true;
+}
+
+/// Whether flames light the place of a walk, or what it is seen through.
+bool ScatterWalk::sees_flame(const Walk& walk) const {
+  return walk.reflections == 0 || scene_.scene.render.flame_light;
+}
+
+/// Points the line of a walk to where it goes next.
+void ScatterWalk::aim(Walk& walk, Vec3 direction) {
+  walk.line.direction = direction;
+  walk.end = kInf;
+  walk.next.where = {};
+  if (!plan_.surfaces()) return;
+  rays_ += 1;
+  if (plan_.surfaces()->intersect(walk.line, 0, kInf, walk.from, walk.next))
+    walk.end = walk.next.t;
+  else
+    walk.next.where = {};
+}
+
 /// Moves every walk to its next place, and ends those that have none.
-void ScatterWalk::meet_places(std::vector<Walk>& walks, MediumCounters& counters) {
+void ScatterWalk::move_on(std::vector<Walk>& walks, MediumCounters& counters) {
   segments_.clear();
-  ends_.clear();
+  std::vector<std::size_t> collided;
   std::size_t kept = 0;
   for (Walk& walk : walks) {
     double t = 0;
-    // Camera rays are whole lines; all others begin where light was scattered.
-    if (!collide(walk, walk.weight.empty() ? -kInf : 0, t)) continue;
-    if (walk.weight.empty()) {
-      walk.weight.assign(nodes_, 1.0);
-      // From where the medium begins.
-      const RaySpan span = clip_to_box(bounds_, walk.line, -kInf, kInf);
-      walk.line.origin = walk.line.at(span.near);
-      t -= span.near;
+    if (collide(walk, t)) {
+      const Vec3 place = walk.line.at(t);
+      const Scatterer* scatterer = scatter(walk, place);
+      if (!scatterer) continue;
+      // The place was drawn by the first node's extinction: see scatter().
+      if (!segments_.is_grey()) {
+        segments_.add(walk.line, t);
+        collided.push_back(kept);
+      }
+      walk.scatterer = scatterer;
+      walk.from = {};
+      walk.line.origin = place;
+    } else {
+      if (walk.next.where.surface < 0 || !reflect(walk, walk.next)) continue;
+      if (!segments_.is_grey())
+        for (std::size_t c = 1; c < nodes_; ++c) walk.weight[c] *= walk.passed[c] / walk.passed[0];
     }
-    if (!segments_.is_grey()) segments_.add(walk.line, t);
-    ends_.push_back(t);
-    std::swap(walks[kept++], walk);
+    if (&walks[kept] != &walk) std::swap(walks[kept], walk);
+    ++kept;
   }
   walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
   if (segments_.is_grey()) return;
-  // The place was drawn by the first node's extinction: see scatter().
   segments_.integrate(false, counters);
-  for (std::size_t i = 0; i < walks.size(); ++i) {
+  for (std::size_t i = 0; i < collided.size(); ++i) {
     const double drawn = segments_.transmittance(i, 0);
     for (std::size_t c = 1; c < nodes_; ++c)
-      walks[i].weight[c] *= segments_.transmittance(i, c) / drawn;
+      walks[collided[i]].weight[c] *= segments_.transmittance(i, c) / drawn;
   }
 }
 
-void ScatterWalk::add_lights(const std::vector<Walk>& walks,
-                             const std::vector<const Scatterer*>& scatterers,
-                             std::vector<std::vector<double>>& radiance, MediumCounters& counters) {
-  for (const DeltaLight& light : scene_.lights.delta) {
-    segments_.clear();
-    std::vector<std::pair<std::size_t, double>> samples;
+/// Adds the samples of single directions, through their segments.
+void ScatterWalk::add_samples(const std::vector<Walk>& walks, Radiance& radiance,
+                              MediumCounters& counters) {
+  segments_.integrate(false, counters);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    const Walk& walk = walks[sample.walk];
+    for (std::size_t c = 0; c < nodes_; ++c)
+      radiance[c][static_cast<std::size_t>(walk.ray)] +=
+          walk.weight[c] * sample.weight * segments_.transmittance(i, c) * sample.strength[c];
+  }
+}
+
+void ScatterWalk::add_delta_lights(std::vector<Walk>& walks, Radiance& radiance,
+                                   MediumCounters& counters) {
+  segments_.clear();
+  samples_.clear();
+  for (const DeltaLight& light : scene_.lights.delta)
     for (std::size_t i = 0; i < walks.size(); ++i) {
-      const Vec3 place = walks[i].line.origin;
+      const Walk& walk = walks[i];
       Vec3 way = -light.direction;
       double distance = kInf, fall = 1;
       if (!light.parallel) {
-        const Vec3 to_light = light.position - place;
+        const Vec3 to_light = light.position - walk.line.origin;
         const double square = dot(to_light, to_light);
         if (!(square > 0)) continue;
         distance = std::sqrt(square);
@@ -145,68 +202,245 @@ void ScatterWalk::add_lights(const std::vector<Walk>& walks,
         if (!light.inside_cone(-way)) continue;
         fall = 1 / square;
       }
-      const double cosine = dot(walks[i].line.direction, way);
-      segments_.add({place, way}, distance);
-      samples.emplace_back(i, fall * phase_function(scatterers[i]->spec, cosine));
+      const double share = walk.density(way);
+      if (!(share > 0)) continue;
+      const Ray ray{walk.line.origin, way};
+      if (plan_.surfaces()) {
+        rays_ += 1;
+        if (plan_.surfaces()->occluded(ray, 0, distance, walk.from)) continue;
+      }
+      segments_.add(ray, distance);
+      samples_.push_back({i, fall * share, light.strength.data()});
     }
-    segments_.integrate(false, counters);
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const Walk& walk = walks[samples[s].first];
-      for (std::size_t c = 0; c < nodes_; ++c)
-        radiance[c][static_cast<std::size_t>(walk.ray)] +=
-            walk.weight[c] * samples[s].second * segments_.transmittance(s, c) * light.strength[c];
+  add_samples(walks, radiance, counters);
+}
+
+/// Points of emitting surfaces, drawn evenly over their area.
+void ScatterWalk::add_emitters(std::vector<Walk>& walks, Radiance& radiance,
+                               MediumCounters& counters) {
+  const SurfaceLightPlan& light = *plan_.surface_light;
+  const SurfaceScene& surfaces = *plan_.surfaces();
+  segments_.clear();
+  samples_.clear();
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    Walk& walk = walks[i];
+    const double choice = walk.noise.uniform(), face = walk.noise.uniform();
+    const bool given = walk.first && !plan_.flame;
+    const double u = given ? walk.first->u[2] : walk.noise.uniform();
+    const double v = given ? walk.first->u[3] : walk.noise.uniform();
+    std::size_t k = 0;
+    while (k + 1 < light.emitting.size() && choice > light.emitting[k].share) ++k;
+    const int surface = light.emitting[k].surface;
+    const SurfacePoint point = surfaces.point_on(surface, face, u, v);
+    const Vec3 to_point = point.point - walk.line.origin;
+    const double distance = length(to_point);
+    if (!(distance > 0)) continue;
+    const Ray ray{walk.line.origin, (1 / distance) * to_point};
+    const double share = walk.density(ray.direction);
+    const double leaving = -dot(point.normal, ray.direction);
+    if (!(share > 0) || leaving == 0) continue;
+    const bool front = leaving > 0;
+    const double* emission = surfaces.emission(surface, front);
+    if (!emission) continue;
+    // What the ray meets first must be this side of this part: no distance has to be compared.
+    SurfaceHit hit;
+    rays_ += 1;
+    if (!surfaces.intersect(ray, 0, kInf, walk.from, hit)) continue;
+    if (!(hit.where == point.where) || hit.front != front) continue;
+    segments_.add(ray, distance);
+    const double density = light.emitter_density(surface, distance, std::fabs(leaving));
+    samples_.push_back({i, share / (density + share), emission});
+  }
+  add_samples(walks, radiance, counters);
+}
+
+/// A point of the flames is drawn by its emission; what counts is the radiance of the whole line
+/// through it, over the density with which any of its points would have been drawn.
+void ScatterWalk::add_flame(std::vector<Walk>& walks, Radiance& radiance,
+                            MediumCounters& counters) {
+  segments_.clear();
+  samples_.clear();
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    Walk& walk = walks[i];
+    if (!sees_flame(walk)) continue;
+    const double choice = walk.first ? walk.first->u[2] : walk.noise.uniform();
+    const double u = walk.first ? walk.first->u[3] : walk.noise.uniform();
+    const double v = walk.noise.uniform(), w = walk.noise.uniform();
+    const Vec3 to_point = plan_.flame->draw(choice, u, v, w).position - walk.line.origin;
+    const double distance = length(to_point);
+    if (!(distance > 0)) continue;
+    const Ray ray{walk.line.origin, (1 / distance) * to_point};
+    const double share = walk.density(ray.direction);
+    if (!(share > 0)) continue;
+    const double density = plan_.flame->direction_density(ray);
+    if (!(density > 0)) continue;
+    double end = kInf;
+    if (plan_.surfaces()) {
+      SurfaceHit hit;
+      rays_ += 1;
+      if (plan_.surfaces()->intersect(ray, 0, kInf, walk.from, hit)) end = hit.t;
     }
+    segments_.add(ray, end);
+    samples_.push_back({i, share / (density + share), nullptr});
+  }
+  segments_.integrate(true, counters);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Walk& walk = walks[samples_[i].walk];
+    for (std::size_t c = 0; c < nodes_; ++c)
+      radiance[c][static_cast<std::size_t>(walk.ray)] +=
+          walk.weight[c] * samples_[i].weight * segments_.radiance(i, static_cast<int>(c));
   }
 }
 
-void ScatterWalk::add(const std::vector<Start>& starts, std::vector<std::vector<double>>& radiance,
+/// Draws the direction in which every walk goes on, and adds the light that comes from there.
+void ScatterWalk::go_on(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
+  const std::vector<double>& environment = scene_.lights.environment;
+  std::vector<double> densities;
+  segments_.clear();
+  for (Walk& walk : walks) {
+    const double u = walk.first ? walk.first->u[0] : walk.noise.uniform();
+    const double v = walk.first ? walk.first->u[1] : walk.noise.uniform();
+    walk.first = nullptr;
+    const Vec3 direction =
+        walk.scatterer ? normalize(cone_direction(walk.line.direction,
+                                                  1 - draw_cosine(walk.scatterer->spec, u), v))
+                       : cosine_direction(walk.normal, u, v);
+    densities.push_back(walk.density(direction));
+    aim(walk, direction);
+    segments_.add(walk.line, walk.end);
+  }
+  segments_.integrate(true, counters);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    Walk& walk = walks[i];
+    // Shares of what other ways find, too.
+    double of_flame = 0, of_emitter = 1;
+    if (sees_flame(walk)) {
+      of_flame = 1;
+      if (plan_.flame)
+        of_flame = densities[i] / (densities[i] + plan_.flame->direction_density(walk.line));
+    }
+    const int surface = walk.next.where.surface;
+    const double* behind = environment.empty() ? nullptr : environment.data();
+    if (surface >= 0) {
+      behind = plan_.surfaces()->emission(surface, walk.next.front);
+      const double cosine = std::fabs(dot(walk.next.normal, walk.line.direction));
+      if (behind && plan_.surface_light)
+        of_emitter = densities[i] / (densities[i] + plan_.surface_light->emitter_density(
+                                                        surface, walk.next.t, cosine));
+    }
+    double largest = 0;
+    for (std::size_t c = 0; c < nodes_; ++c) {
+      double arrives = of_flame * segments_.radiance(i, static_cast<int>(c));
+      if (behind) arrives += of_emitter * segments_.transmittance(i, c) * behind[c];
+      radiance[c][static_cast<std::size_t>(walk.ray)] += walk.weight[c] * arrives;
+      largest = std::max(largest, walk.weight[c]);
+    }
+    if (largest < kRoulette) {
+      const double survival = largest / kRoulette;
+      if (!(walk.noise.uniform() < survival)) continue;
+      for (double& weight : walk.weight) weight /= survival;
+    }
+    if (!segments_.is_grey()) {
+      walk.passed.resize(nodes_);
+      for (std::size_t c = 0; c < nodes_; ++c) walk.passed[c] = segments_.transmittance(i, c);
+    }
+    if (kept != i) std::swap(walks[kept], walk);
+    ++kept;
+  }
+  walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
+}
+
+/// At every place: the light that is looked at from there, and the way on.
+void ScatterWalk::visit(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
+  if (!scene_.lights.delta.empty()) add_delta_lights(walks, radiance, counters);
+  if (plan_.surface_light && !plan_.surface_light->emitting.empty())
+    add_emitters(walks, radiance, counters);
+  if (plan_.flame) add_flame(walks, radiance, counters);
+  go_on(walks, radiance, counters);
+}
+
+/// The stretch of a line from where it enters the first medium that scatters to where it leaves the
+/// last.
+RaySpan ScatterWalk::scattering_span(const Ray& line, double from, double to) const {
+  RaySpan all{kInf, -kInf};
+  for (const Scatterer& scatterer : scene_.scatterers) {
+    const RaySpan span = clip_to_box(scatterer.medium->bounds(), line, from, to);
+    if (span.empty()) continue;
+    all.near = std::min(all.near, span.near);
+    all.far = std::max(all.far, span.far);
+  }
+  return all;
+}
+
+/// The first places: by the extinction, as all others, or evenly, for most rays would meet nothing
+/// in a thin medium. Either counts with the density of both ways together.
+void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& walks,
+                        MediumCounters& counters) {
+  struct Place {
+    double extinction, even, density;  ///< [1/m], share, [1/m] of the even ones
+  };
+  std::vector<Place> places;
+  segments_.clear();
+  for (const Start& start : starts) {
+    // Camera rays are whole lines.
+    const RaySpan span = clip_to_box(bounds_, start.line, -kInf, start.far);
+    const RaySpan inside = scattering_span(start.line, span.near, span.far);
+    if (span.empty() || inside.empty()) continue;
+    Walk walk(start.ray, {start.line.at(span.near), start.line.direction}, start.key, nodes_);
+    walk.end = span.far - span.near;
+    double t = 0;
+    if (start.even > 0 && walk.noise.uniform() < start.even)
+      t = inside.near - span.near + walk.noise.uniform() * (inside.far - inside.near);
+    else if (!collide(walk, t))
+      continue;
+    const Vec3 place = walk.line.at(t);
+    walk.scatterer = scatter(walk, place);
+    if (!walk.scatterer) continue;
+    segments_.add(walk.line, t);
+    places.push_back({extinction_, start.even, 1 / (inside.far - inside.near)});
+    walk.line.origin = place;
+    walks.push_back(std::move(walk));
+  }
+  segments_.integrate(false, counters);
+  for (std::size_t i = 0; i < walks.size(); ++i) {
+    const Place& place = places[i];
+    const double density = (1 - place.even) * place.extinction * segments_.transmittance(i, 0) +
+                           place.even * place.density;
+    for (std::size_t c = 0; c < nodes_; ++c)
+      walks[i].weight[c] *= place.extinction * segments_.transmittance(i, c) / density;
+  }
+}
+
+void ScatterWalk::add(const std::vector<Start>& starts, Radiance& radiance,
                       MediumCounters& counters) {
   std::vector<Walk> walks;
-  for (const Start& start : starts)
-    walks.push_back({start.ray, start.line, NoiseStream(start.key, 0), {}});
+  begin(starts, walks, counters);
   while (!walks.empty()) {
-    meet_places(walks, counters);
-    chosen_.clear();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < walks.size(); ++i) {
-      Walk& walk = walks[i];
-      const Vec3 place = walk.line.at(ends_[i]);
-      const Scatterer* scatterer = scatter(walk, place);
-      if (!scatterer) continue;
-      walk.line.origin = place;
-      chosen_.push_back(scatterer);
-      std::swap(walks[kept++], walk);
+    visit(walks, radiance, counters);
+    move_on(walks, counters);
+  }
+}
+
+void ScatterWalk::add_surfaces(const std::vector<SurfacePath>& paths,
+                               const std::vector<SurfaceLight::First>& first, Radiance& radiance,
+                               MediumCounters& counters) {
+  std::vector<Walk> walks;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const SurfacePath& path = paths[i];
+    if (const double* emission = plan_.surfaces()->emission(path.hit.where.surface, path.hit.front))
+      for (std::size_t c = 0; c < nodes_; ++c)
+        radiance[c][static_cast<std::size_t>(path.ray)] += emission[c];
+    walks.emplace_back(path.ray, Ray{}, path.key, nodes_);
+    if (!reflect(walks.back(), path.hit)) {
+      walks.pop_back();
+      continue;
     }
-    walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
-    add_lights(walks, chosen_, radiance, counters);
-    segments_.clear();
-    for (std::size_t i = 0; i < walks.size(); ++i) {
-      Walk& walk = walks[i];
-      const double cosine = draw_cosine(chosen_[i]->spec, walk.noise.uniform());
-      walk.line.direction =
-          normalize(cone_direction(walk.line.direction, 1 - cosine, walk.noise.uniform()));
-      segments_.add(walk.line, kInf);
-    }
-    segments_.integrate(true, counters);
-    const std::vector<double>& environment = scene_.lights.environment;
-    kept = 0;
-    for (std::size_t i = 0; i < walks.size(); ++i) {
-      Walk& walk = walks[i];
-      double largest = 0;
-      for (std::size_t c = 0; c < nodes_; ++c) {
-        double arrives = segments_.radiance(i, static_cast<int>(c));
-        if (!environment.empty()) arrives += segments_.transmittance(i, c) * environment[c];
-        radiance[c][static_cast<std::size_t>(walk.ray)] += walk.weight[c] * arrives;
-        largest = std::max(largest, walk.weight[c]);
-      }
-      if (largest < kRoulette) {
-        const double survival = largest / kRoulette;
-        if (!(walk.noise.uniform() < survival)) continue;
-        for (double& weight : walk.weight) weight /= survival;
-      }
-      std::swap(walks[kept++], walk);
-    }
-    walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
+    if (i < first.size()) walks.back().first = &first[i];
+  }
+  while (!walks.empty()) {
+    visit(walks, radiance, counters);
+    move_on(walks, counters);
   }
 }
 

@@ -28,6 +28,7 @@ SurfaceLightPlan::SurfaceLightPlan(const CompiledScene& compiled, const RenderSe
   options.skip = settings.skip;
   if (!compiled.surfaces) return;
   add_emitters();
+  scatters = reflections > 0 && !compiled.scatterers.empty();
   follow_last = reflections > 0 && (emitters || !compiled.lights.environment.empty());
   if (reflections > 0 && compiled.medium && compiled.scene.render.flame_light) {
     flame = std::make_unique<EmissionProposal>(*compiled.medium, settings.seed ^ kFlameSeed,

@@ -49,8 +49,9 @@ struct SurfaceLightPlan {
   /// What leaves a surface is followed on even after the last reflection: it may come from an
   /// emitter or from the surroundings.
   bool follow_last = false;
+  bool scatters = false;  ///< some of the light is scattered on its way: see ScatterWalk
   /// Whether the light of a path needs random numbers.
-  bool random() const { return flame || follow_last || reflections > 1; }
+  bool random() const { return flame || follow_last || scatters || reflections > 1; }
   /// The density of a direction in which an emitting surface lies [1/sr].
   double emitter_density(int surface, double distance, double cosine) const {
     const double per_area = area_density[static_cast<std::size_t>(surface)];

@@ -57,7 +57,8 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
                                    const Execution& execution, const PositionMap& positions) {
   FlameSpec flame = scene.flames[index];
   std::vector<SourceFunction> channels = all_channels;
-  if (const double albedo = flame.scattering.albedo; albedo > 0) {
+  // Of a grid of albedos the loader does this itself.
+  if (const double albedo = flame.scattering.albedo; albedo > 0 && flame.scattering.grid.empty()) {
     // Media know extinction: what is scattered is taken away, and not emitted.
     const double extinction = 1 / (1 - albedo);
     for (EllipsoidSpec& layer : flame.layers) {
@@ -98,36 +99,90 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   return medium;
 }
 
-/// Walks are drawn at one wavelength for all: what scatters must not be clear at any.
+/// Walks are drawn at one wavelength for all: what scatters must not be clear at any, and where it
+/// is much clearer than at the first the noise is not what its scatter says (docs/radiometry.md).
 void check_scattering_spectrum(const Scene& scene, std::size_t index,
                                const std::vector<SourceFunction>& channels,
-                               const PositionMap& positions) {
+                               const PositionMap& positions, const Execution& execution) {
+  constexpr double kAlike = 2;  // beyond, the squares of weights grow with the thickness
   const FlameSpec& flame = scene.flames[index];
-  if (flame.scattering.albedo == 0) return;
-  for (const double factor : absorption_factors(flame.spectrum, channels))
-    if (!(factor > 0)) {
-      const std::string path = "flames[" + std::to_string(index) + "].spectrum";
+  if (!flame.scattering.present()) return;
+  const std::string path = "flames[" + std::to_string(index) + "].spectrum";
+  const std::vector<double> factors = absorption_factors(flame.spectrum, channels);
+  for (const double factor : factors) {
+    if (!(factor > 0))
       throw InputError(positions.find(path + ".table"),
                        path +
                            " is 0 at a wavelength of a channel; a flame that scatters needs some "
                            "absorption at all of them");
+    if (factors.front() > kAlike * factor) {
+      const SourcePosition position = positions.find("flames[" + std::to_string(index) + "]");
+      execution.warn(
+          to_string(SceneIssue{false, path, position,
+                               path + " absorbs more than twice as much in the first channel as in "
+                                      "another: where it is thick, scattered light of the other "
+                                      "is found by rare rays, and the stated error too small; put "
+                                      "the channel that is absorbed least first, or make wide ones "
+                                      "narrower"}));
+      return;
     }
+  }
 }
 
-/// What is compiled from channels, or what stands for them, once the camera is there.
-CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
-                              const std::vector<SourceFunction>& channels,
-                              const std::vector<SourceFunction>& emitters,
-                              const MediumLoader& loader, const Execution& execution,
-                              const PositionMap& positions) {
-  std::vector<std::shared_ptr<const Medium>> media;
-  std::vector<Scatterer> scatterers;
+/// Places in smoke are drawn without regard to how near they are to a light.
+void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& medium,
+                           const PositionMap& positions, const Execution& execution) {
+  if (!scene.flames[index].scattering.present()) return;
+  const Box box = medium.bounds();
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const LightSpec& light = scene.lights[i];
+    const Vec3 p = light.position;
+    if (light.kind != LightKind::point || p.x < box.lower.x || p.y < box.lower.y ||
+        p.z < box.lower.z || p.x > box.upper.x || p.y > box.upper.y || p.z > box.upper.z)
+      continue;
+    const std::string path = "lights[" + std::to_string(i) + "]";
+    execution.warn(to_string(
+        SceneIssue{false, path, positions.find(path),
+                   path + " is a point within a flame that scatters: what is lit from very near "
+                          "makes bright specks, and the stated error too small; a small sphere "
+                          "that emits does not"}));
+  }
+}
+
+using Media = std::vector<std::shared_ptr<const Medium>>;
+
+Media load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
+                  const MediumLoader& loader, const Execution& execution,
+                  const PositionMap& positions) {
+  Media media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
     media.push_back(load(scene, i, loader, channels, execution, positions));
-    check_scattering_spectrum(scene, i, channels, positions);
-    if (scene.flames[i].scattering.albedo > 0)
-      scatterers.push_back({media.back().get(), scene.flames[i].scattering});
+    check_scattering_spectrum(scene, i, channels, positions, execution);
+    if (media.back()) check_lights_in_smoke(scene, i, *media.back(), positions, execution);
   }
+  return media;
+}
+
+/// The flames in one of their channels: files are not read once more.
+Media flames_of_channel(const Media& flames, int channel, const Scene& scene,
+                        const SourceFunction& source, const MediumLoader& loader,
+                        const Execution& execution, const PositionMap& positions) {
+  Media media;
+  for (std::size_t i = 0; i < flames.size(); ++i) {
+    media.push_back(flames[i] ? flames[i]->single_channel(channel) : nullptr);
+    if (!media.back()) media.back() = load(scene, i, loader, {source}, execution, positions);
+  }
+  return media;
+}
+
+/// What is compiled from channels, or what stands for them, once camera and flames are there.
+CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils, Media media,
+                              const std::vector<SourceFunction>& emitters,
+                              const Execution& execution, const PositionMap& positions) {
+  std::vector<Scatterer> scatterers;
+  for (std::size_t i = 0; i < media.size(); ++i)
+    if (scene.flames[i].scattering.present())
+      scatterers.push_back({media[i].get(), scene.flames[i].scattering});
   std::shared_ptr<const Medium> medium;
   if (media.size() == 1) medium = std::move(media.front());
   if (media.size() > 1) medium = make_composite_medium(std::move(media));
@@ -184,9 +239,9 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     scene.camera.wavelength = nodes.sources.front().wavelength();
   Camera camera(scene.camera);  // its warnings are among those of validate()
   PupilSampling pupils(camera, execution);
-  CompiledScene compiled =
-      compile_content(scene, std::move(camera), std::move(pupils), nodes.sources, nodes.emitters,
-                      loader, execution, positions);
+  const Media flames = load_flames(scene, nodes.sources, loader, execution, positions);
+  CompiledScene compiled = compile_content(scene, std::move(camera), std::move(pupils), flames,
+                                           nodes.emitters, execution, positions);
   if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
   if (nodes.sources.size() > scene.channels.size()) compiled.channel_of_node = nodes.channel;
   compiled.spectral_error = nodes.error;
@@ -201,8 +256,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
     Camera part_camera(part.camera);
     PupilSampling part_pupils(part_camera, quiet);
+    Media part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
+                                          loader, quiet, positions);
     compiled.parts.push_back(compile_content(part, std::move(part_camera), std::move(part_pupils),
-                                             {nodes.sources[n]}, {nodes.emitters[n]}, loader, quiet,
+                                             std::move(part_flames), {nodes.emitters[n]}, quiet,
                                              positions));
     compiled.parts.back().film_channel = {nodes.channel[n]};
   }

@@ -49,6 +49,8 @@ void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues);
 void check_surfaces(const Scene& scene, Issues& issues);
 /// Channels, spectra of flames, and the sensor's electronics.
 void check_channels(const Scene& scene, Issues& issues);
+/// Emission lines of the flames; of a scene that is otherwise sound.
+void check_lines(const Scene& scene, Issues& issues);
 
 /// Distance along the axis from a surface's vertex to its point at height h, positive towards the
 /// sensor for a positive radius [m]. |radius| >= h.

@@ -70,6 +70,11 @@ struct Words<SpectrumKind> {
   static constexpr std::string_view list[] = {"grey", "power", "soot", "table"};
 };
 template <>
+struct Words<LineKind> {
+  static constexpr std::string_view list[] = {"custom", "ch", "c2_474", "c2_517",
+                                              "c2_564", "oh", "na_d"};
+};
+template <>
 struct Words<PhaseFunction> {
   static constexpr std::string_view list[] = {"henyey_greenstein", "rayleigh"};
 };

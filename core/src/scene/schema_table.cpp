@@ -1,59 +1,12 @@
-#include <limits>
-
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/schema_fields.h"
+#include "scene/schema_paths.h"
 
 namespace plenoflame {
 namespace {
 
-using schema::key;
-using schema::list;
-using schema::locate;
-
-// ---- ranges -------------------------------------------------------------------------------------
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr ValueRange above_zero(double upper) {
-  return {0, upper, true, false};
-}
-constexpr ValueRange from_zero(double upper) {
-  return {0, upper, false, false};
-}
-constexpr ValueRange within(double size) {
-  return {-size, size, false, false};
-}
-constexpr ValueRange kNonzero{-kInf, kInf, false, true};
-constexpr ValueRange kIndex{1, 5, false, false};
-constexpr double kFar = 1e6;          // [m] positions
-constexpr double kLargestLens = 100;  // [m]
-constexpr Dimension kLength = Dimension::length;
-constexpr Dimension kAngle = Dimension::angle;
-constexpr Dimension kPure = Dimension::none;
-
-// ---- the table ----------------------------------------------------------------------------------
-
-#define CAMERA &Scene::camera
-#define LENS CAMERA, &CameraSpec::lens
-#define SURFACE LENS, &MainLensSpec::surfaces
-#define ARRAY CAMERA, &CameraSpec::array
-#define TYPE ARRAY, &ArraySpec::types
-#define SENSOR CAMERA, &CameraSpec::sensor
-#define FOCUS CAMERA, &CameraSpec::focus
-#define TRANSMISSION CAMERA, &CameraSpec::transmission
-#define FLAME &Scene::flames
-#define LAYER FLAME, &FlameSpec::layers
-#define TEMPERATURE FLAME, &FlameSpec::temperature
-#define ABSORPTION FLAME, &FlameSpec::absorption
-#define SPECTRUM FLAME, &FlameSpec::spectrum
-#define SCATTERING FLAME, &FlameSpec::scattering
-#define SOLID &Scene::surfaces
-#define MATERIAL SOLID, &SolidSurfaceSpec::material
-#define TEXTURE MATERIAL, &MaterialSpec::texture
-#define LIGHT &Scene::lights
-#define CHANNEL &Scene::channels
-#define RENDER &Scene::render
-#define DEVELOP &Scene::develop
+using namespace schema;
 
 /// A list of numbers with units of their own, kept as numbers.
 constexpr SchemaKey kAspheric{
@@ -370,6 +323,29 @@ constexpr SchemaKey kKeys[] = {
     key<ABSORPTION, &GridSpec::offset>("flames[].absorption.offset", "Added after the factor.",
                                        kPure, within(1e12)),
 
+    key<LINE, &LineSpec::kind>(
+        "flames[].lines[].kind",
+        "`custom`: at `wavelength`; `ch`: CH* at 431.5 nm; `c2_474`, `c2_517`, `c2_564`: Swan "
+        "bands of C2*; `oh`: OH* at 309 nm; `na_d`: both sodium D lines."),
+    key<LINE, &LineSpec::wavelength>("flames[].lines[].wavelength",
+                                     "Kind `custom`: vacuum wavelength.", kLength, from_zero(1e-3)),
+    key<LINE, &LineSpec::width>(
+        "flames[].lines[].width",
+        "Full width at half the maximum of a Gaussian profile; 0: narrow against every channel.",
+        kLength, from_zero(1e-3)),
+    key<EMISSION, &GridSpec::grid>(
+        "flames[].lines[].grid",
+        "Name of the grid in the file; empty: the line's known names (`CH*`, `CH`, ...)."),
+    key<EMISSION, &GridSpec::unit>(
+        "flames[].lines[].unit",
+        "Unit of scale * stored + offset: power into all directions (W/m^3, kW/m^3, W/cm^3, "
+        "W/mm^3), into each (W/(m^3 sr), W/(cm^3 sr)), or photons (1/(m^3 s), 1/(cm^3 s), "
+        "mol/(m^3 s)); empty: the file's metadata, which must state it then."),
+    key<EMISSION, &GridSpec::scale>("flames[].lines[].scale", "Factor on the stored values.", kPure,
+                                    kNonzero),
+    key<EMISSION, &GridSpec::offset>("flames[].lines[].offset", "Added after the factor.", kPure,
+                                     within(1e30)),
+
     key<SPECTRUM, &SpectrumSpec::kind>(
         "flames[].spectrum.kind",
         "`grey`: absorption is the same at all wavelengths; `power`: proportional to (reference / "
@@ -397,6 +373,10 @@ constexpr SchemaKey kKeys[] = {
         "Share of the extinction that is scattering, below 1; the flame's absorption stays what it "
         "is, and scattering comes on top of it. 0: none.",
         kPure, from_zero(1)),
+    key<SCATTERING, &ScatteringSpec::grid>(
+        "flames[].scattering.grid",
+        "Kind `vdb`: name of a grid of albedos in the file, at least 0 and below 1, in place of "
+        "`albedo`; empty: that."),
     key<SCATTERING, &ScatteringSpec::phase>("flames[].scattering.phase",
                                             "How directions are distributed."),
     key<SCATTERING, &ScatteringSpec::asymmetry>(
@@ -576,6 +556,7 @@ constexpr SchemaList kLists[] = {
     list<TYPE>("camera.array.types", 0, 3),
     list<FLAME>("flames", 0, 1000),
     list<LAYER>("flames[].layers", 0, 100000),
+    list<LINE>("flames[].lines", 0, 8),
     list<SOLID>("surfaces", 0, 10000),
     list<LIGHT>("lights", 0, 1000),
     list<CHANNEL>("channels", 1, 64),

@@ -37,6 +37,11 @@ constexpr SchemaTable kTables[] = {
      "Kind `vdb`: how a grid becomes the absorption coefficient.",
      false,
      {}},
+    {"flames[].lines[]",
+     "Kind `vdb`: light that the gas emits at one wavelength whatever its temperature, from a grid "
+     "(docs/radiometry.md).",
+     false,
+     {}},
     {"flames[].spectrum", "How the absorption depends on wavelength.", false, {}},
     {"flames[].scattering",
      "Light that goes on in another direction; only scenes that have it pay for it.",

@@ -19,6 +19,7 @@ list(APPEND core_sources
   src/scene/validate_camera.cpp
   src/scene/validate_channels.cpp
   src/scene/validate_flames.cpp
+  src/scene/validate_lines.cpp
   src/scene/validate_surfaces.cpp)
 
 # The presets stay readable as scene files and are compiled in as text.

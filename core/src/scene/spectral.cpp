@@ -23,6 +23,17 @@ SootIndex index_of(SootIndexSource source) {
   return SootIndex::constant;
 }
 
+/// Every emission line of the flames, once.
+std::vector<EmissionLine> lines_of(const Scene& scene) {
+  std::vector<EmissionLine> lines;
+  for (const FlameSpec& flame : scene.flames)
+    for (const LineSpec& spec : flame.lines) {
+      const EmissionLine line = emission_line(spec);
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+  return lines;
+}
+
 }  // namespace
 
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel) {
@@ -97,6 +108,35 @@ std::vector<double> absorption_factors(const SpectrumSpec& spec,
   return factors;
 }
 
+EmissionLine emission_line(const LineSpec& spec) {
+  switch (spec.kind) {
+    case LineKind::custom:
+      break;
+    case LineKind::ch:
+      return EmissionLine::named("ch", spec.width);
+    case LineKind::c2_474:
+      return EmissionLine::named("c2_474", spec.width);
+    case LineKind::c2_517:
+      return EmissionLine::named("c2_517", spec.width);
+    case LineKind::c2_564:
+      return EmissionLine::named("c2_564", spec.width);
+    case LineKind::oh:
+      return EmissionLine::named("oh", spec.width);
+    case LineKind::na_d:
+      return EmissionLine::named("na_d", spec.width);
+  }
+  return EmissionLine::at(spec.wavelength, spec.width);
+}
+
+std::vector<double> line_weights(const FlameSpec& flame,
+                                 const std::vector<SourceFunction>& channels) {
+  std::vector<double> weights;
+  for (const SourceFunction& channel : channels)
+    for (const LineSpec& line : flame.lines)
+      weights.push_back(channel.line_share(emission_line(line)));
+  return weights;
+}
+
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec) {
   return layer.volume_fraction > 0
              ? layer.volume_fraction * absorption_spectrum(spec).per_volume_fraction()
@@ -149,19 +189,37 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
                                 [](const AbsorptionSpectrum& s) { return s.is_grey(); });
   const bool filtered = !scene.camera.transmission.filter.empty();
   const bool dispersive = is_dispersive(scene);
+  const std::vector<EmissionLine> lines = lines_of(scene);
   SpectralNodes all;
+  // A channel's only node takes the light of lines as well, where it travels like the rest.
+  const auto with_lines = [&](std::vector<SourceFunction> nodes,
+                              const std::optional<SpectralResponse>& response) {
+    std::vector<SourceFunction::LineShare> seen;
+    for (const EmissionLine& line : lines)
+      if (const double share = line.seen_by(response); share > 0) seen.push_back({line, share});
+    if (seen.empty()) return nodes;
+    if (grey && !dispersive) {
+      nodes.front() = nodes.front().with_lines(std::move(seen));
+      return nodes;
+    }
+    for (const SourceFunction::LineShare& one : seen)
+      nodes.push_back(SourceFunction::of_lines(one.line.wavelength(), {one}));
+    return nodes;
+  };
   const auto add = [&](const SourceFunction& whole, const std::vector<SourceFunction>& nodes,
-                       std::size_t channel, double filter) {
+                       std::size_t thermal, std::size_t channel, double filter) {
     all.sources.insert(all.sources.end(), nodes.begin(), nodes.end());
-    for (const SourceFunction& emitter : SourceFunction::sharing(whole, nodes))
+    const auto split = nodes.begin() + static_cast<std::ptrdiff_t>(thermal);
+    for (const SourceFunction& emitter : SourceFunction::sharing(whole, {nodes.begin(), split}))
       all.emitters.push_back(emitter.with_share(filter * emitter.share()));
+    all.emitters.insert(all.emitters.end(), split, nodes.end());  // nothing but lines
     all.channel.insert(all.channel.end(), nodes.size(), static_cast<int>(channel));
   };
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
     if (grey && !filtered && !(dispersive && channel.wavelengths > 1)) {
       const SourceFunction whole = source_function(channel);
-      add(whole, {whole}, c, 1);
+      add(whole, with_lines({whole}, spectral_response(channel)), 1, c, 1);
       continue;
     }
     try {
@@ -171,7 +229,8 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
       all.error = std::max(all.error, nodes.error);
       // Of light whose spectrum nobody gave, the filter takes what it takes of white light.
       const std::optional<SpectralResponse> open = spectral_response(channel);
-      add(response ? SourceFunction::of(*response) : SourceFunction::total(), nodes.nodes, c,
+      add(response ? SourceFunction::of(*response) : SourceFunction::total(),
+          with_lines(nodes.nodes, response), nodes.nodes.size(), c,
           open ? response->integral() / open->integral() : 1);
     } catch (const InputError& error) {
       throw InputError(positions.find("channels[" + std::to_string(c) + "].kind"),

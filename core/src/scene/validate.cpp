@@ -55,6 +55,7 @@ std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& posit
     check_flames(scene, issues.errors() == 0, issues);
     check_surfaces(scene, issues);
     check_channels(scene, issues);
+    if (issues.errors() == 0) check_lines(scene, issues);
   }
   return issues.take();
 }

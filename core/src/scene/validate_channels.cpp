@@ -120,31 +120,48 @@ void check_spectrum(const FlameSpec& flame, const std::string& path, Issues& iss
   }
 }
 
+/// How much of a response lies between two wavelengths: the dim ends of a sensor's do not count.
+double share_within(const SpectralResponse& response, double shortest, double longest) {
+  if (response.shortest() >= shortest && response.longest() <= longest) return 1;
+  if (response.longest() <= shortest || response.shortest() >= longest) return 0;
+  const auto band = SpectralResponse::band(0.5 * (shortest + longest), longest - shortest);
+  try {
+    return response.behind(band).integral() / response.integral();
+  } catch (const InputError&) {
+    return 0;  // it is 0 there
+  }
+}
+
 /// Channels outside of the range for which the makers of the catalogue's glasses give indices.
 void check_glass_range(const Scene& scene, Issues& issues) {
-  constexpr double kShortest = 300e-9, kLongest = 2.4e-6;
-  std::string glass;
+  std::vector<const CatalogueGlass*> glasses;
   const auto look_at = [&](const std::string& text) {
-    for (const CatalogueGlass& known : glass_catalogue())
-      if (known.name == text) glass = text;
+    const CatalogueGlass* glass = text.empty() ? nullptr : find_catalogue_glass(text);
+    if (glass && std::find(glasses.begin(), glasses.end(), glass) == glasses.end())
+      glasses.push_back(glass);
   };
   for (const SurfaceSpec& surface : scene.camera.lens.surfaces) look_at(surface.glass);
   if (scene.camera.array.present)
     for (const MicrolensSpec& type : scene.camera.array.types) look_at(type.glass);
-  if (glass.empty()) return;
-  for (std::size_t i = 0; i < scene.channels.size(); ++i) {
+  for (std::size_t i = 0; i < scene.channels.size() && !glasses.empty(); ++i) {
     const ChannelSpec& channel = scene.channels[i];
     if (channel.kind == ChannelKind::total ||
         (channel.kind == ChannelKind::curve && channel.curve.empty()))
       continue;
     const auto response = spectral_response(channel);
-    if (!response || (response->shortest() >= kShortest && response->longest() <= kLongest))
-      continue;
-    issues.error(fmt::format("channels[{}].kind", i),
-                 fmt::format("channel {} reaches from {} to {}, but the index of glass {} is known "
-                             "from 300 nm to 2.4 um only; choose another band, or give an index",
-                             quote_for_message(channel.name), short_length(response->shortest()),
-                             short_length(response->longest()), quote_for_message(glass)));
+    if (!response) continue;
+    for (const CatalogueGlass* glass : glasses) {
+      const double shortest = 1e-6 * glass->range[0], longest = 1e-6 * glass->range[1];
+      if (share_within(*response, shortest, longest) > 0.99) continue;
+      issues.error(
+          fmt::format("channels[{}].kind", i),
+          fmt::format("channel {} reaches from {} to {}, but the index of glass {} is known from "
+                      "{} to {} only; choose another band, or give an index",
+                      quote_for_message(channel.name), short_length(response->shortest()),
+                      short_length(response->longest()),
+                      quote_for_message(std::string(glass->name)), short_length(shortest),
+                      short_length(longest)));
+    }
   }
 }
 
@@ -156,6 +173,12 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
       for (const SpectralPoint& point : parse_spectral_points(filter))
         if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
     });
+  // What is left of each channel, once both are sound.
+  for (const ChannelSpec& channel : scene.channels)
+    if (!filter.empty() && issues.errors() == 0 &&
+        !(channel.kind == ChannelKind::curve && channel.curve.empty()))
+      expect(issues, "camera.transmission.filter", "channel " + quote_for_message(channel.name),
+             [&] { static_cast<void>(camera_response(scene, channel)); });
   const double coating = scene.camera.transmission.coating_index;
   if (coating > 0 && coating < 1)
     issues.error("camera.transmission.coating_index",
@@ -181,20 +204,19 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
            });
 }
 
-void check_scattering(const Scene& scene, const FlameSpec& flame, const std::string& path,
-                      Issues& issues) {
-  if (flame.scattering.albedo == 0) return;
+void check_scattering(const FlameSpec& flame, const std::string& path, Issues& issues) {
+  if (!flame.scattering.present()) return;
+  const std::string grid = path + ".scattering.grid";
+  if (!flame.scattering.grid.empty() && flame.kind == FlameKind::layered)
+    issues.error(grid,
+                 grid + " is a grid of a file, but the flame is layered; give albedo a number");
+  if (!flame.scattering.grid.empty() && flame.scattering.albedo > 0)
+    issues.error(grid, grid + " and albedo are both given; keep one of them");
   if (flame.scattering.albedo >= 1)
     issues.error(path + ".scattering.albedo",
                  path +
                      ".scattering.albedo is 1, with which any absorption would come with endless "
                      "scattering; it must be below 1");
-  if (!scene.surfaces.empty())
-    issues.error(path + ".scattering.albedo",
-                 path + ".scattering cannot be combined with surfaces yet; remove one of them");
-  if (scene.render.estimator == Estimator::forward)
-    issues.error("render.estimator",
-                 "the forward estimator does not scatter; set render.estimator = \"backward\"");
 }
 
 void check_sensor(const Scene& scene, Issues& issues) {
@@ -240,7 +262,7 @@ void check_channels(const Scene& scene, Issues& issues) {
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
     check_spectrum(scene.flames[i], fmt::format("flames[{}]", i), issues);
   for (std::size_t i = 0; i < scene.flames.size(); ++i)
-    check_scattering(scene, scene.flames[i], fmt::format("flames[{}]", i), issues);
+    check_scattering(scene.flames[i], fmt::format("flames[{}]", i), issues);
   check_sensor(scene, issues);
   check_camera_spectra(scene, issues);
 }

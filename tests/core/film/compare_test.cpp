@@ -161,6 +161,27 @@ TEST(Compare, LargestZCountsThePixels) {
   EXPECT_TRUE(relative(probability(6), 1.9731750973510828e-7, 1e-6));
 }
 
+// The same with errors from few randomisations. mpmath: 1 - (1 - p)^100 with Student's
+// p = 1 - 2/pi atan(z) for 2 of them, I_{7/(7 + z^2)}(7/2, 1/2) for 8.
+TEST(Compare, LargestZKnowsHowFewRandomisationsMadeTheErrors) {
+  const auto probability = [](double z, double replicates, double of_reference) {
+    LightField a = make_field(10, 10, true), b = make_field(10, 10, of_reference > 0);
+    b.channels[0].flux = Image(10, 10, 1);
+    a.channels[0].flux = Image(10, 10, 1);
+    a.channels[0].standard_error = Image(10, 10, 0x1p-7F);
+    if (of_reference > 0) b.channels[0].standard_error = Image(10, 10, 0);
+    a.channels[0].flux.at(3, 4) = static_cast<float>(1 + z * 0x1p-7);
+    a.numbers["render.replicates"] = replicates;
+    b.numbers["render.replicates"] = of_reference;
+    return compare(a, b).largest_z_probability;
+  };
+  EXPECT_TRUE(relative(probability(6, 2, 0), 0.999985014909682734, 1e-6));
+  EXPECT_TRUE(relative(probability(600, 2, 0), 0.10071882249360856, 1e-6));
+  EXPECT_TRUE(relative(probability(12, 8, 0), 0.000635630960229027331, 1e-6));
+  EXPECT_EQ(probability(12, 8, 2), probability(12, 2, 0));  // the fewest
+  EXPECT_EQ(probability(12, 8, 64), probability(12, 8, 0));
+}
+
 TEST(Compare, UsesWhatBothWindowsHold) {
   LightField a = make_field(20, 10, false), b = make_field(20, 10, false);
   a.window = {2, 1, 6, 5};

@@ -27,6 +27,25 @@ TEST(ErrorBound, QuantilesOfFisher) {
         << c.p << " " << c.numerator << " " << c.denominator;
 }
 
+TEST(ErrorBound, TailsOfStudent) {
+  // P(|T| >= t) by 40-digit arithmetic (mpmath).
+  const struct {
+    double t, freedom, p;
+  } cases[] = {
+      {0, 1, 1},
+      {1e-9, 3, 0.999999999264894806},
+      {0.5, 1, 0.704832764699133452},
+      {3, 2.5, 0.0725760955490318439},
+      {12, 7, 6.35831037818510027e-6},
+      {1e6, 1, 6.36619772367369136e-7},
+      {40, 1000, 1.04788521551733609e-209},
+  };
+  for (const auto& c : cases) {
+    EXPECT_TRUE(relative(student_tail(c.t, c.freedom), c.p, 1e-10)) << c.t << " " << c.freedom;
+    EXPECT_EQ(student_tail(-c.t, c.freedom), student_tail(c.t, c.freedom));
+  }
+}
+
 TEST(ErrorBound, OfEqualPixels) {
   // n pixels with the same standard error from R replicates: sum e^4 = n e^4, hence n (R + 1)/(R -
   // 1) degrees of freedom if they were not more than there are pixels.

@@ -176,14 +176,16 @@ struct Reference {
   long double optical_thickness = 0;
 };
 
-/// dL/ds = kappa (S - L) along the ray, front to back.
+/// dL/ds = kappa (S - L) + j along the ray, front to back. @param line j, or nullptr
 inline Reference integrate_voxels(const VoxelField& temperature, const VoxelField& absorption,
                                   VoxelInterpolation mode, const Ray& ray, double t0, double t1,
-                                  const Source& source) {
+                                  const Source& source, const VoxelField* line = nullptr) {
   const FieldOnRay temp(temperature, mode, ray), kappa(absorption, mode, ray);
+  const FieldOnRay glow(line ? *line : VoxelField{}, mode, ray);
   std::vector<long double> t{t0, t1};
   temp.append_planes(t0, t1, t);
   kappa.append_planes(t0, t1, t);
+  if (line) glow.append_planes(t0, t1, t);
   std::sort(t.begin(), t.end());
   // 8-point Gauss-Legendre on [-1, 1].
   static const long double x[4] = {
@@ -205,7 +207,8 @@ inline Reference integrate_voxels(const VoxelField& temperature, const VoxelFiel
   // Emission of [a, b], seen from a.
   const auto emission = [&](long double a, long double b) {
     return gauss(a, b, [&](long double s) {
-      return kappa.at(s) * source(temp.at(s)) * std::exp(-gauss(a, s, kappa_at));
+      const long double line_emission = line ? glow.at(s) : 0.0L;
+      return (kappa.at(s) * source(temp.at(s)) + line_emission) * std::exp(-gauss(a, s, kappa_at));
     });
   };
   const std::function<long double(long double, long double, long double, int)> adapt =
@@ -220,7 +223,7 @@ inline Reference integrate_voxels(const VoxelField& temperature, const VoxelFiel
     const long double a = t[i], b = t[i + 1];
     if (!(b > a)) continue;
     const long double tau = gauss(a, b, kappa_at);
-    if (tau == 0) continue;
+    if (tau == 0 && !line) continue;
     result.radiance += std::exp(-result.optical_thickness) * adapt(a, b, emission(a, b), 0);
     result.optical_thickness += tau;
   }

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "plenoflame/base/error.h"
 #include "scene_samples.h"
+#include "support/approx.h"
 #include "support/uniform_medium.h"
 
 namespace plenoflame {
@@ -73,6 +75,29 @@ TEST(Compile, FlameOfAFileInTheCamera) {
   EXPECT_EQ(outcome(grid_scene(), in_box({{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}})), "");
 }
 
+TEST(Compile, SaysWhereScatteredLightIsNoisierThanItsError) {
+  const auto warnings = [](const std::string& channels, const std::string& lights) {
+    std::string text =
+        "[flames.scattering]\nalbedo = 0.5\n[flames.spectrum]\nkind = \"soot\"\n" + lights;
+    for (std::size_t i = 0; i < channels.size(); i += 4)
+      text += "[[channels]]\nname = \"" + channels.substr(i, 4) +
+              "\"\nkind = \"band\"\nwavelength = \"" + channels.substr(i, 4) +
+              " nm\"\nwidth = \"10 nm\"\n";
+    return outcome(grid_scene(text), in_box({{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}}));
+  };
+  EXPECT_EQ(warnings("07000400", ""), "");
+  EXPECT_EQ(warnings("04500800", ""), "");
+  EXPECT_NE(warnings("04000900", "").find("put the channel that is absorbed least first"),
+            std::string::npos);
+  const auto lamp = [](const std::string& x) {
+    return "[[lights]]\nkind = \"point\"\npower = \"1 W\"\nposition = [\"" + x +
+           "\", \"0 m\", \"0 m\"]\n";
+  };
+  EXPECT_EQ(warnings("0700", lamp("1.2 m")), "");
+  EXPECT_NE(warnings("0700", lamp("1.05 m")).find("lights[0] is a point within a flame that"),
+            std::string::npos);
+}
+
 TEST(Compile, SaysWhichLineNamesTheFileThatIsWrong) {
   const auto throwing = [](const auto& error) {
     return [error](const FlameSpec&, const std::string& folder, const std::vector<SourceFunction>&,
@@ -92,6 +117,57 @@ TEST(Compile, SaysWhichLineNamesTheFileThatIsWrong) {
     return std::make_unique<test::UniformMedium>(Box{{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}});
   };
   EXPECT_EQ(outcome(grid_scene(), warning), "folder/s.toml:5:8: f.vdb: cold\n");
+}
+
+// Wide channels through flames of different spectra, one behind the other: the wavelengths that
+// stand for a channel must do for all of them. Against a sum over two thousand wavelengths. Fails
+// when they are chosen for the first flame alone, or take its spectrum for the other.
+TEST(Compile, NodesOfFlamesWithDifferentSpectra) {
+  Scene scene = grid_scene().scene;
+  scene.channels = {{"red", ChannelKind::band, 650e-9, 160e-9},
+                    {"green", ChannelKind::band, 530e-9, 140e-9}};
+  const auto flame = [](double x, double temperature, double absorption) {
+    FlameSpec made;
+    made.position = {x, 0, 0};
+    made.layers = {{"", {}, {0.01, 0.01, 0.01}, temperature, absorption}};
+    return made;
+  };
+  FlameSpec near = flame(1, 1500, 30), far = flame(1.1, 2100, 120);
+  near.spectrum = {SpectrumKind::power, 650e-9, 3};
+  far.spectrum.kind = SpectrumKind::table;
+  far.spectrum.table = "450 nm 0.4, 600 nm 1, 620 nm 2.5, 740 nm 1";
+  scene.flames = {near, far};
+  const CompiledScene compiled = compile(scene);
+  ASSERT_GT(compiled.node_count(), 4);
+  EXPECT_LT(compiled.spectral_error, 5e-4);
+
+  const std::vector<double> nodes =
+      integrate_reference(*compiled.medium, {{0, 0, 0}, {1, 0, 0}}, 0, 10);
+  const auto planck = [](double w, double t) {
+    return 1.1910429723971884e-16 / std::pow(w, 5) / std::expm1(0.014387768775039337 / (w * t));
+  };
+  const auto table = [](double nm) {
+    return nm < 600   ? 0.4 + 0.6 * (nm - 450) / 150
+           : nm < 620 ? 1 + 1.5 * (nm - 600) / 20
+                      : 2.5 - 1.5 * (nm - 620) / 120;
+  };
+  for (int c = 0; c < 2; ++c) {
+    const ChannelSpec& channel = scene.channels[static_cast<std::size_t>(c)];
+    double expected = 0, seen = 0;
+    constexpr int kSteps = 2000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double w = channel.wavelength + ((i + 0.5) / kSteps - 0.5) * channel.width;
+      const double front = 30 * 0.02 * std::pow(650e-9 / w, 3);
+      const double back = 120 * 0.02 * table(1e9 * w) / table(650);
+      expected += channel.width / kSteps *
+                  (planck(w, 1500) * -std::expm1(-front) +
+                   std::exp(-front) * planck(w, 2100) * -std::expm1(-back));
+    }
+    for (int n = 0; n < compiled.node_count(); ++n)
+      if (compiled.channel_of_node[static_cast<std::size_t>(n)] == c)
+        seen += nodes[static_cast<std::size_t>(n)];
+    EXPECT_TRUE(test::relative(seen, expected, 1e-3)) << c;
+  }
 }
 
 }  // namespace

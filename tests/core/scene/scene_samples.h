@@ -84,6 +84,8 @@ inline Scene full_scene() {
   grid.temperature = {"T", "degC", 1234.5, -0.125};
   grid.absorption = {"k", "1/mm", 1e-3, 7};
   grid.layers = {{"unused", {0, 0, 0}, {1, 1, 1}, 300, 0.5}};
+  grid.lines = {{LineKind::custom, 517.3e-9, 2e-9, {"glow", "W/cm^3", 3, -1}},
+                {LineKind::na_d, 0, 0, {}}};
   scene.flames = {layered, grid};
   scene.channels = {{"red", ChannelKind::band, 650e-9, 10e-9},
                     {"total", ChannelKind::total, 1e-9, 2e-9}};

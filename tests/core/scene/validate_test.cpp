@@ -43,6 +43,124 @@ TEST(Validate, SoundSceneHasNoIssues) {
   EXPECT_TRUE(validate(sound()).empty());
 }
 
+/// A flame of a file with one emission line, seen by one band.
+void with_line(Scene& scene, const LineSpec& line, double band = 431.54e-9) {
+  FlameSpec flame;
+  flame.kind = FlameKind::vdb;
+  flame.file = "flame.vdb";
+  flame.lines = {line};
+  scene.flames = {flame};
+  scene.channels = {{"band", ChannelKind::band, band, 10e-9}};
+}
+
+TEST(Validate, EmissionLines) {
+  const auto error = [](const LineSpec& line) {
+    return error_after([&](Scene& s) { with_line(s, line); });
+  };
+  EXPECT_EQ(error({LineKind::ch}), "");
+  EXPECT_NE(error({}).find("flames[0].lines[0] needs a wavelength"), std::string::npos);
+  EXPECT_NE(error({LineKind::custom, 431e-9}).find("needs a grid"), std::string::npos);
+  EXPECT_NE(error({LineKind::ch, 0, 300e-9}).find("width below a quarter"), std::string::npos);
+  EXPECT_NE(error({LineKind::ch, 0, 0, {"g", "W/m^2"}})
+                .find("flames[0].lines[0].unit is \"W/m^2\"; it must be one of W/m^3, kW/m^3"),
+            std::string::npos);
+  const auto warning = [](const LineSpec& line, double band) {
+    return warning_after([&](Scene& s) { with_line(s, line, band); });
+  };
+  EXPECT_EQ(warning({LineKind::ch}, 650e-9),
+            "flames[0].lines[0] is at 431.5 nm, which no channel sees; add a channel, such as kind "
+            "= \"band\" around it");
+  EXPECT_NE(warning({LineKind::ch, 500e-9}, 431e-9).find("wavelength is not used"),
+            std::string::npos);
+  // Soot whose index is known from 0.4 um on only.
+  EXPECT_NE(error_after([](Scene& s) {
+              with_line(s, {LineKind::oh}, 309e-9);
+              s.flames[0].spectrum.kind = SpectrumKind::soot;
+              s.flames[0].spectrum.index = SootIndexSource::chang;
+            }).find("is at 309 nm, where the flame's absorption is not known"),
+            std::string::npos);
+  EXPECT_NE(error_after([](Scene& s) {
+              s.flames[0].lines = {{LineKind::ch}};
+            }).find("the flame is layered"),
+            std::string::npos);
+}
+
+TEST(Validate, EmissionLinesThatCountTheSameGridTwice) {
+  const auto warning = [](const LineSpec& first, const LineSpec& second) {
+    return warning_after([&](Scene& s) {
+      with_line(s, first, 516.66e-9);
+      s.channels[0].width = 200e-9;
+      s.flames[0].lines.push_back(second);
+    });
+  };
+  const std::string twice =
+      "flames[0].lines[1] reads the same grid as flames[0].lines[0]: its light counts twice; give "
+      "each a grid of its own, or a scale";
+  EXPECT_EQ(warning({LineKind::c2_474}, {LineKind::c2_517}), twice);
+  EXPECT_EQ(warning({LineKind::c2_517, 0, 0, {"g"}}, {LineKind::ch, 0, 0, {"g"}}), twice);
+  EXPECT_EQ(warning({LineKind::ch}, {LineKind::c2_517}), "0 warnings");
+  EXPECT_EQ(warning({LineKind::c2_474, 0, 0, {"a"}}, {LineKind::c2_517}), "0 warnings");
+  LineSpec third{LineKind::c2_517};
+  third.emission.scale = 0.3;
+  EXPECT_EQ(warning({LineKind::c2_474}, third), "0 warnings");
+}
+
+TEST(Validate, GridsOfAlbedos) {
+  const auto error = [](FlameKind kind, double albedo) {
+    return error_after([&](Scene& s) {
+      with_line(s, {LineKind::ch});
+      s.flames[0].kind = kind;
+      s.flames[0].scattering.grid = "omega";
+      s.flames[0].scattering.albedo = albedo;
+    });
+  };
+  EXPECT_EQ(error(FlameKind::vdb, 0), "");
+  EXPECT_NE(error(FlameKind::vdb, 0.5).find("albedo are both given"), std::string::npos);
+  EXPECT_NE(error_after([](Scene& s) {
+              s.flames[0].scattering.grid = "omega";
+            }).find("flames[0].scattering.grid is a grid of a file"),
+            std::string::npos);
+}
+
+// Each glass has a range of its own: the indices of N-SF11 are published from 370 nm on, those of
+// N-FK5 from 260 nm. What a sensor's response has left there does not count.
+TEST(Validate, GlassesAreKnownWithinTheirRange) {
+  const auto error = [](const char* glass, const ChannelSpec& channel) {
+    return error_after([&](Scene& s) {
+      s.camera.lens.surfaces[0].glass = glass;
+      s.channels = {channel};
+    });
+  };
+  const ChannelSpec violet{"violet", ChannelKind::band, 360e-9, 10e-9};
+  const ChannelSpec ultraviolet{"uv", ChannelKind::band, 280e-9, 10e-9};
+  EXPECT_EQ(error("N-FK5", violet), "");
+  EXPECT_EQ(error("N-FK5", ultraviolet), "");
+  EXPECT_EQ(
+      error("n-sf11", violet),
+      "channel \"violet\" reaches from 355 nm to 365 nm, but the index of glass \"N-SF11\" is "
+      "known from 370 nm to 2.5 um only; choose another band, or give an index");
+  EXPECT_NE(error("BK7", ultraviolet).find("glass \"N-BK7\" is known from 300 nm"),
+            std::string::npos);
+  EXPECT_EQ(error("N-SF11", {"x", ChannelKind::named, 0, 0, "cie_x"}), "");
+  EXPECT_NE(error("N-SF11", {"b", ChannelKind::band, 372e-9, 20e-9}).find("N-SF11"),
+            std::string::npos);
+}
+
+// The command `info` validates only: what a filter leaves nothing of must not wait for `render`.
+TEST(Validate, FiltersThatPassNothing) {
+  const auto error = [](const char* filter) {
+    return error_after([&](Scene& s) {
+      s.channels = {{"red", ChannelKind::band, 650e-9, 10e-9}};
+      s.camera.transmission.filter = filter;
+    });
+  };
+  EXPECT_EQ(error("600 nm 1, 650 nm 1"), "");
+  EXPECT_NE(error("400 nm 1, 500 nm 1").find("channel \"red\": the filter"), std::string::npos);
+  EXPECT_NE(error("400 nm 1, 500 nm 1").find("lets nothing through"), std::string::npos);
+  // Where they meet it is 0.
+  EXPECT_NE(error("400 nm 1, 500 nm 0, 700 nm 0").find("lets nothing through"), std::string::npos);
+}
+
 TEST(Validate, SagIsThatOfTheCircle) {
   // mpmath, 30 digits: R - sqrt(R^2 - h^2).
   EXPECT_TRUE(test::relative(sag(0.3, 0.06), 6.06123086601863e-3, 1e-14));

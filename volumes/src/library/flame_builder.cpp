@@ -123,6 +123,12 @@ FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double 
     if (!values[b].empty()) add_neighbours(bricks[b], values[b], hot);
   fields.absorption = assemble(bricks, values, voxel_size);
   fields.absorption.name = "absorption";
+  for (const auto& [name, emission] : flame.lines) {
+    values.assign(bricks.size(), {});
+    sample(emission, true);
+    fields.lines.push_back(assemble(bricks, values, voxel_size));
+    fields.lines.back().name = name;
+  }
 
   bricks.assign(hot.begin(), hot.end());
   values.assign(bricks.size(), {});

@@ -1,5 +1,8 @@
 #pragma once
 #include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/math/vector.h"
@@ -11,10 +14,13 @@ namespace plenoflame::detail {
 struct FlameFunctions {
   std::function<double(Vec3)> absorption;   ///< [1/m] >= 0, and 0 outside of the bounds
   std::function<double(Vec3)> temperature;  ///< [K] > 0 everywhere
+  /// Emission lines: the grid's name, and [W/m^3] >= 0, 0 outside of the bounds.
+  std::vector<std::pair<std::string, std::function<double(Vec3)>>> lines = {};
 };
 
-/// Samples both functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin):
-/// absorption where it is not 0, temperature in every brick within two voxels of such a sample.
+/// Samples the functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin):
+/// absorption and lines where they are not 0, temperature in every brick within two voxels of such
+/// a sample.
 /// @throws InputError for a voxel size that is not positive, gives too many voxels, or is more than
 /// half of the flame's least extent; Cancelled.
 FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double voxel_size,

@@ -44,9 +44,20 @@ class SootFlame {
     return far + (o_.rim_temperature - far) * std::exp(-square(outside / width));
   }
 
+  /// Of its peak.
+  double line(Vec3 place) const {
+    const double u = place.z / o_.height;
+    if (u <= 0 || u >= 1) return 0;
+    const double outside = std::hypot(place.x, place.y) - annulus(u) - o_.rim_distance;
+    const double share = std::exp(-square(outside / o_.line_width) - square(u / o_.line_height)) *
+                         -std::expm1(-10 * u / o_.line_height);
+    return share > kNegligible ? share : 0;
+  }
+
   Box bounds() const {
     // Where the annulus has fallen below what is kept; the core is narrower or falls likewise.
-    const double reach = 4.0 * std::max(o_.annulus_width, o_.core_width);
+    const double lines = o_.lines.empty() ? 0 : o_.rim_distance + 4.0 * o_.line_width;
+    const double reach = std::max(4.0 * std::max(o_.annulus_width, o_.core_width), lines);
     const double widest = std::max(
         o_.base_radius, 0.25 * square(o_.base_radius + o_.bulge) / std::max(o_.bulge, 1e-12));
     const double r = (o_.bulge > o_.base_radius ? widest : o_.base_radius) + reach;
@@ -111,10 +122,16 @@ FlameFields make_soot_flame(const SootFlameOptions& o, const Execution& executio
   require_between("soot absorption function E(m)", o.absorption_function, 0,
                   std::nextafter(kGreatestSootFunction, 2));
   require_between("wavelength", o.wavelength, 1e-8, 1e-3);
+  require_between("line width", o.line_width, 0, 100);
+  require_between("line height", o.line_height, 0, 100);
+  for (const SootFlameOptions::Line& line : o.lines)
+    require_between("peak emission of a line", line.peak, 0, 1e12);
   const SootFlame flame(o);
-  return detail::sample_flame(
-      {[&](Vec3 p) { return flame.absorption(p); }, [&](Vec3 p) { return flame.temperature(p); }},
-      flame.bounds(), o.voxel_size, execution);
+  detail::FlameFunctions functions{[&](Vec3 p) { return flame.absorption(p); },
+                                   [&](Vec3 p) { return flame.temperature(p); }};
+  for (const SootFlameOptions::Line& line : o.lines)
+    functions.lines.emplace_back(line.name, [&](Vec3 p) { return line.peak * flame.line(p); });
+  return detail::sample_flame(functions, flame.bounds(), o.voxel_size, execution);
 }
 
 }  // namespace plenoflame

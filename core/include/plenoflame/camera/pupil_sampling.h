@@ -23,12 +23,14 @@ struct PupilNode {
   double aim_centre = 0;    ///< without array: centre of the disc, first axis [m]
   double aim_radius = 0;    ///< without array: its radius [m]
   double outer_radius = 0;  ///< no ray that passes has |s - centre| beyond this [m]
-  /// Share of the aperture that is open at distance i/16 of outer_radius from the centre: decides
-  /// how many rays a pixel there is worth.
-  std::array<double, 17> open{};
+  /// Share of the aperture that is open, integrated over the distance from the centre up to i/16 of
+  /// outer_radius [m]: decides how many rays a pixel there is worth.
+  std::array<double, 17> opened{};
   PixelCuts cuts;  ///< about `centre`
 
   bool dark() const { return image_radius <= 0; }
+  /// Mean share of the aperture that is open within `half` of this distance from the centre [m].
+  double mean_open(double distance, double half) const;
 };
 
 /// The two apertures of a microlens as discs of the aim plane: |u - shift * s| < radius, |u| <

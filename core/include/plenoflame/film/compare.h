@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <limits>
 #include <string>
 
 #include "plenoflame/film/film.h"
@@ -30,7 +31,12 @@ struct Comparison {
   double expected_rmse = 0;
   double largest_z = 0;  ///< * (a - b) / s, largest by magnitude; with its sign
   int largest_z_column = 0, largest_z_row = 0;
-  double largest_z_probability = 1;  ///< * of one as large among so many pixels (Sidak), if normal
+  /// Degrees of freedom of the standard errors: one less than the fewest randomisations of an image
+  /// that has them ("render.replicates" of its numbers); infinite where no image says.
+  double freedom = std::numeric_limits<double>::infinity();
+  /// * Of one as large among so many pixels (Sidak), if the differences are normal and their errors
+  /// estimated with so many degrees of freedom (Student).
+  double largest_z_probability = 1;
   /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. 1 is expected; a little
   /// more when s was estimated from few randomisations ((R - 1) / (R - 3) for R of them).
   double chi_square = 0;

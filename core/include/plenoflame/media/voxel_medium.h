@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,16 +42,32 @@ struct VoxelMediumOptions {
   double tolerance = 3e-4;
 };
 
+/// What a voxel medium may have besides temperature and absorption. Samples of all these fields lie
+/// where those of the absorption do, moved by whole spacings at most.
+struct VoxelExtras {
+  /// Light of emission lines [W/(m^3 sr)], whatever the temperature; background 0.
+  std::vector<VoxelField> lines = {};
+  /// What channel c counts of line l, at [c * lines + l].
+  std::vector<double> line_weights = {};
+  /// Share of the extinction that is scattering, at least 0 and below 1. The medium's absorption()
+  /// is then the extinction, absorption / (1 - albedo) at each sample, and its emission that of the
+  /// absorption.
+  std::optional<VoxelField> albedo = {};
+};
+inline constexpr std::size_t kMostVoxelLines = 8;
+
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
 /// `trilinear` (docs/theory.md), stable for any optical thickness.
 /// @param absorption_factors per channel, on the grid's absorption; empty: grey
 /// @throws InputError for a background other than 0, a singular transform, or NaN or negative
-///         values (names field and index), or a tolerance outside of [0, 1).
+///         values (names field and index), a tolerance outside of [0, 1), extras on another lattice
+///         than the absorption's, more than kMostVoxelLines.
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
                                           const VoxelMediumOptions& options = {},
-                                          std::vector<double> absorption_factors = {});
+                                          std::vector<double> absorption_factors = {},
+                                          VoxelExtras extras = {});
 
 }  // namespace plenoflame

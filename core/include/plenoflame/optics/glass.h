@@ -35,9 +35,12 @@ class Glass {
 struct CatalogueGlass {
   std::string_view name;
   double b[3], c[3];  ///< c [um^2]
+  double range[2];    ///< [um] for which they are published
   double nd, vd;      ///< as printed, to 5 and 2 decimals
   std::string_view source;
 };
 std::span<const CatalogueGlass> glass_catalogue();
+/// The row that a scene's text names, by its name or another one that it has; nullptr: none.
+const CatalogueGlass* find_catalogue_glass(std::string_view text);
 
 }  // namespace plenoflame

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
+#include "plenoflame/radiometry/emission_line.h"
 #include "plenoflame/radiometry/spectral_response.h"
 
 namespace plenoflame {
@@ -49,6 +51,21 @@ class SourceFunction {
     return source;
   }
 
+  /// How much of an emission line's light belongs to it.
+  struct LineShare {
+    EmissionLine line;
+    double share;
+    friend bool operator==(const LineShare&, const LineShare&) = default;
+  };
+  /// The same, with its shares of the light of emission lines, which does not follow Planck's law.
+  SourceFunction with_lines(std::vector<LineShare> lines) const {
+    SourceFunction source = *this;
+    source.lines_ = std::move(lines);
+    return source;
+  }
+  /// One wavelength [m] at which nothing but emission lines is looked at: S = 0.
+  static SourceFunction of_lines(double wavelength, std::vector<LineShare> lines);
+
   /// A share of it; of all wavelengths the band from 0.1 um to 1 mm.
   SourceFunction scaled(double factor) const;
 
@@ -67,11 +84,14 @@ class SourceFunction {
   double wavelength() const { return wavelength_; }
   /// Of the light of its channel, where that does not follow Planck's law.
   double share() const { return share_; }
+  /// Of the light of an emission line; 0 of lines that it was not told of.
+  double line_share(const EmissionLine& line) const;
   friend bool operator==(const SourceFunction&, const SourceFunction&) = default;
 
  private:
   std::vector<Node> nodes_;
   double wavelength_ = 0, share_ = 1;
+  std::vector<LineShare> lines_;
   struct Shared;
   std::shared_ptr<const Shared> shared_;  ///< nullptr: it is all its own
   std::size_t part_ = 0;                  ///< which of them

@@ -57,24 +57,26 @@ struct RenderSettings {
 
 /// What was done, left out, and how long it took.
 struct RenderStatistics {
-  double rays = 0;            ///< sent
-  double rays_reached = 0;    ///< of these, left the camera towards the scene (forward: arrived on
-                              ///< the sensor)
-  double pixels = 0;          ///< in the window
-  double pairs = 0;           ///< pixels x microlenses that cover them
-  double lenses = 0;          ///< microlenses whose micro-images meet the window
-  double lenses_skipped = 0;  ///< of these, whose beams miss the flame
-  double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
-  double tiles = 0;           ///< of the film that were rendered, in all rounds
-  double tiles_skipped = 0;   ///< of these, without any ray
+  double rays = 0;          ///< sent
+  double rays_reached = 0;  ///< of these, left the camera towards the scene (forward: arrived on
+                            ///< the sensor)
+  double pixels = 0;        ///< in the window
+  double pairs = 0;         ///< pixels x microlenses that cover them
+  double pairs_left_to_chance = 0;  ///< of little worth, not sampled this time: others count more
+  double lenses = 0;                ///< microlenses whose micro-images meet the window
+  double lenses_skipped = 0;        ///< of these, whose beams miss the flame
+  double pixels_skipped = 0;        ///< without array: pixels whose beams miss the flame
+  double tiles = 0;                 ///< of the film that were rendered, in all rounds
+  double tiles_skipped = 0;         ///< of these, without any ray
   /// Parts of the work that neither scene nor settings ask for, a phrase each.
   std::vector<std::string> left_out;
   MediumCounters medium;
   /// Of the rays that reached the scene, where a table stands in for the medium: how many only
   /// looked it up, corrected it, were integrated because it is not smooth there; rays that filled
-  /// it; and corrections cut off at a radiance of 0.
+  /// it; sums over a pixel's rays that a correction made negative and that count as 0 instead, and
+  /// what that adds to the picture's sum (in the same arbitrary unit).
   double table_looked_up = 0, table_corrected = 0, table_rough = 0, table_nodes = 0,
-         table_clamped = 0;
+         table_clamped = 0, table_clamped_sum = 0, table_sum = 0;
   double relative_error = -1;        ///< estimated relative RMSE over lit pixels; -1: not estimated
   double relative_error_bound = -1;  ///< below which it is at kErrorConfidence (film.h)
   double flux = 0;                   ///< [W] sum over the image, first channel

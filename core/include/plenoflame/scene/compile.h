@@ -28,6 +28,10 @@ using MediumLoader = std::function<std::shared_ptr<const Medium>(
 struct Scatterer {
   const Medium* medium = nullptr;  ///< one of those that the scene's medium is made of
   ScatteringSpec spec;
+  /// Share of its extinction that is scattering.
+  double albedo(Vec3 world) const {
+    return spec.grid.empty() ? spec.albedo : medium->albedo(world);
+  }
 };
 
 /// A scene, ready to trace: immutable, may be shared by threads.

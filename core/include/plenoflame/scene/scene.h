@@ -184,7 +184,7 @@ struct SpectrumSpec {
   double exponent = 1;        ///< power
   SootIndexSource index = SootIndexSource::constant;
   double absorption_function = 0.26;  ///< E(m) of soot with a constant index
-  std::string table;                  ///< "450 nm 1.4, 650 nm 1": relative absorption
+  std::string table = {};             ///< "450 nm 1.4, 650 nm 1": relative absorption
   friend bool operator==(const SpectrumSpec&, const SpectrumSpec&) = default;
 };
 
@@ -197,7 +197,9 @@ enum class PhaseFunction {
 struct ScatteringSpec {
   double albedo = 0;  ///< scattering over extinction; 0: none
   PhaseFunction phase = PhaseFunction::henyey_greenstein;
-  double asymmetry = 0;  ///< mean cosine, Henyey-Greenstein
+  double asymmetry = 0;   ///< mean cosine, Henyey-Greenstein
+  std::string grid = {};  ///< vdb: name of a grid of albedos in the file; empty: the constant
+  bool present() const { return albedo > 0 || !grid.empty(); }
   friend bool operator==(const ScatteringSpec&, const ScatteringSpec&) = default;
 };
 
@@ -214,11 +216,32 @@ struct EllipsoidSpec {
 
 /// How a grid of a file becomes a physical quantity: value = scale * stored + offset, then `unit`.
 struct GridSpec {
-  std::string grid;  ///< name in the file; empty: the default name and its known aliases
-  std::string unit;  ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
+  std::string grid;       ///< name in the file; empty: the default name and its known aliases
+  std::string unit = {};  ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
   double scale = 1;
   double offset = 0;
   friend bool operator==(const GridSpec&, const GridSpec&) = default;
+};
+
+/// Emission lines and bands of flames (radiometry/emission_line.h).
+enum class LineKind {
+  custom,  ///< `wavelength`
+  ch,
+  c2_474,
+  c2_517,
+  c2_564,
+  oh,
+  na_d,
+};
+
+/// Light that a gas emits at one wavelength whatever its temperature: chemiluminescence, atoms.
+struct LineSpec {
+  LineKind kind = LineKind::custom;
+  double wavelength = 0;  ///< [m] custom: vacuum
+  double width = 0;       ///< [m] full, at half the maximum; 0: narrow
+  /// What a grid of the flame's file says of it: power per volume.
+  GridSpec emission = {};
+  friend bool operator==(const LineSpec&, const LineSpec&) = default;
 };
 
 enum class FlameKind { layered, vdb };
@@ -234,6 +257,7 @@ struct FlameSpec {
   std::string file;                   ///< vdb: path as in the scene file, relative to it
   GridSpec temperature;
   GridSpec absorption;
+  std::vector<LineSpec> lines = {};  ///< vdb
   SpectrumSpec spectrum = {};
   ScatteringSpec scattering = {};
   Interpolation interpolation = Interpolation::trilinear;

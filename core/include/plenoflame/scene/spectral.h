@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plenoflame/radiometry/absorption_spectrum.h"
+#include "plenoflame/radiometry/emission_line.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
 #include "plenoflame/scene/scene_file.h"
@@ -34,6 +35,14 @@ AbsorptionSpectrum absorption_spectrum(const SpectrumSpec& spec);
 std::vector<double> absorption_factors(const SpectrumSpec& spec,
                                        const std::vector<SourceFunction>& channels);
 
+/// @throws InputError for a custom line without a wavelength, or one that is too wide
+EmissionLine emission_line(const LineSpec& spec);
+
+/// What each channel of a flame's medium counts of each of its emission lines, channel c and line l
+/// at [c * lines + l]. @throws InputError as emission_line
+std::vector<double> line_weights(const FlameSpec& flame,
+                                 const std::vector<SourceFunction>& channels);
+
 /// Absorption of a layer [1/m], from its soot where it is given by that.
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 
@@ -42,7 +51,8 @@ double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 bool is_dispersive(const Scene& scene);
 
 /// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
-/// it otherwise.
+/// it otherwise. Emission lines of the flames belong to a channel's only node, or, where
+/// wavelengths differ in absorption or in their way through the camera, to nodes of their own.
 struct SpectralNodes {
   std::vector<SourceFunction> sources;
   /// What surfaces and lights emit into them: exact for every channel as a whole, at any

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,21 +18,28 @@ namespace plenoflame {
 struct FlameFields {
   VoxelField temperature;  ///< [K]
   VoxelField absorption;   ///< [1/m], background 0
+  /// Of each emission line of the flame [W/m^3] into all directions, background 0.
+  std::vector<VoxelField> lines = {};
+  std::optional<VoxelField> albedo = {};  ///< at least 0 and below 1
 };
 
 /// Grid names that are tried, in this order and without regard to case, when a scene names none.
 std::span<const std::string_view> temperature_grid_names();
 std::span<const std::string_view> absorption_grid_names();
+/// Of an emission line; none for a custom one.
+std::span<const std::string_view> line_grid_names(LineKind line);
 
 /// Reads the grids of a flame of kind vdb: value = scale * stored + offset, in the unit that the
 /// scene or else the file's metadata states (else K and 1/m), converted to K and 1/m.
-/// Temperature: K, degC. Absorption: 1/m, 1/cm, 1/mm. The transforms are the file's; the flame's
-/// scale, position and rotation are not applied.
+/// Temperature: K, degC. Absorption: 1/m, 1/cm, 1/mm. Emission lines: emission_unit(); they have no
+/// unit unless one is stated. A flame with emission lines may have no grid of absorption, unless
+/// the scene names one: then it absorbs nothing, and needs no temperature either. The transforms
+/// are the file's; the flame's scale, position and rotation are not applied.
 /// @param scene_folder relative paths start here; empty: the current folder
 /// @param execution gets a warning when the largest temperature is below 200 K
 /// @throws FileError (see read_voxel_field). @throws InputError: a grid is missing (lists those
 /// present), an unknown unit, NaN or infinite or negative values (names grid and voxel),
-/// absorption with a background other than 0.
+/// absorption or emission with a background other than 0, emission without a unit.
 FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
                        const Execution& execution);
 

@@ -57,7 +57,17 @@ FlameFields make_layered_flame(const LayeredFlameOptions& options, const Executi
 ///   T     = T_i + (T_rim - T_i) exp(-((r - r0 - rim_distance)/w)^2)
 /// with T_i = core temperature (linear in u), w = inner_width inside of the rim; T_i = ambient,
 /// w = outer_width outside of it. Soot below 1e-6 of the largest is left out.
+///
+/// Emission lines, if any, are where the flame is blue: in the hot rim, near the base,
+///   emission = peak exp(-((r - r0 - rim_distance)/line_width)^2 - (u/line_height)^2)
+///              (1 - exp(-10 u/line_height)).
+/// Their place is that of a candle's blue base as everybody can see it; their strength is not that
+/// of any measurement.
 struct SootFlameOptions {
+  struct Line {
+    std::string name;  ///< of its grid
+    double peak;       ///< [W/m^3]
+  };
   double voxel_size = 0.25e-3;          ///< [m]
   double height = 65e-3;                ///< [m]
   double base_radius = 5e-3;            ///< [m]
@@ -76,6 +86,9 @@ struct SootFlameOptions {
   double outer_width = 2.5e-3;          ///< [m]
   double absorption_function = 0.26;    ///< E(m) of soot; published values are 0.2 to 0.4
   double wavelength = 650e-9;           ///< [m] at which kappa holds
+  std::vector<Line> lines = {};
+  double line_width = 0.5e-3;  ///< [m] 1/e half width across the rim
+  double line_height = 0.3;    ///< u at which emission has fallen to 1/e
 };
 /// A candle: 32 mm high, soot to 3 ppm, 1500 to 1850 K.
 SootFlameOptions candle_flame();

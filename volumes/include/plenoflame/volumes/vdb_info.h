@@ -15,6 +15,11 @@ struct VdbInfo {
   /// Names of the grids that a scene which names none would take; empty: there is none.
   std::string temperature_grid;
   std::string absorption_grid;
+  /// Grids with a name of an emission line, and the scene's word for its kind.
+  struct Line {
+    std::string grid, kind;
+  };
+  std::vector<Line> lines;
   /// What a user should know: missing grids, units that are not stated, suspicious ranges; one
   /// sentence each.
   std::vector<std::string> remarks;

@@ -1,0 +1,22 @@
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// Whether a ray to or from a point passes.
+using Passes = std::function<bool(Vec2)>;
+
+/// Some point that passes, near `guess`; searched on ever finer grids within `range`.
+bool find_inside(const Passes& passes, double range, Vec2& guess);
+
+/// The outermost passing points around `inside`, up to `range` away, in equally spaced directions.
+/// @param bisections halvings of the range: 24 place the edge to 6e-8 of it
+std::vector<Vec2> find_edge(const Passes& passes, Vec2 inside, double range, int bisections = 24);
+
+/// Centre of the points' extent: for an outline cut by two circles the mean would be off.
+Vec2 middle(const std::vector<Vec2>& points);
+
+}  // namespace plenoflame

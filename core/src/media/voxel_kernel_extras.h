@@ -1,0 +1,144 @@
+// Fields beside temperature and absorption, for the voxel kernels: emission lines, and the share of
+// the extinction that is absorption (docs/theory.md, "Voxel grids"). Included once per instruction
+// set.
+#pragma once
+
+#include "media/voxel_kernel_cells.h"
+#include "media/voxel_kernel_transfer.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+// (1 - e^-tau) / tau: what gets out of a homogeneous stretch that emits evenly.
+template <class Real>
+PLENOFLAME_INLINE Real mean_transmittance(Real tau) {
+  const Real smallest = sizeof(Real) == sizeof(float) ? Real(1e-30f) : Real(1e-200);
+  return tau > smallest ? attenuation(tau).emissivity / greatest(tau, smallest) : Real(1);
+}
+
+// Emission that does not belong to the absorption, with values at the two nodes [W/(m^3 sr)]:
+// radiance = length * (near * first + far * second). Exact where absorption is constant and
+// emission linear, and where both are in a constant ratio; of fourth order otherwise
+// (docs/theory.md).
+template <class Real>
+struct LineWeights {
+  Real near, far;
+};
+template <class Real>
+PLENOFLAME_INLINE LineWeights<Real> line_weights(Real tau0, Real tau1) {
+  const Real tau = tau0 + tau1;
+  const Real smallest = sizeof(Real) == sizeof(float) ? Real(1e-30f) : Real(1e-200);
+  const Real inverse = Real(1) / greatest(tau, smallest);
+  const auto transfer = linear_transfer(tau);
+  const Real mean =
+      tau > smallest ? (transfer.near_weight + transfer.far_weight) * inverse : Real(1);
+  const Real tilt =
+      Real(2) * kGradient<Real> * (transfer.near_weight - transfer.far_weight) * inverse;
+  const Real share = tau1 * inverse;  // of the absorption that is behind
+  const Real far = greatest(Real(0.5) * mean - tilt * (Real(1) - share), Real(0));
+  const Real both = greatest(mean + tilt * (Real(2) * share - Real(1)), Real(0));
+  return {greatest(both - far, Real(0)), least(far, both)};
+}
+
+// A single field at a place of a cell whose lowest corner is at `corner`.
+template <class Real>
+PLENOFLAME_INLINE Real interpolate_one(const float* corner, const Triple<Real>& at, int l) {
+  Real across[2][2];
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j) {
+      const float* p = corner + (i * kApronSide + j) * kApronSide;
+      across[i][j] = p[0] + at.z[l] * (static_cast<Real>(p[1]) - p[0]);
+    }
+  const Real low = across[0][0] + at.y[l] * (across[0][1] - across[0][0]);
+  const Real high = across[1][0] + at.y[l] * (across[1][1] - across[1][0]);
+  return low + at.x[l] * (high - low);
+}
+
+// The extra fields at both nodes of every lane's interval: node n of lane l at [n * kLanes + l].
+// @param extras of the brick that each lane is in
+template <class Real>
+void interpolate_extras(const LatticeView& cells, const float* const (&extras)[kLanes],
+                        const Intervals<Real>& now, Real (&out)[voxel::kMaxExtras][2 * kLanes]) {
+  for (int e = 0; e < cells.extra_fields; ++e)
+    for (int l = 0; l < kLanes; ++l) {
+      const float* corner = extras[l] + e * kBrickPairs + now.pair[l] / 2;
+      for (int n = 0; n < 2; ++n)
+        out[e][n * kLanes + l] = cells.one_value_per_cell ? static_cast<Real>(corner[0])
+                                                          : interpolate_one(corner, now.at[n], l);
+    }
+}
+
+// What emission lines send out of a constant brick into a channel.
+template <class Real>
+Real constant_line(const voxel::MediumView<Real>& medium, int channel, int constant, Real length) {
+  const Real tau = (medium.factors ? medium.factors[channel] : Real(1)) *
+                   medium.constant_absorption[constant] * length;
+  return length * mean_transmittance(tau) *
+         medium.constant_lines[static_cast<long>(channel) * medium.constants + constant];
+}
+
+// Adds one interval of every lane behind what was already passed, grey or not.
+// @param fields of interpolate_extras()
+template <class Real>
+void compose_with_extras(const voxel::MediumView<Real>& medium, int first_channel, int channels,
+                         const Intervals<Real>& now,
+                         const Real (&fields)[voxel::kMaxExtras][2 * kLanes],
+                         Real (&radiance)[kMaxChannels][kLanes],
+                         Real (&passed_each)[kMaxChannels][kLanes], Real (&passed_all)[kLanes]) {
+  const LatticeView& cells = medium.cells;
+  alignas(64) Real tau[2][kLanes];
+  alignas(64) Real temperature[2 * kLanes], source[2 * kLanes], lines[2 * kLanes];
+  alignas(64) Real near[kLanes], far[kLanes], line_near[kLanes], line_far[kLanes];
+  alignas(64) Real transmittance[kLanes];
+#pragma omp simd
+  for (int l = 0; l < kLanes; ++l) {
+    const Real half = Real(0.5) * now.length[l];
+    temperature[l] = now.fields[0][2 * l];
+    temperature[kLanes + l] = now.fields[1][2 * l];
+    tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
+    tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
+  }
+  for (int c = 0; c < channels; ++c) {
+    const int channel = first_channel + c;
+    Real* const passed = medium.factors ? passed_each[c] : passed_all;
+    if (c == 0 || medium.factors) {
+      const Real factor = medium.factors ? medium.factors[channel] : Real(1);
+#pragma omp simd
+      for (int l = 0; l < kLanes; ++l) {
+        const auto w = interval_weights(factor * tau[0][l], factor * tau[1][l]);
+        const auto line = line_weights(factor * tau[0][l], factor * tau[1][l]);
+        near[l] = passed[l] * w.near;
+        far[l] = passed[l] * w.far;
+        line_near[l] = passed[l] * now.length[l] * line.near;
+        line_far[l] = passed[l] * now.length[l] * line.far;
+        transmittance[l] = w.transmittance;
+      }
+    }
+    source_of(medium.sources[channel], temperature, source);
+    if (medium.share_fields) {
+#pragma omp simd
+      for (int l = 0; l < 2 * kLanes; ++l) source[l] *= fields[0][l];
+    }
+    for (int l = 0; l < 2 * kLanes; ++l) lines[l] = 0;
+    const Real* const weights =
+        medium.line_weights + static_cast<long>(channel) * cells.extra_fields;
+    for (int e = medium.share_fields; e < cells.extra_fields; ++e) {
+      const Real weight = weights[e];
+      if (!(weight > 0)) continue;
+        // Rounding may have led a node out of its cell, and emission below 0.
+#pragma omp simd
+      for (int l = 0; l < 2 * kLanes; ++l) lines[l] += weight * greatest(fields[e][l], Real(0));
+    }
+#pragma omp simd
+    for (int l = 0; l < kLanes; ++l)
+      radiance[c][l] += near[l] * source[l] + far[l] * source[kLanes + l] +
+                        line_near[l] * lines[l] + line_far[l] * lines[kLanes + l];
+    if (medium.factors)
+      for (int l = 0; l < kLanes; ++l) passed_each[c][l] *= transmittance[l];
+  }
+  if (!medium.factors)
+    for (int l = 0; l < kLanes; ++l) passed_all[l] *= transmittance[l];
+}
+
+}  // namespace
+}  // namespace plenoflame::PLENOFLAME_ISA

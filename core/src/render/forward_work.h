@@ -1,0 +1,23 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "render/forward_surfaces.h"
+
+namespace plenoflame {
+
+/// What one chunk of bundles is traced with.
+struct SurfaceBundles::Work {
+  Work(const Medium* medium, const MediumOptions& options, std::size_t channel_count)
+      : channels(channel_count), segments(medium, options), emission(channel_count) {}
+  std::size_t channels;
+  MediumSegments segments;
+  std::vector<double> emission;
+  std::vector<double> spectra;  ///< channels values for each bundle
+  std::vector<Camera::Arrival> arrivals;
+  std::vector<Arrived> arrived;
+  std::vector<Ray> ways;     ///< of what arrived, from where it last left
+  std::vector<double> ends;  ///< [m] of these ways
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,97 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/surfaces/mean_radiance.h"
+#include "plenoflame/media/layered_medium.h"
+#include "plenoflame/sampling/sobol.h"
+#include "render/scatter_walk.h"
+
+/// Light along single rays of scenes that scatter, without a camera.
+namespace plenoflame::test {
+
+/// Mean and standard error.
+struct Tally {
+  double sum = 0, squares = 0, n = 0;
+  void add(double x) {
+    sum += x;
+    squares += x * x;
+    n += 1;
+  }
+  double value() const { return sum / n; }
+  double error() const { return std::sqrt((squares / n - value() * value()) / n); }
+};
+
+inline ScatteringSpec henyey_greenstein(double albedo, double g) {
+  return {albedo, PhaseFunction::henyey_greenstein, g};
+}
+inline ScatteringSpec rayleigh(double albedo) {
+  return {albedo, PhaseFunction::rayleigh, 0};
+}
+
+/// Cold gas in an ellipsoid, in one channel. @param extinction [1/m]
+inline CompiledScene smoke(Vec3 semi_axes, double extinction, const ScatteringSpec& spec,
+                           const std::vector<SolidSurfaceSpec>& surfaces,
+                           const std::vector<LightSpec>& lights, int reflections = 1) {
+  CompiledScene scene = lit_scene(surfaces, lights, reflections);
+  if (surfaces.empty()) scene.surfaces = nullptr;
+  scene.medium =
+      make_layered_medium({{{}, semi_axes, 1, extinction}}, {}, {SourceFunction::total()});
+  scene.scatterers = {{scene.medium.get(), spec}};
+  return scene;
+}
+
+/// Radiance along rays, as a camera would see it, one sample each; the first channel's.
+/// @param rays whose origins are outside of the medium
+inline Tally radiance_along(const CompiledScene& scene, const std::vector<Ray>& rays,
+                            std::uint64_t seed) {
+  const auto light = make_surface_light(scene, {}, {});
+  const auto plan = make_scatter_plan(scene, {}, {}, light.get());
+  ScatterWalk walk(*plan);
+  MediumSegments segments(scene.medium.get(), plan->options);
+  MediumCounters counters;
+  Random random(seed);
+  Tally tally;
+  constexpr std::size_t kBatch = 500;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - begin);
+    const auto nodes = static_cast<std::size_t>(scene.node_count());
+    std::vector<std::vector<double>> scattered(nodes, std::vector<double>(count)),
+        behind = scattered;
+    std::vector<ScatterWalk::Start> starts;
+    std::vector<SurfacePath> paths;
+    std::vector<SurfaceLight::First> first;
+    segments.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Ray& ray = rays[begin + i];
+      const std::uint64_t key = mix64(seed) ^ (2 * (begin + i));
+      SurfacePath path;
+      path.ray = static_cast<int>(i);
+      path.key = mix64(key + 1);
+      double far = kInfinity;
+      if (scene.surfaces && scene.surfaces->intersect(ray, 0, kInfinity, {}, path.hit)) {
+        far = path.hit.t;
+        paths.push_back(path);
+        first.push_back({{random(), random(), random(), random()}});
+      } else {
+        for (std::size_t c = 0; c < scene.lights.environment.size(); ++c)
+          behind[c][i] = scene.lights.environment[c];
+      }
+      starts.push_back({static_cast<int>(i), ray, key, far});
+      segments.add(ray, far);
+    }
+    segments.integrate(true, counters);
+    // Every other ray lets thin media draw places evenly.
+    for (std::size_t i = 0; i < count; i += 2) starts[i].even = segments.transmittance(i);
+    walk.add(starts, scattered, counters);
+    walk.add_surfaces(paths, first, behind, counters);
+    for (std::size_t i = 0; i < count; ++i)
+      tally.add(segments.radiance(i, 0) + segments.transmittance(i) * behind[0][i] +
+                scattered[0][i]);
+  }
+  return tally;
+}
+
+}  // namespace plenoflame::test
