@@ -50,6 +50,8 @@ vtk           python3-matplotlib       examples in Python
 desktop       qtbase5-dev              desktop application: windows
 desktop       libvtk9-qt-dev           desktop application: 3-D views in windows
 desktop       libqt5svg5               desktop application: its icon
+qt6           qt6-base-dev             desktop application: compiled against Qt 6, too (tests/desktop_qt6)
+qt6           libqt6opengl6-dev        the same
 tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
 tests         python3-numpy            reads exports as Python users do

@@ -11,7 +11,7 @@ LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "fil
 EXCEPTIONS = {("optics", "scene/scene.h"), ("camera", "scene/scene.h"), ("surfaces", "scene/scene.h"),
               ("lightfield", "scene/scene.h")}
 
-POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|sys/\w+)\.h$")
+POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|malloc|sys/\w+)\.h$")
 LIBRARIES = {
     "OpenEXR": re.compile(r"(OpenEXR/|Imath/|Imf|Iex|IlmThread|Imath|half\.h)"),
     "libpng": re.compile(r"png\.h$"),

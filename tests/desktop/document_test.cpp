@@ -73,6 +73,27 @@ TEST_F(DocumentTest, ValuesOfASliderAreOneStep) {
   EXPECT_EQ(document_.scene(), parse_scene(small_scene_text(), "small.toml").scene);
 }
 
+TEST_F(DocumentTest, WhatWasSavedInTheMiddleOfADragCanBeReachedAgain) {
+  const TemporaryFolder folder;
+  document_.set_value("camera.focus.object_distance", "1001 mm");
+  document_.save(folder.file("scene.toml"));
+  document_.set_value("camera.focus.object_distance", "1002 mm");
+  EXPECT_TRUE(document_.is_modified());
+  document_.undo();
+  EXPECT_FALSE(document_.is_modified());
+  EXPECT_EQ(document_.scene().camera.focus.object_distance, 1.001);
+}
+
+TEST_F(DocumentTest, EditAfterAnUndoIsAStepOfItsOwn) {
+  document_.set_value("camera.focus.object_distance", "1001 mm");
+  document_.set_value("render.samples", "8");
+  document_.undo();
+  document_.set_value("camera.focus.object_distance", "1002 mm");
+  document_.undo();
+  EXPECT_EQ(document_.scene().camera.focus.object_distance, 1.001);
+  EXPECT_TRUE(document_.can_undo());
+}
+
 TEST_F(DocumentTest, LookOfTheFlameIsUndoneButNotSaved) {
   int looks = 0, scenes = 0;
   QObject::connect(&document_, &Document::look_changed, &document_, [&] { ++looks; });

@@ -1,11 +1,19 @@
-// Everything that can be exported, from the menu. Reference: the files that the command writes.
+// Everything that can be exported, from the menu. References: the files that the command writes,
+// and for other tools (finding micro-images takes long) those of the library.
+#include <QAction>
 #include <QDir>
 #include <QDirIterator>
 #include <QFile>
+#include <QMessageBox>
+#include <QPushButton>
 #include <QTabWidget>
+#include <algorithm>
+#include <cstdlib>
 
 #include "gui_tests.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/lightfield/export.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/scene_view.h"
 #include "window_fixture.h"
@@ -37,6 +45,69 @@ class ExportsTest : public test::WindowFixture {
     session().document().save(file("scene.toml").toStdString());
     run(PLENOFLAME_COMMAND, {"render", "--quiet", file("scene.toml"), "-o", file("raw.exr")});
     QVERIFY(QFile::exists(file("raw.exr")));
+  }
+  /// The middle of an example's sensor: few microlenses, so that the tools' files are made quickly.
+  void open_part_of(const QString& example, const std::string& side) {
+    QVERIFY(window_->open_example(example));
+    for (const char* key : {"camera.sensor.columns", "camera.sensor.rows"})
+      session().document().set_value(key, side);
+    session().document().set_value("render.samples", "8");
+    QVERIFY(settled());
+    child<QAction>("outlines")->trigger();
+    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }, 200000));
+  }
+  /// Writes the files of a tool from the menu, and beside them what the library makes of the same
+  /// light field. False: it cannot, and the window says the same words.
+  bool export_for(const QString& format) {
+    const QString own = "own-" + format, reference = "reference-" + format;
+    const auto& formats = export_formats();
+    const auto* const known = std::find_if(formats.begin(), formats.end(), [&](const auto& f) {
+      return format == QLatin1String(f.name);
+    });
+    ExportResult expected;
+    std::string refusal;
+    QDir(folder_->path()).mkdir(reference);
+    try {
+      ExportSettings settings;
+      settings.format = known->format;
+      check_export(session().compiler().compiled()->camera, settings.format);
+      expected =
+          export_light_field(*session().document().image(), *session().light_field().micro_images(),
+                             settings, file(reference).toStdString());
+      QDir(folder_->path()).mkdir(own);
+      answer_file_dialog(file(own));
+    } catch (const InputError& error) {
+      refusal = error.what();
+    }
+    const auto complain = [](const QString& text) {
+      QTest::qFail(qPrintable(text), __FILE__, __LINE__);
+      return false;
+    };
+    if (!click_menu({"File", "Export", "For another tool", format + "..."}))
+      return complain("no menu for " + format);
+    const auto is_about = [&] { return window_->last_message().contains(own); };
+    if (!refusal.empty()) {
+      const bool same = window_->last_message() == QString::fromStdString(refusal);
+      return same ? false : complain(window_->last_message());
+    }
+    if (!until(is_about, 200000)) return complain(window_->last_message());
+    const QStringList files = names(file(own));
+    if (files.isEmpty() || files != names(file(reference))) return complain(files.join(' '));
+    for (const QString& name : files) {
+      const QByteArray a = content(file(own + "/" + name)),
+                       b = content(file(reference + "/" + name));
+      qsizetype differing = std::abs(a.size() - b.size());
+      for (qsizetype i = 0; i < std::min(a.size(), b.size()); ++i)
+        if (a[static_cast<int>(i)] != b[static_cast<int>(i)]) ++differing;
+      // HDF5 writes down when an array was made: four bytes each.
+      const bool dated = name.endsWith(".h5") || name.endsWith(".vox");
+      if (differing > (dated ? 64 : 0)) return complain(name);
+    }
+    // What the tool cannot be told is said here, too.
+    for (const std::string& note : expected.notes)
+      if (!window_->last_message().contains(QString::fromStdString(note)))
+        return complain(window_->last_message());
+    return true;
   }
 
  private slots:
@@ -98,10 +169,49 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
+    // What the view shows comes bit by bit: the picture on the sensor, the flame, one frame each.
+    QVERIFY(until([&] {
+      const QImage before = window_->scene_view().picture();
+      QTest::qWait(300);
+      return test::difference(before, window_->scene_view().picture()) == 0;
+    }));
     answer_file_dialog(file("scene.png"));
     QVERIFY(click_menu({"File", "Export", "Picture of the 3-D view..."}));
     const QImage written(file("scene.png"));
     QCOMPARE(test::difference(written, window_->scene_view().picture()), 0.0);
+  }
+
+  void filesForOtherToolsAreTheLibrarys() {
+    open_part_of("lenslets-30", "100");
+    int written = 0;
+    for (const ExportName& format : export_formats()) written += export_for(format.name) ? 1 : 0;
+    QCOMPARE(written, 9);  // plenopticam wants an unfocused camera
+  }
+
+  void filesOfAnUnfocusedCameraAreTheLibrarys() {
+    open_part_of("paper-previous-60x60", "150");
+    QVERIFY(export_for("plenopticam"));
+    QVERIFY(!export_for("pip"));  // wants a hexagonal array
+  }
+
+  void folderWithFilesIsAskedAbout() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    QDir(folder_->path()).mkdir("full");
+    QFile there(file("full/mine.txt"));
+    QVERIFY(there.open(QIODevice::WriteOnly));
+    there.close();
+    window_->set_unattended(false);
+    bool asked = false;
+    answer_file_dialog(file("full"));
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      asked = box.text().contains("full");
+      QTest::mouseClick(box.button(QMessageBox::No), Qt::LeftButton);
+    });
+    QVERIFY(click_menu({"File", "Export", "For another tool", "npz..."}));
+    window_->set_unattended(true);
+    QVERIFY(asked);
+    QCOMPARE(names(file("full")), QStringList{"mine.txt"});
   }
 
   void viewsAndDerivedPicturesAreTheCommands() {

@@ -8,6 +8,7 @@
 #include <QTest>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "gui_tests.h"
@@ -38,11 +39,14 @@ int main(int argc, char** argv) {
   QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
 #endif
   QApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
-  QApplication application(argc, argv);
+  const bool measured = argc == 3 && std::string(argv[1]) == "measure";
+  const std::unique_ptr<QApplication> application =
+      measured ? std::make_unique<TimedApplication>(argc, argv)
+               : std::make_unique<QApplication>(argc, argv);
   QStringList arguments = QApplication::arguments();
   const QString name = arguments.value(1);
   if (name == "crash" && argc == 4) return crash_with_changes(argv[2], argv[3]);
-  if (name == "measure" && argc == 3) return measure(argv[2]);
+  if (measured) return measure(argv[2]);
   for (const Entry& entry : kTests) {
     if (name != entry.name) continue;
     arguments.removeAt(1);

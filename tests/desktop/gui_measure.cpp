@@ -1,10 +1,11 @@
 // How long things take that somebody waits for; run by hand, see docs/benchmarks.md. Nothing here
 // passes or fails.
 #include <sys/resource.h>
-
 #include <unistd.h>
+
 #include <QApplication>
 #include <QElapsedTimer>
+#include <QMetaEnum>
 #include <QSlider>
 #include <QTabWidget>
 #include <QTemporaryDir>
@@ -12,6 +13,7 @@
 #include <QTimer>
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <string>
 
@@ -25,29 +27,49 @@
 namespace plenoflame::desktop::test {
 namespace {
 
-/// The longest time that the event loop did not turn.
+double milliseconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+double wall() {
+  return milliseconds(CLOCK_MONOTONIC);
+}
+/// Of the calling thread: what it worked, not what it waited for others.
+double worked() {
+  return milliseconds(CLOCK_THREAD_CPUTIME_ID);
+}
+
+/// The longest time that the event loop did not turn, and what it worked meanwhile.
 class Heartbeat : public QObject {
  public:
   Heartbeat() {
-    connect(&timer_, &QTimer::timeout, this, [this] {
-      longest_ = std::max(longest_, static_cast<double>(since_.nsecsElapsed()) * 1e-6);
-      since_.restart();
-    });
+    connect(&timer_, &QTimer::timeout, this, &Heartbeat::beat);
     timer_.setTimerType(Qt::PreciseTimer);
     timer_.start(1);
-    since_.start();
+    beat();
+    longest_ = most_ = 0;
   }
-  /// [ms] since the last call
-  double take() {
-    longest_ = std::max(longest_, static_cast<double>(since_.nsecsElapsed()) * 1e-6);
-    since_.restart();
-    return std::exchange(longest_, 0);
+  /// Since the last call.
+  std::string take() {
+    beat();
+    char text[80];
+    std::snprintf(text, sizeof text, "longest pause %.0f ms (work in one pause: at most %.0f ms)",
+                  longest_, most_);
+    longest_ = most_ = 0;
+    return text;
   }
 
  private:
+  void beat() {
+    const double wall_now = wall(), worked_now = worked();
+    longest_ = std::max(longest_, wall_now - wall_);
+    most_ = std::max(most_, worked_now - worked_);
+    wall_ = wall_now;
+    worked_ = worked_now;
+  }
   QTimer timer_;
-  QElapsedTimer since_;
-  double longest_ = 0;
+  double wall_ = 0, worked_ = 0, longest_ = 0, most_ = 0;
 };
 
 double resident() {
@@ -67,36 +89,65 @@ double seconds_of_process() {
   return up - start / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
+const char* name_of(QEvent::Type type) {
+  const char* const name = QMetaEnum::fromType<QEvent::Type>().valueToKey(type);
+  return name ? name : "event";
+}
+
 }  // namespace
+
+bool TimedApplication::notify(QObject* receiver, QEvent* event) {
+  if (depth_ > 0) return QApplication::notify(receiver, event);
+  const QEvent::Type type = event->type();
+  const std::string who =
+      std::string(receiver->metaObject()->className()) + " " + receiver->objectName().toStdString();
+  const double since = wall(), before = worked();
+  ++depth_;
+  const bool done = QApplication::notify(receiver, event);
+  --depth_;
+  const double took = wall() - since, work = worked() - before;
+  if (std::max(took, work) > kReported)
+    std::printf("    %.0f ms, %.0f ms of them work: %s of %s\n", took, work, name_of(type),
+                who.c_str());
+  return done;
+}
 
 int measure(const char* scene) {
   QTemporaryDir folder;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // into pipes, too
+  Heartbeat heart;
+  const auto reached = [&](const char* what) {
+    std::printf("%5.2f s  %s\n", seconds_of_process(), what);
+  };
+  reached("main() and Qt");
   MainWindow window(
       std::make_unique<QSettings>(folder.filePath("settings.ini"), QSettings::IniFormat), {});
   window.set_unattended(true);
   window.resize(1500, 900);
-  Heartbeat heart;
+  reached("window made");
+  std::printf("    %s\n", heart.take().c_str());
   window.show();
-  if (!QTest::qWaitForWindowExposed(&window)) return 1;
-  QTest::qWait(300);
-  std::printf("welcome page: longest pause of the window %.0f ms\n", heart.take());
+  reached("shown");
+  if (!window.open(scene)) return 1;
+  reached("scene opened");
+  Session& session = window.session();
   QElapsedTimer since;
   const auto until = [&](auto condition, int milliseconds = 200000) {
     return QTest::qWaitFor(condition, milliseconds);
   };
-  const double opened = seconds_of_process();
-  if (!window.open(scene)) return 1;
-  Session& session = window.session();
+  until([&] { return session.compiler().compiled() != nullptr; });
+  reached("scene prepared");
+  until([&] { return session.document().image() != nullptr; });
+  reached("first image");
   if (!until([&] { return window.image_panel().pyramid() != nullptr; })) return 1;
-  std::printf("process start to scene opened %.2f s, to first picture %.2f s\n", opened,
-              seconds_of_process());
-  std::printf("  longest pause until then %.0f ms\n", heart.take());
+  reached("first picture on screen");
+  std::printf("    %s\n", heart.take().c_str());
   since.start();
   if (!until([&] { return window.is_settled(); })) return 1;
-  std::printf("until the picture is finished: %.2f s, longest pause %.0f ms\n",
-              1e-3 * static_cast<double>(since.elapsed()), heart.take());
+  std::printf("until the picture is finished: %.2f s, %s\n",
+              1e-3 * static_cast<double>(since.elapsed()), heart.take().c_str());
   until([&] { return session.light_field().views() != nullptr; });
-  std::printf("views are there: longest pause %.0f ms\n", heart.take());
+  std::printf("views are there: %s\n", heart.take().c_str());
   ImageView& view = window.image_panel().view();
   for (int i = 0; i < 5; ++i) {
     const QPoint at = view.rect().center() + QPoint(9 * i, 5 * i);
@@ -110,7 +161,7 @@ int measure(const char* scene) {
                 static_cast<long long>(ready), static_cast<long long>(since.elapsed()));
     QTest::qWait(300);
   }
-  std::printf("  longest pause %.0f ms\n", heart.take());
+  std::printf("  %s\n", heart.take().c_str());
   window.light_field_panel().tabs().setCurrentIndex(1);
   auto* slider = window.findChild<QSlider*>("depthSlider");
   const auto shown = [&](bool exact) {
@@ -127,14 +178,14 @@ int measure(const char* scene) {
     std::printf("refocused: quick picture %lld ms, exact one %lld ms\n",
                 static_cast<long long>(quick), static_cast<long long>(since.elapsed()));
   }
-  std::printf("  longest pause %.0f ms\n", heart.take());
+  std::printf("  %s\n", heart.take().c_str());
   // Pan, zoom, turn, edit while it renders.
   session.document().set_value("render.samples", "4096");
   for (int i = 0; i < 40; ++i) {
     QTest::keyClick(&view, i % 2 == 0 ? Qt::Key_Plus : Qt::Key_Minus);
     QTest::qWait(25);
   }
-  std::printf("zooming while it renders: longest pause %.0f ms\n", heart.take());
+  std::printf("zooming while it renders: %s\n", heart.take().c_str());
   QWidget* const scene3d = window.findChild<QWidget*>("scene3d");
   QTest::mousePress(scene3d, Qt::LeftButton, {}, scene3d->rect().center());
   for (int i = 0; i < 30; ++i) {
@@ -142,12 +193,12 @@ int measure(const char* scene) {
     QTest::qWait(25);
   }
   QTest::mouseRelease(scene3d, Qt::LeftButton, {}, scene3d->rect().center() + QPoint(120, 30));
-  std::printf("turning the scene while it renders: longest pause %.0f ms\n", heart.take());
+  std::printf("turning the scene while it renders: %s\n", heart.take().c_str());
   for (int i = 0; i < 20; ++i) {
     session.document().set_value("camera.focus.object_distance", std::to_string(1001 + i) + " mm");
     QTest::qWait(60);
   }
-  std::printf("editing while it renders: longest pause %.0f ms\n", heart.take());
+  std::printf("editing while it renders: %s\n", heart.take().c_str());
   // A leak would show after the history is full.
   session.document().set_value("render.samples", "2");
   const int edits = qEnvironmentVariableIntValue("PLENOFLAME_EDITS");

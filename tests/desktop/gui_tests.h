@@ -1,5 +1,5 @@
 #pragma once
-#include <QObject>
+#include <QApplication>
 #include <memory>
 
 /// The tests of the window, each class in a file of its own; gui_main.cpp runs them by name.
@@ -17,6 +17,16 @@ std::unique_ptr<QObject> make_tour_test();
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0
 int crash_with_changes(const char* scene, const char* recovery_folder);
+/// Tells which events hold the window up: for measure().
+class TimedApplication : public QApplication {
+ public:
+  using QApplication::QApplication;
+  bool notify(QObject* receiver, QEvent* event) override;
+
+ private:
+  static constexpr double kReported = 40;  ///< [ms]
+  int depth_ = 0;
+};
 /// Prints how long things take that somebody waits for. @return exit status
 int measure(const char* scene);
 

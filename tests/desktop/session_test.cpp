@@ -259,7 +259,7 @@ TEST(PassSamples, GrowToWhatWasAskedFor) {
 }
 
 TEST(LatestTask, OnlyTheLatestRequestRuns) {
-  LatestTask task;
+  LatestTask task(Urgency::work);
   std::atomic<bool> go{false};
   std::atomic<int> ran{0}, stopped{0};
   task.request([&](const std::stop_token& stop) {
@@ -278,7 +278,7 @@ TEST(LatestTask, OnlyTheLatestRequestRuns) {
 TEST(LatestTask, ExceptionIsReportedAndTheThreadGoesOn) {
   std::string message;
   std::atomic<bool> told{false}, ran{false};
-  LatestTask task([&](const std::string& text) {
+  LatestTask task(Urgency::work, [&](const std::string& text) {
     message = text;
     told = true;
   });

@@ -42,7 +42,7 @@ class DesignJob : public QObject {
   Document& document_;
   std::shared_ptr<const DesignResult> result_;
   unsigned newest_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::work};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

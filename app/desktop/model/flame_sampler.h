@@ -49,7 +49,7 @@ class FlameSampler : public QObject {
   SceneCompiler& compiler_;
   std::shared_ptr<const FlameSamples> samples_;
   unsigned newest_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::work};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

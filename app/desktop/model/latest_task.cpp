@@ -7,8 +7,8 @@
 
 namespace plenoflame::desktop {
 
-LatestTask::LatestTask(std::function<void(const std::string&)> on_failure)
-    : on_failure_(std::move(on_failure)), thread_([this] { run(); }) {}
+LatestTask::LatestTask(Urgency urgency, std::function<void(const std::string&)> on_failure)
+    : urgency_(urgency), on_failure_(std::move(on_failure)), thread_([this] { run(); }) {}
 
 LatestTask::~LatestTask() {
   {
@@ -44,7 +44,10 @@ bool LatestTask::busy() const {
 void LatestTask::run() {
 #ifdef __linux__
   // Of this thread alone, and of those that it starts: the window stays quick while all cores work.
-  setpriority(PRIO_PROCESS, 0, 10);
+  setpriority(PRIO_PROCESS, 0,
+              urgency_ == Urgency::waited_for ? 1
+              : urgency_ == Urgency::work     ? 5
+                                              : 9);
 #endif
   std::unique_lock lock(mutex_);
   for (;;) {

@@ -9,6 +9,13 @@
 
 namespace plenoflame::desktop {
 
+/// Who goes first when there is more to do than processors.
+enum class Urgency {
+  waited_for,  ///< somebody looks at the place where it appears: the rays of a click
+  work,        ///< a picture that is being made
+  in_reserve,  ///< what will be wanted later, or only perhaps
+};
+
 /// Runs tasks one at a time on a thread of its own, below the priority of the window. Only the
 /// latest request matters: it replaces one that waits and asks the one that runs to stop.
 ///
@@ -17,7 +24,7 @@ class LatestTask {
  public:
   using Task = std::function<void(std::stop_token)>;
 
-  explicit LatestTask(std::function<void(const std::string&)> on_failure = {});
+  explicit LatestTask(Urgency urgency, std::function<void(const std::string&)> on_failure = {});
   /// Asks the running task to stop and waits for it.
   ~LatestTask();
   LatestTask(const LatestTask&) = delete;
@@ -32,6 +39,7 @@ class LatestTask {
  private:
   void run();
 
+  Urgency urgency_;
   std::function<void(const std::string&)> on_failure_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

@@ -42,10 +42,10 @@ Image shift_and_add(const Views& views, const ViewGeometry& geometry, double dep
 
 LightFieldJobs::LightFieldJobs(QObject* parent)
     : QObject(parent),
-      micro_task_(std::make_unique<LatestTask>()),
-      views_task_(std::make_unique<LatestTask>()),
-      refocus_(std::make_unique<LatestTask>()),
-      stack_task_(std::make_unique<LatestTask>()) {}
+      micro_task_(std::make_unique<LatestTask>(Urgency::in_reserve)),
+      views_task_(std::make_unique<LatestTask>(Urgency::in_reserve)),
+      refocus_(std::make_unique<LatestTask>(Urgency::waited_for)),
+      stack_task_(std::make_unique<LatestTask>(Urgency::work)) {}
 
 LightFieldJobs::~LightFieldJobs() {
   // All are asked to stop before any is waited for.

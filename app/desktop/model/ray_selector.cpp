@@ -172,7 +172,7 @@ bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {
 }
 
 RaySelector::RaySelector(Document& document, SceneCompiler& compiler, QObject* parent)
-    : QObject(parent), document_(document), compiler_(compiler), task_() {
+    : QObject(parent), document_(document), compiler_(compiler) {
   connect(&document_, &Document::selection_changed, this, &RaySelector::request);
   connect(&compiler_, &SceneCompiler::compiled_changed, this, [this](const SceneChanges& changes) {
     if (changes.compiled() || !rays_) request();

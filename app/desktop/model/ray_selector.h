@@ -75,7 +75,7 @@ class RaySelector : public QObject {
   SceneCompiler& compiler_;
   std::shared_ptr<const SelectedRays> rays_;
   unsigned newest_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

@@ -14,6 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kGrowth = 8;                ///< of samples from pass to pass
+constexpr double kFirstPicture = 0.15;    ///< [s] before the first one, at least
 constexpr double kPictureInterval = 0.4;  ///< [s] between pictures, at least
 constexpr double kPictureShare = 6;       ///< making pictures costs at most 1 / (1 + this)
 constexpr double kProgressInterval = 0.1;
@@ -62,6 +63,7 @@ struct RenderJob::Run {
   double elapsed() const { return seconds + seconds_since(launched); }
   bool picture_due() const {
     const double since = seconds_since(last_picture);
+    if (picture_seconds == 0 && !earlier) return since > kFirstPicture;
     return since > kPictureInterval && since > kPictureShare * picture_seconds;
   }
   /// The film over the picture of the passes before.
@@ -100,7 +102,7 @@ std::shared_ptr<LightField> RenderJob::Run::merged(const Film& film) const {
 }
 
 RenderJob::RenderJob(QObject* parent)
-    : QObject(parent), task_([this](const std::string& message) {
+    : QObject(parent), task_(Urgency::work, [this](const std::string& message) {
         post(this, [this, message] {
           set_state(State::failed);
           emit failed(QString::fromStdString(message));

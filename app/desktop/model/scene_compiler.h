@@ -38,7 +38,7 @@ class SceneCompiler : public QObject {
   SceneChanges pending_;  ///< of scenes that were replaced before they were compiled
   bool current_ = false;
   unsigned newest_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

@@ -58,7 +58,7 @@ class ImagePanel : public QWidget {
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;
   unsigned newest_ = 0, shown_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

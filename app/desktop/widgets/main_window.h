@@ -128,7 +128,7 @@ class MainWindow : public QMainWindow {
   QTimer autosave_;
   bool unattended_ = false;
   QString last_message_;
-  LatestTask file_task_;  ///< last: it ends first
+  LatestTask file_task_{Urgency::work};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

@@ -5,6 +5,7 @@
 #include <QFormLayout>
 #include <QInputDialog>
 #include <QMenu>
+#include <QMessageBox>
 #include <QStatusBar>
 #include <filesystem>
 #include <memory>
@@ -51,7 +52,14 @@ void MainWindow::run_in_background(const QString& what, std::function<void(const
 QString MainWindow::ask_folder(const QString& title) {
   const QString folder =
       QFileDialog::getExistingDirectory(this, title, settings_->value("files/folder").toString());
-  if (!folder.isEmpty()) settings_->setValue("files/folder", folder);
+  if (folder.isEmpty()) return folder;
+  if (!QDir(folder).isEmpty() && !unattended_ &&
+      QMessageBox::question(
+          this, title,
+          tr("%1 has files in it; those of the same names are replaced. Go on?").arg(folder)) !=
+          QMessageBox::Yes)
+    return {};
+  settings_->setValue("files/folder", folder);
   return folder;
 }
 
@@ -144,16 +152,24 @@ void MainWindow::export_for_tool(int format) {
   if (!guarded([&] { check_export(scene->camera, settings.format); })) return;
   const QString folder = ask_folder(tr("Folder for the export"));
   if (folder.isEmpty()) return;
+  auto result = std::make_shared<ExportResult>();
   run_in_background(
       tr("export"),
-      [folder, field, scene, settings,
+      [folder, field, scene, settings, result,
        known = session_.light_field().micro_images()](const Execution& execution) {
         const bool usable = known && known->camera().spec() == scene->camera.spec();
         const auto micro =
             usable ? known : std::make_shared<const MicroImages>(scene->camera, true, execution);
-        export_light_field(*field, *micro, settings, folder.toStdString(), execution);
+        *result = export_light_field(*field, *micro, settings, folder.toStdString(), execution);
       },
-      [] {});
+      [this, result, folder] {
+        // What the command prints: where the tool cannot say all that is known.
+        QStringList lines{
+            tr("%1 files written to %2").arg(result->files.size()).arg(QDir(folder).dirName())};
+        for (const std::string& note : result->notes) lines << QString::fromStdString(note);
+        last_message_ = lines.join("; ");
+        statusBar()->showMessage(last_message_, 20000);
+      });
 }
 
 void MainWindow::generate_flame() {

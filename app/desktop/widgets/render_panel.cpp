@@ -67,7 +67,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   for (QPushButton* b : {start_, pause_, stop_, finer_, coarser_}) buttons->addWidget(b);
   buttons->addStretch(1);
   auto* form = new QFormLayout;
-  skipped_->setWordWrap(true);
+  skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // it is elided
   form->addRow(tr("State"), state_);
   form->addRow(tr("Error"), error_);
   form->addRow(tr("Rays"), rays_);
@@ -164,7 +164,12 @@ void RenderPanel::show_status() {
     left_out << tr("%1 % of the microlenses").arg(share(s.lenses_skipped, s.lenses));
   if (s.tiles_skipped > 0) left_out << tr("%1 % of the tiles").arg(share(s.tiles_skipped, s.tiles));
   for (const std::string& phrase : s.left_out) left_out << QString::fromStdString(phrase);
-  skipped_->setText(left_out.isEmpty() ? QString::fromUtf8("\xe2\x80\x93") : left_out.join(", "));
+  // One line of it fits; the tooltip has the rest.
+  const QString all = left_out.join(", ");
+  skipped_->setText(left_out.isEmpty() ? QString::fromUtf8("\xe2\x80\x93")
+                                       : skipped_->fontMetrics().elidedText(all, Qt::ElideRight,
+                                                                            skipped_->width()));
+  skipped_->setToolTip(tr("What did not need to be computed in the last pass: ") + all);
   bar_->setValue(static_cast<int>(std::lround(1000 * status.fraction)));
   PlotWidget::Series series;
   series.colour = QColor(0, 114, 178);

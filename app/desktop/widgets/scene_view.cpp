@@ -72,6 +72,7 @@ struct SceneView::View {
   vtkNew<vtkDistanceWidget> ruler;
   vtkNew<vtkCallbackCommand> ruler_moved;
   std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
+  std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
 
   /// Replaces what the layer shows by what add(renderer) adds.
   template <class Add>
@@ -174,6 +175,8 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   layout->addWidget(v.widget, 1);
   render_later_.setSingleShot(true);
   connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
+  show_later_.setSingleShot(true);
+  connect(&show_later_, &QTimer::timeout, this, &SceneView::show_next);
   set_dark(false);
 }
 
@@ -283,12 +286,42 @@ void SceneView::add_geometry() {
     const auto colours = views::temperature_colours(*geometry_->flame);
     temperatures_ = {colours->GetRange()[0], colours->GetRange()[1]};
   }
+  if (!aimed_) aim();
+  if (first_) {
+    // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
+    // time, and none to begin with, so that the window answers in between.
+    view_->window->Render();
+    add_layers();
+    for (const auto& [layer, props] : view_->layers)
+      for (const auto& prop : props)
+        if (prop->GetVisibility()) view_->hidden.push_back(prop);
+    for (const auto& prop : view_->hidden) prop->VisibilityOff();
+    first_ = false;
+    show_later_.start(0);
+    return;
+  }
+  show_all();
+  add_layers();
+  render();
+}
+
+void SceneView::add_layers() {
   add_camera();
   add_flame();
   add_rays();
-  if (!aimed_) aim();
-  render();
-  emit geometry_shown();
+}
+
+void SceneView::show_next() {
+  if (view_->hidden.empty()) return;
+  view_->hidden.back()->VisibilityOn();
+  view_->hidden.pop_back();
+  view_->window->Render();
+  if (!view_->hidden.empty()) show_later_.start(0);
+}
+
+void SceneView::show_all() {
+  for (const auto& prop : view_->hidden) prop->VisibilityOn();
+  view_->hidden.clear();
 }
 
 void SceneView::add_camera() {
@@ -343,9 +376,9 @@ void SceneView::add_flame() {
       const double ink = dark_ ? 0.9 : 0.1;
       bar->GetTitleTextProperty()->SetColor(ink, ink, ink);
       bar->GetLabelTextProperty()->SetColor(ink, ink, ink);
-      bar->SetPosition(0.56, 0.02);
-      bar->SetWidth(0.42);
-      bar->SetHeight(0.12);
+      bar->SetPosition(0.54, 0.02);
+      bar->SetWidth(0.38);
+      bar->SetHeight(0.16);
       bar->GetTitleTextProperty()->SetFontSize(12);
       bar->GetLabelTextProperty()->SetFontSize(12);
     }
@@ -391,6 +424,7 @@ void SceneView::set_flame_look(const FlameLook& look) {
 }
 
 void SceneView::show_part(Part part) {
+  show_all();
   part_ = part;
   part_actions_[static_cast<std::size_t>(part)]->setChecked(true);
   add_camera();
@@ -472,6 +506,7 @@ std::array<double, 2> SceneView::clipping_range() const {
 }
 
 QImage SceneView::picture() {
+  show_all();
   render_later_.stop();
   view_->window->Render();
   return view_->widget->grabFramebuffer();

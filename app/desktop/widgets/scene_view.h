@@ -59,8 +59,6 @@ class SceneView : public QWidget {
   void point_picked(const plenoflame::Vec3& point);
   void measured_changed(double distance);
   void picture_requested();
-  /// Geometry of the scene is on display.
-  void geometry_shown();
 
  protected:
   bool eventFilter(QObject* object, QEvent* event) override;
@@ -70,6 +68,9 @@ class SceneView : public QWidget {
   struct View;
   void build_geometry();
   void add_geometry();
+  void add_layers();
+  void show_next();
+  void show_all();
   void add_flame();
   void add_rays();
   void add_camera();
@@ -88,13 +89,14 @@ class SceneView : public QWidget {
   std::array<double, 2> temperatures_{0, 0};
   int highlighted_ = -1;
   bool aimed_ = false, dark_ = false;
+  bool first_ = true;  ///< geometry: its parts come one by one
   QToolBar* tools_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
   QAction* measure_ = nullptr;
   QPointF pressed_;
-  QTimer render_later_;
+  QTimer render_later_, show_later_;
   unsigned newest_ = 0;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask task_{Urgency::work};  ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

@@ -350,7 +350,7 @@ void SectionView::draw_scale(QPainter& painter) {
   painter.drawLine(QPointF(x, y), QPointF(x + bar * scale_, y));
   painter.drawText(QPointF(x, y - 5),
                    QString::fromStdString(readable_quantity(bar, Dimension::length, 3)));
-  painter.drawText(QRectF(0, 4, width() - 8, 2.0 * painter.fontMetrics().height()), Qt::AlignRight,
+  painter.drawText(QRectF(8, 4, width() - 8, 2.0 * painter.fontMetrics().height()), Qt::AlignLeft,
                    horizontal_ ? tr("section, from above") : tr("section, from the side"));
 }
 

@@ -1,0 +1,50 @@
+# What the desktop application is made of: read by the program's own CMakeLists.txt and by tests/desktop_qt6.
+set(desktop_model_sources
+  model/colour_map.cpp
+  model/design_job.cpp
+  model/document.cpp
+  model/flame_cache.cpp
+  model/flame_generator.cpp
+  model/flame_look.cpp
+  model/flame_sampler.cpp
+  model/image_display.cpp
+  model/latest_task.cpp
+  model/light_field_jobs.cpp
+  model/parameter_model.cpp
+  model/ray_selector.cpp
+  model/recovery.cpp
+  model/render_job.cpp
+  model/scene_changes.cpp
+  model/scene_compiler.cpp
+  model/session.cpp
+  model/undo_history.cpp)
+set(desktop_widget_sources
+  widgets/design_panel.cpp
+  widgets/flame_dialogs.cpp
+  widgets/flame_look_editor.cpp
+  widgets/flame_opacity.cpp
+  widgets/flame_panel.cpp
+  widgets/image_panel.cpp
+  widgets/image_view.cpp
+  widgets/import_dialog.cpp
+  widgets/light_field_panel.cpp
+  widgets/main_window.cpp
+  widgets/main_window_files.cpp
+  widgets/main_window_menus.cpp
+  widgets/opacity_curve.cpp
+  widgets/plot_widget.cpp
+  widgets/ray_lines.cpp
+  widgets/rays_panel.cpp
+  widgets/render_panel.cpp
+  widgets/scene_panel.cpp
+  widgets/scene_view.cpp
+  widgets/section_view.cpp
+  widgets/theme.cpp
+  widgets/welcome_page.cpp)
+# With macros of VTK in them.
+set(desktop_vtk_sources widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
+  widgets/scene_view.cpp)
+set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
+set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::InteractionStyle VTK::InteractionWidgets VTK::RenderingCore)
+set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame"
+  PLENOFLAME_SOURCE_DOCS="${PROJECT_SOURCE_DIR}/docs")
