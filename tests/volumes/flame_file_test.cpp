@@ -253,18 +253,58 @@ TEST_F(FlameFile, EmissionLines) {
                        "has no grid for lines[0]; it holds: \"absorption\""));
 }
 
-// Gas that only glows has no other grid; a grid of absorption that the scene names must be there.
+// Gas that only glows has no other grid, and there is nothing to say about that.
 TEST_F(FlameFile, EmissionLinesAlone) {
-  FlameSpec spec = with_line({LineKind::ch});
-  const FlameFields flame = read({{"CH*", "W/m^3", 2}}, spec);
+  const FlameFields flame = read({{"CH*", "W/m^3", 2}}, with_line({LineKind::ch}));
   EXPECT_TRUE(flame.absorption.brick_origins.empty());
   EXPECT_EQ(value(flame.lines[0]), 2);
   EXPECT_TRUE(warnings_.empty());
+  // Nor about lines that nobody asked for, or a grid of any name that is one.
+  read({{"CH*", "W/m^3", 2}, {"C2*", "W/m^3", 2}, {"OH*", "", 2}, {"Na", "", 2}},
+       with_line({LineKind::ch}));
+  EXPECT_TRUE(warnings_.empty());
+  read({{"density", "W/m^3", 2}},
+       with_line({LineKind::custom, 500e-9, 0, {"density", "W/m^3", 1, 0}}));
+  EXPECT_TRUE(warnings_.empty());
+}
+
+// Absorption under a name of another program's must not be left out without a word.
+TEST_F(FlameFile, SaysWhatAClearFlameDoesNotUse) {
+  const auto warned = [&](const std::vector<Grid>& grids) {
+    const FlameFields flame = read(grids, with_line({LineKind::ch}));
+    EXPECT_TRUE(flame.absorption.brick_origins.empty());
+    EXPECT_EQ(warnings_.size(), 1u);
+    return warnings_.empty() ? "" : warnings_.front();
+  };
+  const std::string density = warned({{"CH*", "W/m^3", 2}, {"density", "", 1}, {"C2*", "", 1}});
+  EXPECT_TRUE(contains(density, "not used: \"density\" (float); if one of them absorbs"));
+  EXPECT_TRUE(contains(warned({{"CH*", "W/m^3", 2}, {"temperature", "K", 1500}}),
+                       "not used: \"temperature\" (float);"));
+}
+
+// Whoever asks for something that needs absorption gets no clear flame.
+TEST_F(FlameFile, EmissionLinesWithoutTheAbsorptionThatIsAskedFor) {
+  const std::vector<Grid> grids{{"CH*", "W/m^3", 2}, {"temperature", "", 1500}};
+  FlameSpec spec = with_line({LineKind::ch});
   spec.absorption.grid = "kappa";
-  EXPECT_TRUE(contains(message_of<InputError>([&] {
-                         read({{"CH*", "W/m^3", 2}, {"temperature", "", 1500}}, spec);
-                       }),
-                       "kappa"));
+  EXPECT_TRUE(contains(refused(grids, spec), "has no grid \"kappa\""));
+  spec = with_line({LineKind::ch});
+  spec.absorption.scale = 35;
+  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  spec = with_line({LineKind::ch});
+  spec.temperature.grid = "temperature";
+  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  spec = with_line({LineKind::ch});
+  spec.temperature.unit = "degC";
+  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  spec = with_line({LineKind::ch});
+  spec.scattering.albedo = 0.5;
+  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  spec = with_line({LineKind::ch});
+  spec.scattering.grid = "CH*";
+  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  // Without lines nothing would shine.
+  EXPECT_TRUE(contains(refused(grids), "has no absorption grid"));
   const std::string no_temperature =
       refused({{"CH*", "W/m^3", 2}, {"absorption", "", 30}}, with_line({LineKind::ch}));
   EXPECT_TRUE(contains(no_temperature, "has no temperature grid"));

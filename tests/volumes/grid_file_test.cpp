@@ -9,6 +9,7 @@
 #include <random>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/volumes/flame_file.h"
 #include "plenoflame/volumes/vdb_info.h"
 #include "support/approx.h"
 #include "volumes/support.h"
@@ -252,6 +253,32 @@ TEST(GridFile, RefusesFrustums) {
   EXPECT_TRUE(
       contains(message, "grid \"temperature\" has a transform of type NonlinearFrustumMap"));
   EXPECT_FALSE(list_grids(path).at(0).readable);
+}
+
+// An absorption that cannot be read is no reason to take the flame for clear.
+TEST(GridFile, UnreadableAbsorptionBesideEmissionLines) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const auto glow = openvdb::FloatGrid::create(0);
+  glow->setName("CH*");
+  glow->insertMeta("unit", openvdb::StringMetadata("W/m^3"));
+  glow->tree().setValue({1, 2, 3}, 5);
+  const auto hot = scattered<openvdb::FloatGrid>(10, 8);
+  const auto absorption = openvdb::Vec3SGrid::create();
+  absorption->setName("Absorption");
+  const std::string path = folder.file("a.vdb");
+  write(path, {glow, hot, absorption});
+  FlameSpec flame;
+  flame.file = path;
+  flame.lines = {{LineKind::ch}};
+  EXPECT_TRUE(contains(message_of<InputError>([&] { read_flame(flame, "", {}); }),
+                       "grid \"Absorption\" has values of type vec3s"));
+  // Of any other name it could not be meant to absorb.
+  absorption->setName("velocity");
+  write(path, {glow, absorption});
+  Execution execution;
+  execution.message = [](Severity, const std::string& text) { ADD_FAILURE() << text; };
+  EXPECT_TRUE(read_flame(flame, "", execution).absorption.brick_origins.empty());
 }
 
 TEST(GridFile, SaysWhyAFileCannotBeRead) {

@@ -245,11 +245,39 @@ VoxelField nothing_on(const VoxelField& samples, const char* name, double backgr
   return field;
 }
 
-/// Whether a flame of emission lines has no absorption, nor asks for one.
+/// Whether a flame of emission lines has no absorption, nor asks for anything that needs one.
 bool is_clear(const FlameSpec& spec, const std::vector<GridInfo>& grids) {
-  return !spec.lines.empty() && spec.absorption.grid.empty() && spec.temperature.grid.empty() &&
+  return !spec.lines.empty() && spec.absorption == GridSpec{} && spec.temperature == GridSpec{} &&
          !spec.scattering.present() && choose(grids, kAbsorptionNames) == nullptr &&
          choose(grids, kAbsorptionNames, /*readable=*/false) == nullptr;
+}
+
+bool names_a_line(const std::string& grid) {
+  for (const LineKind kind : {LineKind::ch, LineKind::c2_517, LineKind::oh, LineKind::na_d})
+    for (const std::string_view name : line_grid_names(kind))
+      if (detail::lower_case(grid) == name) return true;
+  return false;
+}
+
+/// A clear flame: nothing to say about a file of emission alone, but another grid may have been
+/// meant to absorb.
+FlameFields clear_flame(const std::string& path, const std::vector<GridInfo>& grids,
+                        std::vector<VoxelField> lines, const Execution& execution) {
+  constexpr double kAmbient = 293.15;
+  std::vector<GridInfo> unused;
+  for (const GridInfo& grid : grids)
+    if (grid.readable && !names_a_line(grid.name) &&
+        std::none_of(lines.begin(), lines.end(),
+                     [&](const VoxelField& line) { return line.name == grid.name; }))
+      unused.push_back(grid);
+  if (!unused.empty())
+    execution.warn(
+        fmt::format("{}: no grid has a name of absorption: the flame is clear, only its emission "
+                    "lines shine; not used: {}; if one of them absorbs, name it with "
+                    "absorption.grid in the scene",
+                    path, list_of(unused)));
+  VoxelField nothing = nothing_on(lines.front(), "absorption", 0);
+  return {nothing_on(lines.front(), "temperature", kAmbient), std::move(nothing), std::move(lines)};
 }
 
 }  // namespace
@@ -289,16 +317,7 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
   std::vector<VoxelField> lines;
   for (std::size_t i = 0; i < spec.lines.size(); ++i)
     lines.push_back(read_line(path, grids, spec.lines[i], i));
-  if (is_clear(spec, grids)) {
-    constexpr double kAmbient = 293.15;
-    execution.warn(
-        fmt::format("{}: no grid of absorption: the flame is clear, only its emission "
-                    "lines shine",
-                    path));
-    VoxelField nothing = nothing_on(lines.front(), "absorption", 0);
-    return {nothing_on(lines.front(), "temperature", kAmbient), std::move(nothing),
-            std::move(lines)};
-  }
+  if (is_clear(spec, grids)) return clear_flame(path, grids, std::move(lines), execution);
   FlameFields flame{read(path, grids, spec.temperature, temperature()),
                     read(path, grids, spec.absorption, absorption(),
                          absorption_spectrum(spec.spectrum).per_volume_fraction()),
