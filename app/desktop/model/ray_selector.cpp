@@ -185,6 +185,7 @@ void RaySelector::request() {
   const auto scene = compiler_.compiled();
   if (selection.kind == Selection::Kind::none || !scene) {
     task_.cancel();
+    done_ = number;
     if (rays_) {
       rays_ = nullptr;
       emit rays_changed();
@@ -198,6 +199,7 @@ void RaySelector::request() {
       auto rays = std::make_shared<const SelectedRays>(trace(selection, scene, execution));
       post(this, [this, rays, number] {
         if (number != newest_) return;
+        done_ = number;
         rays_ = rays;
         emit rays_changed();
       });
@@ -206,6 +208,7 @@ void RaySelector::request() {
       const std::string message = error.what();
       post(this, [this, message, number] {
         if (number != newest_) return;
+        done_ = number;
         rays_ = nullptr;
         emit rays_changed();
         emit failed(QString::fromStdString(message));

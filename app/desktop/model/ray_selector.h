@@ -63,6 +63,8 @@ class RaySelector : public QObject {
 
   /// Null: nothing is selected, or its rays are not there yet.
   const std::shared_ptr<const SelectedRays>& rays() const { return rays_; }
+  /// Whether nothing is being traced.
+  bool is_current() const { return done_ == newest_; }
 
  signals:
   void rays_changed();
@@ -74,7 +76,7 @@ class RaySelector : public QObject {
   Document& document_;
   SceneCompiler& compiler_;
   std::shared_ptr<const SelectedRays> rays_;
-  unsigned newest_ = 0;
+  unsigned newest_ = 0, done_ = 0;
   LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 

@@ -418,7 +418,8 @@ bool MainWindow::is_settled() const {
   return mutable_session.document().is_empty() ||
          (!file_task_.busy() && mutable_session.compiler().is_current() &&
           state != RenderJob::State::running && mutable_session.document().image() &&
-          image_->pyramid() && image_->is_current());
+          image_->pyramid() && image_->is_current() && mutable_session.rays().is_current() &&
+          scene_view_->is_current());
 }
 
 QString MainWindow::apply_options(const QString& pixel, const QString& part, const QString& panel,
@@ -461,6 +462,7 @@ void MainWindow::show_part(int index) {
 }
 
 bool MainWindow::save_screenshot(const QString& path) {
+  scene_view_->picture();
   // grab() draws what the graphics library drew elsewhere as well.
   if (!grab().save(path)) {
     fail(tr("'%1' cannot be written").arg(path));

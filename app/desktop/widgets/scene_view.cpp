@@ -272,10 +272,12 @@ void SceneView::build_geometry() {
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       post(this, [this, number, built] {
         if (number != newest_) return;
+        built_ = number;
         geometry_ = built;
         add_geometry();
       });
     } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
+      post(this, [this, number] { built_ = number; });
     }
   });
 }
@@ -505,10 +507,24 @@ std::array<double, 2> SceneView::clipping_range() const {
   return range;
 }
 
+bool SceneView::is_current() const {
+  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive();
+}
+
 QImage SceneView::picture() {
   show_all();
   render_later_.stop();
+  // While somebody turns the scene the flame is drawn as coarsely as the machine is slow: not here.
+  std::vector<vtkFixedPointVolumeRayCastMapper*> mappers;
+  for (const auto& prop : view_->layers["flame"])
+    if (auto* volume = vtkVolume::SafeDownCast(prop))
+      if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+        mapper->AutoAdjustSampleDistancesOff();
+        mapper->SetImageSampleDistance(1);
+        mappers.push_back(mapper);
+      }
   view_->window->Render();
+  for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
   return view_->widget->grabFramebuffer();
 }
 

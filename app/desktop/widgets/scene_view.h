@@ -41,8 +41,11 @@ class SceneView : public QWidget {
   void show_part(Part part);
   Part part() const { return part_; }
   void set_dark(bool dark);
-  /// What is seen now, without the window around it.
+  /// What is seen now, without the window around it; as finely as it can be drawn, however long
+  /// that takes.
   QImage picture();
+  /// Whether everything that it was given is drawn.
+  bool is_current() const;
   /// Temperatures [K] that the flame has where it absorbs; 0, 0: there is none.
   std::array<double, 2> flame_temperatures() const { return temperatures_; }
   /// Width and height of what the camera sees at its focus [m].
@@ -95,7 +98,7 @@ class SceneView : public QWidget {
   QAction* measure_ = nullptr;
   QPointF pressed_;
   QTimer render_later_, show_later_;
-  unsigned newest_ = 0;
+  unsigned newest_ = 0, built_ = 0;
   LatestTask task_{Urgency::work};  ///< last: it ends first
 };
 
