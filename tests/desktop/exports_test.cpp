@@ -54,7 +54,7 @@ class ExportsTest : public test::WindowFixture {
     session().document().set_value("render.samples", "8");
     QVERIFY(settled());
     child<QAction>("outlines")->trigger();
-    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }, 200000));
+    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }, 120000));
   }
   /// Writes the files of a tool from the menu, and beside them what the library makes of the same
   /// light field. False: it cannot, and the window says the same words.
@@ -90,7 +90,7 @@ class ExportsTest : public test::WindowFixture {
       const bool same = window_->last_message() == QString::fromStdString(refusal);
       return same ? false : complain(window_->last_message());
     }
-    if (!until(is_about, 200000)) return complain(window_->last_message());
+    if (!until(is_about, 120000)) return complain(window_->last_message());
     const QStringList files = names(file(own));
     if (files.isEmpty() || files != names(file(reference))) return complain(files.join(' '));
     for (const QString& name : files) {
@@ -112,7 +112,7 @@ class ExportsTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void raysAreTheCommandsInEveryFormat() {
     QVERIFY(window_->open_example("lenslets-30"));
@@ -168,13 +168,6 @@ class ExportsTest : public test::WindowFixture {
   void pictureOfTheSceneIsWhatIsShown() {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
-    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
-    // What the view shows comes bit by bit: the picture on the sensor, the flame, one frame each.
-    QVERIFY(until([&] {
-      const QImage before = window_->scene_view().picture();
-      QTest::qWait(300);
-      return test::difference(before, window_->scene_view().picture()) == 0;
-    }));
     answer_file_dialog(file("scene.png"));
     QVERIFY(click_menu({"File", "Export", "Picture of the 3-D view..."}));
     const QImage written(file("scene.png"));
@@ -220,7 +213,7 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY(window_->last_message().contains("light-field panel"));
     raise("lightFieldDock");
     QVERIFY(settled());
-    QVERIFY(until([&] { return session().light_field().views() != nullptr; }, 60000));
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     save_for_the_command();
     QDir(folder_->path()).mkdir("own");
     answer_file_dialog(file("own"));
@@ -252,7 +245,7 @@ class ExportsTest : public test::WindowFixture {
           const DerivedImage& r = session().light_field().refocused();
           return r.image && !r.preview && r.depth == window_->light_field_panel().depth();
         },
-        30000));
+        60000));
     answer_file_dialog(file("refocused.exr"));
     QVERIFY(click_menu({"File", "Export", "Picture of the light-field panel..."}));
     run(PLENOFLAME_COMMAND, {"refocus", file("raw.exr"), "--depth",

@@ -48,7 +48,7 @@ class FilesTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void simulationIsImportedThroughTheDialog() {
     QVERIFY(window_->open_example("lenslets-30"));
@@ -84,7 +84,7 @@ class FilesTest : public test::WindowFixture {
                    const auto& flames = session().document().scene().flames;
                    return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
                  },
-                 30000),
+                 60000),
              qPrintable(window_->last_message()));
     QVERIFY2(settled(), qPrintable(window_->last_message()));
     const auto samples = [&] { return window_->flame_panel().sampler().samples(); };
@@ -106,7 +106,7 @@ class FilesTest : public test::WindowFixture {
       QTest::keyClick(&dialog, Qt::Key_Return);
     });
     QTest::mouseClick(child<QPushButton>("flameImport"), Qt::LeftButton);
-    QVERIFY(until([&] { return !window_->last_message().isEmpty(); }, 30000));
+    QVERIFY(until([&] { return !window_->last_message().isEmpty(); }));
     QVERIFY2(window_->last_message().contains("soot"), qPrintable(window_->last_message()));
     QVERIFY(session().document().scene() == before);
     QVERIFY(!QFile::exists(file("burner.vdb")));
@@ -178,8 +178,7 @@ int plenoflame::desktop::test::crash_with_changes(const char* scene, const char*
   if (!window.open(scene)) return 2;
   window.session().document().set_value("camera.focus.object_distance", "1.37 m");
   const QDir kept(recovery_folder);
-  if (!QTest::qWaitFor([&] { return !kept.entryList({"recovery-*.toml"}).isEmpty(); }, 30000))
-    return 3;
+  if (!until([&] { return !kept.entryList({"recovery-*.toml"}).isEmpty(); })) return 3;
   std::abort();
 }
 

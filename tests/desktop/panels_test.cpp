@@ -34,7 +34,7 @@ class PanelsTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void pixelsOnTheScreenAreThoseOfTheDevelopedPicture() {
     QVERIFY(window_->open_example("lenslets-30"));
@@ -69,7 +69,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(window_->open_example("paper-previous-60x60"));
     raise("lightFieldDock");
     QVERIFY(settled());
-    QVERIFY(QTest::qWaitFor([&] { return session().light_field().views() != nullptr; }, 60000));
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     auto* pad = child<QWidget>("aperturePad");
     auto* view = child<ImageView>("subApertureView");
     const QImage middle = view->grab().toImage();
@@ -85,7 +85,7 @@ class PanelsTest : public test::WindowFixture {
       return session().light_field().refocused().image &&
              !session().light_field().refocused().preview;
     };
-    QVERIFY(QTest::qWaitFor(sharp, 30000));
+    QVERIFY(until(sharp));
     const QImage before = picture->grab().toImage();
     const double depth = window_->light_field_panel().depth();
     QElapsedTimer since;
@@ -96,9 +96,9 @@ class PanelsTest : public test::WindowFixture {
     const auto shown = [&] {
       return std::fabs(session().light_field().refocused().depth / wanted - 1) < 1e-9;
     };
-    QVERIFY(QTest::qWaitFor(shown, 30000));
+    QVERIFY(until(shown));
     qInfo("refocused after %lld ms (ten steps)", since.elapsed());
-    QVERIFY(QTest::qWaitFor([&] { return shown() && sharp(); }, 30000));
+    QVERIFY(until([&] { return shown() && sharp(); }));
     QVERIFY(difference(before, picture->grab().toImage()) > 1e-3);
     // A number without a unit is refused at the field.
     auto* edit = child<QLineEdit>("depthEdit");
@@ -110,8 +110,7 @@ class PanelsTest : public test::WindowFixture {
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(2);
     QTest::mouseClick(child<QPushButton>("totalFocus"), Qt::LeftButton);
     QVERIFY2(
-        QTest::qWaitFor([&] { return child<ImageView>("totalFocusView")->image() != nullptr; },
-                        15000),
+        until([&] { return child<ImageView>("totalFocusView")->image() != nullptr; }, 15000),
         qPrintable(window_->last_message() + "; " + window_->light_field_panel().shown_name()));
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
     QVERIFY(child<ImageView>("epipolarView")->image() != nullptr);
@@ -133,7 +132,7 @@ class PanelsTest : public test::WindowFixture {
     const auto complete = [&] {
       return session().design().result() && session().design().result()->complete;
     };
-    QVERIFY(QTest::qWaitFor(complete, 60000));
+    QVERIFY(until(complete));
     const QStringList before = rows();
     QVERIFY(before.size() > 15);
     // The slider of the tree moves a number; the report follows.
@@ -143,8 +142,8 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(slider->isEnabled());
     for (int i = 0; i < 5; ++i) QTest::keyClick(slider, Qt::Key_PageUp);
     QVERIFY(session().document().scene().camera.focus.object_distance > 1);
-    QVERIFY(QTest::qWaitFor([&] { return complete() && rows() != before; }, 60000));
-    QVERIFY(QTest::qWaitFor(complete, 60000));
+    QVERIFY(until([&] { return complete() && rows() != before; }));
+    QVERIFY(until(complete));
     QVERIFY(settled());
     session().document().save(folder_->filePath("scene.toml").toStdString());
     const QString command = run(PLENOFLAME_COMMAND, {"design", folder_->filePath("scene.toml")});
@@ -168,15 +167,13 @@ class PanelsTest : public test::WindowFixture {
       QTest::keyClick(&dialog, Qt::Key_Return);
     });
     QTest::mouseClick(child<QPushButton>("flameGenerate"), Qt::LeftButton);
-    QVERIFY(QTest::qWaitFor(
-        [&] {
-          const auto& flames = session().document().scene().flames;
-          return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
-        },
-        60000));
+    QVERIFY(until([&] {
+      const auto& flames = session().document().scene().flames;
+      return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
+    }));
     QVERIFY2(settled(), qPrintable(window_->last_message()));
     auto* summary = child<QLabel>("flameSummary");
-    QVERIFY(QTest::qWaitFor([&] { return summary->text().contains("absorption"); }, 30000));
+    QVERIFY(until([&] { return summary->text().contains("absorption"); }));
     QVERIFY(summary->text().contains("1 mm"));  // of the voxels
     auto* slice = child<ImageView>("flameSlice");
     const QImage middle = slice->grab().toImage();
@@ -191,7 +188,7 @@ class PanelsTest : public test::WindowFixture {
     });
     QTest::mouseClick(child<QPushButton>("flameMapping"), Qt::LeftButton);
     QCOMPARE(session().document().scene().flames[0].temperature.scale, 1.1);
-    QVERIFY(QTest::qWaitFor([&] {
+    QVERIFY(until([&] {
       return std::fabs(window_->flame_panel().sampler().samples()->hottest / hottest / 1.1 - 1) <
              1e-3;
     }));
@@ -204,8 +201,7 @@ class PanelsTest : public test::WindowFixture {
     image().centre_on(150, 150);
     const QImage plain = image().grab().toImage();
     QTest::keyClick(&image(), Qt::Key_O);
-    QVERIFY(
-        QTest::qWaitFor([&] { return session().light_field().micro_images() != nullptr; }, 60000));
+    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }));
     QTest::qWait(50);
     QVERIFY(difference(plain, image().grab().toImage()) > 5e-3);
     QTest::keyClick(&image(), Qt::Key_O);
@@ -216,7 +212,7 @@ class PanelsTest : public test::WindowFixture {
     QTest::keyClick(map, Qt::Key_Up);
     auto* quantity = child<QComboBox>("quantity");
     QTest::keyClick(quantity, Qt::Key_End);
-    QVERIFY(QTest::qWaitFor([&] { return difference(plain, image().grab().toImage()) > 0.1; }));
+    QVERIFY(until([&] { return difference(plain, image().grab().toImage()) > 0.1; }));
     // A line across the image becomes a profile.
     QTest::mousePress(&image(), Qt::LeftButton, Qt::ControlModifier, QPoint(60, 80));
     QTest::mouseMove(&image(), QPoint(150, 80));

@@ -38,7 +38,7 @@ class PictureTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void profileHasTheValuesAlongTheLine() {
     open_small();
@@ -158,7 +158,7 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(window_->open_example("paper-previous-60x60"));
     raise("lightFieldDock");
     QVERIFY(settled());
-    QVERIFY(until([&] { return session().light_field().views() != nullptr; }, 60000));
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     auto* pad = child<QWidget>("aperturePad");
     auto* view = child<ImageView>("subApertureView");
     const QPoint middle = pad->rect().center();
@@ -181,7 +181,7 @@ class PictureTest : public test::WindowFixture {
       const DerivedImage& r = session().light_field().refocused();
       return r.image && !r.preview && std::fabs(r.depth / wanted - 1) < 1e-9;
     };
-    QVERIFY(until(exact, 30000));
+    QVERIFY(until(exact));
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
     auto* slice = child<ImageView>("epipolarView");
     QVERIFY(slice->image() != nullptr);

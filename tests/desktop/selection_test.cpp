@@ -35,7 +35,7 @@ class SelectionTest : public test::WindowFixture {
   void open_small() {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
-    QVERIFY(until([&] { return view().flame_temperatures()[1] > 0; }, 60000));
+    QVERIFY(until([&] { return view().flame_temperatures()[1] > 0; }));
     QTest::qWait(100);
   }
   void part(Qt::Key key) {
@@ -59,7 +59,7 @@ class SelectionTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void pixelOfTheImageIsTheOneUnderThePointer() {
     open_small();

@@ -3,7 +3,6 @@
 #include <QDockWidget>
 #include <QFileDialog>
 #include <QLineEdit>
-#include <QMenu>
 #include <QMenuBar>
 #include <QMouseEvent>
 #include <QProcess>
@@ -11,11 +10,11 @@
 #include <QSettings>
 #include <QTemporaryDir>
 #include <QTest>
-#include <QTimer>
 #include <cmath>
 #include <functional>
 #include <memory>
 
+#include "answers.h"
 #include "plenoflame/image/light_field.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
@@ -42,6 +41,7 @@ class WindowFixture : public QObject {
  protected:
   std::unique_ptr<QTemporaryDir> folder_;
   std::unique_ptr<MainWindow> window_;
+  Answers answers_;
 
   QWidget* dock(const char* name) { return window_->findChild<QWidget*>(name); }
   std::unique_ptr<QSettings> settings() const {
@@ -60,8 +60,12 @@ class WindowFixture : public QObject {
     folder_ = std::make_unique<QTemporaryDir>();
     make_window();
   }
+  void end() {
+    answers_.end();
+    window_.reset();
+  }
   bool settled() {
-    return QTest::qWaitFor([this] { return window_->is_settled(); }, 60000);
+    return until([this] { return window_->is_settled(); });
   }
   ImageView& image() { return window_->image_panel().view(); }
   Session& session() { return window_->session(); }
@@ -74,13 +78,8 @@ class WindowFixture : public QObject {
   }
   /// Calls act(dialog) once a dialog of this class is on the screen.
   template <class Dialog>
-  void when_shown(std::function<void(Dialog&)> act, int tries = 500) {
-    QTimer::singleShot(60, this, [this, act, tries] {
-      for (QWidget* widget : QApplication::topLevelWidgets())
-        if (auto* dialog = qobject_cast<Dialog*>(widget); dialog && dialog->isVisible())
-          return act(*dialog);
-      if (tries > 0) when_shown<Dialog>(act, tries - 1);
-    });
+  void when_shown(std::function<void(Dialog&)> act) {
+    answers_.when_shown<Dialog>(std::move(act));
   }
   /// What a program prints; fails when it does.
   QString run(const QString& program, const QStringList& arguments) {
@@ -98,7 +97,7 @@ class WindowFixture : public QObject {
   }
   /// Waits; a slow machine gets its time.
   static bool until(const std::function<bool()>& condition, int milliseconds = 60000) {
-    return QTest::qWaitFor(condition, milliseconds);
+    return test::until(condition, milliseconds);
   }
   /// A key for the window, whatever dialogs took the focus before.
   void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {}) {
@@ -123,32 +122,16 @@ class WindowFixture : public QObject {
   }
   /// Clicks through the menus, e.g. {"File", "Export", "All views..."}. False: there is no such.
   bool click_menu(const QStringList& path) {
-    const auto action_of = [](QWidget& menu, const QString& text) -> QAction* {
-      for (QAction* action : menu.actions())
-        if (action->text().remove('&') == text) return action;
-      return nullptr;
-    };
     QMenuBar* const bar = window_->menuBar();
-    QAction* action = action_of(*bar, path.value(0));
-    if (!action) return false;
-    QTest::mouseClick(bar, Qt::LeftButton, {}, bar->actionGeometry(action).center());
-    QMenu* parent = nullptr;
-    for (int i = 1; i < path.size(); ++i) {
-      QMenu* const menu = action->menu();
-      if (!menu) return false;
-      // A submenu that the pointer had opened already is closed by a click: then once more.
-      for (int tries = 0; tries < 10 && !menu->isVisible(); ++tries) {
-        if (QTest::qWaitFor([menu] { return menu->isVisible(); }, 1000)) break;
-        if (parent)
-          QTest::mouseClick(parent, Qt::LeftButton, {}, parent->actionGeometry(action).center());
-      }
-      if (!menu->isVisible()) return false;
-      parent = menu;
-      action = action_of(*menu, path[i]);
-      if (!action) return false;
-      QTest::mouseClick(menu, Qt::LeftButton, {}, menu->actionGeometry(action).center());
+    QAction* const title = entry_of(*bar, path.value(0));
+    if (!title || !title->menu()) return complain("no menu " + path.value(0));
+    QMenu* const menu = title->menu();
+    // A menu that the pointer had opened already is closed by a click: then once more.
+    for (int tries = 0; tries < 10 && !menu->isVisible(); ++tries) {
+      QTest::mouseClick(bar, Qt::LeftButton, {}, bar->actionGeometry(title).center());
+      until([menu] { return menu->isVisible(); }, 1000);
     }
-    return true;
+    return click_through(*menu, path.mid(1));
   }
   /// Types a name into the next file dialog.
   void answer_file_dialog(const QString& path) {
@@ -156,7 +139,10 @@ class WindowFixture : public QObject {
       auto* edit = dialog.findChild<QLineEdit*>("fileNameEdit");
       edit->setText(path);
       QTest::qWait(30);
-      QTest::keyClick(edit, Qt::Key_Return);
+      for (int tries = 0; tries < 5 && dialog.isVisible(); ++tries) {
+        QTest::keyClick(edit, Qt::Key_Return);
+        until([&] { return !dialog.isVisible(); }, 1000);
+      }
     });
   }
 };

@@ -21,7 +21,7 @@ class WindowTest : public test::WindowFixture {
 
  private slots:
   void init() { begin(); }
-  void cleanup() { window_.reset(); }
+  void cleanup() { end(); }
 
   void welcomeOpensAnExampleInOneClick() {
     auto* button = child<QWidget>("example-lenslets-30");
@@ -51,7 +51,7 @@ class WindowTest : public test::WindowFixture {
           column = x;
           row = y;
         }
-    QVERIFY(QTest::qWaitFor([&] { return !window_->scene_view().picture().isNull(); }));
+    QVERIFY(until([&] { return !window_->scene_view().picture().isNull(); }));
     const QImage section_before = window_->section_view().grab().toImage();
     const QImage scene_before = window_->scene_view().picture();
     QElapsedTimer since;
@@ -59,7 +59,7 @@ class WindowTest : public test::WindowFixture {
     image().set_scale(8);
     image().centre_on(column, row);
     QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(column, row));
-    QVERIFY(QTest::qWaitFor([&] { return window_->session().rays().rays() != nullptr; }));
+    QVERIFY(until([&] { return window_->session().rays().rays() != nullptr; }));
     qInfo("rays after %lld ms", since.elapsed());
     const Selection& selection = window_->session().document().selection();
     QCOMPARE(selection.column, column);
@@ -78,7 +78,7 @@ class WindowTest : public test::WindowFixture {
     QCOMPARE(table->rowCount(), 0);
     // Shift: the microlens.
     QTest::mouseClick(&image(), Qt::LeftButton, Qt::ShiftModifier, of_pixel(column, row));
-    QVERIFY(QTest::qWaitFor([&] { return window_->session().rays().rays() != nullptr; }));
+    QVERIFY(until([&] { return window_->session().rays().rays() != nullptr; }));
     QVERIFY(window_->session().rays().rays()->pixels.size() > 20);
   }
 
@@ -86,12 +86,12 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     auto* scene3d = child<QWidget>("scene3d");
-    QVERIFY(QTest::qWaitFor([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
+    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     QTest::keyClick(window_.get(), Qt::Key_2, Qt::ControlModifier);
     QTest::qWait(100);
     QTest::mouseClick(scene3d, Qt::LeftButton, {}, scene3d->rect().center());
     QVERIFY(window_->session().document().selection().kind == Selection::Kind::point);
-    QVERIFY(QTest::qWaitFor([&] { return window_->session().rays().rays() != nullptr; }));
+    QVERIFY(until([&] { return window_->session().rays().rays() != nullptr; }));
     QVERIFY(!window_->session().rays().rays()->pixels.empty());
   }
 
@@ -110,7 +110,8 @@ class WindowTest : public test::WindowFixture {
       QTest::keyClick(editor, Qt::Key_Return);
     };
     type("camera.focus.object_distance", "1.5 m");
-    QTRY_COMPARE(window_->session().document().scene().camera.focus.object_distance, 1.5);
+    QVERIFY(until(
+        [&] { return window_->session().document().scene().camera.focus.object_distance == 1.5; }));
     QVERIFY(window_->isWindowModified());
     QVERIFY(settled());
     QTest::keyClick(window_.get(), Qt::Key_Z, Qt::ControlModifier);
@@ -118,7 +119,7 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(!window_->isWindowModified());
     type("camera.focus.object_distance", "1.5");
     auto* message = child<QLabel>("sceneMessage");
-    QTRY_VERIFY(message->isVisible());
+    QVERIFY(until([&] { return message->isVisible(); }));
     QCOMPARE(window_->session().document().scene().camera.focus.object_distance, before);
     QVERIFY(message->text().contains("unit"));
   }
@@ -128,7 +129,7 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(settled());
     window_->session().document().set_value("render.samples", "20000");
     RenderJob& job = window_->session().render();
-    QVERIFY(QTest::qWaitFor([&] { return job.state() == RenderJob::State::running; }));
+    QVERIFY(until([&] { return job.state() == RenderJob::State::running; }));
     auto* pause = child<QPushButton>("renderPause");
     QTest::mouseClick(pause, Qt::LeftButton);
     QVERIFY(job.state() == RenderJob::State::paused);
@@ -156,8 +157,7 @@ class WindowTest : public test::WindowFixture {
 
   void sceneFitsFromTheFlameToAMicrolens() {
     QVERIFY(window_->open_example("paper-previous-60x60"));
-    QVERIFY(
-        QTest::qWaitFor([&] { return window_->scene_view().flame_temperatures()[1] > 0; }, 60000));
+    QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     SceneView& view = window_->scene_view();
     double height = 0;
     for (const SceneView::Part part : {SceneView::Part::scene, SceneView::Part::camera,
@@ -181,7 +181,7 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(150, 150));
-    QVERIFY(QTest::qWaitFor([&] { return window_->session().rays().rays() != nullptr; }));
+    QVERIFY(until([&] { return window_->session().rays().rays() != nullptr; }));
     const QString path = folder_->filePath("rays.csv");
     answer_file_dialog(path);
     QTest::mouseClick(child<QPushButton>("exportRays"), Qt::LeftButton);
