@@ -124,6 +124,26 @@ TEST(ScatteringAgreement, ColouredSmoke) {
   expect_agreement(scene, load_core_medium, 4 * kBundles);
 }
 
+// Nodes of which none is like the others, so that no bundle or walk of one node finds the light of
+// another; one of them passes through the flame as if it were not there.
+TEST(ScatteringAgreement, SmokeOfFarApartExtinctions) {
+  Scene scene = flame_and_smoke();
+  scene.flames[1].position = {1.004, -0.018, 0.002};  // apart: what overlaps is slow
+  const char* const tables[] = {"450 nm 3, 550 nm 1, 650 nm 0", "450 nm 4, 550 nm 1, 650 nm 0.1"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    scene.flames[i].spectrum.kind = SpectrumKind::table;
+    scene.flames[i].spectrum.table = tables[i];
+    scene.flames[i].spectrum.reference = 550e-9;
+  }
+  scene.flames[0].scattering = {0.5, PhaseFunction::rayleigh, 0};
+  scene.channels = {{"red", ChannelKind::band, 650e-9, 5e-9},
+                    {"green", ChannelKind::band, 550e-9, 5e-9},
+                    {"blue", ChannelKind::band, 450e-9, 5e-9}};
+  scene.lights = {lamp()};
+  scene.lights[0].power = 1e-4;
+  expect_agreement(scene);
+}
+
 // A floor without end under smoke and a sky.
 TEST(ScatteringAgreement, SmokeOverAFloorWithoutEnd) {
   Scene scene = flame_and_smoke();

@@ -33,9 +33,9 @@ class CompositeMedium final : public Medium {
     return std::all_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_grey(); });
   }
   void absorptions(Vec3 world, double* each) const override;
-  double largest_absorption() const override {
+  double largest_absorption(int channel) const override {
     double sum = 0;
-    for (const auto& medium : media_) sum += medium->largest_absorption();
+    for (const auto& medium : media_) sum += medium->largest_absorption(channel);
     return sum;
   }
   double feature_size() const override;

@@ -58,10 +58,10 @@ class LayeredMedium final : public Medium {
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
   bool is_grey() const override { return factors_.empty(); }
-  double largest_absorption() const override {
+  double largest_absorption(int channel) const override {
     double most = 0;
     for (const EllipsoidLayer& layer : layers_) most = std::max(most, layer.absorption);
-    return most * (factors_.empty() ? 1 : factors_[0]);
+    return most * (factors_.empty() ? 1 : factors_[static_cast<std::size_t>(channel)]);
   }
   Box bounds() const override { return bounds_; }
   std::vector<Box> occupied() const override;

@@ -1,9 +1,11 @@
 #include "plenoflame/media/medium.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "media/transfer.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/math/ray_span.h"
 
 namespace plenoflame {
@@ -21,8 +23,16 @@ double Medium::coefficients(Vec3 world, double* emission) const {
   return first;
 }
 
-double Medium::largest_absorption() const {
+double Medium::largest_absorption(int) const {
   return std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> Medium::majorants() const {
+  std::vector<double> all;
+  for (int c = 0; c < channel_count(); ++c) all.push_back(largest_absorption(c));
+  if (!std::all_of(all.begin(), all.end(), [](double most) { return std::isfinite(most); }))
+    throw InputError("this medium does not know its largest absorption, which scattering needs");
+  return all;
 }
 
 void Medium::absorptions(Vec3 world, double* each) const {

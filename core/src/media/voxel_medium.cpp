@@ -257,8 +257,9 @@ class VoxelMedium final : public Medium {
 
   bool is_costly() const override { return true; }
   bool is_grey() const override { return factors_.empty(); }
-  double largest_absorption() const override {
-    return cells_.largest_absorption() * (factors_.empty() ? 1 : factors_[0]);
+  double largest_absorption(int channel) const override {
+    return cells_.largest_absorption() *
+           (factors_.empty() ? 1 : factors_[static_cast<std::size_t>(channel)]);
   }
   void absorptions(Vec3 world, double* each) const override {
     const double absorption = sample(world).absorption;

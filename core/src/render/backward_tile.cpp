@@ -378,6 +378,8 @@ void TileTracer<Real>::integrate(int padded) {
 template <class Real>
 void TileTracer<Real>::add_scattered() {
   std::vector<ScatterWalk::Start> starts;
+  std::vector<std::vector<double>> scattered(static_cast<std::size_t>(plan_.scene->node_count()),
+                                             std::vector<double>(static_cast<std::size_t>(count_)));
   for (const RayGroup& group : groups_) {
     const int points = plan_.pools[static_cast<std::size_t>(group.level)].points();
     for (int i = group.first; i < group.first + group.count; ++i) {
@@ -388,8 +390,14 @@ void TileTracer<Real>::add_scattered() {
       const Vec3 along{static_cast<double>(block_.dx[i]), static_cast<double>(block_.dy[i]),
                        static_cast<double>(block_.dz[i])};
       // Nearly all of a thin medium's, few where most rays are scattered anyway.
-      const double through = std::clamp(static_cast<double>(transmittance_[i]), 0.0, 1.0);
-      const double even = through * through;
+      double even = 0;
+      const std::size_t nodes = transmittance_stride_ ? scattered.size() : 1;
+      for (std::size_t c = 0; c < nodes; ++c) {
+        const Real passes = transmittance_[c * static_cast<std::size_t>(transmittance_stride_) +
+                                           static_cast<std::size_t>(i)];
+        const double through = std::clamp(static_cast<double>(passes), 0.0, 1.0);
+        even += through * through / static_cast<double>(nodes);
+      }
       starts.push_back(
           {i,
            {plan_.anchor + Vec3{static_cast<double>(block_.x[i]), static_cast<double>(block_.y[i]),
@@ -401,8 +409,6 @@ void TileTracer<Real>::add_scattered() {
            even});
     }
   }
-  std::vector<std::vector<double>> scattered(static_cast<std::size_t>(plan_.scene->node_count()),
-                                             std::vector<double>(static_cast<std::size_t>(count_)));
   scatter_->add(starts, scattered, counters_.medium);
   for (std::size_t c = 0; c < scattered.size(); ++c)
     for (std::size_t i = 0; i < scattered[c].size(); ++i)

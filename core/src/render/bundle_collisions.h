@@ -8,7 +8,7 @@ namespace plenoflame {
 
 /// What a medium does to bundles of light, drawn as it happens: places of extinction by delta
 /// tracking (Woodcock et al., ANL-7050, 1965), and there whether the bundle is absorbed or which
-/// flame scatters it, all at the first node. One per worker.
+/// flame scatters it, all at one of the nodes. One per worker.
 class BundleCollisions {
  public:
   /// @throws InputError when the medium does not know its largest absorption
@@ -19,17 +19,17 @@ class BundleCollisions {
     Fate fate = Fate::passed;
     double t = 0;                          ///< [m] along the ray
     const Scatterer* scatterer = nullptr;  ///< of what is scattered
-    /// Of that, what is scattered at each node relative to the first; until the next call.
-    const double* relative = nullptr;
+    /// [1/m] What that one scatters there at each node; until the next call.
+    const double* scattering = nullptr;
   };
-  /// The fate of a bundle at 0 < t < end.
-  Event next(const Ray& ray, double end, NoiseStream& noise);
+  /// The fate of a bundle at 0 < t < end. @param driver the node at which it is drawn
+  Event next(const Ray& ray, double end, std::size_t driver, NoiseStream& noise);
 
  private:
   const CompiledScene& scene_;
   const Medium& medium_;
   Box bounds_;
-  double majorant_;
+  std::vector<double> majorants_;
   std::vector<double> coefficients_;
 };
 

@@ -17,8 +17,10 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::int64_t kChunkBundles = 32768;  ///< about so many are traced by one thread at a time
-constexpr int kChunksPerThread = 8;            ///< between two merges
+/// About so many are traced by one thread at a time; fewer where each is scattered to the camera
+/// from many places.
+constexpr std::int64_t kChunkBundles = 32768, kScatteredBundles = 8192;
+constexpr int kChunksPerThread = 8;  ///< between two merges
 /// The lookups of the emission must not be numbers that bundles use.
 constexpr std::uint64_t kProposalSeed = 0x70726f706f73616cu;
 
@@ -176,9 +178,11 @@ void merge(const ForwardChunk& chunk, Film& film, RenderStatistics& statistics) 
 /// depend on who traced what.
 class Run {
  public:
-  Run(const BundleSource& tracer, const RenderSettings& settings, const Execution& execution,
-      Film& film, RenderStatistics& statistics)
+  /// @param bundles of a chunk, about
+  Run(const BundleSource& tracer, std::int64_t bundles, const RenderSettings& settings,
+      const Execution& execution, Film& film, RenderStatistics& statistics)
       : tracer_(tracer),
+        bundles_(bundles),
         settings_(settings),
         execution_(execution),
         film_(film),
@@ -192,7 +196,7 @@ class Run {
   void trace_to_target(std::int64_t points);
   std::int64_t done() const { return done_; }
   std::int64_t per_chunk() const {
-    return std::max<std::int64_t>(1, kChunkBundles / settings_.replicates);
+    return std::max<std::int64_t>(1, bundles_ / settings_.replicates);
   }
   StatedError error() const {
     const FilmImages images = film_.images(0, execution_);
@@ -203,6 +207,7 @@ class Run {
   void report(std::int64_t points) const;
 
   const BundleSource& tracer_;
+  std::int64_t bundles_;
   const RenderSettings& settings_;
   const Execution& execution_;
   Film& film_;
@@ -294,6 +299,7 @@ class DispersedBundles : public BundleSource {
     for (const Part& part : parts_) {
       ForwardChunk own;
       part.bundles->trace(first, end, own);
+      if (!own.done) return;
       for (std::size_t i = 0; i < own.deposits.size(); ++i) {
         chunk.deposits.push_back(own.deposits[i]);
         chunk.flux.resize(chunk.flux.size() + channels_);
@@ -304,8 +310,8 @@ class DispersedBundles : public BundleSource {
       chunk.seconds_optics += own.seconds_optics;
       chunk.seconds_medium += own.seconds_medium;
       chunk.seconds_surfaces += own.seconds_surfaces;
-      chunk.medium.rays += own.medium.rays;
-      chunk.medium.cells += own.medium.cells;
+      chunk.medium += own.medium;
+      chunk.most_waiting = std::max(chunk.most_waiting, own.most_waiting);
     }
     chunk.done = true;
   }
@@ -323,10 +329,11 @@ class DispersedBundles : public BundleSource {
 /// Nothing when everything is dark.
 std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
                                            const RenderSettings& settings, const Film& film,
-                                           const EmissionProposal* proposal) {
+                                           const EmissionProposal* proposal,
+                                           const std::stop_token& stop) {
   if (!scene.surfaces && scene.lights.environment.empty() && scene.scatterers.empty())
     return proposal ? std::make_unique<BundleTracer>(scene, settings, film, *proposal) : nullptr;
-  auto bundles = std::make_unique<SurfaceBundles>(scene, settings, film, proposal);
+  auto bundles = std::make_unique<SurfaceBundles>(scene, settings, film, proposal, stop);
   return bundles->dark() ? nullptr : std::move(bundles);
 }
 
@@ -351,12 +358,13 @@ void render_forward(const CompiledScene& scene, const RenderSettings& settings,
   if (scene.parts.empty()) {
     proposal = proposal_of(scene);
     statistics.seconds_generate += seconds_since(start) * execution.thread_count();
-    tracer = make_bundles(scene, settings, film, proposal.get());
+    tracer = make_bundles(scene, settings, film, proposal.get(), execution.stop);
   } else {
     auto all = std::make_unique<DispersedBundles>(static_cast<std::size_t>(film.channels()));
     for (const CompiledScene& part : scene.parts) {
       std::unique_ptr<EmissionProposal> own = proposal_of(part);
-      std::unique_ptr<BundleSource> bundles = make_bundles(part, settings, film, own.get());
+      std::unique_ptr<BundleSource> bundles =
+          make_bundles(part, settings, film, own.get(), execution.stop);
       if (bundles) all->add(std::move(own), std::move(bundles), part.film_channel.front());
     }
     if (!all->dark()) tracer = std::move(all);
@@ -370,7 +378,9 @@ void render_forward(const CompiledScene& scene, const RenderSettings& settings,
   const Deadline deadline(execution.stop, settings.time_limit);
   Execution inner = execution;
   inner.stop = deadline.token();
-  Run run(*tracer, settings, inner, film, statistics);
+  const auto& media = scene.parts.empty() ? scene : scene.parts.front();
+  Run run(*tracer, media.scatterers.empty() ? kChunkBundles : kScatteredBundles, settings, inner,
+          film, statistics);
   if (open_ended)
     run.trace_to_target(points);
   else

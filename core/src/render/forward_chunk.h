@@ -15,6 +15,7 @@ struct ForwardChunk {
   std::vector<ForwardDeposit> deposits;
   std::vector<double> flux;  ///< one value per channel for every deposit
   double bundles = 0, arrived = 0;
+  std::size_t most_waiting = 0;  ///< arrivals that were kept at a time
   double seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
   MediumCounters medium;
   bool done = false;
@@ -37,7 +38,8 @@ inline void append_channels(const CompiledScene& scene, const double* nodes,
 class BundleSource {
  public:
   virtual ~BundleSource() = default;
-  /// Bundles first to end - 1; bundle i belongs to replicate i modulo their number.
+  /// Bundles first to end - 1; bundle i belongs to replicate i modulo their number. The chunk is
+  /// not done when something stopped it.
   virtual void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const = 0;
 };
 

@@ -40,10 +40,13 @@ double field_versine(const PupilSampling& pupils, const Camera& camera) {
 }  // namespace
 
 SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings,
-                               const Film& film, const EmissionProposal* proposal)
+                               const Film& film, const EmissionProposal* proposal,
+                               std::stop_token stop, std::size_t most_waiting)
     : scene_(scene),
       settings_(settings),
       proposal_(proposal),
+      stop_(std::move(stop)),
+      most_waiting_(most_waiting),
       window_(film.window()),
       cone_(scene.camera),
       to_camera_(scene.camera.to_world().inverse()),
@@ -283,6 +286,13 @@ bool SurfaceBundles::start(std::int64_t index, const Job& job, Bundle& bundle, W
   if (!good) return false;
   bundle.spectrum = work.spectra.size();
   work.spectra.insert(work.spectra.end(), work.emission.begin(), work.emission.end());
+  if (!scene_.scatterers.empty()) {
+    work.shares.resize(work.spectra.size(), 1.0);
+    if (!work.segments.is_grey())
+      bundle.driver = std::min(
+          static_cast<std::size_t>(number(index, 0, 1) * static_cast<double>(work.channels)),
+          work.channels - 1);
+  }
   return std::any_of(work.emission.begin(), work.emission.end(), [](double e) { return e > 0; });
 }
 
@@ -294,10 +304,10 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
       cone_.draw(origin, number(bundle.index, block, 0), number(bundle.index, block, 1));
   if (!(way.solid_angle > 0)) return;
   const Vec3 direction = scene_.camera.to_world().direction(way.direction);
-  double cosine = has_normal ? dot(bundle.normal, direction) : 1;
+  double share = has_normal ? dot(bundle.normal, direction) : 1;
   if (bundle.scatterer)
-    cosine = phase_function(bundle.scatterer->spec, dot(bundle.ray.direction, direction));
-  if (!(cosine > 0)) return;
+    share = phase_function(bundle.scatterer->spec, dot(bundle.ray.direction, direction));
+  if (!(share > 0)) return;
   work.arrivals.clear();
   scene_.camera.trace_from_scene({origin, way.direction}, work.arrivals);
   if (work.arrivals.empty()) return;
@@ -316,7 +326,7 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
       continue;
     work.arrived.push_back(
         {column, row, static_cast<int>(bundle.index % settings_.replicates),
-         bundle.weight * factor * cosine * way.solid_angle * arrival.etendue_ratio,
+         bundle.weight * factor * share * way.solid_angle * arrival.etendue_ratio,
          bundle.spectrum});
     work.ways.push_back(ray);
     work.ends.push_back(end);
@@ -354,7 +364,9 @@ void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
   }
 }
 
+/// Adds what has arrived to the chunk.
 void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
+  chunk.most_waiting = std::max(chunk.most_waiting, work.arrived.size());
   work.segments.clear();
   for (std::size_t i = 0; i < work.arrived.size(); ++i)
     work.segments.add(work.ways[i], work.ends[i]);
@@ -372,6 +384,9 @@ void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
     chunk.deposits.push_back({a.column, a.row, a.replicate});
     append_channels(scene_, work.emission.data(), chunk.flux);
   }
+  work.arrived.clear();
+  work.ways.clear();
+  work.ends.clear();
 }
 
 /// From surface to surface.
@@ -407,8 +422,8 @@ void SurfaceBundles::trace(std::int64_t first, std::int64_t end, ForwardChunk& c
   }
   if (scene_.scatterers.empty())
     reflect(on_their_way, work, chunk);
-  else
-    scatter(on_their_way, work, chunk);
+  else if (!scatter(on_their_way, work, chunk))
+    return;
   deposit(work, chunk);
   chunk.bundles = static_cast<double>(end - first);
   chunk.seconds_surfaces = seconds_since(begin);

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "plenoflame/film/film.h"
@@ -19,9 +20,13 @@ namespace plenoflame {
 /// towards the camera's aperture is traced there.
 class SurfaceBundles : public BundleSource {
  public:
+  static constexpr std::size_t kMostWaiting = 100'000;
   /// @param proposal where the flames emit; nullptr: there are none, or they are dark
+  /// @param stop ends a chunk of a scene that scatters before it is done
+  /// @param most_waiting arrivals in such scenes, about, that wait for being added to the chunk
   SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
-                 const EmissionProposal* proposal);
+                 const EmissionProposal* proposal, std::stop_token stop = {},
+                 std::size_t most_waiting = kMostWaiting);
 
   bool dark() const { return jobs_.empty(); }
   void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override;
@@ -42,6 +47,7 @@ class SurfaceBundles : public BundleSource {
     double reflectivity = 0;
     const Scatterer* scatterer = nullptr;  ///< that it leaves; its ray still has the old direction
     int reflections = 0;                   ///< on surfaces, so far; of scenes that scatter
+    std::size_t driver = 0;                ///< node by which media scatter and absorb it
     bool lights_surfaces = true;
     double weight = 0;  ///< times spectrum: flux [W], per steradian where it leaves for the camera
     std::size_t spectrum = 0;  ///< its place in Work::spectra
@@ -66,11 +72,13 @@ class SurfaceBundles : public BundleSource {
   bool send_on(std::optional<std::size_t> plane, double u, double v, std::uint64_t block,
                Bundle& bundle) const;
   void reflect(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
-  void scatter(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  bool scatter(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  void make_room(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
   void meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
                    ForwardChunk& chunk) const;
   void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
-  /// @param factor [1/sr] share of the weight that leaves per solid angle and cosine
+  /// @param factor share of the weight that leaves per solid angle [1/sr], but for the cosine or
+  /// phase function
   void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
                       Work& work, ForwardChunk& chunk) const;
   void deposit(Work& work, ForwardChunk& chunk) const;
@@ -79,6 +87,8 @@ class SurfaceBundles : public BundleSource {
   const CompiledScene& scene_;
   const RenderSettings& settings_;
   const EmissionProposal* proposal_;
+  std::stop_token stop_;
+  std::size_t most_waiting_;
   PixelWindow window_;
   ApertureCone cone_;
   RigidTransform to_camera_;

@@ -14,6 +14,9 @@ struct SurfaceBundles::Work {
   MediumSegments segments;
   std::vector<double> emission;
   std::vector<double> spectra;  ///< channels values for each bundle
+  /// Where those of bundles that media scatter are: the density with which each node as the driver
+  /// would have drawn their ways, over the mean of all.
+  std::vector<double> shares;
   std::vector<Camera::Arrival> arrivals;
   std::vector<Arrived> arrived;
   std::vector<Ray> ways;     ///< of what arrived, from where it last left

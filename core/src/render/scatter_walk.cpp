@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "plenoflame/base/constants.h"
-#include "plenoflame/base/error.h"
 #include "plenoflame/math/ray_span.h"
 #include "render/phase_function.h"
 #include "sampling/directions.h"
@@ -26,12 +25,10 @@ ScatterPlan::ScatterPlan(const CompiledScene& compiled, const RenderSettings& se
                          const Execution& execution, const SurfaceLightPlan* light)
     : scene(&compiled),
       surface_light(light),
-      majorant(compiled.medium->largest_absorption()),
+      majorants(compiled.medium->majorants()),
       reflections(compiled.scene.render.reflections) {
   options.isa = settings.isa;
   options.skip = settings.skip;
-  if (!std::isfinite(majorant))
-    throw InputError("this medium does not know its largest absorption, which scattering needs");
   if (light && light->flame) {
     flame = light->flame.get();
     return;
@@ -54,6 +51,20 @@ double ScatterWalk::Walk::density(Vec3 way) const {
                    : std::max(0.0, dot(normal, way)) / constants::pi;
 }
 
+void ScatterWalk::Walk::weigh(const double* light, const double* drawn) {
+  double mean = 0;
+  for (std::size_t c = 0; c < weight.size(); ++c) mean += density_share[c] * drawn[c];
+  mean /= static_cast<double>(weight.size());
+  if (!(mean > 0)) {  // what was drawn is so unlikely that its numbers are lost
+    std::fill(weight.begin(), weight.end(), 0.0);
+    return;
+  }
+  for (std::size_t c = 0; c < weight.size(); ++c) {
+    weight[c] *= light[c] / mean;
+    density_share[c] *= drawn[c] / mean;
+  }
+}
+
 ScatterWalk::ScatterWalk(const ScatterPlan& plan)
     : plan_(plan),
       scene_(*plan.scene),
@@ -61,35 +72,48 @@ ScatterWalk::ScatterWalk(const ScatterPlan& plan)
       bounds_(medium_.bounds()),
       nodes_(static_cast<std::size_t>(medium_.channel_count())),
       segments_(plan.scene->medium.get(), plan.options),
-      coefficients_(nodes_) {}
+      coefficients_(nodes_),
+      place_(3 * nodes_) {}
 
-/// Draws the next place of extinction on the line, by the first node's. @return false: none
+/// Which node the places of a walk are drawn by. Of a grey medium all are alike.
+void ScatterWalk::draw_driver(Walk& walk) const {
+  if (segments_.is_grey()) return;
+  const auto chosen = static_cast<std::size_t>(walk.noise.uniform() * static_cast<double>(nodes_));
+  walk.driver = std::min(chosen, nodes_ - 1);
+}
+
+/// Draws the next place of extinction on the line, by the driver's. @return false: none
 bool ScatterWalk::collide(Walk& walk, double& t) {
   const RaySpan span = clip_to_box(bounds_, walk.line, 0, walk.end);
-  if (span.empty() || !(plan_.majorant > 0)) return false;
+  const double majorant = plan_.majorants[walk.driver];
+  if (span.empty() || !(majorant > 0)) return false;
   t = span.near;
   for (;;) {
-    t -= std::log(walk.noise.uniform()) / plan_.majorant;
+    t -= std::log(walk.noise.uniform()) / majorant;
     if (!(t < span.far)) return false;
     medium_.absorptions(walk.line.at(t), coefficients_.data());
-    if (walk.noise.uniform() * plan_.majorant < coefficients_[0]) return true;
+    if (walk.noise.uniform() * majorant < coefficients_[walk.driver]) return true;
   }
 }
 
 /// Which flame scatters at a place, if any does: drawn in proportion to what each scatters at the
-/// first node. The weights get what it scatters at theirs, over the density of place and choice.
-const Scatterer* ScatterWalk::scatter(Walk& walk, Vec3 place) {
-  double scattering = 0;
+/// driving node.
+ScatterWalk::Place ScatterWalk::scatter(Walk& walk, Vec3 place) {
+  Place found;
+  found.scattering = place_.data();
+  found.extinction = found.scattering + nodes_;
+  found.choice = found.extinction + nodes_;
+  medium_.absorptions(place, found.extinction);
+  std::fill_n(found.choice, nodes_, 0.0);  // what all flames scatter, to begin with
   shares_.clear();
-  medium_.absorptions(place, coefficients_.data());
-  extinction_ = coefficients_[0];
   for (const Scatterer& scatterer : scene_.scatterers) {
+    const double albedo = scatterer.albedo(place);
     scatterer.medium->absorptions(place, coefficients_.data());
-    shares_.push_back(scatterer.albedo(place) * coefficients_[0]);
-    scattering += shares_.back();
+    for (std::size_t c = 0; c < nodes_; ++c) found.choice[c] += albedo * coefficients_[c];
+    shares_.push_back(albedo * coefficients_[walk.driver]);
   }
-  if (!(scattering > 0)) return nullptr;
-  double u = walk.noise.uniform() * scattering;
+  if (!(found.choice[walk.driver] > 0)) return found;
+  double u = walk.noise.uniform() * found.choice[walk.driver];
   std::size_t chosen = shares_.size();
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     if (!(shares_[i] > 0)) continue;
@@ -97,11 +121,14 @@ const Scatterer* ScatterWalk::scatter(Walk& walk, Vec3 place) {
     u -= shares_[i];
     if (u <= 0) break;
   }
-  const Scatterer& scatterer = scene_.scatterers[chosen];
-  scatterer.medium->absorptions(place, coefficients_.data());
-  for (std::size_t c = 0; c < nodes_; ++c)
-    walk.weight[c] *= scattering / extinction_ * (coefficients_[c] / coefficients_[0]);
-  return &scatterer;
+  found.scatterer = &scene_.scatterers[chosen];
+  const double albedo = found.scatterer->albedo(place);
+  found.scatterer->medium->absorptions(place, coefficients_.data());
+  for (std::size_t c = 0; c < nodes_; ++c) {
+    found.scattering[c] = albedo * coefficients_[c];
+    if (found.choice[c] > 0) found.choice[c] = found.scattering[c] / found.choice[c];
+  }
+  return found;
 }
 
 /// @return false when the surface sends nothing back
@@ -136,38 +163,45 @@ void ScatterWalk::aim(Walk& walk, Vec3 direction) {
 
 /// Moves every walk to its next place, and ends those that have none.
 void ScatterWalk::move_on(std::vector<Walk>& walks, MediumCounters& counters) {
+  const bool grey = segments_.is_grey();  // then what is drawn passes as the light does
   segments_.clear();
   std::vector<std::size_t> collided;
+  std::vector<double> light, drawn;  // of these walks, per node, without the way
   std::size_t kept = 0;
   for (Walk& walk : walks) {
     double t = 0;
     if (collide(walk, t)) {
-      const Vec3 place = walk.line.at(t);
-      const Scatterer* scatterer = scatter(walk, place);
-      if (!scatterer) continue;
-      // The place was drawn by the first node's extinction: see scatter().
-      if (!segments_.is_grey()) {
+      const Vec3 point = walk.line.at(t);
+      const Place place = scatter(walk, point);
+      if (!place.scatterer) continue;
+      for (std::size_t c = 0; c < nodes_; ++c) place.extinction[c] *= place.choice[c];
+      if (grey) {
+        walk.weigh(place.scattering, place.extinction);
+      } else {
         segments_.add(walk.line, t);
         collided.push_back(kept);
+        light.insert(light.end(), place.scattering, place.scattering + nodes_);
+        drawn.insert(drawn.end(), place.extinction, place.extinction + nodes_);
       }
-      walk.scatterer = scatterer;
+      walk.scatterer = place.scatterer;
       walk.from = {};
-      walk.line.origin = place;
+      walk.line.origin = point;
     } else {
       if (walk.next.where.surface < 0 || !reflect(walk, walk.next)) continue;
-      if (!segments_.is_grey())
-        for (std::size_t c = 1; c < nodes_; ++c) walk.weight[c] *= walk.passed[c] / walk.passed[0];
+      if (!grey) walk.weigh(walk.passed.data(), walk.passed.data());
     }
     if (&walks[kept] != &walk) std::swap(walks[kept], walk);
     ++kept;
   }
   walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
-  if (segments_.is_grey()) return;
+  if (grey) return;
   segments_.integrate(false, counters);
   for (std::size_t i = 0; i < collided.size(); ++i) {
-    const double drawn = segments_.transmittance(i, 0);
-    for (std::size_t c = 1; c < nodes_; ++c)
-      walks[collided[i]].weight[c] *= segments_.transmittance(i, c) / drawn;
+    for (std::size_t c = 0; c < nodes_; ++c) {
+      light[i * nodes_ + c] *= segments_.transmittance(i, c);
+      drawn[i * nodes_ + c] *= segments_.transmittance(i, c);
+    }
+    walks[collided[i]].weigh(&light[i * nodes_], &drawn[i * nodes_]);
   }
 }
 
@@ -377,10 +411,11 @@ RaySpan ScatterWalk::scattering_span(const Ray& line, double from, double to) co
 /// in a thin medium. Either counts with the density of both ways together.
 void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& walks,
                         MediumCounters& counters) {
-  struct Place {
-    double extinction, even, density;  ///< [1/m], share, [1/m] of the even ones
+  struct Evenly {
+    double share, density;  ///< of the rays, [1/m]
   };
-  std::vector<Place> places;
+  std::vector<Evenly> evenly;
+  std::vector<double> places;  // per walk what scatter() found
   segments_.clear();
   for (const Start& start : starts) {
     // Camera rays are whole lines.
@@ -388,27 +423,43 @@ void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& wal
     const RaySpan inside = scattering_span(start.line, span.near, span.far);
     if (span.empty() || inside.empty()) continue;
     Walk walk(start.ray, {start.line.at(span.near), start.line.direction}, start.key, nodes_);
+    draw_driver(walk);
     walk.end = span.far - span.near;
     double t = 0;
     if (start.even > 0 && walk.noise.uniform() < start.even)
       t = inside.near - span.near + walk.noise.uniform() * (inside.far - inside.near);
     else if (!collide(walk, t))
       continue;
-    const Vec3 place = walk.line.at(t);
-    walk.scatterer = scatter(walk, place);
-    if (!walk.scatterer) continue;
+    const Vec3 point = walk.line.at(t);
+    const Place place = scatter(walk, point);
+    if (!place.scatterer) continue;
+    walk.scatterer = place.scatterer;
     segments_.add(walk.line, t);
-    places.push_back({extinction_, start.even, 1 / (inside.far - inside.near)});
-    walk.line.origin = place;
+    evenly.push_back({start.even, 1 / (inside.far - inside.near)});
+    places.insert(places.end(), place_.begin(), place_.end());
+    walk.line.origin = point;
     walks.push_back(std::move(walk));
   }
   segments_.integrate(false, counters);
   for (std::size_t i = 0; i < walks.size(); ++i) {
-    const Place& place = places[i];
-    const double density = (1 - place.even) * place.extinction * segments_.transmittance(i, 0) +
-                           place.even * place.density;
-    for (std::size_t c = 0; c < nodes_; ++c)
-      walks[i].weight[c] *= place.extinction * segments_.transmittance(i, c) / density;
+    double* const scattering = &places[3 * i * nodes_];
+    double* const extinction = scattering + nodes_;
+    const double* const choice = extinction + nodes_;
+    const auto [share, density] = evenly[i];
+    for (std::size_t c = 0; c < nodes_; ++c) {
+      const double through = segments_.transmittance(i, c);
+      scattering[c] *= through;
+      extinction[c] = choice[c] * ((1 - share) * extinction[c] * through + share * density);
+    }
+    walks[i].weigh(scattering, extinction);
+  }
+}
+
+/// From place to place until all have ended.
+void ScatterWalk::follow(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
+  while (!walks.empty()) {
+    visit(walks, radiance, counters);
+    move_on(walks, counters);
   }
 }
 
@@ -416,10 +467,7 @@ void ScatterWalk::add(const std::vector<Start>& starts, Radiance& radiance,
                       MediumCounters& counters) {
   std::vector<Walk> walks;
   begin(starts, walks, counters);
-  while (!walks.empty()) {
-    visit(walks, radiance, counters);
-    move_on(walks, counters);
-  }
+  follow(walks, radiance, counters);
 }
 
 void ScatterWalk::add_surfaces(const std::vector<SurfacePath>& paths,
@@ -436,12 +484,10 @@ void ScatterWalk::add_surfaces(const std::vector<SurfacePath>& paths,
       walks.pop_back();
       continue;
     }
+    draw_driver(walks.back());
     if (i < first.size()) walks.back().first = &first[i];
   }
-  while (!walks.empty()) {
-    visit(walks, radiance, counters);
-    move_on(walks, counters);
-  }
+  follow(walks, radiance, counters);
 }
 
 }  // namespace plenoflame

@@ -22,8 +22,8 @@ struct ScatterPlan {
   const CompiledScene* scene;
   const SurfaceLightPlan* surface_light;
   MediumOptions options;
-  double majorant;  ///< [1/m] of the extinction at the first node
-  int reflections;  ///< on surfaces, at most
+  std::vector<double> majorants;  ///< [1/m] of the extinction, per node
+  int reflections;                ///< on surfaces, at most
   /// Draws the flames' light; nullptr: they are dark.
   const EmissionProposal* flame = nullptr;
   std::unique_ptr<const EmissionProposal> own_flame;
@@ -44,7 +44,11 @@ std::unique_ptr<const ScatterPlan> make_scatter_plan(const CompiledScene& scene,
 /// walk goes on finds emitters and flames, too, and both ways share their light by the balance
 /// heuristic (Veach and Guibas, SIGGRAPH 95). All emission along a line counts, integrated by the
 /// medium without random numbers. Unbiased; walks end by Russian roulette, or at the last
-/// reflection on a surface that the scene allows. One per worker.
+/// reflection on a surface that the scene allows.
+/// Where extinction depends on the wavelength each walk is driven by one node, drawn evenly, and
+/// counts at all of them with the mean of the densities that all nodes would have drawn it with
+/// (Wilkie et al., Hero Wavelength Spectral Sampling, EGSR 2014): weights stay below the number of
+/// nodes however different these are. One per worker.
 class ScatterWalk {
  public:
   explicit ScatterWalk(const ScatterPlan& plan);
@@ -74,11 +78,13 @@ class ScatterWalk {
   /// At a place where light is scattered or reflected, or on its way to the next one.
   struct Walk {
     Walk(int number, const Ray& along, std::uint64_t key, std::size_t nodes)
-        : ray(number), line(along), noise(key, 0), weight(nodes, 1.0) {}
+        : ray(number), line(along), noise(key, 0), weight(nodes, 1.0), density_share(nodes, 1.0) {}
     int ray;
     Ray line;  ///< from the place on; at the place, the direction in which it was reached
     NoiseStream noise;
-    std::vector<double> weight;  ///< per node
+    std::size_t driver = 0;             ///< node whose extinction its places are drawn by
+    std::vector<double> weight;         ///< per node
+    std::vector<double> density_share;  ///< per node: had it been the driver, over their mean
     const Scatterer* scatterer = nullptr;
     SurfacePart from;  ///< the place is on a surface when there is no scatterer
     Vec3 normal;
@@ -90,6 +96,15 @@ class ScatterWalk {
 
     /// Density [1/sr] with which a direction is drawn, and the share that it has in the light.
     double density(Vec3 way) const;
+    /// Goes on in a way that a node as the driver would have drawn with a density `drawn` per node.
+    /// @param light what of the light is kept, per node
+    void weigh(const double* light, const double* drawn);
+  };
+  /// What happens to light at a place, per node.
+  struct Place {
+    const Scatterer* scatterer = nullptr;  ///< nullptr: the walk ends
+    double *scattering, *extinction;       ///< [1/m] of the scatterer; of everything
+    double* choice;  ///< probability that a walk of this driver goes on with the scatterer
   };
   struct Sample {
     std::size_t walk;
@@ -98,9 +113,11 @@ class ScatterWalk {
   };
 
   RaySpan scattering_span(const Ray& line, double from, double to) const;
+  void follow(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters);
   void begin(const std::vector<Start>& starts, std::vector<Walk>& walks, MediumCounters& counters);
+  void draw_driver(Walk& walk) const;
   bool collide(Walk& walk, double& t);
-  const Scatterer* scatter(Walk& walk, Vec3 place);
+  Place scatter(Walk& walk, Vec3 place);
   bool reflect(Walk& walk, const SurfaceHit& hit) const;
   void aim(Walk& walk, Vec3 direction);
   void move_on(std::vector<Walk>& walks, MediumCounters& counters);
@@ -119,7 +136,7 @@ class ScatterWalk {
   std::size_t nodes_;
   MediumSegments segments_;
   std::vector<double> coefficients_, shares_;
-  double extinction_ = 0;  ///< [1/m] at the place where scatter() was, at the first node
+  std::vector<double> place_;  ///< what scatter() found
   std::vector<Sample> samples_;
   double rays_ = 0;
 };

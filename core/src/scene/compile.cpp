@@ -99,36 +99,6 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   return medium;
 }
 
-/// Walks are drawn at one wavelength for all: what scatters must not be clear at any, and where it
-/// is much clearer than at the first the noise is not what its scatter says (docs/radiometry.md).
-void check_scattering_spectrum(const Scene& scene, std::size_t index,
-                               const std::vector<SourceFunction>& channels,
-                               const PositionMap& positions, const Execution& execution) {
-  constexpr double kAlike = 2;  // beyond, the squares of weights grow with the thickness
-  const FlameSpec& flame = scene.flames[index];
-  if (!flame.scattering.present()) return;
-  const std::string path = "flames[" + std::to_string(index) + "].spectrum";
-  const std::vector<double> factors = absorption_factors(flame.spectrum, channels);
-  for (const double factor : factors) {
-    if (!(factor > 0))
-      throw InputError(positions.find(path + ".table"),
-                       path +
-                           " is 0 at a wavelength of a channel; a flame that scatters needs some "
-                           "absorption at all of them");
-    if (factors.front() > kAlike * factor) {
-      const SourcePosition position = positions.find("flames[" + std::to_string(index) + "]");
-      execution.warn(
-          to_string(SceneIssue{false, path, position,
-                               path + " absorbs more than twice as much in the first channel as in "
-                                      "another: where it is thick, scattered light of the other "
-                                      "is found by rare rays, and the stated error too small; put "
-                                      "the channel that is absorbed least first, or make wide ones "
-                                      "narrower"}));
-      return;
-    }
-  }
-}
-
 /// Places in smoke are drawn without regard to how near they are to a light.
 void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& medium,
                            const PositionMap& positions, const Execution& execution) {
@@ -157,7 +127,6 @@ Media load_flames(const Scene& scene, const std::vector<SourceFunction>& channel
   Media media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
     media.push_back(load(scene, i, loader, channels, execution, positions));
-    check_scattering_spectrum(scene, i, channels, positions, execution);
     if (media.back()) check_lights_in_smoke(scene, i, *media.back(), positions, execution);
   }
   return media;

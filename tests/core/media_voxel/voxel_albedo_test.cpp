@@ -5,6 +5,7 @@
 #include <random>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/media/uniform_medium.h"
 #include "voxel_fixture.h"
 
 namespace plenoflame::test {
@@ -71,9 +72,28 @@ TEST(VoxelAlbedo, ConstantGridIsAsGoodAsAConstant) {
           }
         }
         EXPECT_TRUE(relative(grid->albedo({9e-3, 9e-3, 9e-3}), 0.375, 1e-6));
-        EXPECT_TRUE(relative(grid->largest_absorption(), equal->largest_absorption(), 1e-6));
+        EXPECT_TRUE(relative(grid->largest_absorption(0), equal->largest_absorption(0), 1e-6));
       }
   }
+}
+
+// Places of extinction are drawn by it: below it the medium would be too clear, far above it slow.
+TEST(VoxelAlbedo, LargestAbsorptionOfEveryChannel) {
+  std::mt19937 random(8);
+  const VoxelField absorption = field(noise(random, 10, 90));
+  const std::vector<double> factors{0.7, 1.9};
+  const std::shared_ptr<const Medium> voxels =
+      medium_of(even(1600, 300), absorption, even(0), VoxelInterpolation::trilinear, factors);
+  float most = 0;
+  for (const float value : absorption.values) most = std::max(most, value);
+  const std::vector<double> own = voxels->majorants();
+  ASSERT_EQ(own.size(), 2u);
+  const std::vector<double> twice = make_composite_medium({voxels, voxels})->majorants();
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_TRUE(relative(own[c], factors[c] * static_cast<double>(most), 1e-6));
+    EXPECT_TRUE(relative(twice[c], 2 * own[c], 1e-12));
+  }
+  EXPECT_THROW(static_cast<void>(make_uniform_medium(1, 2)->majorants()), InputError);
 }
 
 // Noise: against the adaptive integrator of what the medium says at each place, which the next test

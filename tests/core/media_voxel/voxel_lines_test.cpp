@@ -216,7 +216,7 @@ TEST(VoxelLines, NothingButALine) {
   const Flame flame{even({8, 8, 8}, 300, 300), nothing, {even({8, 8, 8}, 4)}, {0.5}};
   const auto medium = flame.medium(VoxelInterpolation::constant);
   EXPECT_FALSE(medium->bounds().empty());
-  EXPECT_EQ(medium->largest_absorption(), 0);
+  EXPECT_EQ(medium->largest_absorption(0), 0);
   const Seen seen =
       see<double>(*medium, {{{-1, 4e-3, 3e-3}, {1, 0, 0}}}, with(Isa::baseline), -1e30, 1e30);
   EXPECT_TRUE(relative(seen.radiance[0][0], 0.5 * 4 * 8e-3, 1e-12));

@@ -43,22 +43,42 @@ inline CompiledScene smoke(Vec3 semi_axes, double extinction, const ScatteringSp
   return scene;
 }
 
-/// Radiance along rays, as a camera would see it, one sample each; the first channel's.
+/// What the medium scatters into whole lines, one sample each, per node; without any surfaces.
+inline std::vector<Tally> scattered_along(const CompiledScene& scene, const std::vector<Ray>& rays,
+                                          std::uint64_t seed) {
+  const ScatterPlan plan(scene, {}, {});
+  ScatterWalk walk(plan);
+  MediumCounters counters;
+  std::vector<Tally> tallies(static_cast<std::size_t>(scene.node_count()));
+  constexpr std::size_t kBatch = 500;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, rays.size() - begin);
+    std::vector<ScatterWalk::Start> starts;
+    for (std::size_t i = 0; i < count; ++i)
+      starts.push_back({static_cast<int>(i), rays[begin + i], mix64(seed) ^ (2 * (begin + i))});
+    std::vector<std::vector<double>> radiance(tallies.size(), std::vector<double>(count));
+    walk.add(starts, radiance, counters);
+    for (std::size_t c = 0; c < tallies.size(); ++c)
+      for (const double l : radiance[c]) tallies[c].add(l);
+  }
+  return tallies;
+}
+
+/// Radiance along rays, as a camera would see it, one sample each, per node.
 /// @param rays whose origins are outside of the medium
-inline Tally radiance_along(const CompiledScene& scene, const std::vector<Ray>& rays,
-                            std::uint64_t seed) {
+inline std::vector<Tally> nodes_along(const CompiledScene& scene, const std::vector<Ray>& rays,
+                                      std::uint64_t seed) {
   const auto light = make_surface_light(scene, {}, {});
   const auto plan = make_scatter_plan(scene, {}, {}, light.get());
   ScatterWalk walk(*plan);
   MediumSegments segments(scene.medium.get(), plan->options);
   MediumCounters counters;
   Random random(seed);
-  Tally tally;
+  std::vector<Tally> tallies(static_cast<std::size_t>(scene.node_count()));
   constexpr std::size_t kBatch = 500;
   for (std::size_t begin = 0; begin < rays.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, rays.size() - begin);
-    const auto nodes = static_cast<std::size_t>(scene.node_count());
-    std::vector<std::vector<double>> scattered(nodes, std::vector<double>(count)),
+    std::vector<std::vector<double>> scattered(tallies.size(), std::vector<double>(count)),
         behind = scattered;
     std::vector<ScatterWalk::Start> starts;
     std::vector<SurfacePath> paths;
@@ -87,11 +107,18 @@ inline Tally radiance_along(const CompiledScene& scene, const std::vector<Ray>& 
     for (std::size_t i = 0; i < count; i += 2) starts[i].even = segments.transmittance(i);
     walk.add(starts, scattered, counters);
     walk.add_surfaces(paths, first, behind, counters);
-    for (std::size_t i = 0; i < count; ++i)
-      tally.add(segments.radiance(i, 0) + segments.transmittance(i) * behind[0][i] +
-                scattered[0][i]);
+    for (std::size_t c = 0; c < tallies.size(); ++c)
+      for (std::size_t i = 0; i < count; ++i)
+        tallies[c].add(segments.radiance(i, static_cast<int>(c)) +
+                       segments.transmittance(i, c) * behind[c][i] + scattered[c][i]);
   }
-  return tally;
+  return tallies;
+}
+
+/// The same of the first node.
+inline Tally radiance_along(const CompiledScene& scene, const std::vector<Ray>& rays,
+                            std::uint64_t seed) {
+  return nodes_along(scene, rays, seed).front();
 }
 
 }  // namespace plenoflame::test

@@ -68,8 +68,11 @@ class Medium {
   virtual bool is_costly() const { return false; }
   /// Whether absorption is the same in all channels.
   virtual bool is_grey() const { return true; }
-  /// Absorption in the first channel is nowhere above this [1/m]; infinite: not known.
-  virtual double largest_absorption() const;
+  /// Absorption in a channel is nowhere above this [1/m]; infinite: not known.
+  virtual double largest_absorption(int channel) const;
+  /// The same of every channel, for what draws places by it.
+  /// @throws InputError when the medium does not know it
+  std::vector<double> majorants() const;
   /// Smallest length over which the medium varies (a voxel, a semi-axis) [m].
   virtual double feature_size() const = 0;
 
