@@ -5,6 +5,7 @@ set(desktop_model_sources
   model/document.cpp
   model/flame_cache.cpp
   model/flame_generator.cpp
+  model/flame_glow.cpp
   model/flame_look.cpp
   model/flame_sampler.cpp
   model/image_display.cpp

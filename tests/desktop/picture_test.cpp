@@ -2,6 +2,7 @@
 // over the document's image.
 #include <QAction>
 #include <QComboBox>
+#include <QFile>
 #include <QLabel>
 #include <QSlider>
 #include <QTabWidget>
@@ -9,11 +10,13 @@
 
 #include "gui_tests.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/volumes/grid_writer.h"
 #include "widgets/flame_panel.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/opacity_curve.h"
 #include "widgets/plot_widget.h"
 #include "widgets/scene_view.h"
+#include "widgets/section_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;
@@ -189,6 +192,96 @@ class PictureTest : public test::WindowFixture {
     QTest::keyClick(child<QSlider>("lineSlider"), Qt::Key_PageUp);
     QVERIFY(difference(earlier, slice->grab().toImage()) > 1e-3);
     QVERIFY(child<ImageView>("epipolarView")->image()->height() % LightFieldJobs::kGrid == 0);
+  }
+
+  void legendHidesNoCurve() {
+    PlotWidget plot;
+    plot.resize(320, 240);
+    plot.set_axes("x", "y", false, false);
+    // Along the lower and the left rim only, so that the rest of the area stays empty.
+    const QColor ink(200, 30, 30);
+    std::vector<PlotWidget::Series> series(2);
+    series[0].points = {{0, 0}, {1, 0}};
+    series[1].points = {{0, 0}, {0, 1}};
+    for (auto& s : series) s.colour = ink;
+    series[0].name = "a name that is long enough";
+    series[1].name = "another one that needs a line of its own";
+    plot.set_series(series);
+    const QImage shown = plot.grab().toImage();
+    const QRectF area = plot.area();
+    QVERIFY(area.height() > 100);
+    int inside = 0, above = 0;
+    for (int y = 0; y < shown.height(); ++y)
+      for (int x = 0; x < shown.width(); ++x) {
+        const QColor c(shown.pixel(x, y));
+        if (c.red() - c.green() < 60) continue;
+        inside += x > area.left() + 20 && y > area.top() && y < area.bottom() - 20 ? 1 : 0;
+        above += y < area.top() ? 1 : 0;
+      }
+    QCOMPARE(inside, 0);
+    QVERIFY(above > 30);  // a line beside each name
+    const QRectF with_names = area;
+    for (auto& s : series) s.name.clear();
+    plot.set_series(series);
+    plot.grab();
+    QVERIFY(plot.area().top() + 20 < with_names.top());
+  }
+
+  void namesOfChannelsAreNotCut() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    const std::string name = "red_with_the_filter";
+    session().document().set_value("channels[0].name", name);
+    QVERIFY(settled());
+    session().start_render();
+    QVERIFY(settled());
+    auto* box = child<QComboBox>("channel");
+    QVERIFY(until([&] { return box->currentText() == QString::fromStdString(name); }));
+    const int wanted = box->fontMetrics().horizontalAdvance(box->currentText());
+    QVERIFY2(until([&] { return box->width() > wanted + 20; }, 5000),
+             qPrintable(QString("%1 for %2").arg(box->width()).arg(wanted)));
+  }
+
+  void clearFlameIsDrawnByWhatItEmits() {
+    // 16 mm x 16 mm x 48 mm of CH*, the same everywhere, and no absorption.
+    constexpr double kVoxel = 2e-3;
+    VoxelField light;
+    light.name = "CH";
+    light.brick_origins = {{0, 0, 0}, {0, 0, 8}, {0, 0, 16}};
+    light.values.assign(light.brick_origins.size() * 512, 1000);
+    light.index_to_world.linear.rows = {{{kVoxel, 0, 0}, {0, kVoxel, 0}, {0, 0, kVoxel}}};
+    const GridOutput grid{&light, "W/(m^3 sr)"};
+    write_grids(folder_->filePath("blue.vdb").toStdString(), {&grid, 1});
+    QFile example(":/examples/lenslets-30.toml");
+    QVERIFY(example.open(QIODevice::ReadOnly));
+    QString text = QString::fromUtf8(example.readAll());
+    text.replace("preset = \"paper-layered\"", "kind = \"vdb\"\nfile = \"blue.vdb\"");
+    text.replace("\"-29 mm\"]\n", "\"-24 mm\"]\n[[flames.lines]]\nkind = \"ch\"\n");
+    text.replace("\"650 nm\"", "\"431.5 nm\"");
+    QFile scene(folder_->filePath("blue.toml"));
+    QVERIFY(scene.open(QIODevice::WriteOnly));
+    scene.write(text.toUtf8());
+    scene.close();
+    QVERIFY2(window_->open(scene.fileName()), qPrintable(window_->last_message()));
+    QVERIFY2(settled(), qPrintable(window_->last_message()));
+    press(Qt::Key_2, Qt::ControlModifier);  // the flame fills the view
+    QVERIFY(settled());
+    SceneView& view = window_->scene_view();
+    const QImage shown = view.picture();
+    const auto colour_at = [&](Vec3 place) {
+      return QColor(shown.pixel(view.to_widget(place).toPoint()));
+    };
+    const double half = 4 * kVoxel;
+    const QColor inside = colour_at({1 + half, half, 0}),
+                 outside = colour_at({1 + half, 4 * half, 0});
+    QVERIFY2(std::abs(inside.lightness() - outside.lightness()) > 20 ||
+                 std::abs(inside.blue() - outside.blue()) > 20,
+             qPrintable(inside.name() + " " + outside.name()));
+    QCOMPARE(outside, QColor(shown.pixel(2, shown.height() / 2)));
+    // In the section, too: no temperature is needed to see where it is.
+    const QImage section = window_->section_view().grab().toImage();
+    const QPoint axis = window_->section_view().to_widget(1 + half, 0).toPoint(),
+                 beside = window_->section_view().to_widget(1 + half, 0.03).toPoint();
+    QVERIFY(section.pixel(axis + QPoint(0, 3)) != section.pixel(beside));
   }
 
   void opacityOfTheFlameIsDrawnByHandAndUndone() {

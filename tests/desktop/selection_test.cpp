@@ -1,10 +1,25 @@
 // What is selected shows everywhere, and can be selected everywhere, by real clicks. References:
 // the camera's frame as docs/reference defines it, written out here. Runs on a screen of double
 // density, too: places on widgets are logical pixels, what VTK draws is not.
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
+#include <vtkCell.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkMapper.h>
+#include <vtkPolyData.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
+
 #include <QFile>
+#include <QSet>
 #include <QTableWidget>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "gui_tests.h"
 #include "widgets/rays_panel.h"
@@ -249,6 +264,51 @@ class SelectionTest : public test::WindowFixture {
     }
     QVERIFY(!ends.isEmpty());
     QCOMPARE(colours.size(), ends.size());
+  }
+
+  void raysIn3dHaveTheColourOfTheirEnd() {
+    open_small();
+    QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(40, 40));
+    QVERIFY(rays_are_there());
+    QVERIFY(settled());
+    // What the table says of each ray, by colours that raysAreColouredByHowTheyEnd() checks.
+    const RayPaths& paths = session().rays().rays()->paths;
+    std::vector<QColor> colours;
+    QSet<QString> different;
+    for (int row = 0; row < table()->rowCount(); ++row) {
+      QCOMPARE(table()->item(row, 0)->data(Qt::UserRole).toInt(), row);
+      colours.push_back(table()->item(row, 2)->foreground().color());
+      different << colours.back().name();
+    }
+    QVERIFY(different.size() >= 2);
+    // What the view draws: lines, each with a colour of its own.
+    auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+    vtkPropCollection* const props =
+        widget->renderWindow()->GetRenderers()->GetFirstRenderer()->GetViewProps();
+    std::size_t found = 0;
+    for (int i = 0; i < props->GetNumberOfItems(); ++i) {
+      auto* const actor = vtkActor::SafeDownCast(props->GetItemAsObject(i));
+      auto* const lines =
+          actor ? vtkPolyData::SafeDownCast(actor->GetMapper()->GetInputAsDataSet()) : nullptr;
+      if (!lines || lines->GetNumberOfLines() != static_cast<vtkIdType>(paths.rays.size()))
+        continue;
+      QVERIFY(actor->GetVisibility() && actor->GetMapper()->GetScalarVisibility());
+      for (std::size_t ray = 0; ray < paths.rays.size(); ++ray) {
+        const auto cell = static_cast<vtkIdType>(ray);
+        std::array<double, 3> end{}, ink{};
+        vtkCell* const line = lines->GetCell(cell);
+        line->GetPoints()->GetPoint(line->GetNumberOfPoints() - 1, end.data());
+        lines->GetCellData()->GetScalars()->GetTuple(cell, ink.data());
+        const RayPath& path = paths.rays[ray];
+        const Vec3 last = paths.vertices[path.first + path.count - 1].position;
+        QVERIFY(length(last - Vec3{end[0], end[1], end[2]}) < 1e-6 * length(last));
+        QCOMPARE(
+            QColor(static_cast<int>(ink[0]), static_cast<int>(ink[1]), static_cast<int>(ink[2])),
+            colours[ray]);
+        ++found;
+      }
+    }
+    QCOMPARE(found, paths.rays.size());
   }
 
   void distanceIsMeasuredBetweenTwoClicks() {

@@ -1,5 +1,6 @@
 #include "widgets/image_panel.h"
 
+#include <QAbstractItemView>
 #include <QAction>
 #include <QComboBox>
 #include <QLabel>
@@ -17,6 +18,8 @@
 
 namespace plenoflame::desktop {
 namespace {
+
+constexpr int kCountedSide = 1500;  ///< of the picture whose values the histogram counts, at most
 
 /// Standard error over flux; 0 where there is no light.
 Image relative_error(const Image& flux, const Image& error) {
@@ -52,6 +55,8 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
       "quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
       tr("What is shown: radiant flux of each pixel [W], its standard error [W], or their ratio"));
   channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
+  channel_->setSizeAdjustPolicy(QComboBox::AdjustToContents);  // names come with the image
+  channel_->setMaximumWidth(260);
   scale_ = combo(
       "scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
       tr("Brightness by value: as displays do, in proportion, or by its logarithm (3 decades)"));
@@ -136,7 +141,10 @@ void ImagePanel::request() {
     const QSignalBlocker quiet(channel_);
     channel_->clear();
     channel_->addItems(names);
+    // Where the toolbar has no room for a name, the list has.
+    channel_->view()->setMinimumWidth(channel_->view()->sizeHintForColumn(0) + 24);
   }
+  channel_->setToolTip(tr("Channel (wavelengths) that is shown: %1").arg(channel_->currentText()));
   const auto quantity = static_cast<Quantity>(quantity_->currentIndex());
   const auto channel = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
   task_.request([this, field, number, quantity, channel](std::stop_token stop) {
@@ -161,7 +169,10 @@ void ImagePanel::request() {
                            : quantity == Quantity::relative_error
                                ? 1.0
                                : automatic_saturation(shown->level(0));
-      post(this, [this, number, flux, shown, white, saturation] {
+      // Of a level that is quickly counted; means of pixels when the image is large.
+      const Histogram counts =
+          histogram(shown->level(shown->level_within(kCountedSide)), 80, true, 4);
+      post(this, [this, number, flux, shown, white, saturation, counts] {
         if (number != newest_) return;
         shown_ = number;
         flux_pyramid_ = flux;
@@ -175,7 +186,7 @@ void ImagePanel::request() {
         apply_tone();
         view_->set_image(shown);
         update_profile();
-        update_histogram();
+        show_histogram(counts);
         emit pyramid_changed();
       });
     } catch (const std::exception&) {  // stopped, or an image that is replaced soon
@@ -233,11 +244,7 @@ void ImagePanel::update_profile() {
   profile_plot_->set_series({series});
 }
 
-void ImagePanel::update_histogram() {
-  if (!pyramid_ || pyramid_->empty()) return;
-  // Of a level that is quickly counted; means of pixels when the image is large.
-  const Image& level = pyramid_->level(pyramid_->level_within(1500));
-  const Histogram counts = histogram(level, 80, true, 4);
+void ImagePanel::show_histogram(const Histogram& counts) {
   PlotWidget::Series series;
   series.colour = QColor(0, 114, 178);
   series.bars = true;

@@ -45,7 +45,7 @@ class ImagePanel : public QWidget {
   void request();
   void apply_tone();
   void update_profile();
-  void update_histogram();
+  void show_histogram(const Histogram& counts);
 
   Document& document_;
   ImageView* view_;

@@ -116,7 +116,28 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   const QFontMetrics metrics = painter.fontMetrics();
   const int line = metrics.height();
   const int left = metrics.horizontalAdvance("0.0000") + line + 10, bottom = 2 * line + 8;
-  area_ = QRectF(left, 8, std::max(20, width() - left - 14), std::max(20, height() - bottom - 10));
+  // The legend has lines of its own, so that it hides no curve.
+  struct Entry {
+    const Series* series;
+    QPointF at;
+  };
+  constexpr int kSample = 22, kGap = 14;  // [logical pixel] of line, and to what is beside it
+  std::vector<Entry> legend;
+  double across = left;
+  int legend_lines = 0;
+  for (const Series& series : series_) {
+    if (series.name.isEmpty()) continue;
+    const double wide = kSample + 6 + metrics.horizontalAdvance(series.name) + kGap;
+    if (legend_lines == 0 || across + wide > width()) {
+      across = left;
+      ++legend_lines;
+    }
+    legend.push_back({&series, QPointF(across, 4 + line * (legend_lines - 1))});
+    across += wide;
+  }
+  const int top = 8 + line * legend_lines;
+  area_ = QRectF(left, top, std::max(20, width() - left - 14),
+                 std::max(20, height() - bottom - 2 - top));
   const auto to_x = [&](double x) { return area_.left() + (x - x0) / (x1 - x0) * area_.width(); };
   const auto to_y = [&](double y) {
     return area_.bottom() - (y - y0) / (y1 - y0) * area_.height();
@@ -147,8 +168,16 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   painter.drawText(QRectF(-0.5 * height(), -line, height(), line), Qt::AlignCenter, y_label_);
   painter.restore();
   painter.setRenderHint(QPainter::Antialiasing);
+  for (const Entry& entry : legend) {
+    const Series& series = *entry.series;
+    painter.setPen(QPen(series.colour, 1.6, series.dashed ? Qt::DashLine : Qt::SolidLine));
+    painter.drawLine(entry.at + QPointF(0, 0.5 * line), entry.at + QPointF(kSample, 0.5 * line));
+    painter.setPen(ink);
+    painter.drawText(QRectF(entry.at.x() + kSample + 6, entry.at.y(),
+                            width() - entry.at.x() - kSample - 6, line),
+                     Qt::AlignLeft | Qt::AlignVCenter, series.name);
+  }
   painter.setClipRect(area_);
-  int named = 0;
   for (const Series& series : series_) {
     painter.setPen(QPen(series.colour, 1.6, series.dashed ? Qt::DashLine : Qt::SolidLine));
     QPainterPath path;
@@ -176,15 +205,6 @@ void PlotWidget::paintEvent(QPaintEvent*) {
     }
     painter.setBrush(Qt::NoBrush);
     painter.drawPath(path);
-    if (!series.name.isEmpty()) {
-      const double y = area_.top() + 4 + line * named++;
-      const int wide = metrics.horizontalAdvance(series.name);
-      painter.drawLine(QPointF(area_.right() - wide - 34, y + 0.5 * line),
-                       QPointF(area_.right() - wide - 12, y + 0.5 * line));
-      painter.setPen(ink);
-      painter.drawText(QRectF(area_.right() - wide - 8, y, wide + 4, line),
-                       Qt::AlignLeft | Qt::AlignVCenter, series.name);
-    }
   }
 }
 

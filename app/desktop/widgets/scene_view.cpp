@@ -38,6 +38,7 @@
 
 #include "flame_image.h"
 #include "flame_volume.h"
+#include "model/flame_glow.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
 #include "plenoflame/base/error.h"
@@ -54,6 +55,27 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
+
+}  // namespace
+
+namespace {
+
+/// Of a flame that absorbs nowhere the light that it emits takes the place of absorption.
+void show_glow(const Medium& medium, vtkImageData& flame, const Execution& execution) {
+  auto* const density = vtkFloatArray::SafeDownCast(flame.GetPointData()->GetArray("absorption"));
+  if (!density || density->GetRange()[1] > 0) return;
+  const std::array<int, 3> count{flame.GetDimensions()[0], flame.GetDimensions()[1],
+                                 flame.GetDimensions()[2]};
+  parallel_for(execution, static_cast<std::size_t>(count[2]), [&](std::size_t layer, int) {
+    const vtkIdType area = static_cast<vtkIdType>(count[0]) * count[1],
+                    first = static_cast<vtkIdType>(layer) * area;
+    for (vtkIdType i = first; i < first + area; ++i) {
+      std::array<double, 3> p{};
+      flame.GetPoint(i, p.data());
+      density->SetValue(i, static_cast<float>(glow(medium, {p[0], p[1], p[2]})));
+    }
+  });
+}
 
 }  // namespace
 
@@ -270,6 +292,7 @@ void SceneView::build_geometry() {
       }
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
+      if (built->flame) show_glow(*scene->medium, *built->flame, execution);
       post(this, [this, number, built] {
         if (number != newest_) return;
         built_ = number;
@@ -286,7 +309,7 @@ void SceneView::add_geometry() {
   temperatures_ = {0, 0};
   if (geometry_->flame) {
     const auto colours = views::temperature_colours(*geometry_->flame);
-    temperatures_ = {colours->GetRange()[0], colours->GetRange()[1]};
+    temperatures_ = {std::max(0.0, colours->GetRange()[0]), colours->GetRange()[1]};
   }
   if (!aimed_) aim();
   if (first_) {
@@ -371,7 +394,9 @@ void SceneView::add_flame() {
       mapper->SetMaximumImageSampleDistance(8);
     }
     renderer.AddVolume(volume);
-    views::add_temperature_bar(colours, renderer);
+    // A clear flame may have no temperatures to tell.
+    if (flame->GetPointData()->GetArray("temperature")->GetRange()[1] > 0)
+      views::add_temperature_bar(colours, renderer);
   });
   for (const auto& prop : view_->layers["flame"])
     if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) {

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "model/colour_map.h"
+#include "model/flame_glow.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "widgets/image_view.h"
@@ -122,16 +123,26 @@ void SectionView::sample_flame() {
   const int columns = std::max(1, static_cast<int>((z1 - z0) / step)),
             rows = std::max(1, static_cast<int>((h1 - h0) / step));
   std::vector<MediumSample> samples;
+  std::vector<Vec3> places;
   double cold = 1e300, hot = 0, dense = 0;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
       const double z = z1 - (column + 0.5) * step, h = h1 - (row + 0.5) * step;
       const Vec3 local = horizontal_ ? Vec3{h, 0, z} : Vec3{0, -h, z};
-      samples.push_back(medium.sample(scene_->camera.to_world().point(local)));
+      places.push_back(scene_->camera.to_world().point(local));
+      samples.push_back(medium.sample(places.back()));
       if (samples.back().absorption <= 0) continue;
       cold = std::min(cold, samples.back().temperature);
       hot = std::max(hot, samples.back().temperature);
       dense = std::max(dense, samples.back().absorption);
+    }
+  if (dense == 0)  // a clear flame: by what it emits
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i].absorption = glow(medium, places[i]);
+      if (samples[i].absorption <= 0) continue;
+      cold = std::min(cold, samples[i].temperature);
+      hot = std::max(hot, samples[i].temperature);
+      dense = std::max(dense, samples[i].absorption);
     }
   flame_ = QImage(columns, rows, QImage::Format_ARGB32_Premultiplied);
   flame_.fill(Qt::transparent);
