@@ -81,6 +81,31 @@ TEST(VoxelLines, HomogeneousBlockInClosedForm) {
     }
 }
 
+// Rays that end on something solid, or begin within the flame, see the light of what they pass and
+// no more: of the same block from 5.3 to 17.8 mm, through bricks passed at once and cell by cell.
+TEST(VoxelLines, CutWhereARayBeginsAndEnds) {
+  const std::array<int, 3> size{24, 20, 20};
+  const std::vector<Ray> rays{{{0, 0.0103, 0.0097}, {1, 0, 0}}, {{24e-3, 0.01, 0.008}, {-1, 0, 0}}};
+  constexpr double kFrom = 5.3e-3, kTo = 17.8e-3;
+  for (const double kappa : {0.0, 40.0}) {
+    const Flame flame{
+        even(size, 300, 300), even(size, static_cast<float>(kappa)), {even(size, 35)}, {1}};
+    const double expected =
+        35 * (kappa > 0 ? -std::expm1(-kappa * (kTo - kFrom)) / kappa : kTo - kFrom);
+    for (const auto mode : {VoxelInterpolation::constant, VoxelInterpolation::trilinear}) {
+      const auto medium = flame.medium(mode);
+      for (const Isa isa : supported_isas())
+        for (const bool skip : {true, false})
+          for (std::size_t r = 0; r < rays.size(); ++r) {
+            const Seen precise = see<double>(*medium, rays, with(isa, skip), kFrom, kTo);
+            const Seen single = see<float>(*medium, rays, with(isa, skip), kFrom, kTo);
+            EXPECT_LT(relative_error(precise.radiance[0][r], expected), 1e-12) << kappa << skip;
+            EXPECT_LT(relative_error(single.radiance[0][r], expected), 2e-5) << kappa << skip;
+          }
+    }
+  }
+}
+
 // Emission that rises evenly through gas that absorbs evenly, on an oblique ray that begins and
 // ends inside: exact. Fails when the weights of the two nodes are made equal.
 TEST(VoxelLines, LinearEmissionInHomogeneousGasIsExact) {

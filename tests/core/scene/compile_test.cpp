@@ -88,13 +88,23 @@ TEST(Compile, SaysWhereScatteredLightIsNoisierThanItsError) {
   EXPECT_EQ(warnings("07000400", ""), "");
   EXPECT_EQ(warnings("04500800", ""), "");
   EXPECT_EQ(warnings("04000900", ""), "");
-  const auto lamp = [](const std::string& x) {
-    return "[[lights]]\nkind = \"point\"\npower = \"1 W\"\nposition = [\"" + x +
-           "\", \"0 m\", \"0 m\"]\n";
+  const auto lamp = [](const std::string& x, const std::string& y, const std::string& z) {
+    return "[[lights]]\nkind = \"point\"\npower = \"1 W\"\nposition = [\"" + x + "\", \"" + y +
+           "\", \"" + z + "\"]\n";
   };
-  EXPECT_EQ(warnings("0700", lamp("1.2 m")), "");
-  EXPECT_NE(warnings("0700", lamp("1.05 m")).find("lights[0] is a point within a flame that"),
+  for (const std::string& outside :
+       {lamp("1.2 m", "0 m", "0 m"), lamp("0.8 m", "0 m", "0 m"), lamp("1 m", "0.2 m", "0 m"),
+        lamp("1 m", "-0.2 m", "0 m"), lamp("1 m", "0 m", "0.2 m"), lamp("1 m", "0 m", "-0.2 m")})
+    EXPECT_EQ(warnings("0700", outside), "");
+  const std::string within = lamp("1.05 m", "-0.05 m", "0.02 m");
+  EXPECT_NE(warnings("0700", within).find("lights[0] is a point within a flame that"),
             std::string::npos);
+  // Light from far away has no place in it, and without scattering a lamp makes no specks.
+  EXPECT_EQ(warnings("0700",
+                     "[[lights]]\nkind = \"environment\"\n"
+                     "radiance = \"1 W/(m^2 sr)\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n"),
+            "");
+  EXPECT_EQ(outcome(grid_scene(within), in_box({{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}})), "");
 }
 
 TEST(Compile, SaysWhichLineNamesTheFileThatIsWrong) {

@@ -98,11 +98,19 @@ TEST(Validate, EmissionLinesThatCountTheSameGridTwice) {
       "each a grid of its own, or a scale";
   EXPECT_EQ(warning({LineKind::c2_474}, {LineKind::c2_517}), twice);
   EXPECT_EQ(warning({LineKind::c2_517, 0, 0, {"g"}}, {LineKind::ch, 0, 0, {"g"}}), twice);
+  EXPECT_EQ(warning({LineKind::ch}, {LineKind::ch}), twice);
+  EXPECT_EQ(warning({LineKind::c2_564}, {LineKind::c2_474}), twice);
   EXPECT_EQ(warning({LineKind::ch}, {LineKind::c2_517}), "0 warnings");
   EXPECT_EQ(warning({LineKind::c2_474, 0, 0, {"a"}}, {LineKind::c2_517}), "0 warnings");
   LineSpec third{LineKind::c2_517};
   third.emission.scale = 0.3;
   EXPECT_EQ(warning({LineKind::c2_474}, third), "0 warnings");
+  // Of three the second and the third, once each.
+  EXPECT_EQ(warning_after([](Scene& s) {
+              with_line(s, {LineKind::ch});
+              s.flames[0].lines.resize(3, {LineKind::ch});
+            }),
+            "2 warnings");
 }
 
 TEST(Validate, GridsOfAlbedos) {
