@@ -56,6 +56,10 @@ constexpr std::string_view kChNames[] = {"ch*", "ch_star", "ch_emission", "ch"};
 constexpr std::string_view kC2Names[] = {"c2*", "c2_star", "c2_emission", "c2"};
 constexpr std::string_view kOhNames[] = {"oh*", "oh_star", "oh_emission", "oh"};
 constexpr std::string_view kSodiumNames[] = {"na_d", "na", "na_emission", "sodium"};
+constexpr LineGrid kLineGrids[] = {{LineKind::ch, "CH*"},
+                                   {LineKind::c2_517, "C2*"},
+                                   {LineKind::oh, "OH*"},
+                                   {LineKind::na_d, "Na_D"}};
 constexpr std::string_view kDensityNames[] = {"density"};
 
 /// What is read: one of the two grids of a flame.
@@ -253,8 +257,8 @@ bool is_clear(const FlameSpec& spec, const std::vector<GridInfo>& grids) {
 }
 
 bool names_a_line(const std::string& grid) {
-  for (const LineKind kind : {LineKind::ch, LineKind::c2_517, LineKind::oh, LineKind::na_d})
-    for (const std::string_view name : line_grid_names(kind))
+  for (const LineGrid& line : kLineGrids)
+    for (const std::string_view name : line_grid_names(line.kind))
       if (detail::lower_case(grid) == name) return true;
   return false;
 }
@@ -298,6 +302,10 @@ std::span<const std::string_view> line_grid_names(LineKind line) {
       break;
   }
   return {};
+}
+
+std::span<const LineGrid> line_grids() {
+  return kLineGrids;
 }
 
 std::span<const std::string_view> temperature_grid_names() {
@@ -353,12 +361,9 @@ VdbInfo vdb_info(const std::string& path) {
   std::error_code error;
   info.file_size = std::filesystem::file_size(path, error);
   const auto remark = [&](std::string text) { info.remarks.push_back(std::move(text)); };
-  constexpr std::pair<LineKind, const char*> kLines[] = {{LineKind::ch, "ch"},
-                                                         {LineKind::c2_517, "c2_517"},
-                                                         {LineKind::oh, "oh"},
-                                                         {LineKind::na_d, "na_d"}};
-  for (const auto& [line, kind] : kLines)
-    if (const GridInfo* grid = choose(info.grids, line_grid_names(line)); grid != nullptr) {
+  for (const LineGrid& line : kLineGrids)
+    if (const GridInfo* grid = choose(info.grids, line_grid_names(line.kind)); grid != nullptr) {
+      const std::string kind(line_word(line.kind));
       info.lines.push_back({grid->name, kind});
       if (!emission_unit(grid->unit, 500e-9))
         remark(

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands/command.h"
@@ -20,6 +21,8 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/radiometry/emission_line.h"
+#include "plenoflame/scene/spectral.h"
+#include "plenoflame/volumes/flame_file.h"
 #include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_writer.h"
@@ -60,27 +63,27 @@ double length(const char* option, const std::string& text) {
 
 /// "ch" or "ch=200 W/m^3": a grid of an emission line.
 SootFlameOptions::Line line_option(const std::string& text) {
-  struct Known {
-    const char *name, *grid;
-  };
-  constexpr Known kKnown[] = {{"ch", "CH*"}, {"c2_517", "C2*"}, {"oh", "OH*"}, {"na_d", "Na_D"}};
   constexpr double kPeak = 100;  // [W/m^3]
   const auto equals = text.find('=');
   const std::string name = text.substr(0, equals);
-  for (const Known& known : kKnown) {
-    if (name != known.name) continue;
-    if (equals == std::string::npos) return {known.grid, kPeak};
+  std::string known;
+  for (const LineGrid& line : line_grids()) {
+    const std::string_view word = line_word(line.kind);
+    known.append(known.empty() ? "" : ", ").append(word);
+    if (name != word) continue;
+    const std::string grid(line.name);
+    if (equals == std::string::npos) return {grid, kPeak};
     std::istringstream value(text.substr(equals + 1));
     double number = 0;
     std::string unit;
     if (value >> number && std::getline(value >> std::ws, unit)) {
       const auto factor = emission_unit(unit, EmissionLine::named(name).wavelength());
-      if (factor && number > 0) return {known.grid, number * *factor};
+      if (factor && number > 0) return {grid, number * *factor};
     }
     throw UsageError("--line: \"" + text + "\" needs a peak above 0 with its unit, such as " +
                      name + "=\"200 W/m^3\"");
   }
-  throw UsageError("--line: there is no line \"" + name + "\"; known are ch, c2_517, oh, na_d");
+  throw UsageError("--line: there is no line \"" + name + "\"; known are " + known);
 }
 
 /// Makes sure that no option is given that the flame has no use for.

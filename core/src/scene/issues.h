@@ -2,6 +2,8 @@
 #include <initializer_list>
 #include <string>
 #include <utility>
+
+#include "plenoflame/base/error.h"
 #include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
@@ -25,6 +27,18 @@ class Issues {
     add(true, *chosen, message);
   }
   void warning(const std::string& key, const std::string& message) { add(false, key, message); }
+  /// Hands what an action throws over as an error at a key, behind what it is about.
+  /// @return whether it threw nothing
+  template <class Action>
+  bool expect(const std::string& key, const std::string& what, Action action) {
+    try {
+      action();
+      return true;
+    } catch (const InputError& thrown) {
+      error(key, what + ": " + thrown.what());
+      return false;
+    }
+  }
   std::size_t errors() const { return errors_; }
   std::vector<SceneIssue> take() { return std::move(list_); }
 

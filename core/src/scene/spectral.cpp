@@ -7,6 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/glass.h"
 #include "plenoflame/radiometry/spectral_nodes.h"
+#include "scene/schema_fields.h"
 
 namespace plenoflame {
 namespace {
@@ -108,24 +109,13 @@ std::vector<double> absorption_factors(const SpectrumSpec& spec,
   return factors;
 }
 
+std::string_view line_word(LineKind kind) {
+  return schema::Words<LineKind>::list[static_cast<std::size_t>(kind)];
+}
+
 EmissionLine emission_line(const LineSpec& spec) {
-  switch (spec.kind) {
-    case LineKind::custom:
-      break;
-    case LineKind::ch:
-      return EmissionLine::named("ch", spec.width);
-    case LineKind::c2_474:
-      return EmissionLine::named("c2_474", spec.width);
-    case LineKind::c2_517:
-      return EmissionLine::named("c2_517", spec.width);
-    case LineKind::c2_564:
-      return EmissionLine::named("c2_564", spec.width);
-    case LineKind::oh:
-      return EmissionLine::named("oh", spec.width);
-    case LineKind::na_d:
-      return EmissionLine::named("na_d", spec.width);
-  }
-  return EmissionLine::at(spec.wavelength, spec.width);
+  return spec.kind == LineKind::custom ? EmissionLine::at(spec.wavelength, spec.width)
+                                       : EmissionLine::named(line_word(spec.kind), spec.width);
 }
 
 std::vector<double> line_weights(const FlameSpec& flame,

@@ -21,16 +21,6 @@ bool is_channel_name(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), good);
 }
 
-/// Hands what a function throws over as an error at a key.
-template <class Try>
-void expect(Issues& issues, const std::string& key, const std::string& what, Try attempt) {
-  try {
-    attempt();
-  } catch (const InputError& error) {
-    issues.error(key, what + ": " + error.what());
-  }
-}
-
 void check_band(const ChannelSpec& channel, const std::string& path, Issues& issues) {
   const bool line = channel.kind == ChannelKind::line;
   const std::string name = quote_for_message(channel.name);
@@ -50,7 +40,7 @@ void check_band(const ChannelSpec& channel, const std::string& path, Issues& iss
 void check_photons(const ChannelSpec& channel, const std::string& path, Issues& issues) {
   if (!channel.photons || channel.kind != ChannelKind::curve || channel.curve.empty()) return;
   double largest = 0;
-  expect(issues, path + ".curve", "channel " + quote_for_message(channel.name), [&] {
+  issues.expect(path + ".curve", "channel " + quote_for_message(channel.name), [&] {
     for (const SpectralPoint& point : parse_spectral_points(channel.curve))
       largest = std::max(largest, point.value);
   });
@@ -84,13 +74,13 @@ void check_response(const ChannelSpec& channel, const std::string& path, Issues&
       check_band(channel, path, issues);
       break;
     case ChannelKind::named:
-      expect(issues, path + ".response", what,
-             [&] { static_cast<void>(spectral_response(channel)); });
+      issues.expect(path + ".response", what,
+                    [&] { static_cast<void>(spectral_response(channel)); });
       break;
     case ChannelKind::curve:
       if (!channel.curve.empty())
-        expect(issues, path + ".curve", what,
-               [&] { static_cast<void>(spectral_response(channel)); });
+        issues.expect(path + ".curve", what,
+                      [&] { static_cast<void>(spectral_response(channel)); });
       else if (channel.file.empty())
         issues.error(path, what + " is a curve and needs a file, or points in curve");
       break;
@@ -103,8 +93,8 @@ void check_spectrum(const FlameSpec& flame, const std::string& path, Issues& iss
     issues.error(path + ".spectrum.table",
                  path + ".spectrum is a table and needs points, like \"450 nm 1.4, 650 nm 1\"");
   else
-    expect(issues, path + ".spectrum.kind", path + ".spectrum",
-           [&] { static_cast<void>(absorption_spectrum(spectrum)); });
+    issues.expect(path + ".spectrum.kind", path + ".spectrum",
+                  [&] { static_cast<void>(absorption_spectrum(spectrum)); });
   for (std::size_t i = 0; i < flame.layers.size(); ++i) {
     const EllipsoidSpec& layer = flame.layers[i];
     const std::string key = fmt::format("{}.layers[{}].volume_fraction", path, i);
@@ -169,7 +159,7 @@ void check_glass_range(const Scene& scene, Issues& issues) {
 void check_camera_spectra(const Scene& scene, Issues& issues) {
   const std::string& filter = scene.camera.transmission.filter;
   if (!filter.empty())
-    expect(issues, "camera.transmission.filter", "camera.transmission.filter", [&] {
+    issues.expect("camera.transmission.filter", "camera.transmission.filter", [&] {
       for (const SpectralPoint& point : parse_spectral_points(filter))
         if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
     });
@@ -177,8 +167,8 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
   for (const ChannelSpec& channel : scene.channels)
     if (!filter.empty() && issues.errors() == 0 &&
         !(channel.kind == ChannelKind::curve && channel.curve.empty()))
-      expect(issues, "camera.transmission.filter", "channel " + quote_for_message(channel.name),
-             [&] { static_cast<void>(camera_response(scene, channel)); });
+      issues.expect("camera.transmission.filter", "channel " + quote_for_message(channel.name),
+                    [&] { static_cast<void>(camera_response(scene, channel)); });
   const double coating = scene.camera.transmission.coating_index;
   if (coating > 0 && coating < 1)
     issues.error("camera.transmission.coating_index",
@@ -191,17 +181,17 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
   if (issues.errors() > 0) return;
   check_glass_range(scene, issues);
   for (std::size_t i = 0; i < scene.channels.size(); ++i)
-    expect(issues, fmt::format("channels[{}].kind", i),
-           "channel " + quote_for_message(scene.channels[i].name), [&] {
-             const ChannelSpec& channel = scene.channels[i];
-             if (channel.kind == ChannelKind::total ||
-                 (channel.kind == ChannelKind::curve && channel.curve.empty()))
-               return;
-             Scene alone = scene;
-             alone.channels = {channel};
-             alone.channels[0].wavelengths = 16;  // to both ends of the response
-             static_cast<void>(is_dispersive(alone));
-           });
+    issues.expect(fmt::format("channels[{}].kind", i),
+                  "channel " + quote_for_message(scene.channels[i].name), [&] {
+                    const ChannelSpec& channel = scene.channels[i];
+                    if (channel.kind == ChannelKind::total ||
+                        (channel.kind == ChannelKind::curve && channel.curve.empty()))
+                      return;
+                    Scene alone = scene;
+                    alone.channels = {channel};
+                    alone.channels[0].wavelengths = 16;  // to both ends of the response
+                    static_cast<void>(is_dispersive(alone));
+                  });
 }
 
 void check_scattering(const FlameSpec& flame, const std::string& path, Issues& issues) {

@@ -11,18 +11,6 @@
 namespace plenoflame {
 namespace {
 
-/// Hands what a function throws over as an error at a key.
-template <class Try>
-bool expect(Issues& issues, const std::string& key, Try attempt) {
-  try {
-    attempt();
-    return true;
-  } catch (const InputError& error) {
-    issues.error(key, key + ": " + error.what());
-    return false;
-  }
-}
-
 bool is_seen(const Scene& scene, const EmissionLine& line) {
   return std::any_of(scene.channels.begin(), scene.channels.end(), [&](const ChannelSpec& channel) {
     if (channel.kind == ChannelKind::curve && channel.curve.empty()) return true;  // not read yet
@@ -48,7 +36,8 @@ void check_line(const Scene& scene, const FlameSpec& flame, const LineSpec& line
                    path + ".wavelength is not used: the line's kind says where it is");
   if (custom && line.emission.grid.empty())
     issues.error(path, path + " needs a grid of the flame's file; set grid = \"NAME\"");
-  if (!expect(issues, path + ".width", [&] { static_cast<void>(emission_line(line)); })) return;
+  const std::string width = path + ".width";
+  if (!issues.expect(width, width, [&] { static_cast<void>(emission_line(line)); })) return;
   const EmissionLine made = emission_line(line);
   const std::string& unit = line.emission.unit;
   if (!unit.empty() && !emission_unit(unit, made.wavelength()))

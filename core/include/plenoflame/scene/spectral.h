@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "plenoflame/radiometry/absorption_spectrum.h"
@@ -34,6 +35,9 @@ AbsorptionSpectrum absorption_spectrum(const SpectrumSpec& spec);
 /// @throws InputError where the spectrum is not known, or a channel has all wavelengths
 std::vector<double> absorption_factors(const SpectrumSpec& spec,
                                        const std::vector<SourceFunction>& channels);
+
+/// The word of scene files for a kind of line.
+std::string_view line_word(LineKind kind);
 
 /// @throws InputError for a custom line without a wavelength, or one that is too wide
 EmissionLine emission_line(const LineSpec& spec);

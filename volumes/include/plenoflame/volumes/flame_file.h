@@ -29,6 +29,13 @@ std::span<const std::string_view> absorption_grid_names();
 /// Of an emission line; none for a custom one.
 std::span<const std::string_view> line_grid_names(LineKind line);
 
+/// A line whose grid is known by its name; of a radical's lines the strongest stands for all.
+struct LineGrid {
+  LineKind kind;
+  std::string_view name;  ///< the one that is written; those of line_grid_names() are read
+};
+std::span<const LineGrid> line_grids();
+
 /// Reads the grids of a flame of kind vdb: value = scale * stored + offset, in the unit that the
 /// scene or else the file's metadata states (else K and 1/m), converted to K and 1/m.
 /// Temperature: K, degC. Absorption: 1/m, 1/cm, 1/mm. Emission lines: emission_unit(); they have no
