@@ -1,9 +1,13 @@
 #include "plenoflame/radiometry/two_colour.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <vector>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/pyrometry.h"
 #include "support/approx.h"
 
 namespace plenoflame {
@@ -42,6 +46,51 @@ TEST(TwoColour, HasNoTemperatureForEveryRatio) {
   for (const double ratio : {0.0, -1.0, 1e-30, 1e9, std::nan(""), HUGE_VAL})
     EXPECT_TRUE(std::isnan(grey.temperature(ratio))) << ratio;
   EXPECT_THROW(TwoColour(kRed, kRed, {}), InputError);
+}
+
+LightFieldChannel channel_of(const std::vector<float>& flux, const std::vector<float>& error) {
+  LightFieldChannel channel;
+  channel.flux = Image(static_cast<int>(flux.size()), 1);
+  channel.flux.pixels = flux;
+  if (error.empty()) return channel;
+  channel.standard_error = Image(static_cast<int>(error.size()), 1);
+  channel.standard_error.pixels = error;
+  return channel;
+}
+
+// Pixels of 1200 and 1800 K by the ratios above, one too dim in either channel, one whose ratio is
+// nobody's, one that is not a number. Errors by Wien's law: T^2 / (c2 (1/l1 - 1/l2)) times the
+// relative ones of both channels, as the sides of a right angle.
+TEST(TwoColour, MapOfPixels) {
+  const float nan = std::nanf("");
+  const float cold = 0.0124106358400224659F, hot = 0.0529342554712539326F;
+  const LightFieldChannel red =
+      channel_of({cold, 2 * hot, 1e-4F, hot, 1, nan}, {0.03F * cold, 0.02F * hot, 1, 1, 1, 1});
+  const LightFieldChannel infrared = channel_of({1, 2, 1, 1e-3F, 1e-2F, 1}, {0.04F, 0, 1, 1, 1, 1});
+  const TwoColour law(kRed, kInfrared, {});
+  const TemperatureMap map = two_colour_map(red, infrared, law);
+  EXPECT_EQ(map.pixels, 2u);
+  EXPECT_TRUE(relative(map.temperature.at(0, 0), 1200, 1e-6));
+  EXPECT_TRUE(relative(map.temperature.at(1, 0), 1800, 1e-6));
+  for (int x = 2; x < 6; ++x) EXPECT_EQ(map.temperature.at(x, 0), 0) << x;
+  EXPECT_TRUE(relative(map.mean, 1500, 1e-6));
+  EXPECT_TRUE(relative(map.deviation, 300 * std::sqrt(2.0), 1e-5));
+  EXPECT_TRUE(relative(map.lowest, 1200, 1e-6) && relative(map.highest, 1800, 1e-6));
+  const double wien = 1 / (constants::second_radiation * (1 / 650e-9 - 1 / 850e-9));
+  const double errors[] = {0.05 * 1200.0 * 1200 * wien, 0.01 * 1800.0 * 1800 * wien};
+  for (int x = 0; x < 2; ++x)
+    EXPECT_TRUE(relative(map.standard_error.at(x, 0), errors[x], 5e-3)) << x;
+  EXPECT_TRUE(relative(map.expected_deviation,
+                       std::sqrt(0.5 * (errors[0] * errors[0] + errors[1] * errors[1])), 5e-3));
+  // A pixel alone does not deviate; without errors there are none; what is dark has no map.
+  const LightFieldChannel one = channel_of({hot, 0}, {}), other = channel_of({1, 0}, {});
+  const TemperatureMap alone = two_colour_map(one, other, law);
+  EXPECT_EQ(alone.deviation, 0);
+  EXPECT_EQ(alone.expected_deviation, 0);
+  EXPECT_TRUE(alone.standard_error.empty());
+  EXPECT_THROW(two_colour_map(one, channel_of({0, 0}, {}), law), InputError);
+  EXPECT_THROW(two_colour_map(one, channel_of({1}, {}), law), InputError);
+  EXPECT_THROW(two_colour_map(channel_of({1, 0}, {}), channel_of({1e-9F, 0}, {}), law), InputError);
 }
 
 }  // namespace
