@@ -117,6 +117,12 @@ class Rays(CommandTest):
         self.assertLessEqual(len({tuple(ray["pixel"]) for ray in json.loads(self.read("r.json"))["rays"]}), 5)
         figures = self.json_of("rays", "a.toml", "--chief", "-o", "c.vtp")
         self.assertEqual(figures["reached"], figures["rays"])
+        # Drawn for no pixel, they carry radiance, but no flux that could be 0 W.
+        self.assertEqual(figures["of_images"], 0)
+        said = self.succeeds("rays", "a.toml", "--chief", "-o", "c.csv")
+        self.assertIn("none: without a share of a pixel", said)
+        self.assertIn("none: without a share of a pixel", self.succeeds("info", "c.csv"))
+        self.assertIn("carried by these rays", self.succeeds("info", "r.json"))
         self.assertEqual(self.json_of("info", "c.vtp")["lines"], figures["rays"])
 
     def rays_of(self, *arguments):

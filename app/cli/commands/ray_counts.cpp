@@ -53,9 +53,12 @@ void report_ray_counts(const RayCounts& counts, Report& report) {
   add("totally reflected", counts.by_status[2], "total_internal_reflection");
   add("missed a surface", counts.by_status[3], "missed");
   add("vertices", counts.vertices, "vertices");
+  add("with a share of a pixel", counts.of_images, "of_images");
   for (std::size_t c = 0; c < counts.channels.size(); ++c)
     report.add("flux, " + counts.channels[c],
-               readable(counts.flux[c], Dimension::flux) + " carried by these rays",
+               counts.of_images == 0
+                   ? "none: without a share of a pixel they have radiance only"
+                   : readable(counts.flux[c], Dimension::flux) + " carried by these rays",
                "flux." + counts.channels[c], counts.flux[c]);
 }
 
@@ -116,6 +119,7 @@ RayCounts count_rays_of_csv(const std::string& path) {
     const std::size_t how = status_of(cells[status]);
     if (how > 3) refuse("'" + cells[status] + "' is not the status of a ray");
     ++counts.by_status[how];
+    counts.of_images += value(weight) > 0;
     for (std::size_t c = 0; c < radiance.size(); ++c)
       counts.flux[c] += value(weight) * value(radiance[c]);
   }
@@ -133,6 +137,7 @@ RayCounts count_rays_of_json(const std::string& path) {
     ++counts.rays;
     ++counts.by_status[how];
     counts.vertices += ray.at("vertices").size();
+    counts.of_images += ray.at("weight").get<double>() > 0;
     const Json& radiance = ray.at("radiance");
     counts.flux.resize(std::max(counts.flux.size(), radiance.size()));
     for (std::size_t c = 0; c < radiance.size(); ++c)

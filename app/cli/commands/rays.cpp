@@ -51,8 +51,10 @@ RayCounts counts_of(const RayPaths& paths) {
   counts.rays = paths.rays.size();
   counts.vertices = paths.vertices.size();
   counts.channels = paths.channels;
-  for (const RayPath& ray : paths.rays)
+  for (const RayPath& ray : paths.rays) {
     ++counts.by_status[static_cast<std::size_t>(ray.status.status)];
+    counts.of_images += ray.weight > 0;
+  }
   for (std::size_t c = 0; c < paths.channels.size(); ++c) {
     double flux = 0;
     for (std::size_t i = 0; i < paths.rays.size(); ++i)
