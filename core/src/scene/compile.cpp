@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/validate.h"
@@ -119,6 +123,23 @@ void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& 
   }
 }
 
+/// Places in smoke are found by steps as short as its largest extinction asks for, everywhere.
+void warn_of_short_steps(const CompiledScene& compiled, const Execution& execution) {
+  constexpr double kMany = 1e4;  // some 0.1 ms for every line that light takes
+  if (compiled.scatterers.empty()) return;
+  double most = 0;
+  for (int c = 0; c < compiled.medium->channel_count(); ++c)
+    most = std::max(most, compiled.medium->largest_absorption(c));
+  const Box box = compiled.medium->bounds();
+  const double steps = most * length(box.upper - box.lower);
+  if (!std::isfinite(steps) || !(steps > kMany)) return;
+  execution.warn(fmt::format(
+      "the flames scatter, and absorb and scatter up to {:.3g} 1/m within bounds that "
+      "are {} across: light takes up to {:.2g} steps through them, which is slow; is "
+      "the absorption of all of them in 1/m?",
+      most, readable_quantity(length(box.upper - box.lower), Dimension::length), steps));
+}
+
 using Media = std::vector<std::shared_ptr<const Medium>>;
 
 Media load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
@@ -214,6 +235,7 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
   if (nodes.sources.size() > scene.channels.size()) compiled.channel_of_node = nodes.channel;
   compiled.spectral_error = nodes.error;
+  warn_of_short_steps(compiled, execution);
   if (!is_dispersive(scene)) return compiled;
   Execution quiet = execution;  // the same warnings once are enough
   quiet.message = {};

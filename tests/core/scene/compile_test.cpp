@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/media/layered_medium.h"
 #include "scene_samples.h"
 #include "support/approx.h"
 #include "support/uniform_medium.h"
@@ -105,6 +106,26 @@ TEST(Compile, SaysWhereScatteredLightIsNoisierThanItsError) {
                      "radiance = \"1 W/(m^2 sr)\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n"),
             "");
   EXPECT_EQ(outcome(grid_scene(within), in_box({{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}})), "");
+}
+
+TEST(Compile, SaysWhereScatteringTakesShortSteps) {
+  // A ball of 0.2 m in a box of 0.3464 m from corner to corner: 28868 1/m make 10 000 steps of it.
+  const auto warnings = [](double absorption, const std::string& scattering) {
+    return outcome(
+        grid_scene(scattering + "[[channels]]\nname = \"a\"\nkind = \"total\"\n"),
+        [&](const FlameSpec&, const std::string&, const std::vector<SourceFunction>& channels,
+            const Execution&) -> std::unique_ptr<Medium> {
+          return make_layered_medium({{{1, 0, 0}, {0.1, 0.1, 0.1}, 1500, absorption}}, {},
+                                     channels);
+        });
+  };
+  const std::string scattering = "[flames.scattering]\nalbedo = 0.5\n";
+  EXPECT_EQ(warnings(28800, scattering), "");
+  EXPECT_NE(warnings(28900, scattering)
+                .find("up to 2.89e+04 1/m within bounds that are 346.4 mm across: light takes up "
+                      "to 1e+04 steps"),
+            std::string::npos);
+  EXPECT_EQ(warnings(28900, ""), "");
 }
 
 TEST(Compile, SaysWhichLineNamesTheFileThatIsWrong) {
