@@ -84,6 +84,7 @@ CompiledScene wide_camera(const TransmissionSpec& transmission) {
   camera.focus.object_distance = 1;
   camera.focus.conjugate = "array";
   camera.transmission = transmission;
+  camera.wavelength = 650e-9;
   return test::scene_of(camera, std::make_unique<test::UniformMedium>());
 }
 

@@ -64,14 +64,16 @@ LightFieldChannel channel_of(const std::vector<float>& flux, const std::vector<f
 TEST(TwoColour, MapOfPixels) {
   const float nan = std::nanf("");
   const float cold = 0.0124106358400224659F, hot = 0.0529342554712539326F;
-  const LightFieldChannel red =
-      channel_of({cold, 2 * hot, 1e-4F, hot, 1, nan}, {0.03F * cold, 0.02F * hot, 1, 1, 1, 1});
-  const LightFieldChannel infrared = channel_of({1, 2, 1, 1e-3F, 1e-2F, 1}, {0.04F, 0, 1, 1, 1, 1});
+  const LightFieldChannel red = channel_of({cold, 2 * hot, 1e-4F, 0.00108F, 0.1F, nan},
+                                           {0.03F * cold, 0.02F * hot, 1, 1, 1, 1});
+  const LightFieldChannel infrared =
+      channel_of({1, 2, 1, 0.0199F, 0.021F, 1}, {0.04F, 0, 1, 1, 1, 1});
   const TwoColour law(kRed, kInfrared, {});
   const TemperatureMap map = two_colour_map(red, infrared, law);
   EXPECT_EQ(map.pixels, 2u);
   EXPECT_TRUE(relative(map.temperature.at(0, 0), 1200, 1e-6));
   EXPECT_TRUE(relative(map.temperature.at(1, 0), 1800, 1e-6));
+  EXPECT_TRUE(std::isfinite(law.temperature(0.00108 / 0.0199)));  // but for the dimness
   for (int x = 2; x < 6; ++x) EXPECT_EQ(map.temperature.at(x, 0), 0) << x;
   EXPECT_TRUE(relative(map.mean, 1500, 1e-6));
   EXPECT_TRUE(relative(map.deviation, 300 * std::sqrt(2.0), 1e-5));

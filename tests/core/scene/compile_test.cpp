@@ -128,6 +128,25 @@ TEST(Compile, SaysWhereScatteringTakesShortSteps) {
   EXPECT_EQ(warnings(28900, ""), "");
 }
 
+// Light whose spectrum nobody gave loses what white light loses: three quarters of this band.
+TEST(Compile, AFilterDimsLampsAndSurroundings) {
+  const auto light = [](const std::string& filter) {
+    const SceneDocument document = grid_scene(
+        filter +
+        "[[channels]]\nname = \"a\"\nkind = \"band\"\nwavelength = \"650 nm\"\nwidth = \"40 nm\"\n"
+        "[[lights]]\nkind = \"environment\"\nradiance = \"300 W/(m^2 sr)\"\n"
+        "[[lights]]\nkind = \"point\"\npower = \"1 W\"\nposition = [\"1 m\", \"1 m\", \"1 m\"]\n");
+    const Lights lights =
+        compile(document.scene, in_box({{0.9, -0.1, -0.1}, {1.1, 0.1, 0.1}})).lights;
+    return std::pair(lights.environment.at(0), lights.delta.at(0).strength.at(0));
+  };
+  const auto open = light("");
+  const auto dim = light("[camera.transmission]\nfilter = \"640 nm 0, 660 nm 0.5, 700 nm 0.5\"\n");
+  // 0 to 0.5 over 20 nm, then 0.5 over 10 nm, of 40 nm.
+  EXPECT_TRUE(test::relative(dim.first / open.first, 0.25, 1e-9));
+  EXPECT_TRUE(test::relative(dim.second / open.second, 0.25, 1e-9));
+}
+
 TEST(Compile, SaysWhichLineNamesTheFileThatIsWrong) {
   const auto throwing = [](const auto& error) {
     return [error](const FlameSpec&, const std::string& folder, const std::vector<SourceFunction>&,
