@@ -76,6 +76,20 @@ if chosen candle-temperature; then
   join candle-temperature out/candle-colours.png out/two-colours.png out/truth-temperature.png
 fi
 
+# The candle with its blue base in colour, in the light of CH* and in that of soot.
+if chosen candle-blue; then
+  "$plenoflame" flame candle --line "ch=10 kW/m^3" --line "c2_517=5 kW/m^3" -o examples/candle-blue.vdb
+  "$plenoflame" render examples/candle-blue.toml --samples "$samples" -o out/candle-blue.exr
+  "$plenoflame" develop out/candle-blue.exr --colour -o out/candle-blue.png
+  for channel in CH soot; do
+    "$plenoflame" develop out/candle-blue.exr --channel "$channel" -o "out/candle-$channel.png"
+  done
+  for name in blue CH soot; do
+    convert "out/candle-$name.png" -filter point -resize 200% "out/candle-$name.png"
+  done
+  join candle-blue out/candle-blue.png out/candle-CH.png out/candle-soot.png
+fi
+
 # A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.
 if chosen paper-previous-60x60; then
   render paper-previous-60x60

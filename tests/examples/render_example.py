@@ -8,6 +8,7 @@ run states must fall when it takes more samples, and two runs with different see
 import json
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -25,8 +26,12 @@ def main():
     plenoflame, scene = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     with tempfile.TemporaryDirectory() as folder:
         shutil.copy(scene, folder)
-        for name in re.findall(r'file = "([^"]+)\.vdb"', scene.read_text()):
-            run(plenoflame, "flame", name, "-o", f"{name}.vdb", "--voxel-size", "1 mm", cwd=folder)
+        text = scene.read_text()
+        for name in re.findall(r'file = "([^"]+)\.vdb"', text):
+            # As its comment makes it: a candle with lines is a candle, too.
+            said = re.search(rf"plenoflame flame (.*) -o examples/{name}\.vdb", text)
+            flame = shlex.split(said[1]) if said else [name]
+            run(plenoflame, "flame", *flame, "-o", f"{name}.vdb", "--voxel-size", "1 mm", cwd=folder)
         info = json.loads(run(plenoflame, "info", scene.name, "--json", cwd=folder))
         columns, rows = info["sensor"]
         width, height = min(columns, 200), min(rows, 200)
