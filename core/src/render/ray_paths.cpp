@@ -14,6 +14,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_tile.h"
 #include "render/channel_sum.h"
+#include "render/medium_segments.h"
 #include "render/ray_path_tracer.h"
 #include "render/scene_medium.h"
 #include "render/surface_light.h"
@@ -97,7 +98,9 @@ void to_channels(const CompiledScene& scene, std::vector<double>& carried) {
 class LightBehind {
  public:
   explicit LightBehind(const CompiledScene& scene)
-      : scene_(scene), nodes_(static_cast<std::size_t>(scene.node_count())) {
+      : scene_(scene),
+        nodes_(static_cast<std::size_t>(scene.node_count())),
+        segments_(scene.medium.get(), {}) {
     if (scene.surfaces) {
       plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
       light_ = std::make_unique<SurfaceLight>(*plan_);
@@ -132,8 +135,14 @@ class LightBehind {
       const std::vector<double>& environment = scene_.lights.environment;
       for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
     }
-    const double transmittance = std::exp(-carried.back());
-    for (std::size_t n = 0; n < nodes_; ++n) carried[n] += transmittance * radiance[n][0];
+    // The flames in front may let another share of each wavelength through.
+    MediumCounters counters;
+    segments_.clear();
+    segments_.add({before, line.direction},
+                  ray.solid >= 0 ? length(line.origin - before) : kInfinity);
+    segments_.integrate(false, counters);
+    for (std::size_t n = 0; n < nodes_; ++n)
+      carried[n] += segments_.transmittance(0, n) * radiance[n][0];
     if (walk_) add_scattered(line, number, ray.solid >= 0, carried);
   }
 
@@ -147,6 +156,7 @@ class LightBehind {
 
   const CompiledScene& scene_;
   std::size_t nodes_;
+  MediumSegments segments_;
   std::unique_ptr<SurfaceLightPlan> plan_;
   std::unique_ptr<SurfaceLight> light_;
   std::unique_ptr<const ScatterPlan> scatter_;
