@@ -40,10 +40,12 @@ std::span<const LineGrid> line_grids();
 /// scene or else the file's metadata states (else K and 1/m), converted to K and 1/m.
 /// Temperature: K, degC. Absorption: 1/m, 1/cm, 1/mm. Emission lines: emission_unit(); they have no
 /// unit unless one is stated. A flame with emission lines may have no grid of absorption, unless
-/// the scene names one: then it absorbs nothing, and needs no temperature either. The transforms
-/// are the file's; the flame's scale, position and rotation are not applied.
+/// the scene names or maps one, or a temperature, or asks for scattering: then it absorbs nothing,
+/// and needs no temperature either. The transforms are the file's; the flame's scale, position and
+/// rotation are not applied.
 /// @param scene_folder relative paths start here; empty: the current folder
-/// @param execution gets a warning when the largest temperature is below 200 K
+/// @param execution gets a warning when the largest temperature is below 200 K, when there is
+/// nothing to be seen, and when a flame of emission lines alone leaves other grids unused
 /// @throws FileError (see read_voxel_field). @throws InputError: a grid is missing (lists those
 /// present), an unknown unit, NaN or infinite or negative values (names grid and voxel),
 /// absorption or emission with a background other than 0, emission without a unit.
