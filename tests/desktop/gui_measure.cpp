@@ -40,6 +40,14 @@ double worked() {
   return milliseconds(CLOCK_THREAD_CPUTIME_ID);
 }
 
+/// What the calling thread waited for processors that others had, on Linux.
+double waited() {
+  std::ifstream file("/proc/thread-self/schedstat");
+  double ran = 0, waiting = 0;
+  file >> ran >> waiting;
+  return 1e-6 * waiting;
+}
+
 /// The longest time that the event loop did not turn, and what it worked meanwhile.
 class Heartbeat : public QObject {
  public:
@@ -101,14 +109,14 @@ bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   const QEvent::Type type = event->type();
   const std::string who =
       std::string(receiver->metaObject()->className()) + " " + receiver->objectName().toStdString();
-  const double since = wall(), before = worked();
+  const double since = wall(), before = worked(), waited_before = waited();
   ++depth_;
   const bool done = QApplication::notify(receiver, event);
   --depth_;
   const double took = wall() - since, work = worked() - before;
   if (std::max(took, work) > kReported)
-    std::printf("    %.0f ms, %.0f ms of them work: %s of %s\n", took, work, name_of(type),
-                who.c_str());
+    std::printf("    %.0f ms, %.0f ms of them work, %.0f ms waiting for a processor: %s of %s\n",
+                took, work, waited() - waited_before, name_of(type), who.c_str());
   return done;
 }
 

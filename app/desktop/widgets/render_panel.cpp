@@ -170,7 +170,11 @@ void RenderPanel::show_status() {
                                        : skipped_->fontMetrics().elidedText(all, Qt::ElideRight,
                                                                             skipped_->width()));
   skipped_->setToolTip(tr("What did not need to be computed in the last pass: ") + all);
+  // By itself a bar draws at once, and with it the whole window, before all the rest that changes
+  // here is drawn in its turn.
+  bar_->setUpdatesEnabled(false);
   bar_->setValue(static_cast<int>(std::lround(1000 * status.fraction)));
+  bar_->setUpdatesEnabled(true);
   PlotWidget::Series series;
   series.colour = QColor(0, 114, 178);
   series.marks = true;
