@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -131,6 +132,62 @@ TEST_F(DocumentTest, LookOfTheFlameIsUndoneButNotSaved) {
   document_.open_text(small_scene_text(), "again.toml");
   EXPECT_EQ(document_.look(), look);
   EXPECT_FALSE(document_.can_undo());
+}
+
+TEST_F(DocumentTest, LookAfterAnUndoIsAStepOfItsOwn) {
+  FlameLook look = document_.look();
+  look.density = 2;
+  document_.set_look(look, "density", "stroke 1");
+  const FlameLook first = look;
+  look.density = 3;
+  document_.set_look(look, "density", "stroke 2");
+  document_.undo();
+  look.density = 4;
+  document_.set_look(look, "density", "stroke 1");  // the word of the step that is left
+  document_.undo();
+  EXPECT_EQ(document_.look(), first);
+}
+
+TEST_F(DocumentTest, PresetsStayWhereTheirPredecessorsStood) {
+  document_.set_value("camera.position", "1 mm, 2 mm, 3 mm");
+  document_.set_value("camera.look_direction", "1, 0.25, 0");
+  document_.set_value("camera.up", "0, 0.5, 1");
+  document_.set_value("flames[0].position", "1.1 m, 0 m, 0.1 m");
+  document_.set_value("flames[0].rotation", "0.1 rad, 0.2 rad, 0.3 rad");
+  document_.set_value("flames[0].scale", "1.5");
+  const Scene before = document_.scene();
+  document_.apply_preset(PresetKind::camera, "raytrix-r29");
+  EXPECT_NE(document_.scene().camera, before.camera);
+  EXPECT_EQ(document_.scene().camera.position, before.camera.position);
+  EXPECT_EQ(document_.scene().camera.look_direction, before.camera.look_direction);
+  EXPECT_EQ(document_.scene().camera.up, before.camera.up);
+  const std::string other = preset_names(PresetKind::flame).back();
+  document_.apply_preset(PresetKind::flame, other, 0);
+  ASSERT_EQ(document_.scene().flames.size(), 1U);
+  EXPECT_NE(document_.scene().flames[0], before.flames[0]);
+  EXPECT_EQ(document_.scene().flames[0].position, before.flames[0].position);
+  EXPECT_EQ(document_.scene().flames[0].rotation, before.flames[0].rotation);
+  // One more stands where the first does, not where the camera is.
+  document_.apply_preset(PresetKind::flame, other, 1);
+  ASSERT_EQ(document_.scene().flames.size(), 2U);
+  EXPECT_EQ(document_.scene().flames[1].position, before.flames[0].position);
+}
+
+TEST_F(DocumentTest, EveryOtherSelectionIsTold) {
+  int calls = 0;
+  QObject::connect(&document_, &Document::selection_changed, &document_, [&] { ++calls; });
+  document_.select(Selection::of_pixel(3, 4));
+  document_.select(Selection::of_pixel(3, 4));
+  EXPECT_EQ(calls, 1);
+  document_.select(Selection::of_pixel(3, 5));
+  document_.select(Selection::of_pixel(4, 5));
+  document_.select(Selection::of_microlens({3, 4}));
+  document_.select(Selection::of_microlens({3, 5}));
+  document_.select(Selection::of_microlens({4, 5}));
+  document_.select(Selection::of_point({1, 0, 0}));
+  document_.select(Selection::of_point({1, 0, 1}));
+  document_.select({});
+  EXPECT_EQ(calls, 9);
 }
 
 TEST(FlameLook, OpacityRunsStraightBetweenPoints) {
@@ -303,7 +360,10 @@ TEST_F(DocumentTest, ThousandEditsTakeNoMoreMemory) {
 
 TEST_F(DocumentTest, RecoveryFindsWhatADeadProgramLeft) {
   const TemporaryFolder folder;
-  write_file(folder.file("mine.toml"), small_scene_text());
+  // With a file beside it, which the copy must name from where it lies itself.
+  write_file(folder.file("mine.toml"), small_scene_text() +
+                                           "\n[[flames]]\nkind = \"vdb\"\nfile = \"beside.vdb\"\n"
+                                           "position = [\"1 m\", \"0 m\", \"0 m\"]\n");
   document_.open(folder.file("mine.toml"));
   document_.set_value("camera.focus.object_distance", "1.5 m");
   const Scene edited = document_.scene();
@@ -330,6 +390,34 @@ TEST_F(DocumentTest, RecoveryFindsWhatADeadProgramLeft) {
   EXPECT_TRUE(recovery.left_behind().empty());
 }
 
+TEST_F(DocumentTest, CopyOfAProgramThatRunsIsLeftAlone) {
+  const TemporaryFolder folder;
+  document_.set_value("camera.focus.object_distance", "1.5 m");
+  std::array<int, 2> ready{};
+  ASSERT_EQ(pipe(ready.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    auto* const recovery = new Recovery(folder.file("recovery"));
+    recovery->keep(document_);
+    if (write(ready[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();  // until it is killed
+  }
+  char word = 0;
+  ASSERT_EQ(read(ready[0], &word, 1), 1);
+  Recovery recovery(folder.file("recovery"));
+  const bool told = recovery.ended_badly();
+  const auto running = recovery.left_behind();
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(ready[0]);
+  close(ready[1]);
+  EXPECT_FALSE(told);
+  EXPECT_TRUE(running.empty());
+  EXPECT_TRUE(recovery.ended_badly());
+  EXPECT_EQ(recovery.left_behind().size(), 1U);
+}
+
 TEST_F(DocumentTest, OwnRecoveryGoesWhenNothingIsUnsaved) {
   const TemporaryFolder folder;
   std::string copy;
@@ -342,6 +430,11 @@ TEST_F(DocumentTest, OwnRecoveryGoesWhenNothingIsUnsaved) {
     recovery.keep(document_);
     EXPECT_TRUE(std::filesystem::exists(copy));
     EXPECT_TRUE(recovery.left_behind().empty());  // this program is still there
+    document_.undo();  // as it was saved: nothing to recover, should it crash now
+    recovery.keep(document_);
+    EXPECT_FALSE(std::filesystem::exists(copy));
+    document_.redo();
+    recovery.keep(document_);
     Recovery another(folder.file("recovery"));
     EXPECT_FALSE(another.ended_badly());
   }

@@ -194,6 +194,90 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(child<ImageView>("epipolarView")->image()->height() % LightFieldJobs::kGrid == 0);
   }
 
+  void lookOfTheFlameIsWhatIsDrawn() {
+    open_small();
+    press(Qt::Key_2, Qt::ControlModifier);  // the flame fills the view
+    QVERIFY(settled());
+    Document& document = session().document();
+    const auto [coldest, hottest] = window_->scene_view().flame_temperatures();
+    QVERIFY(coldest > 0 && hottest > coldest);
+    struct Drawn {
+      double covered = 0;  // differs from the background, summed
+      int green = 0;       // pixels that differ clearly with more green than red
+      int width = 0;       // columns in which pixels differ clearly
+    };
+    const auto draw = [&](const FlameLook& look) {
+      document.set_look(look, "test");
+      const QImage picture = window_->scene_view().picture();
+      const QColor back(picture.pixel(2, picture.height() / 2));
+      Drawn out;
+      for (int x = 0; x < picture.width(); ++x) {
+        bool any = false;
+        for (int y = 0; y < picture.height() * 3 / 4; ++y) {  // below is the bar of temperatures
+          const QColor c(picture.pixel(x, y));
+          const int differs = std::abs(c.red() - back.red()) + std::abs(c.green() - back.green()) +
+                              std::abs(c.blue() - back.blue());
+          out.covered += differs;
+          if (differs < 40) continue;
+          any = true;
+          out.green += c.green() > c.red() + 15 ? 1 : 0;
+        }
+        out.width += any ? 1 : 0;
+      }
+      return out;
+    };
+    FlameLook look;
+    const Drawn usual = draw(look);
+    QVERIFY(usual.covered > 0);
+    look.density = 4;
+    const Drawn dense = draw(look);
+    look.density = 0.25;
+    const Drawn thin = draw(look);
+    QVERIFY(dense.covered > 1.1 * usual.covered && usual.covered > 1.1 * thin.covered);
+    look = {};
+    look.map = ColourMap::viridis;
+    const Drawn viridis = draw(look);
+    QVERIFY2(viridis.green > 500 && usual.green < viridis.green / 10,
+             qPrintable(QString("%1, %2").arg(viridis.green).arg(usual.green)));
+    // A range below all temperatures: everything is as hot as can be, nearly white as the
+    // background; one above: as cold, dark.
+    look = {};
+    look.automatic = false;
+    look.cold = 0.4 * coldest;
+    look.hot = 0.8 * coldest;
+    const Drawn hot = draw(look);
+    look.cold = 1.2 * hottest;
+    look.hot = 1.6 * hottest;
+    const Drawn cold = draw(look);
+    QVERIFY2(cold.covered > 2 * hot.covered,
+             qPrintable(QString("%1, %2").arg(hot.covered).arg(cold.covered)));
+    // Only what is hot, and only what is cold: how far from the axis that is, the medium says.
+    const Medium& medium = *session().compiler().compiled()->medium;
+    const Box box = medium.bounds();
+    double hot_reach = 0, cold_reach = 0;
+    for (double z = box.lower.z; z < box.upper.z; z += 1e-3)
+      for (double y = 0; y < box.upper.y; y += 2.5e-4) {
+        const MediumSample here = medium.sample({0.5 * (box.lower.x + box.upper.x), y, z});
+        if (here.absorption <= 0) continue;
+        const double place = (here.temperature - coldest) / (hottest - coldest);
+        if (place > 0.9) hot_reach = std::max(hot_reach, y);
+        if (place < 0.1) cold_reach = std::max(cold_reach, y);
+      }
+    look = {};
+    look.density = 20;
+    look.points = {{0, 0}, {0.9, 0}, {1, 1}};
+    window_->scene_view().set_dark(true);  // bright colours stand out, and dark ones below
+    const int hot_width = draw(look).width;
+    window_->scene_view().set_dark(false);
+    look.points = {{0, 1}, {0.1, 0}, {1, 0}};
+    const int cold_width = draw(look).width;
+    QVERIFY2(hot_width > 10 && cold_width > 10,
+             qPrintable(QString("%1, %2").arg(hot_width).arg(cold_width)));
+    QVERIFY(std::fabs(hot_reach / cold_reach - 1) > 0.1);
+    QVERIFY2((hot_reach > cold_reach) == (hot_width > cold_width),
+             qPrintable(QString("%1, %2").arg(hot_width).arg(cold_width)));
+  }
+
   void legendHidesNoCurve() {
     PlotWidget plot;
     plot.resize(320, 240);

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <set>
+#include <thread>
+#include <vector>
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/media/layered_medium.h"
@@ -162,6 +166,11 @@ TEST_F(SessionTest, PixelsThatSeeAPointSeeItBack) {
   ASSERT_TRUE(wait_for([&] { return session_.rays().rays() != nullptr; }));
   const auto seen = session_.rays().rays();
   ASSERT_FALSE(seen->pixels.empty());
+  std::set<std::pair<int, int>> listed, arrived;
+  for (const Pixel& p : seen->pixels) listed.emplace(p.column, p.row);
+  for (const RayPath& ray : seen->paths.rays)
+    if (ray.column >= 0) arrived.emplace(ray.column, ray.row);
+  EXPECT_EQ(listed, arrived);
   // A ray of such a pixel passes the point within what a pixel covers out there.
   const Pixel pixel = seen->pixels[seen->pixels.size() / 2];
   session_.document().select(Selection::of_pixel(pixel.column, pixel.row));
@@ -175,6 +184,32 @@ TEST_F(SessionTest, PixelsThatSeeAPointSeeItBack) {
     nearest = std::min(nearest, length(cross(point - a, normalize(b - a))));
   }
   EXPECT_LT(nearest, 4e-3);
+}
+
+TEST_F(SessionTest, RaysAreOfTheLastSelectionAndTheLastScene) {
+  open();
+  ASSERT_TRUE(finish());
+  const Selection late = Selection::of_pixel(104, 92), newest = Selection::of_pixel(90, 80);
+  std::vector<Selection> seen;
+  QObject::connect(&session_.rays(), &RaySelector::rays_changed, &session_, [&] {
+    if (session_.rays().rays()) seen.push_back(session_.rays().rays()->selection);
+  });
+  session_.document().select(late);
+  // Done by now, but nobody has been told: this thread has not looked for events since.
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  session_.document().select(newest);
+  EXPECT_FALSE(session_.rays().is_current());
+  ASSERT_TRUE(wait_for([&] { return session_.rays().is_current(); }));
+  ASSERT_FALSE(seen.empty());
+  for (const Selection& selection : seen) EXPECT_EQ(selection, newest);
+  // The camera changes: so do the rays of the same pixel.
+  const auto before = session_.rays().rays();
+  session_.document().set_value("camera.focus.object_distance", "1.2 m");
+  ASSERT_TRUE(wait_for([&] { return session_.rays().rays() != before; }));
+  EXPECT_EQ(session_.rays().rays()->scene, session_.compiler().compiled());
+  session_.document().select({});
+  EXPECT_TRUE(session_.rays().is_current());
+  EXPECT_EQ(session_.rays().rays(), nullptr);
 }
 
 TEST_F(SessionTest, ViewsAndRefocusedPictureFollowTheImage) {
