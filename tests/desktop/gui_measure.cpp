@@ -1,5 +1,6 @@
 // How long things take that somebody waits for; run by hand, see docs/benchmarks.md. Nothing here
 // passes or fails.
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -80,12 +81,18 @@ class Heartbeat : public QObject {
   double wall_ = 0, worked_ = 0, longest_ = 0, most_ = 0;
 };
 
-double resident() {
-  std::ifstream file("/proc/self/statm");
-  double total = 0, pages = 0;
-  file >> total >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
+struct Memory {
+  double resident = 0, heap = 0;  ///< [MB] in memory, and allocated and not freed
+
+  static Memory now() {
+    std::ifstream file("/proc/self/statm");
+    double total = 0, pages = 0;
+    file >> total >> pages;
+    const struct mallinfo2 heap = mallinfo2();
+    return {pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6,
+            1e-6 * (static_cast<double>(heap.uordblks) + static_cast<double>(heap.hblkhd))};
+  }
+};
 
 double seconds_of_process() {
   std::ifstream stat("/proc/self/stat"), uptime("/proc/uptime");
@@ -210,19 +217,22 @@ int measure(const char* scene) {
   // A leak would show after the history is full.
   session.document().set_value("render.samples", "2");
   const int edits = qEnvironmentVariableIntValue("PLENOFLAME_EDITS");
-  double full = 0;
-  for (int i = 0; i < 500 + edits && edits > 0; ++i) {
-    if (i == 500) full = resident();
+  constexpr int kFirst = 500;
+  const auto print = [&](int done) {
+    until([&] { return window.is_settled(); });
+    QTest::qWait(1000);  // what the last picture replaced is freed
+    const Memory memory = Memory::now();
+    std::printf("after %d edits: heap %.2f MB, resident %.1f MB\n", done, memory.heap,
+                memory.resident);
+  };
+  for (int i = 0; i < kFirst + edits && edits > 0; ++i) {
+    if (i >= kFirst && (i - kFirst) % 500 == 0) print(i);
     session.document().set_value(
         i % 2 == 0 ? "camera.focus.object_distance" : "flames[0].scale",
         i % 2 == 0 ? std::to_string(1000 + i % 97) + " mm" : std::to_string(1 + 0.001 * (i % 89)));
     QTest::qWait(5);
   }
-  if (edits > 0) {
-    until([&] { return window.is_settled(); });
-    std::printf("%d edits after the first 500: resident memory %.1f MB -> %.1f MB\n", edits, full,
-                resident());
-  }
+  if (edits > 0) print(kFirst + edits);
   return 0;
 }
 

@@ -46,8 +46,8 @@ void LatestTask::run() {
   // Of this thread alone, and of those that it starts: the window stays quick while all cores work.
   setpriority(PRIO_PROCESS, 0,
               urgency_ == Urgency::waited_for ? 1
-              : urgency_ == Urgency::work     ? 12
-                                              : 17);
+              : urgency_ == Urgency::work     ? 8
+                                              : 13);
 #endif
   std::unique_lock lock(mutex_);
   for (;;) {
