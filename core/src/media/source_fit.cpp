@@ -9,8 +9,9 @@
 namespace plenoflame::voxel {
 namespace {
 
-// e^-80: beside `highest`, what is below does not count, and single precision could not hold it.
-constexpr double kLargestFall = 80;
+// e^-80: beside `highest`, what is below does not count. What single precision could hold only as a
+// denormal number, which processors are slow with, does not either [W/(m^2 sr)].
+constexpr double kLargestFall = 80, kLeastSource = 1e-36;
 
 // Interpolates values f at points x by a polynomial, lowest power first (Newton's form, expanded).
 std::vector<double> interpolate(const std::vector<double>& x, std::vector<double> f) {
@@ -78,11 +79,12 @@ SourceFit fit_source(const SourceFunction& source, double coldest, double hottes
     return s > 0 ? std::log(fit.highest / s) : 1e3;
   };
   fit.coldest = coldest;
-  if (!(coldest > 0) || fall(coldest) > kLargestFall) {
+  const double largest_fall = std::min(kLargestFall, std::log(fit.highest / kLeastSource));
+  if (!(coldest > 0) || fall(coldest) > largest_fall) {
     double low = std::max(coldest, 1e-6 * hottest), high = hottest;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (low + high);
-      (fall(middle) > kLargestFall ? low : high) = middle;
+      (fall(middle) > largest_fall ? low : high) = middle;
     }
     fit.coldest = high;
   }

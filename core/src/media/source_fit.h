@@ -20,6 +20,8 @@ struct SourceFit {
   double hottest = 0;     ///< [K]
   double coldest = 0;     ///< [K] where S has fallen below the range of single precision, or
                           ///< the lowest temperature asked for
+  /// v at the coldest [1/K].
+  double last() const { return (hottest - coldest) / (coldest * hottest); }
 };
 
 /// @param coldest, hottest [K] range of temperatures; 0 <= coldest <= hottest

@@ -1,4 +1,4 @@
-list(APPEND core_sources src/media/absorption_factors.cpp src/media/composite_medium.cpp
+list(APPEND core_sources src/media/absorption_factors.cpp src/media/composite_medium.cpp src/media/field_reader.cpp
   src/media/layered_medium.cpp
   src/media/medium.cpp src/media/medium_samples.cpp src/media/source_fit.cpp src/media/transfer.cpp src/media/uniform_medium.cpp
   src/media/voxel_lattice.cpp src/media/voxel_medium.cpp src/media/voxel_steps.cpp)

@@ -45,10 +45,9 @@ struct SourceView {
   const Real* exponents;  ///< [K]
   const Real* weights;    ///< [W/(m^2 sr)]
   int count;              ///< 0: sigma T^4 / pi
-  /// With fit_terms > 0 for temperatures between coldest and hottest [K] (what is below counts as
-  /// coldest): scale * E / (1 - occupation * E), E = e^(v p(v)), v = 1/T - 1/hottest. The last
-  /// fit_terms of `fit` are the coefficients of p, highest power first, those before are 0. See
-  /// source_fit.h.
+  /// With fit_terms > 0: scale * E / (1 - occupation * E), E = e^(v p(v)), where v is 1/T -
+  /// 1/hottest (MediumView), at most `last`. The last fit_terms of `fit` are the coefficients of p,
+  /// highest power first, those before are 0. See source_fit.h.
   int fit_terms;
   Real fit[kMaxFitTerms];
   /// With split_terms > 0, beyond v = split: E = e^(at_split + u q(u)), u = v - split,
@@ -56,7 +55,7 @@ struct SourceView {
   int split_terms;  ///< 0: none
   Real far_fit[kMaxFitTerms];
   Real split, at_split;
-  Real scale, occupation, hottest, coldest;
+  Real scale, occupation, last;
 };
 
 /// The medium as the kernel sees it.
@@ -69,6 +68,7 @@ struct MediumView {
   int constants;
   const SourceView<Real>* sources;
   int channels;
+  Real hottest;  ///< [K] that the sources' fits go by
   /// On the absorption, per channel; nullptr: grey.
   const Real* factors;
   /// 1: the first extra field multiplies the source functions; 0: there is no such field.

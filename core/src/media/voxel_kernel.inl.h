@@ -59,7 +59,7 @@ class Packet {
       end_[l] = static_cast<Real>(meets ? to[l] - from[l] : 0);
       searching_[l] = meets;
       t_[l] = 0;
-      transmittance_[l] = 1;
+      transmittance_[l] = kAllPasses;
       met += meets;
     }
     counters_.rays += met;
@@ -99,7 +99,7 @@ class Packet {
     for (int c = 0; c < channels_; ++c)
       for (int l = 0; l < kLanes; ++l) radiance_[c][l] = 0;
     for (int c = 0; c < channels_ && medium_.factors; ++c)
-      for (int l = 0; l < kLanes; ++l) passed_[c][l] = 1;
+      for (int l = 0; l < kLanes; ++l) passed_[c][l] = kAllPasses;
     if (medium_.temperature) start_temperature(from);
   }
 
@@ -229,7 +229,7 @@ class Packet {
         passed_[c][l] *= own.transmittance;
       }
       if (medium_.factors) transmittance_[l] = clearest(l);
-      if (transmittance_[l] < Real(1e-7)) {
+      if (transmittance_[l] < kOpaque) {
         counters_.opaque_tails += searching_[l];
         searching_[l] = 0;
       }
@@ -466,22 +466,14 @@ class Packet {
   // The same where each channel has an absorption of its own.
   void compose_spectral(const Intervals<Real>& now) {
     alignas(64) Real tau[2][kLanes];
-    alignas(64) Real temperature[2 * kLanes], source[2 * kLanes];
+    alignas(64) Real temperature[2 * kLanes], above[2 * kLanes], source[2 * kLanes];
     const Real* __restrict factors = medium_.factors + first_channel_;
     Real thickest = 0;
     for (int c = 0; c < channels_; ++c) thickest = greatest(thickest, factors[c]);
-    int thick = 0;
-#pragma omp simd reduction(+ : thick)
-    for (int l = 0; l < kLanes; ++l) {
-      const Real half = Real(0.5) * now.length[l];
-      temperature[l] = now.fields[0][2 * l];
-      temperature[kLanes + l] = now.fields[1][2 * l];
-      tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
-      tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
-      thick += thickest * (tau[0][l] + tau[1][l]) > Real(kThin);
-    }
+    const int thick = split_at_nodes(now, Real(kThin) / thickest, temperature, tau);
+    inverse_above(medium_.hottest, temperature, above);
     for (int c = 0; c < channels_; ++c) {
-      source_of(medium_.sources[first_channel_ + c], temperature, source);
+      source_of(medium_.sources[first_channel_ + c], temperature, above, source);
       pass_interval(factors[c], use_thin(thick), tau, source, radiance_[c], passed_[c]);
     }
   }
@@ -493,17 +485,9 @@ class Packet {
       return;
     }
     alignas(64) Real near[kLanes], far[kLanes], tau[2][kLanes];
-    alignas(64) Real temperature[2 * kLanes], source[2 * kLanes];
-    int thick = 0;
-#pragma omp simd reduction(+ : thick)
-    for (int l = 0; l < kLanes; ++l) {
-      const Real half = Real(0.5) * now.length[l];
-      temperature[l] = now.fields[0][2 * l];
-      temperature[kLanes + l] = now.fields[1][2 * l];
-      tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
-      tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
-      thick += tau[0][l] + tau[1][l] > Real(kThin);
-    }
+    alignas(64) Real temperature[2 * kLanes], above[2 * kLanes], source[2 * kLanes];
+    const int thick = split_at_nodes(now, Real(kThin), temperature, tau);
+    inverse_above(medium_.hottest, temperature, above);
     if (use_thin(thick)) {
 #pragma omp simd
       for (int l = 0; l < kLanes; ++l) {
@@ -523,7 +507,7 @@ class Packet {
       }
     }
     for (int c = 0; c < channels_; ++c) {
-      source_of(medium_.sources[first_channel_ + c], temperature, source);
+      source_of(medium_.sources[first_channel_ + c], temperature, above, source);
 #pragma omp simd
       for (int l = 0; l < kLanes; ++l)
         radiance_[c][l] += near[l] * source[l] + far[l] * source[kLanes + l];
@@ -535,7 +519,7 @@ class Packet {
     if (medium_.factors)
       for (int l = 0; l < kLanes; ++l) transmittance_[l] = clearest(l);
     for (int l = 0; l < kLanes; ++l) {
-      const int opaque = found_[l] & searching_[l] & (transmittance_[l] < Real(1e-7));
+      const int opaque = found_[l] & searching_[l] & (transmittance_[l] < kOpaque);
       counters_.opaque_tails += opaque;
       searching_[l] = opaque ? 0 : searching_[l];
     }
@@ -544,16 +528,20 @@ class Packet {
   void finish() {
     for (int c = 0; c < channels_; ++c) {
       Real* out = call_.radiance + static_cast<long>(first_channel_ + c) * call_.stride + first_;
-      for (int l = 0; l < kLanes; ++l) out[l] = radiance_[c][l];
+      for (int l = 0; l < kLanes; ++l) out[l] = radiance_[c][l] * (Real(1) / kAllPasses);
     }
     if (!call_.transmittance_stride && first_channel_ > 0) return;
     for (int c = 0; c < (call_.transmittance_stride ? channels_ : 1); ++c) {
       const Real* passed = medium_.factors ? passed_[c] : transmittance_;
       Real* out = call_.transmittance +
                   static_cast<long>(first_channel_ + c) * call_.transmittance_stride + first_;
-      for (int l = 0; l < kLanes; ++l) out[l] = passed[l];
+      for (int l = 0; l < kLanes; ++l) out[l] = passed[l] * (Real(1) / kAllPasses);
     }
   }
+
+  // Light and transmittance are counted in units of 2^-60: what cold gas sends through the first
+  // cells is no denormal number, which would cost a hundred times as much.
+  static constexpr Real kAllPasses = Real(0x1p60), kOpaque = Real(1e-7) * kAllPasses;
 
   const voxel::Call<Real>& call_;
   const voxel::MediumView<Real>& medium_;

@@ -203,6 +203,25 @@ struct Intervals {
   alignas(64) Real fields[2][2 * kLanes];
 };
 
+// The half of each interval that belongs to each node: all near temperatures, behind them the far
+// ones, and the halves' optical thickness.
+// @returns how many intervals are thicker than `limit`
+template <class Real>
+PLENOFLAME_INLINE int split_at_nodes(const Intervals<Real>& now, Real limit,
+                                     Real (&temperature)[2 * kLanes], Real (&tau)[2][kLanes]) {
+  int thick = 0;
+#pragma omp simd reduction(+ : thick)
+  for (int l = 0; l < kLanes; ++l) {
+    const Real half = Real(0.5) * now.length[l];
+    temperature[l] = now.fields[0][2 * l];
+    temperature[kLanes + l] = now.fields[1][2 * l];
+    tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
+    tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
+    thick += tau[0][l] + tau[1][l] > limit;
+  }
+  return thick;
+}
+
 // Fields of lane l at its two nodes, in a cell whose lowest corner is at `corner`.
 template <class Real>
 PLENOFLAME_INLINE void interpolate(const float* corner, const Triple<Real> (&at)[2], int l,

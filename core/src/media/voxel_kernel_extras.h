@@ -9,11 +9,14 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
+// Optical thickness below which nothing is absorbed: its inverse is still a number.
+template <class Real>
+constexpr Real kClear = sizeof(Real) == sizeof(float) ? Real(1e-30f) : Real(1e-200);
+
 // (1 - e^-tau) / tau: what gets out of a homogeneous stretch that emits evenly.
 template <class Real>
 PLENOFLAME_INLINE Real mean_transmittance(Real tau) {
-  const Real smallest = sizeof(Real) == sizeof(float) ? Real(1e-30f) : Real(1e-200);
-  return tau > smallest ? attenuation(tau).emissivity / greatest(tau, smallest) : Real(1);
+  return tau > kClear<Real> ? attenuation(tau).emissivity / greatest(tau, kClear<Real>) : Real(1);
 }
 
 // Emission that does not belong to the absorption, with values at the two nodes [W/(m^3 sr)]:
@@ -27,11 +30,10 @@ struct LineWeights {
 template <class Real>
 PLENOFLAME_INLINE LineWeights<Real> line_weights(Real tau0, Real tau1) {
   const Real tau = tau0 + tau1;
-  const Real smallest = sizeof(Real) == sizeof(float) ? Real(1e-30f) : Real(1e-200);
-  const Real inverse = Real(1) / greatest(tau, smallest);
+  const Real inverse = Real(1) / greatest(tau, kClear<Real>);
   const auto transfer = linear_transfer(tau);
   const Real mean =
-      tau > smallest ? (transfer.near_weight + transfer.far_weight) * inverse : Real(1);
+      tau > kClear<Real> ? (transfer.near_weight + transfer.far_weight) * inverse : Real(1);
   const Real tilt =
       Real(2) * kGradient<Real> * (transfer.near_weight - transfer.far_weight) * inverse;
   const Real share = tau1 * inverse;  // of the absorption that is behind
@@ -87,17 +89,12 @@ void compose_with_extras(const voxel::MediumView<Real>& medium, int first_channe
                          Real (&passed_each)[kMaxChannels][kLanes], Real (&passed_all)[kLanes]) {
   const LatticeView& cells = medium.cells;
   alignas(64) Real tau[2][kLanes];
-  alignas(64) Real temperature[2 * kLanes], source[2 * kLanes], lines[2 * kLanes];
+  alignas(64) Real temperature[2 * kLanes], above[2 * kLanes], source[2 * kLanes],
+      lines[2 * kLanes];
   alignas(64) Real near[kLanes], far[kLanes], line_near[kLanes], line_far[kLanes];
   alignas(64) Real transmittance[kLanes];
-#pragma omp simd
-  for (int l = 0; l < kLanes; ++l) {
-    const Real half = Real(0.5) * now.length[l];
-    temperature[l] = now.fields[0][2 * l];
-    temperature[kLanes + l] = now.fields[1][2 * l];
-    tau[0][l] = half * greatest(now.fields[0][2 * l + 1], Real(0));
-    tau[1][l] = half * greatest(now.fields[1][2 * l + 1], Real(0));
-  }
+  split_at_nodes(now, Real(0), temperature, tau);
+  inverse_above(medium.hottest, temperature, above);
   for (int c = 0; c < channels; ++c) {
     const int channel = first_channel + c;
     Real* const passed = medium.factors ? passed_each[c] : passed_all;
@@ -114,7 +111,7 @@ void compose_with_extras(const voxel::MediumView<Real>& medium, int first_channe
         transmittance[l] = w.transmittance;
       }
     }
-    source_of(medium.sources[channel], temperature, source);
+    source_of(medium.sources[channel], temperature, above, source);
     if (medium.share_fields) {
 #pragma omp simd
       for (int l = 0; l < 2 * kLanes; ++l) source[l] *= fields[0][l];
@@ -125,7 +122,7 @@ void compose_with_extras(const voxel::MediumView<Real>& medium, int first_channe
     for (int e = medium.share_fields; e < cells.extra_fields; ++e) {
       const Real weight = weights[e];
       if (!(weight > 0)) continue;
-        // Rounding may have led a node out of its cell, and emission below 0.
+        // Below 0 where rounding has led a node out of its cell.
 #pragma omp simd
       for (int l = 0; l < 2 * kLanes; ++l) lines[l] += weight * greatest(fields[e][l], Real(0));
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <utility>
@@ -13,79 +14,14 @@
 namespace plenoflame::voxel {
 namespace {
 
-// Bricks beyond +-2^20 are refused: their keys would collide, and single precision could not place
-// samples there.
-constexpr int kFarthestBrick = 1 << 20;
 // Blocks of the table: 64 million, 256 MB.
 constexpr double kMostBlocks = 1 << 26;
-
-std::uint64_t key(Index b) {
-  const auto part = [](int i) { return static_cast<std::uint64_t>(i + kFarthestBrick) & 0x1FFFFF; };
-  return part(b[0]) << 42 | part(b[1]) << 21 | part(b[2]);
-}
 
 bool is_plain(int word) {
   return static_cast<unsigned>(word) == 0x11111111u * kCellStep;
 }
 
-int floor_div(int a, int b) {
-  return a / b - (a % b < 0 ? 1 : 0);
-}
-
 }  // namespace
-
-AffineTransform inverse(const AffineTransform& map, const std::string& name) {
-  const auto& r = map.linear.rows;
-  const Vec3 c0 = cross(r[1], r[2]), c1 = cross(r[2], r[0]), c2 = cross(r[0], r[1]);
-  const double determinant = dot(r[0], c0);
-  const double size = length(r[0]) * length(r[1]) * length(r[2]);
-  // Rotation and scale by row give |determinant| = size; what is below this is rounding.
-  if (!(std::fabs(determinant) > 1e-12 * size) || !std::isfinite(determinant) ||
-      !std::isfinite(1 / determinant))
-    throw InputError("field '" + name +
-                     "': its transform is singular; give it three independent axes");
-  const double s = 1 / determinant;
-  const Mat3 linear = transpose(Mat3{{{s * c0, s * c1, s * c2}}});
-  return {linear, -(linear * map.translation)};
-}
-
-FieldReader::FieldReader(const VoxelField& field) : field_(&field) {
-  const std::size_t count = field.brick_origins.size();
-  if (field.values.size() != count * 512)
-    throw InputError(fmt::format("field '{}': {} values for {} bricks; it needs 512 per brick",
-                                 field.name, field.values.size(), count));
-  if (!(field.background >= 0) || !std::isfinite(field.background))
-    throw InputError(fmt::format("field '{}': background {} must be finite and not negative",
-                                 field.name, field.background));
-  inverse(field.index_to_world, field.name);
-  bricks_.reserve(count);
-  for (std::size_t b = 0; b < count; ++b) {
-    const auto& o = field.brick_origins[b];
-    Index brick;
-    for (int a = 0; a < 3; ++a) {
-      if (o[a] % 8 != 0 || std::abs(o[a] / 8) >= kFarthestBrick)
-        throw InputError(fmt::format(
-            "field '{}': brick origin ({}, {}, {}) must be a multiple of 8 and within +-{}",
-            field.name, o[0], o[1], o[2], 8 * kFarthestBrick));
-      brick[a] = o[a] / 8;
-    }
-    if (!bricks_.emplace(key(brick), b).second)
-      throw InputError(fmt::format("field '{}': brick ({}, {}, {}) is given twice", field.name,
-                                   o[0], o[1], o[2]));
-    for (int v = 0; v < 512; ++v) {
-      const float value = field.values[b * 512 + v];
-      if (!(value >= 0) || !std::isfinite(value))
-        throw InputError(fmt::format(
-            "field '{}': value {} at index ({}, {}, {}); values must be finite and not negative",
-            field.name, value, o[0] + v / 64, o[1] + v / 8 % 8, o[2] + v % 8));
-    }
-  }
-}
-
-const float* FieldReader::brick(Index brick) const {
-  const auto found = bricks_.find(key(brick));
-  return found == bricks_.end() ? nullptr : field_->values.data() + found->second * 512;
-}
 
 Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation)
     : index_to_world_(primary.field().index_to_world),
@@ -97,56 +33,41 @@ Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation)
 
 namespace {
 
-// Bricks of cells touched by samples that differ from the background, in ascending order.
-std::vector<Index> touched_bricks(const FieldReader& reader, bool one_value_per_cell) {
-  std::unordered_map<std::uint64_t, Index> touched;
+// Adds the bricks of cells that are touched by samples other than `nothing`. Sample i + shift of
+// the field belongs to sample i of the lattice. Leaves the bricks in ascending order.
+void add_touched(const FieldReader& reader, Index shift, float nothing, bool one_value_per_cell,
+                 std::vector<Index>& bricks) {
   const VoxelField& field = reader.field();
+  const int reach = one_value_per_cell ? 0 : 1;  // a sample touches the cells below it, too
   for (std::size_t b = 0; b < field.brick_origins.size(); ++b) {
-    const auto& o = field.brick_origins[b];
-    bool any[2][2][2] = {};  // whether cells of the brick below along (x, y, z) are touched
-    for (int v = 0; v < 512; ++v) {
-      if (field.values[b * 512 + v] == field.background) continue;
-      const bool x = v < 64 && !one_value_per_cell, y = v % 64 < 8 && !one_value_per_cell,
-                 z = v % 8 == 0 && !one_value_per_cell;
-      for (int m = 0; m < 8; ++m)
-        if ((m & 1 ? x : true) && (m & 2 ? y : true) && (m & 4 ? z : true))
-          any[m & 1][m >> 1 & 1][m >> 2] = true;
-    }
-    for (int m = 0; m < 8; ++m)
-      if (any[m & 1][m >> 1 & 1][m >> 2]) {
-        const Index brick{o[0] / 8 - (m & 1), o[1] / 8 - (m >> 1 & 1), o[2] / 8 - (m >> 2)};
-        touched.emplace(key(brick), brick);
+    // The samples of a brick reach into at most 2^3 bricks of cells; a bit for each of these.
+    Index first;
+    int reached[3][8];  // by a sample's place along each axis
+    for (int a = 0; a < 3; ++a) {
+      const int lowest = field.brick_origins[b][a] - shift[a];
+      first[a] = floor_div(lowest - reach, 8);
+      for (int i = 0; i < 8; ++i) {
+        reached[a][i] = 0;
+        for (int n = 0; n < 8; ++n) {
+          const int brick = first[a] + (n >> a & 1);
+          const bool touches =
+              brick == floor_div(lowest + i - reach, 8) || brick == floor_div(lowest + i, 8);
+          reached[a][i] |= touches ? 1 << n : 0;
+        }
       }
+    }
+    int touched = 0;
+    for (int v = 0; v < 512; ++v)
+      if (field.values[b * 512 + static_cast<std::size_t>(v)] != nothing)
+        touched |= reached[0][v / 64] & reached[1][v / 8 % 8] & reached[2][v % 8];
+    for (int n = 0; n < 8; ++n)
+      if (touched >> n & 1)
+        bricks.push_back({first[0] + (n & 1), first[1] + (n >> 1 & 1), first[2] + (n >> 2)});
   }
-  std::vector<Index> bricks;
-  bricks.reserve(touched.size());
-  for (const auto& [unused, brick] : touched) bricks.push_back(brick);
-  std::sort(bricks.begin(), bricks.end());
-  return bricks;
-}
-
-// The same for an extra field, whose samples may be moved: bricks of the other one's cells.
-void add_touched(const ExtraField& extra, bool one_value_per_cell, std::vector<Index>& bricks) {
-  std::unordered_map<std::uint64_t, Index> touched;
-  const VoxelField& field = extra.field->field();
-  const int reach = one_value_per_cell ? 0 : 1;
-  for (std::size_t b = 0; b < field.brick_origins.size(); ++b)
-    for (int v = 0; v < 512; ++v) {
-      if (field.values[b * 512 + v] == 0) continue;
-      const int within[3] = {v / 64, v / 8 % 8, v % 8};
-      Index low, high;
-      for (int a = 0; a < 3; ++a) {
-        const int at = field.brick_origins[b][a] + within[a] - extra.shift[a];
-        low[a] = floor_div(at - reach, 8);
-        high[a] = floor_div(at, 8);
-        if (std::abs(low[a]) >= kFarthestBrick)
-          throw InputError(fmt::format("field '{}' lies too far from the absorption", field.name));
-      }
-      for (int x = low[0]; x <= high[0]; ++x)
-        for (int y = low[1]; y <= high[1]; ++y)
-          for (int z = low[2]; z <= high[2]; ++z) touched.emplace(key({x, y, z}), Index{x, y, z});
-    }
-  for (const auto& [unused, brick] : touched) bricks.push_back(brick);
+  for (const Index& brick : bricks)
+    for (const int at : brick)
+      if (std::abs(at) > kFarthestBrick)
+        throw InputError(fmt::format("field '{}' lies too far from the absorption", field.name));
   std::sort(bricks.begin(), bricks.end());
   bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
 }
@@ -185,9 +106,10 @@ Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader*
                                VoxelInterpolation interpolation, const StepPlanner& steps) {
   Lattice lattice(absorption, interpolation);
   if (temperature) lattice.background_temperature_ = temperature->field().background;
-  std::vector<Index> bricks = touched_bricks(absorption, lattice.one_value_per_cell_);
+  std::vector<Index> bricks;
+  add_touched(absorption, {}, 0, lattice.one_value_per_cell_, bricks);
   for (const ExtraField& extra : extras)
-    if (extra.emits) add_touched(extra, lattice.one_value_per_cell_, bricks);
+    if (extra.emits) add_touched(*extra.field, extra.shift, 0, lattice.one_value_per_cell_, bricks);
   lattice.store(bricks, &absorption, temperature, temperature_shift, extras, &steps);
   return lattice;
 }
@@ -195,8 +117,9 @@ Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader*
 Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation) {
   Lattice lattice(temperature, interpolation);
   lattice.background_temperature_ = temperature.field().background;
-  lattice.store(touched_bricks(temperature, lattice.one_value_per_cell_), nullptr, &temperature, {},
-                {}, nullptr);
+  std::vector<Index> bricks;
+  add_touched(temperature, {}, temperature.field().background, lattice.one_value_per_cell_, bricks);
+  lattice.store(bricks, nullptr, &temperature, {}, {}, nullptr);
   return lattice;
 }
 

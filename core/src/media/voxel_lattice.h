@@ -1,32 +1,13 @@
 #pragma once
 #include <array>
-#include <cstdint>
-#include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "media/field_reader.h"
 #include "media/voxel_kernel.h"
 #include "media/voxel_steps.h"
 #include "plenoflame/media/voxel_medium.h"
 
 namespace plenoflame::voxel {
-
-using Index = std::array<int, 3>;
-
-/// Access to the bricks of a VoxelField.
-class FieldReader {
- public:
-  /// @throws InputError for values that are NaN, infinite or negative, misplaced or repeated
-  ///         bricks, and a singular transform; messages name the field and the index.
-  explicit FieldReader(const VoxelField& field);
-  /// Values of a brick by its origin / 8, nullptr where the field is background.
-  const float* brick(Index brick) const;
-  const VoxelField& field() const { return *field_; }
-
- private:
-  const VoxelField* field_;
-  std::unordered_map<std::uint64_t, std::size_t> bricks_;
-};
 
 /// A further field on the samples of another one: its sample i + shift belongs to sample i of that.
 struct ExtraField {
@@ -122,8 +103,5 @@ class Lattice {
   std::vector<int> constant_data_;  // the same bricks' data, for the kernel
   std::array<float, 2> temperature_range_{0, 0};
 };
-
-/// Inverse of an affine map. @throws InputError naming `name` when it has none.
-AffineTransform inverse(const AffineTransform& map, const std::string& name);
 
 }  // namespace plenoflame::voxel

@@ -1,6 +1,7 @@
 #include "plenoflame/media/voxel_medium.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,15 +40,6 @@ std::optional<Index> shift_between(const AffineTransform& temperature,
   return shift;
 }
 
-/// Value of a field at a sample.
-float value_at(const voxel::FieldReader& reader, const Index& at) {
-  Index brick;
-  for (int a = 0; a < 3; ++a) brick[a] = at[a] >= 0 ? at[a] / 8 : -((7 - at[a]) / 8);
-  const float* values = reader.brick(brick);
-  if (!values) return reader.field().background;
-  return values[((at[0] & 7) * 8 + (at[1] & 7)) * 8 + (at[2] & 7)];
-}
-
 /// What is not scattered of the extinction, from a field of albedos.
 VoxelField share_of(const VoxelField& albedo) {
   VoxelField share = albedo;
@@ -61,14 +53,11 @@ VoxelField share_of(const VoxelField& albedo) {
   };
   turn(share.background, "of the background");
   for (std::size_t v = 0; v < share.values.size(); ++v) {
-    const auto& o = share.brick_origins.at(v / 512);
-    const int in = static_cast<int>(v % 512);
     float& value = share.values[v];
     if (value >= 0 && value < 1)  // no text for every voxel
       turn(value, "");
     else
-      turn(value,
-           fmt::format("at index ({}, {}, {})", o[0] + in / 64, o[1] + in / 8 % 8, o[2] + in % 8));
+      turn(value, fmt::format("at index ({})", fmt::join(voxel::index_of(share, v), ", ")));
   }
   return share;
 }
@@ -110,11 +99,9 @@ class Extras {
     if (!has_share()) return;
     const auto& [reader, shift, unused] = fields.front();
     for (std::size_t v = 0; v < absorption.values.size(); ++v) {
-      const auto& o = absorption.brick_origins.at(v / 512);
-      const int in = static_cast<int>(v % 512);
-      const Index at{o[0] + in / 64 + shift[0], o[1] + in / 8 % 8 + shift[1],
-                     o[2] + in % 8 + shift[2]};
-      absorption.values[v] /= value_at(*reader, at);
+      Index at = voxel::index_of(absorption, v);
+      for (int a = 0; a < 3; ++a) at[a] += shift[a];
+      absorption.values[v] /= reader->at(at);
     }
   }
   std::vector<voxel::ExtraField> fields;
@@ -204,8 +191,7 @@ struct Tables {
         view.at_split = static_cast<float>(fit.at_split);
         view.scale = static_cast<float>(fit.highest * (1 - fit.occupation));
         view.occupation = static_cast<float>(fit.occupation);
-        view.hottest = static_cast<float>(fit.hottest);
-        view.coldest = static_cast<float>(fit.coldest);
+        view.last = static_cast<float>(fit.last());
         if (fit.terms.empty() && fit.coldest > 0 && !channels[c].is_total()) {
           exponents[c].clear();
           weights[c].clear();
@@ -448,6 +434,7 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   medium.constants = static_cast<int>(tables.constant_absorption.size());
   medium.sources = tables.sources.data();
   medium.channels = channel_count();
+  medium.hottest = static_cast<Real>(temperature_range()[1]);
   medium.factors = tables.factors.empty() ? nullptr : tables.factors.data();
   medium.share_fields = share_fields_;
   medium.line_weights = tables.line_weights.data();

@@ -25,9 +25,11 @@ void expect_same_cuts(const PupilNode& a, const PupilNode& b) {
 }
 
 TEST(PupilSampling, TablesAreTheSameForAnyNumberOfThreads) {
-  CameraSpec tilted = preset_camera("paper-plenoptic2");
+  // A wide field: it needs many nodes.
+  const CameraSpec plain = preset_camera("raytrix-r29");
+  CameraSpec tilted = plain;
   tilted.array.tilt = {0.004, -0.002};
-  for (const CameraSpec& spec : {preset_camera("paper-plenoptic2"), tilted}) {
+  for (const CameraSpec& spec : {plain, tilted}) {
     const Camera camera(spec);
     const PupilSampling one(camera, one_thread());
     for (const int count : {2, 7}) {
@@ -48,7 +50,7 @@ TEST(PupilSampling, TablesAreTheSameForAnyNumberOfThreads) {
           EXPECT_EQ(a.edges[i].size(), b.edges[i].size());
           expect_same_cuts(n, m);
         }
-        EXPECT_GE(lit, 5);
+        EXPECT_GT(lit, 20);
       }
     }
   }

@@ -89,7 +89,7 @@ class RayPathsTest : public ::testing::TestWithParam<Case> {
 
 TEST_P(RayPathsTest, SumIsTheFluxOfThePixel) {
   const CompiledScene scene = flame_scene(GetParam().camera);
-  settings_.samples = 24;
+  settings_.samples = 64;  // with fewer, pixels at the rim may be left to chance and dark
   settings_.replicates = 2;
   settings_.seed = 11;
   settings_.precision = Precision::double_precision;
@@ -98,7 +98,7 @@ TEST_P(RayPathsTest, SumIsTheFluxOfThePixel) {
   Film film(window, 2, settings_.replicates);
   ASSERT_EQ(film.tile_count(), 1);
   RenderStatistics statistics;
-  ASSERT_TRUE(BackwardPass(scene, settings_, {{0, 12}}, BackwardShared(scene, settings_, {}))
+  ASSERT_TRUE(BackwardPass(scene, settings_, {{0, 32}}, BackwardShared(scene, settings_, {}))
                   .run({{0}}, one_thread(), film, statistics));
   std::map<std::pair<int, int>, std::array<double, 2>> sums;
   for (std::size_t i = 0; i < paths.rays.size(); ++i)
@@ -109,13 +109,13 @@ TEST_P(RayPathsTest, SumIsTheFluxOfThePixel) {
   for (const Pixel pixel : pixels_of(window))
     for (int c = 0; c < 2; ++c) {
       const double flux =
-          (film.sum(c, 0, pixel.column, pixel.row) + film.sum(c, 1, pixel.column, pixel.row)) / 24;
+          (film.sum(c, 0, pixel.column, pixel.row) + film.sum(c, 1, pixel.column, pixel.row)) / 64;
       lit += flux > 0;
       EXPECT_TRUE(
           relative(sums[{pixel.column, pixel.row}][static_cast<std::size_t>(c)], flux, 1e-12))
           << pixel.column << "," << pixel.row << " channel " << c;
     }
-  EXPECT_GT(3 * lit, window.width * window.height);  // rims may be dark with so few rays
+  EXPECT_GT(lit, window.width * window.height);
 }
 
 /// Of cameras whose main lens has surfaces.

@@ -8,21 +8,10 @@
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/scatter_walk.h"
+#include "support/tally.h"
 
 /// Light along single rays of scenes that scatter, without a camera.
 namespace plenoflame::test {
-
-/// Mean and standard error.
-struct Tally {
-  double sum = 0, squares = 0, n = 0;
-  void add(double x) {
-    sum += x;
-    squares += x * x;
-    n += 1;
-  }
-  double value() const { return sum / n; }
-  double error() const { return std::sqrt((squares / n - value() * value()) / n); }
-};
 
 inline ScatteringSpec henyey_greenstein(double albedo, double g) {
   return {albedo, PhaseFunction::henyey_greenstein, g};

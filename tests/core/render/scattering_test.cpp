@@ -10,6 +10,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
+#include "support/tally.h"
 
 namespace plenoflame {
 namespace {
@@ -50,18 +51,6 @@ TEST(Scattering, PhaseFunctionsAreNormalisedAndDrawn) {
   }
 }
 
-/// Mean and standard error.
-struct Mean {
-  double sum = 0, squares = 0, n = 0;
-  void add(double x) {
-    sum += x;
-    squares += x * x;
-    n += 1;
-  }
-  double value() const { return sum / n; }
-  double error() const { return std::sqrt((squares / n - value() * value()) / n); }
-};
-
 // A slab with mu_a = 10/cm, mu_s = 90/cm, g = 0.75, 0.02 cm thick, lit at right angles: van de
 // Hulst, Multiple Light Scattering (1980), table 35: diffuse reflection 0.09739, transmission
 // 0.66096 in all.
@@ -89,7 +78,7 @@ TEST(Scattering, VanDeHulstSlab) {
   constexpr int kRays = 60000, kBatch = 500;
   const double pi = 3.14159265358979323846;
   for (const bool reflected : {true, false}) {
-    Mean mean;
+    test::Tally mean;
     for (int first = 0; first < kRays; first += kBatch) {
       std::vector<ScatterWalk::Start> starts;
       for (int i = 0; i < kBatch; ++i) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/render/scattered_light.h"
+#include "core/render/sparse_pixels.h"
 #include "sampling/directions.h"
 #include "support/approx.h"
 #include "support/flame_scenes.h"
@@ -298,6 +299,20 @@ TEST(SmokeAndWalls, DoNotDependOnThreadsAndNotOnTheWindow) {
   const Image part = render(compiled, settings, one_thread()).light_field.channels[0].flux;
   for (int row = 0; row < 2; ++row)
     for (int c = 0; c < 5; ++c) EXPECT_EQ(part.at(c, row), one.at(5 + c, 4 + row));
+}
+
+// Pixels that get a point now and then keep the numbers of walks and of light from surfaces apart.
+TEST(SmokeAndWalls, PixelsLeftToChance) {
+  Scene scene = paper_flame(48, 48, 0.001);
+  scene.flames[0].scattering = henyey_greenstein(0.6, 0.5);
+  CompiledScene with = compile(scene);
+  SolidSurfaceSpec wall = shaped(SurfaceShape::box, 1);
+  wall.size = {0.01, 0.4, 0.4};
+  wall.position = {1.05, 0, 0};
+  wall.material.reflectivity = 0.8;
+  with.surfaces = scene_of(std::vector{wall});
+  with.scene.render.reflections = 1;
+  expect_dim_pixels_right(with, {2, 8, 300, 1 << 11});
 }
 
 }  // namespace
