@@ -1,5 +1,5 @@
 list(APPEND core_sources
-  src/radiometry/absorption_spectrum.cpp
+  src/radiometry/channel_mix.cpp src/radiometry/absorption_spectrum.cpp
   src/radiometry/emission_line.cpp
   src/radiometry/gauss_legendre.cpp
   src/radiometry/gauss_rule.cpp

@@ -87,6 +87,50 @@ std::vector<MeasurePoints> split(const MeasurePoints& measure, const std::vector
   return pieces;
 }
 
+std::vector<double> kinks_of(const std::vector<AbsorptionSpectrum>& spectra) {
+  std::vector<double> kinks;
+  for (const AbsorptionSpectrum& spectrum : spectra)
+    for (const double at : spectrum.breakpoints()) kinks.push_back(at);
+  std::sort(kinks.begin(), kinks.end());
+  return kinks;
+}
+
+/// A response times Planck's function at the reference, as points: what a channel counts.
+MeasurePoints weighted_points(const SpectralResponse& response, const std::vector<double>& kinks) {
+  MeasurePoints measure = wavenumber_points(response.broken_at(kinks), 8);
+  for (std::size_t i = 0; i < measure.places.size(); ++i) {
+    const double s = measure.places[i];
+    measure.weights[i] *= s * s * s * planck_factor(s, kReferenceTemperature);
+  }
+  return measure;
+}
+
+/// Weights at the places with which polynomials are integrated as by the measure: that of each
+/// place is the integral of Lagrange's polynomial.
+std::vector<double> interpolatory_weights(const std::vector<double>& places,
+                                          const MeasurePoints& measure) {
+  std::vector<double> weights(places.size());
+  for (std::size_t i = 0; i < measure.places.size(); ++i)
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      double basis = measure.weights[i];
+      for (std::size_t j = 0; j < places.size(); ++j)
+        if (j != k) basis *= (measure.places[i] - places[j]) / (places[k] - places[j]);
+      weights[k] += basis;
+    }
+  return weights;
+}
+
+/// A rule for the measure at some of the places, all of whose weights are positive: emission must
+/// not become negative, not even of gas whose spectrum the rule is not made for.
+MeasurePoints positive_rule(std::vector<double> places, const MeasurePoints& measure) {
+  for (;;) {
+    std::vector<double> weights = interpolatory_weights(places, measure);
+    const auto least = std::min_element(weights.begin(), weights.end());
+    if (*least > 0) return {std::move(places), std::move(weights)};
+    places.erase(places.begin() + (least - weights.begin()));
+  }
+}
+
 }  // namespace
 
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
@@ -95,18 +139,11 @@ ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
   const bool grey = std::all_of(spectra.begin(), spectra.end(),
                                 [](const AbsorptionSpectrum& s) { return s.is_grey(); });
   if (grey && (fewest == 1 || !response)) return {{whole}, 0};
-  std::vector<double> kinks;
-  for (const AbsorptionSpectrum& spectrum : spectra)
-    for (const double at : spectrum.breakpoints()) kinks.push_back(at);
-  std::sort(kinks.begin(), kinks.end());
+  const std::vector<double> kinks = kinks_of(spectra);
   const SpectralResponse band =
       response ? *response
                : SpectralResponse::band(0.5 * (kShortest + kLongest), kLongest - kShortest);
-  MeasurePoints measure = wavenumber_points(band.broken_at(kinks), 8);
-  for (std::size_t i = 0; i < measure.places.size(); ++i) {
-    const double s = measure.places[i];
-    measure.weights[i] *= s * s * s * planck_factor(s, kReferenceTemperature);
-  }
+  const MeasurePoints measure = weighted_points(band, kinks);
   const std::vector<SourceFunction> all = nodes_of(measure);
   ChannelNodes best;
   const auto good_enough = [&](std::vector<SourceFunction> nodes) {
@@ -134,6 +171,61 @@ ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
     if (good_enough(nodes_of(rule))) break;
   }
   return best;
+}
+
+std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& responses,
+                                        const std::vector<AbsorptionSpectrum>& spectra, int most) {
+  const std::vector<double> kinks = kinks_of(spectra);
+  std::vector<MeasurePoints> measures;
+  std::vector<std::vector<SourceFunction>> all;
+  MeasurePoints together;
+  for (const SpectralResponse& response : responses) {
+    const MeasurePoints& measure = measures.emplace_back(weighted_points(response, kinks));
+    all.push_back(nodes_of(measure));
+    double sum = 0;
+    for (const double weight : measure.weights) sum += weight;
+    together.places.insert(together.places.end(), measure.places.begin(), measure.places.end());
+    for (const double weight : measure.weights) together.weights.push_back(weight / sum);
+  }
+  const std::size_t channels = responses.size();
+  const auto limit = std::min<std::size_t>(static_cast<std::size_t>(std::min(most, kMostNodes)),
+                                           together.places.size() - 1);
+  for (std::size_t count = 2; count <= limit; ++count) {
+    std::vector<double> places = gauss_rule(together, static_cast<int>(count)).places;
+    std::vector<MeasurePoints> rules;
+    double error = 0;
+    for (std::size_t c = 0; c < channels && error <= kSpectralTolerance; ++c) {
+      rules.push_back(positive_rule(places, measures[c]));
+      error = std::max(error, worst_error(nodes_of(rules[c]), all[c], spectra));
+    }
+    if (error > kSpectralTolerance) continue;
+    // Where one node stands for the first channel (transmittance, optical thickness), it is the one
+    // with the most of it.
+    const auto heaviest = std::max_element(rules[0].weights.begin(), rules[0].weights.end());
+    const double first =
+        rules[0].places[static_cast<std::size_t>(heaviest - rules[0].weights.begin())];
+    std::swap(places.front(), *std::find(places.begin(), places.end(), first));
+    // Every place carries the largest of its channels' weights, of which these take their shares.
+    MeasurePoints joint;
+    for (const double place : places) {
+      double largest = 0;
+      for (const MeasurePoints& rule : rules)
+        for (std::size_t k = 0; k < rule.places.size(); ++k)
+          if (rule.places[k] == place) largest = std::max(largest, rule.weights[k]);
+      if (largest == 0) continue;
+      joint.places.push_back(place);
+      joint.weights.push_back(largest);
+    }
+    const std::size_t nodes = joint.places.size();
+    std::vector<double> shares(channels * nodes);
+    for (std::size_t c = 0; c < channels; ++c)
+      for (std::size_t n = 0; n < nodes; ++n)
+        for (std::size_t k = 0; k < rules[c].places.size(); ++k)
+          if (rules[c].places[k] == joint.places[n])
+            shares[c * nodes + n] = rules[c].weights[k] / joint.weights[n];
+    return SharedNodes{nodes_of(joint), {static_cast<int>(channels), std::move(shares)}, error};
+  }
+  return std::nullopt;
 }
 
 }  // namespace plenoflame

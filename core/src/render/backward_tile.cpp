@@ -371,7 +371,7 @@ void TileTracer<Real>::integrate(int padded) {
   plan_.medium->integrate(batch, options, out, counters_.medium);
   if (surfaces_) surfaces_->add(transmittance_, transmittance_stride_, radiance_, kPadding);
   if (scatter_) add_scattered();
-  sum_channels(plan_.scene->channel_of_node, radiance_, kPadding, padded);
+  sum_channels(plan_.scene->mix, radiance_, kPadding, padded);
 }
 
 /// What the medium scatters into the rays, one walk for each.

@@ -7,15 +7,16 @@ namespace plenoflame {
 
 double ChannelSum::source(int channel, double temperature) const {
   double sum = 0;
-  for (std::size_t n = 0; n < channel_of_node_.size(); ++n)
-    if (channel_of_node_[n] == channel) sum += medium_.source(static_cast<int>(n), temperature);
+  for (int n = 0; n < mix_.nodes(); ++n)
+    if (const double weight = mix_.weight(channel, n); weight > 0)
+      sum += weight * medium_.source(n, temperature);
   return sum;
 }
 
 double ChannelSum::coefficients(Vec3 world, double* emission) const {
-  std::vector<double> nodes(channel_of_node_.size());
+  std::vector<double> nodes(static_cast<std::size_t>(mix_.nodes()));
   const double absorption = medium_.coefficients(world, nodes.data());
-  sum_channels(channel_of_node_, nodes.data(), 1, 1);
+  sum_channels(mix_, nodes.data(), 1, 1);
   std::copy_n(nodes.begin(), channel_count(), emission);
   return absorption;
 }
@@ -25,7 +26,7 @@ void ChannelSum::run(const RayBatch<Real>& rays, const MediumOptions& options,
                      RadianceBatch<Real> out, MediumCounters& counters) const {
   const auto stride =
       static_cast<std::size_t>((rays.size + kRayPadding - 1) / kRayPadding * kRayPadding);
-  const std::size_t size = channel_of_node_.size() * stride;
+  const std::size_t size = static_cast<std::size_t>(mix_.nodes()) * stride;
   std::vector<Real> storage(size + 64 / sizeof(Real));
   void* aligned = storage.data();
   std::size_t space = storage.size() * sizeof(Real);
@@ -33,7 +34,7 @@ void ChannelSum::run(const RayBatch<Real>& rays, const MediumOptions& options,
   medium_.integrate(rays, options,
                     RadianceBatch<Real>{nodes, static_cast<int>(stride), out.transmittance},
                     counters);
-  sum_channels(channel_of_node_, nodes, static_cast<int>(stride), rays.size);
+  sum_channels(mix_, nodes, static_cast<int>(stride), rays.size);
   for (int c = 0; c < channel_count(); ++c)
     std::copy_n(nodes + static_cast<std::size_t>(c) * stride, rays.size,
                 out.radiance + static_cast<std::ptrdiff_t>(c) * out.stride);

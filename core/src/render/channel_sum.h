@@ -1,21 +1,36 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/channel_mix.h"
 
 namespace plenoflame {
 
 /// Rows of node values, node n at rows + n * stride, become rows of channels in the same place.
-/// @param channel_of_node ascending; empty: nodes are channels, nothing is done
+/// @param mix empty: nothing is done
 template <class Real>
-void sum_channels(const std::vector<int>& channel_of_node, Real* rows, int stride, int count) {
-  for (std::size_t n = 0; n < channel_of_node.size(); ++n) {
-    const int channel = channel_of_node[n];
-    // Never behind the node's own row: what it overwrites has been used.
-    Real* const to = rows + static_cast<std::ptrdiff_t>(channel) * stride;
-    const Real* const from = rows + static_cast<std::ptrdiff_t>(n) * stride;
-    const bool first = n == 0 || channel_of_node[n - 1] != channel;
-    for (int i = 0; i < count; ++i) to[i] = first ? from[i] : to[i] + from[i];
+void sum_channels(const ChannelMix& mix, Real* rows, int stride, int count) {
+  if (mix.empty()) return;
+  constexpr int kColumns = 64;  // of all rows at a time: channels are written over nodes
+  std::vector<Real> sums(static_cast<std::size_t>(mix.channels()) * kColumns);
+  for (int begin = 0; begin < count; begin += kColumns) {
+    const int columns = std::min(kColumns, count - begin);
+    std::fill(sums.begin(), sums.end(), Real(0));
+    for (int c = 0; c < mix.channels(); ++c) {
+      Real* const to = sums.data() + c * kColumns;
+      for (int n = 0; n < mix.nodes(); ++n) {
+        const auto weight = static_cast<Real>(mix.weight(c, n));
+        if (weight == 0) continue;
+        const Real* const from = rows + static_cast<std::ptrdiff_t>(n) * stride + begin;
+        for (int i = 0; i < columns; ++i) to[i] += weight * from[i];
+      }
+    }
+    for (int c = 0; c < mix.channels(); ++c)
+      std::copy_n(sums.data() + c * kColumns, columns,
+                  rows + static_cast<std::ptrdiff_t>(c) * stride + begin);
   }
 }
 
@@ -23,10 +38,9 @@ void sum_channels(const std::vector<int>& channel_of_node, Real* rows, int strid
 /// other's first channel.
 class ChannelSum : public Medium {
  public:
-  ChannelSum(const Medium& medium, std::vector<int> channel_of_node)
-      : medium_(medium), channel_of_node_(std::move(channel_of_node)) {}
+  ChannelSum(const Medium& medium, ChannelMix mix) : medium_(medium), mix_(std::move(mix)) {}
 
-  int channel_count() const override { return channel_of_node_.back() + 1; }
+  int channel_count() const override { return mix_.channels(); }
   Box bounds() const override { return medium_.bounds(); }
   std::vector<Box> occupied() const override { return medium_.occupied(); }
   bool is_costly() const override { return medium_.is_costly(); }
@@ -53,7 +67,7 @@ class ChannelSum : public Medium {
            MediumCounters& counters) const;
 
   const Medium& medium_;
-  std::vector<int> channel_of_node_;
+  ChannelMix mix_;
 };
 
 }  // namespace plenoflame

@@ -25,13 +25,15 @@ struct ForwardChunk {
 inline void append_channels(const CompiledScene& scene, const double* nodes,
                             std::vector<double>& flux) {
   const std::size_t first = flux.size();
-  if (scene.channel_of_node.empty()) {
+  const ChannelMix& mix = scene.mix;
+  if (mix.empty()) {
     flux.insert(flux.end(), nodes, nodes + scene.node_count());
     return;
   }
   flux.resize(first + scene.scene.channels.size());
-  for (std::size_t n = 0; n < scene.channel_of_node.size(); ++n)
-    flux[first + static_cast<std::size_t>(scene.channel_of_node[n])] += nodes[n];
+  for (int c = 0; c < mix.channels(); ++c)
+    for (int n = 0; n < mix.nodes(); ++n)
+      flux[first + static_cast<std::size_t>(c)] += mix.weight(c, n) * nodes[n];
 }
 
 /// Traces numbered energy bundles; immutable.

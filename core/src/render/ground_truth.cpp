@@ -146,15 +146,13 @@ class ChiefRays {
 /// Of the wavelengths that stand for the first channel: their part of the light of a body at 1700
 /// K.
 std::vector<double> shares_of_first_channel(const CompiledScene& scene) {
-  std::size_t nodes = 1;
-  const std::vector<int>& channel = scene.channel_of_node;
-  while (nodes < channel.size() && channel[nodes] == channel.front()) ++nodes;
-  if (nodes == 1 || !scene.medium) return {1.0};
+  if (scene.mix.empty() || !scene.medium) return {1.0};
   constexpr double kTemperature = 1700;
   std::vector<double> shares;
   double sum = 0;
-  for (std::size_t n = 0; n < nodes; ++n) {
-    shares.push_back(scene.medium->source(static_cast<int>(n), kTemperature));
+  for (int n = 0; n < scene.mix.nodes(); ++n) {
+    const double weight = scene.mix.weight(0, n);
+    shares.push_back(weight > 0 ? weight * scene.medium->source(n, kTemperature) : 0);
     sum += shares.back();
   }
   for (double& share : shares) share /= sum;

@@ -88,8 +88,8 @@ class PathSink : public RaySink<double> {
 
 /// Radiance of what stands for the channels, then the optical thickness: of the channels.
 void to_channels(const CompiledScene& scene, std::vector<double>& carried) {
-  if (scene.channel_of_node.empty()) return;
-  sum_channels(scene.channel_of_node, carried.data(), 1, 1);
+  if (scene.mix.empty()) return;
+  sum_channels(scene.mix, carried.data(), 1, 1);
   carried[scene.scene.channels.size()] = carried.back();
   carried.resize(scene.scene.channels.size() + 1);
 }

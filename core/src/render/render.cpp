@@ -92,7 +92,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   }
   if (has_content(scene)) {
     statistics.medium_description = scene.medium ? scene.medium->description() : "none";
-    statistics.wavelengths = static_cast<int>(scene.channel_of_node.size());
+    statistics.wavelengths = scene.mix.nodes();
     statistics.spectral_error = scene.spectral_error;
     statistics.paths = std::max(1, static_cast<int>(scene.parts.size()));
     if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();

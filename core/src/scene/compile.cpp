@@ -233,7 +233,7 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   CompiledScene compiled = compile_content(scene, std::move(camera), std::move(pupils), flames,
                                            nodes.emitters, execution, positions);
   if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
-  if (nodes.sources.size() > scene.channels.size()) compiled.channel_of_node = nodes.channel;
+  compiled.mix = nodes.mix;
   compiled.spectral_error = nodes.error;
   warn_of_short_steps(compiled, execution);
   if (!is_dispersive(scene)) return compiled;
@@ -242,7 +242,9 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   for (std::size_t n = 0; n < nodes.sources.size(); ++n) {
     const double wavelength = nodes.sources[n].wavelength();
     Scene part = scene;
-    part.channels = {scene.channels[static_cast<std::size_t>(nodes.channel[n])]};
+    const int channel =
+        nodes.mix.empty() ? static_cast<int>(n) : nodes.mix.channel_of(static_cast<int>(n));
+    part.channels = {scene.channels[static_cast<std::size_t>(channel)]};
     part.camera = at_wavelength(compiled.camera,
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
     Camera part_camera(part.camera);
@@ -252,7 +254,7 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     compiled.parts.push_back(compile_content(part, std::move(part_camera), std::move(part_pupils),
                                              std::move(part_flames), {nodes.emitters[n]}, quiet,
                                              positions));
-    compiled.parts.back().film_channel = {nodes.channel[n]};
+    compiled.parts.back().film_channel = {channel};
   }
   return compiled;
 }

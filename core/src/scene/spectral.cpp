@@ -181,6 +181,8 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
   const bool dispersive = is_dispersive(scene);
   const std::vector<EmissionLine> lines = lines_of(scene);
   SpectralNodes all;
+  std::vector<int> channel_of_node;
+  std::vector<SpectralResponse> responses;
   // A channel's only node takes the light of lines as well, where it travels like the rest.
   const auto with_lines = [&](std::vector<SourceFunction> nodes,
                               const std::optional<SpectralResponse>& response) {
@@ -203,7 +205,7 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
     for (const SourceFunction& emitter : SourceFunction::sharing(whole, {nodes.begin(), split}))
       all.emitters.push_back(emitter.with_share(filter * emitter.share()));
     all.emitters.insert(all.emitters.end(), split, nodes.end());  // nothing but lines
-    all.channel.insert(all.channel.end(), nodes.size(), static_cast<int>(channel));
+    channel_of_node.insert(channel_of_node.end(), nodes.size(), static_cast<int>(channel));
   };
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
@@ -214,6 +216,7 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
     }
     try {
       const std::optional<SpectralResponse> response = camera_response(scene, channel);
+      if (response) responses.push_back(*response);
       const ChannelNodes nodes =
           channel_nodes(response, spectra, dispersive ? channel.wavelengths : 1);
       all.error = std::max(all.error, nodes.error);
@@ -226,6 +229,17 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
       throw InputError(positions.find("channels[" + std::to_string(c) + "].kind"),
                        "channel \"" + channel.name + "\": " + error.what());
     }
+  }
+  if (all.sources.size() > scene.channels.size()) all.mix = ChannelMix::of_parts(channel_of_node);
+  // What else emits does so into channels as a whole, and light that disperses has its own way.
+  const bool only_flames = scene.surfaces.empty() && scene.lights.empty() && lines.empty();
+  if (all.mix.empty() || !only_flames || dispersive || responses.size() < scene.channels.size())
+    return all;
+  const int fewer = all.mix.nodes() - 1;
+  if (std::optional<SharedNodes> shared = shared_nodes(responses, spectra, fewer)) {
+    all.sources = all.emitters = std::move(shared->nodes);
+    all.mix = std::move(shared->mix);
+    all.error = shared->error;
   }
   return all;
 }

@@ -143,5 +143,62 @@ TEST(ChannelNodes, NarrowAndGreyChannelsNeedOne) {
   EXPECT_TRUE(channel_nodes(std::nullopt, {{}}).nodes[0].is_total());
 }
 
+double planck(double wavelength, double temperature) {
+  return 1.1910429723971884e-16 / std::pow(wavelength, 5) /
+         std::expm1(0.014387768775039337 / (wavelength * temperature));
+}
+
+std::vector<SpectralResponse> camera_rgb() {
+  return {SpectralResponse::named("nikon_d5100_red"), SpectralResponse::named("nikon_d5100_green"),
+          SpectralResponse::named("nikon_d5100_blue")};
+}
+
+// Paths of soot, seen in three wide responses, against sums over four thousand wavelengths, between
+// and beyond the temperatures and depths that the search goes by.
+TEST(SharedNodes, StandForAllTheirChannels) {
+  const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
+  const std::vector<SpectralResponse> rgb = camera_rgb();
+  std::size_t own = 0;
+  for (const SpectralResponse& response : rgb) own += channel_nodes(response, {soot}).nodes.size();
+  const auto shared = shared_nodes(rgb, {soot}, static_cast<int>(own) - 1);
+  ASSERT_TRUE(shared);
+  EXPECT_LT(shared->nodes.size(), 0.7 * static_cast<double>(own));
+  EXPECT_LE(shared->error, kSpectralTolerance);
+  ASSERT_EQ(shared->mix.nodes(), static_cast<int>(shared->nodes.size()));
+  constexpr int kSteps = 4000;
+  for (int c = 0; c < 3; ++c) {
+    for (const double temperature : {1100.0, 1500.0, 1850.0, 2500.0})
+      for (const double depth : {0.02, 0.7, 2.0, 8.0}) {
+        double expected = 0, seen = 0;
+        for (int i = 0; i < kSteps; ++i) {
+          const double w = 400e-9 + 320e-9 * (i + 0.5) / kSteps;
+          expected += 320e-9 / kSteps * rgb[static_cast<std::size_t>(c)](w) *
+                      planck(w, temperature) * -std::expm1(-depth * 650e-9 / w);
+        }
+        for (int n = 0; n < shared->mix.nodes(); ++n) {
+          const SourceFunction& node = shared->nodes[static_cast<std::size_t>(n)];
+          seen += shared->mix.weight(c, n) * node(temperature) *
+                  -std::expm1(-depth * soot.factor(node.wavelength()));
+        }
+        EXPECT_TRUE(relative(seen, expected, kSpectralTolerance)) << c << " " << temperature;
+      }
+    // What is far too cold for the rule is inexact, but light all the same.
+    for (int n = 0; n < shared->mix.nodes(); ++n) EXPECT_GE(shared->mix.weight(c, n), 0) << c << n;
+  }
+  // The node that stands for the first channel alone is in the middle of it.
+  for (int n = 1; n < shared->mix.nodes(); ++n)
+    EXPECT_GE(shared->mix.weight(0, 0) * shared->nodes[0](1700),
+              shared->mix.weight(0, n) * shared->nodes[static_cast<std::size_t>(n)](1700));
+}
+
+TEST(SharedNodes, NoneWhereTheyAreNotFewer) {
+  const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
+  EXPECT_FALSE(shared_nodes(camera_rgb(), {soot}, 5));
+  EXPECT_FALSE(
+      shared_nodes({SpectralResponse::band(450e-9, 10e-9), SpectralResponse::band(550e-9, 10e-9),
+                    SpectralResponse::band(650e-9, 10e-9)},
+                   {soot}, 2));
+}
+
 }  // namespace
 }  // namespace plenoflame

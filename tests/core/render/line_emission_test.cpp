@@ -65,7 +65,8 @@ std::vector<double> seen(const CompiledScene& scene) {
       see<double>(*scene.medium, {{{0, 0, 0}, {1, 0, 0}}}, with(Isa::baseline), 0, 10);
   std::vector<double> sums(scene.scene.channels.size());
   for (std::size_t n = 0; n < nodes.radiance.size(); ++n)
-    sums[scene.channel_of_node.empty() ? n : static_cast<std::size_t>(scene.channel_of_node[n])] +=
+    sums[scene.mix.empty() ? n
+                           : static_cast<std::size_t>(scene.mix.channel_of(static_cast<int>(n)))] +=
         nodes.radiance[n][0];
   return sums;
 }
@@ -78,7 +79,7 @@ double out_of(double absorption) {
 // response is taken at the channel's centroid.
 TEST(LineEmission, ChannelsWeighTheLine) {
   const CompiledScene scene = compile(scene_of({{LineKind::custom, 505e-9, 0, {"g"}}}), block());
-  EXPECT_TRUE(scene.channel_of_node.empty());  // no wavelength more
+  EXPECT_TRUE(scene.mix.empty());  // no wavelength more
   const std::vector<double> sums = seen(scene);
   const double full = out_of(kAbsorption), heat = 1e-9;
   EXPECT_TRUE(relative(sums[0], full, 1e-7));
@@ -140,7 +141,8 @@ TEST(LineEmission, DispersiveScenesLoadAFlameOnce) {
       });
   EXPECT_EQ(loads, 1);
   ASSERT_EQ(compiled.parts.size(), 3u);
-  EXPECT_EQ(compiled.channel_of_node, (std::vector<int>{0, 0, 1}));
+  ASSERT_EQ(compiled.mix.nodes(), 3);
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(compiled.mix.channel_of(n), n == 2 ? 1 : 0);
   const std::vector<Ray> axis{{{0, 0, 0}, {1, 0, 0}}};
   const Seen whole = see<double>(*compiled.medium, axis, with(Isa::baseline), 0, 10);
   for (std::size_t n = 0; n < 3; ++n) {

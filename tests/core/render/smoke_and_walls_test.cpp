@@ -312,7 +312,7 @@ TEST(SmokeAndWalls, PixelsLeftToChance) {
   wall.material.reflectivity = 0.8;
   with.surfaces = scene_of(std::vector{wall});
   with.scene.render.reflections = 1;
-  expect_dim_pixels_right(with, {2, 8, 300, 1 << 11});
+  expect_dim_pixels_right(with, {2, 8, 100, 1 << 11});
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ TEST(SparsePixels, WithMoreRandomisationsThanAWordHasBitsFor) {
 TEST(SparsePixels, OfASceneThatScatters) {
   Scene scene = paper_flame(48, 48, 0.001);
   scene.flames[0].scattering = {0.6, PhaseFunction::henyey_greenstein, 0.5};
-  expect_dim_pixels_right(compile(scene), {2, 8, 300, 1 << 11});
+  expect_dim_pixels_right(compile(scene), {2, 8, 150, 1 << 11});
 }
 
 }  // namespace

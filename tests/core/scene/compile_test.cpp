@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -213,10 +214,42 @@ TEST(Compile, NodesOfFlamesWithDifferentSpectra) {
                    std::exp(-front) * planck(w, 2100) * -std::expm1(-back));
     }
     for (int n = 0; n < compiled.node_count(); ++n)
-      if (compiled.channel_of_node[static_cast<std::size_t>(n)] == c)
-        seen += nodes[static_cast<std::size_t>(n)];
+      seen += compiled.mix.weight(c, n) * nodes[static_cast<std::size_t>(n)];
     EXPECT_TRUE(test::relative(seen, expected, 1e-3)) << c;
   }
+}
+
+// Wide channels share wavelengths where flames are all there is; each has its own where something
+// else sends light into channels as a whole.
+TEST(Compile, ChannelsShareWavelengthsAmongFlamesOnly) {
+  Scene scene = grid_scene().scene;
+  FlameSpec flame;
+  flame.position = {1, 0, 0};
+  flame.layers = {{"", {}, {0.01, 0.01, 0.01}, 1700, 50}};
+  flame.spectrum.kind = SpectrumKind::soot;
+  scene.flames = {flame};
+  scene.channels.clear();
+  for (const char* name : {"nikon_d5100_red", "nikon_d5100_green", "nikon_d5100_blue"})
+    scene.channels.push_back({name, ChannelKind::named, 0, 0, name});
+  const auto most_channels_of_a_node = [](const CompiledScene& compiled) {
+    int most = 0;
+    for (int n = 0; n < compiled.mix.nodes(); ++n) {
+      int channels = 0;
+      for (int c = 0; c < 3; ++c) channels += compiled.mix.weight(c, n) > 0 ? 1 : 0;
+      most = std::max(most, channels);
+    }
+    return most;
+  };
+  const CompiledScene alone = compile(scene);
+  EXPECT_EQ(most_channels_of_a_node(alone), 3);
+  LightSpec lamp;
+  lamp.kind = LightKind::point;
+  lamp.position = {1, 0.5, 0};
+  lamp.power = 1;
+  scene.lights = {lamp};
+  const CompiledScene lit = compile(scene);
+  EXPECT_EQ(most_channels_of_a_node(lit), 1);
+  EXPECT_GT(lit.node_count(), alone.node_count());
 }
 
 }  // namespace

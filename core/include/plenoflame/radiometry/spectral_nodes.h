@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "plenoflame/radiometry/absorption_spectrum.h"
+#include "plenoflame/radiometry/channel_mix.h"
 #include "plenoflame/radiometry/source_function.h"
 
 namespace plenoflame {
@@ -27,5 +28,19 @@ inline constexpr double kSpectralTolerance = 5e-4;
 /// @param fewest wavelengths, even where fewer would do
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
                            const std::vector<AbsorptionSpectrum>& spectra, int fewest = 1);
+
+/// Wavelengths that stand for several channels together.
+struct SharedNodes {
+  std::vector<SourceFunction> nodes;
+  ChannelMix mix;
+  double error = 0;  ///< as of ChannelNodes, the largest of any channel
+};
+
+/// The fewest wavelengths that keep every channel's error below kSpectralTolerance: those of the
+/// Gauss rule of all responses together, each normalised, with weights for each channel that
+/// integrate polynomials exactly through those of them at which all its weights are positive.
+/// @param most wavelengths @return nothing when that takes more
+std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& responses,
+                                        const std::vector<AbsorptionSpectrum>& spectra, int most);
 
 }  // namespace plenoflame

@@ -8,6 +8,7 @@
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/pupil_sampling.h"
 #include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/channel_mix.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
 #include "plenoflame/scene/scene_file.h"
@@ -42,9 +43,8 @@ struct CompiledScene {
   std::shared_ptr<const Medium> medium;         ///< all flames; nullptr when there is none
   std::unique_ptr<SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
-  /// Of each channel of the medium, the surfaces and the lights: the scene's channel that it is a
-  /// part of, ascending. Empty: they are the scene's.
-  std::vector<int> channel_of_node = {};
+  /// How the scene's channels add up from those of the medium, the surfaces and the lights.
+  ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
   double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
   /// Where the camera disperses light: what each wavelength sees, with a camera, pupils and media
@@ -53,8 +53,7 @@ struct CompiledScene {
   /// Of a part: which channel of the whole scene each of its channels adds to. Empty: the same.
   std::vector<int> film_channel = {};
   int node_count() const {
-    return static_cast<int>(channel_of_node.empty() ? scene.channels.size()
-                                                    : channel_of_node.size());
+    return mix.empty() ? static_cast<int>(scene.channels.size()) : mix.nodes();
   }
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plenoflame/radiometry/absorption_spectrum.h"
+#include "plenoflame/radiometry/channel_mix.h"
 #include "plenoflame/radiometry/emission_line.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
@@ -57,13 +58,14 @@ bool is_dispersive(const Scene& scene);
 /// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
 /// it otherwise. Emission lines of the flames belong to a channel's only node, or, where
 /// wavelengths differ in absorption or in their way through the camera, to nodes of their own.
+/// Where there is nothing but flames without lines, channels share wavelengths if that makes fewer.
 struct SpectralNodes {
   std::vector<SourceFunction> sources;
   /// What surfaces and lights emit into them: exact for every channel as a whole, at any
   /// temperature (SourceFunction::sharing).
   std::vector<SourceFunction> emitters;
-  std::vector<int> channel;  ///< of each node, ascending
-  double error = 0;          ///< stated error of the quadrature (radiometry/spectral_nodes.h)
+  ChannelMix mix;    ///< empty: the nodes are the channels
+  double error = 0;  ///< stated error of the quadrature (radiometry/spectral_nodes.h)
 };
 /// @throws InputError naming the channel
 SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions = {});
