@@ -248,7 +248,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     part.camera = at_wavelength(compiled.camera,
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
     Camera part_camera(part.camera);
-    PupilSampling part_pupils(part_camera, quiet);
+    // The first one sees what the scene's own camera sees.
+    PupilSampling part_pupils = n == 0 && wavelength == scene.camera.wavelength
+                                    ? compiled.pupils
+                                    : PupilSampling(part_camera, quiet);
     Media part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
                                           loader, quiet, positions);
     compiled.parts.push_back(compile_content(part, std::move(part_camera), std::move(part_pupils),

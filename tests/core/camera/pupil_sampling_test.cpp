@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
+#include "support/approx.h"
 #include "support/cameras.h"
 
 namespace plenoflame::test {
@@ -53,6 +58,59 @@ TEST(PupilSampling, TablesAreTheSameForAnyNumberOfThreads) {
         EXPECT_GT(lit, 20);
       }
     }
+  }
+}
+
+/// Share of a microlens' aperture through which rays from its sensor points at these distances
+/// from the micro-image's centre leave the camera: traced, one by one.
+double traced_share(const Camera& camera, LensIndex lens, const PupilTable& table,
+                    const PupilNode& node, double from, double to) {
+  constexpr int kAzimuths = 16, kDistances = 5, kRings = 10, kSpokes = 16;
+  const Vec3 middle = camera.lens_place(lens);
+  const Vec2 place{middle.x, middle.y}, outward = place - camera.foot();
+  const Vec2 field = (1 / length(outward)) * outward;
+  int open = 0;
+  for (int a = 0; a < kAzimuths; ++a)
+    for (int d = 0; d < kDistances; ++d) {
+      const double angle = 2 * std::numbers::pi * (a + 0.5) / kAzimuths;
+      const double distance = from + (to - from) * (d + 0.5) / kDistances;
+      const Vec2 s = node.centre * field + distance * Vec2{std::cos(angle), std::sin(angle)};
+      for (int i = 0; i < kRings * kSpokes; ++i) {
+        const double r = table.discs.radius * std::sqrt((i % kRings + 0.5) / kRings);
+        const double turn = 2 * std::numbers::pi * (i / kRings + 0.31) / kSpokes;
+        const Vec2 u = table.discs.shift * s + r * Vec2{std::cos(turn), std::sin(turn)};
+        open += camera.trace(place + s, lens, place + u).status.status == RayStatus::reached;
+      }
+    }
+  return open / double(kAzimuths * kDistances * kRings * kSpokes);
+}
+
+// What decides how many rays a pixel is worth.
+TEST(PupilSampling, MeanShareOfTheApertureThatIsOpen) {
+  const Camera camera(preset_camera("paper-plenoptic2"));
+  const PupilSampling pupils(camera, threads(2));
+  for (const Vec2 at : {Vec2{2e-4, 1e-4}, Vec2{-7e-3, 9e-3}}) {
+    std::array<bool, 3> done{};
+    for (const LensIndex lens :
+         camera.lattice().within(at - Vec2{3e-4, 3e-4}, at + Vec2{3e-4, 3e-4})) {
+      const auto type = static_cast<std::size_t>(camera.lattice().type(lens));
+      if (std::exchange(done[type], true)) continue;
+      const PupilTable& table = pupils.tables()[type];
+      const Vec3 place = camera.lens_place(lens);
+      const PupilNode node = table.at(length(Vec2{place.x, place.y} - camera.foot()));
+      const double half = 0.5 * camera.spec().sensor.pixel_pitch;
+      double dimmest = 1;
+      for (const double share : {0.0, 0.3, 0.6, 0.8, 0.9, 1.0}) {
+        const double distance = share * node.outer_radius;
+        const double expected = traced_share(camera, lens, table, node,
+                                             std::max(distance - half, 0.0), distance + half);
+        EXPECT_TRUE(within(node.mean_open(distance, half), expected, 0.03, 1))
+            << type << " at " << share;
+        dimmest = std::min(dimmest, expected);
+      }
+      EXPECT_LT(dimmest, 0.1);
+    }
+    EXPECT_TRUE(done[0] && done[1] && done[2]);
   }
 }
 

@@ -169,5 +169,34 @@ TEST(RadianceTable, NotWhereItDoesNotPay) {
   EXPECT_EQ(render(scene, settings).statistics.table_nodes, 0);  // too few points to correct it
 }
 
+// Sums below 0, where the table says too much and single rays correct it, are cut off: that adds
+// light, and the statistics bound how much.
+TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
+  const CompiledScene scene = cloud_scene(true);
+  RenderSettings settings;
+  settings.samples = 64;
+  double added = 0, squares = 0, bound = 0, clamped = 0;
+  constexpr int kRuns = 12;
+  for (int run = 0; run < kRuns; ++run) {
+    settings.seed = static_cast<std::uint64_t>(100 + run);
+    settings.control_variate = true;
+    const RenderResult with = render(scene, settings);
+    settings.control_variate = false;
+    const RenderResult without = render(scene, settings);
+    const Difference d =
+        difference(with.light_field.channels[0].flux, without.light_field.channels[0].flux);
+    added += d.sum / d.flux;
+    squares += d.sum / d.flux * (d.sum / d.flux);
+    bound += with.statistics.table_clamped_sum / with.statistics.table_sum;
+    clamped += with.statistics.table_clamped;
+  }
+  EXPECT_GT(clamped, 0);
+  EXPECT_GT(bound, 0);
+  EXPECT_LT(bound / kRuns, 1e-4);
+  // Standard error of the mean, were there no bias.
+  const double error = std::sqrt(squares) / kRuns;
+  EXPECT_LT(added / kRuns, bound / kRuns + 4 * error);
+}
+
 }  // namespace
 }  // namespace plenoflame::test
