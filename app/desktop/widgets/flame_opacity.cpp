@@ -13,6 +13,8 @@
 #include <array>
 #include <cmath>
 
+#include "model/flame_glow.h"
+
 namespace plenoflame::desktop {
 
 void apply_opacity(const FlameLook& look, double cold, double hot, vtkVolume& volume) {
@@ -44,6 +46,22 @@ void apply_opacity(const FlameLook& look, double cold, double hot, vtkVolume& vo
     both->SetTypedComponent(i, 1, both->GetTypedComponent(i, 1) * table[entry]);
   }
   both->Modified();
+}
+
+void show_glow(const Medium& medium, vtkImageData& flame, const Execution& execution) {
+  auto* const density = vtkFloatArray::SafeDownCast(flame.GetPointData()->GetArray("absorption"));
+  if (!density || density->GetRange()[1] > 0) return;
+  const std::array<int, 3> count{flame.GetDimensions()[0], flame.GetDimensions()[1],
+                                 flame.GetDimensions()[2]};
+  parallel_for(execution, static_cast<std::size_t>(count[2]), [&](std::size_t layer, int) {
+    const vtkIdType area = static_cast<vtkIdType>(count[0]) * count[1],
+                    first = static_cast<vtkIdType>(layer) * area;
+    for (vtkIdType i = first; i < first + area; ++i) {
+      std::array<double, 3> p{};
+      flame.GetPoint(i, p.data());
+      density->SetValue(i, static_cast<float>(glow(medium, {p[0], p[1], p[2]})));
+    }
+  });
 }
 
 }  // namespace plenoflame::desktop

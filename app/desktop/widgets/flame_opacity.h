@@ -1,6 +1,9 @@
 #pragma once
 #include "model/flame_look.h"
+#include "plenoflame/base/execution.h"
+#include "plenoflame/media/medium.h"
 
+class vtkImageData;
 class vtkVolume;
 
 namespace plenoflame::desktop {
@@ -9,5 +12,9 @@ namespace plenoflame::desktop {
 /// @param cold,hot ends of the colours [K]
 /// @param volume from views::flame_volume: its points hold temperature and absorption
 void apply_opacity(const FlameLook& look, double cold, double hot, vtkVolume& volume);
+
+/// Of a flame that absorbs nowhere the light that it emits takes the place of absorption.
+/// @param flame from pipeline::flame_image(), of this medium
+void show_glow(const Medium& medium, vtkImageData& flame, const Execution& execution);
 
 }  // namespace plenoflame::desktop

@@ -38,7 +38,6 @@
 
 #include "flame_image.h"
 #include "flame_volume.h"
-#include "model/flame_glow.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
 #include "plenoflame/base/error.h"
@@ -55,27 +54,6 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
-
-}  // namespace
-
-namespace {
-
-/// Of a flame that absorbs nowhere the light that it emits takes the place of absorption.
-void show_glow(const Medium& medium, vtkImageData& flame, const Execution& execution) {
-  auto* const density = vtkFloatArray::SafeDownCast(flame.GetPointData()->GetArray("absorption"));
-  if (!density || density->GetRange()[1] > 0) return;
-  const std::array<int, 3> count{flame.GetDimensions()[0], flame.GetDimensions()[1],
-                                 flame.GetDimensions()[2]};
-  parallel_for(execution, static_cast<std::size_t>(count[2]), [&](std::size_t layer, int) {
-    const vtkIdType area = static_cast<vtkIdType>(count[0]) * count[1],
-                    first = static_cast<vtkIdType>(layer) * area;
-    for (vtkIdType i = first; i < first + area; ++i) {
-      std::array<double, 3> p{};
-      flame.GetPoint(i, p.data());
-      density->SetValue(i, static_cast<float>(glow(medium, {p[0], p[1], p[2]})));
-    }
-  });
-}
 
 }  // namespace
 
