@@ -11,7 +11,7 @@ namespace plenoflame::cli {
 /// What `rays` and `info` say about a set of ray paths.
 struct RayCounts {
   std::size_t rays = 0, vertices = 0;
-  std::size_t of_images = 0;  ///< drawn for a pixel, of whose light they carry a share
+  std::size_t of_images = 0;               ///< drawn for a pixel, of whose light they carry a share
   std::array<std::size_t, 4> by_status{};  ///< in the order of RayStatus
   std::vector<std::string> channels;
   std::vector<double> flux;  ///< [W] per channel: sum of weight times radiance

@@ -262,8 +262,7 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   options.isa = settings.isa;
   options.skip = settings.skip;
   const Vec3 anchor = 0.5 * (box.lower + box.upper);
-  if (scene.mix.empty())
-    return RadianceTable::make(scene.camera, *scene.medium, anchor, options);
+  if (scene.mix.empty()) return RadianceTable::make(scene.camera, *scene.medium, anchor, options);
   // It holds channels, whatever stands for them.
   auto sum = std::make_unique<ChannelSum>(*scene.medium, scene.mix);
   std::unique_ptr<RadianceTable> table = RadianceTable::make(scene.camera, *sum, anchor, options);
