@@ -41,10 +41,23 @@ double shift_by_tilt(const Camera& camera) {
   return 1.5 * tilt * (tilt * corner + camera.array_front() - camera.sensor());
 }
 
+std::shared_ptr<const SobolPools> make_pools(const RenderSettings& settings,
+                                             const PointRange& range) {
+  const auto [first, points, part] = range;
+  auto pools = std::make_shared<SobolPools>();
+  for (int level = 0; level < (part ? kPartLevels : kLevels) && points >> level >= kLeastPoints;
+       ++level)
+    pools->emplace_back(settings.replicates, points >> level, first >> level,
+                        mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
+                        part ? kPartEntries : 0);
+  return pools;
+}
+
 template <class Real>
 BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
                              const RenderSettings& settings, const PointRange& range,
-                             const SurfaceLightPlan* light, const ScatterPlan* scatter) {
+                             std::shared_ptr<const SobolPools> pools, const SurfaceLightPlan* light,
+                             const ScatterPlan* scatter) {
   const auto [first, points, part] = range;
   BackwardPlan<Real> plan;
   plan.scene = &scene;
@@ -65,19 +78,15 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
     plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
   }
-  const int levels = part ? kPartLevels : kLevels;
-  for (int level = 0; level < levels && points >> level >= kLeastPoints; ++level)
-    plan.pools.emplace_back(settings.replicates, points >> level, first >> level,
-                            mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
-                            part ? kPartEntries : 0);
+  plan.pools_of_range = std::move(pools);
   if (!part && points >= kLeastSparsePoints)
     plan.sparse_levels =
-        std::clamp(levels - static_cast<int>(plan.pools.size()), 0, kMostSparseLevels);
+        std::clamp(kLevels - static_cast<int>(plan.pools().size()), 0, kMostSparseLevels);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
   if (light)
     plan.surfaces =
-        std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools, plan.anchor);
+        std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools(), plan.anchor);
   return plan;
 }
 
@@ -213,7 +222,8 @@ template BackwardKernels<double> backward_kernels<double>(Isa);
 BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
                                       const RenderSettings& settings, const PointRange& range,
                                       const SurfaceLightPlan* light, const ScatterPlan* scatter) {
-  return make_plan<double>(scene, medium, settings, range, light, scatter);
+  return make_plan<double>(scene, medium, settings, range, make_pools(settings, range), light,
+                           scatter);
 }
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
@@ -288,13 +298,17 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
   plans.resize(ranges_.size() * media_.size());
   Execution execution;
   execution.threads = threads;
+  // Wavelengths with ways of their own take the same numbers: caches hold them once.
+  std::vector<std::shared_ptr<const SobolPools>> pools(ranges_.size());
+  parallel_for(execution, pools.size(),
+               [&](std::size_t r, int) { pools[r] = make_pools(settings, ranges_[r]); });
   parallel_for(execution, plans.size(), [&](std::size_t i, int) {
     const std::size_t range = i / media_.size(), p = i % media_.size();
     const CompiledScene& part = scene.parts.empty() ? scene : scene.parts[p];
     const BackwardShared& of_part = scene.parts.empty() ? shared : shared.parts[p];
     auto plan = std::make_unique<BackwardPlan<Real>>(
-        make_plan<Real>(part, media_[p]->get(), settings, ranges_[range], of_part.light.get(),
-                        of_part.scatter.get()));
+        make_plan<Real>(part, media_[p]->get(), settings, ranges_[range], pools[range],
+                        of_part.light.get(), of_part.scatter.get()));
     if constexpr (std::is_same_v<Real, float>) plan->table = of_part.table.get();
     plan->beams = of_part.beams.get();
     plans[i] = std::move(plan);

@@ -239,7 +239,7 @@ int TileTracer<Real>::level_of(double worth) const {
                                0.013139006488339288, 0.005524271728019903};
   int level = 0;
   for (const double limit : kWorth) level += worth <= limit ? 1 : 0;
-  return std::min(level, static_cast<int>(plan_.pools.size()) - 1 + plan_.sparse_levels);
+  return std::min(level, static_cast<int>(plan_.pools().size()) - 1 + plan_.sparse_levels);
 }
 
 template <class Real>
@@ -256,7 +256,7 @@ void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
 /// one, which then counts for the others. @return the mask of them; all below the sparse levels
 template <class Real>
 std::uint64_t TileTracer<Real>::chosen_replicates(int level) const {
-  const int sparse = level - static_cast<int>(plan_.pools.size()) + 1;
+  const int sparse = level - static_cast<int>(plan_.pools().size()) + 1;
   if (sparse <= 0) return ~std::uint64_t{0};
   std::uint64_t chosen = 0;
   std::uint64_t bits = mix64(random_[2] + plan_.first);
@@ -270,8 +270,8 @@ std::uint64_t TileTracer<Real>::chosen_replicates(int level) const {
 
 template <class Real>
 void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::uint64_t chosen) {
-  const int pool_level = std::min(level, static_cast<int>(plan_.pools.size()) - 1);
-  const SobolPool& pool = plan_.pools[static_cast<std::size_t>(pool_level)];
+  const int pool_level = std::min(level, static_cast<int>(plan_.pools().size()) - 1);
+  const SobolPool& pool = plan_.pools()[static_cast<std::size_t>(pool_level)];
   // The upper half of the product: evenly spread over the entries, without a division.
   const int entry =
       static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
@@ -381,7 +381,7 @@ void TileTracer<Real>::add_scattered() {
   std::vector<std::vector<double>> scattered(static_cast<std::size_t>(plan_.scene->node_count()),
                                              std::vector<double>(static_cast<std::size_t>(count_)));
   for (const RayGroup& group : groups_) {
-    const int points = plan_.pools[static_cast<std::size_t>(group.level)].points();
+    const int points = plan_.pools()[static_cast<std::size_t>(group.level)].points();
     for (int i = group.first; i < group.first + group.count; ++i) {
       if (block_.code[i] != 0 || !(block_.weight[i] > 0)) continue;
       const int number = group.offset + i - group.first;
@@ -420,12 +420,12 @@ void TileTracer<Real>::add_scattered() {
 template <class Real>
 bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
   if constexpr (std::is_same_v<Real, float>) {
-    if (!plan_.table || sink_ || plan_.pools.front().points() < kLeastTablePoints) return false;
+    if (!plan_.table || sink_ || plan_.pools().front().points() < kLeastTablePoints) return false;
     if (!table_worker_) table_worker_ = std::make_unique<RadianceTable::Worker>(*plan_.table);
     const auto set = [&](float* factors, int per_correction) {
       std::fill_n(factors, padded, 0.F);
       for (const Pending& pending : pending_) {
-        const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
+        const int points = plan_.pools()[static_cast<std::size_t>(pending.level)].points();
         const int corrected =
             points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
         const float factor = static_cast<float>(points) / static_cast<float>(corrected);
@@ -490,9 +490,9 @@ void TileTracer<Real>::flush() {
 /// What a sum on this level counts, compared with one over all points.
 template <class Real>
 double TileTracer<Real>::scale_of(int level) const {
-  const int last = static_cast<int>(plan_.pools.size()) - 1;
-  const int points = plan_.pools[static_cast<std::size_t>(std::min(level, last))].points();
-  return static_cast<double>(plan_.pools.front().points()) / points *
+  const int last = static_cast<int>(plan_.pools().size()) - 1;
+  const int points = plan_.pools()[static_cast<std::size_t>(std::min(level, last))].points();
+  return static_cast<double>(plan_.pools().front().points()) / points *
          static_cast<double>(1 << std::max(level - last, 0));
 }
 
@@ -520,7 +520,7 @@ void TileTracer<Real>::add_to_film(int channel) {
   double* const sums =
       film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
   for (const Pending& pending : pending_) {
-    const int points = plan_.pools[static_cast<std::size_t>(pending.level)].points();
+    const int points = plan_.pools()[static_cast<std::size_t>(pending.level)].points();
     const double scale = pending.scale;
     double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *
                                       static_cast<std::size_t>(tile_.width) +

@@ -28,6 +28,8 @@ struct BackwardKernels {
 template <class Real>
 BackwardKernels<Real> backward_kernels(Isa isa);
 
+using SobolPools = std::vector<SobolPool>;
+
 /// At most 2^this times less than a point of each randomisation.
 inline constexpr int kMostSparseLevels = 2;
 
@@ -48,8 +50,10 @@ struct BackwardPlan {
   Vec3 anchor;                        ///< [m] world
   const SceneBeams* beams = nullptr;  ///< nullptr: nothing is skipped
   RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
-  /// One pool per level: level k has 2^-k of the points, for pixels worth less.
-  std::vector<SobolPool> pools;
+  /// For all plans of a range. One pool per level: level k has 2^-k of the points, for pixels worth
+  /// less.
+  std::shared_ptr<const SobolPools> pools_of_range;
+  const SobolPools& pools() const { return *pools_of_range; }
   /// So many levels follow on which not every randomisation gets a point.
   int sparse_levels = 0;
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
