@@ -3,7 +3,7 @@
 
     tools/benchmark_page.py FOLDER [RESULT.json ...]
 
-FOLDER holds what `render --stats` wrote as whole-*.json, skipping-*.json and memory-*.json. Sections for which there is
+FOLDER holds what `render --stats` wrote as whole-*.json, skipping-*.json, colour-*.json, native-*.json and memory-*.json. Sections for which there is
 nothing new stay as they are on the page.
 """
 
@@ -156,6 +156,27 @@ def colours(folder):
     return ["\n".join(lines) + "\n"]
 
 
+def native(folder):
+    """Table of the build for any processor against that for one, from native-NAME-KIND-RUN.json."""
+    runs = {}
+    for path in sorted(folder.glob("native-*.json")):
+        name, kind, run = path.stem[len("native-"):].rsplit("-", 2)
+        stats = json.loads(path.read_text())
+        runs.setdefault(name, {}).setdefault(kind, {})[run] = stats["seconds"] + stats["seconds_compile"]
+    if not runs:
+        return []
+    lines = ["## Instruction sets", "",
+             "The program as it is installed, which chooses among instruction sets as it starts, and one built with `-march=native`, in turn; one "
+             f"thread, with the time to compile, medians of 3 runs. On {machine()}. `PARTS=native tools/make_benchmarks.sh`.", "",
+             "| what | as installed | native | speed as installed over native | asked |", "|---|---|---|---|---|"]
+    for name, run in runs.items():
+        chosen, own = run["chosen"], run["native"]
+        ratios = [own[k] / chosen[k] for k in chosen]
+        lines.append(f"| {name} | {statistics.median(chosen.values()):.3g} s | {statistics.median(own.values()):.3g} s | "
+                     f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f}) | 0.9 |")
+    return ["\n".join(lines) + "\n"]
+
+
 def memory(folder):
     """Table of the largest resident memory of renders, from memory-NAME, N samples.json."""
     rows = []
@@ -183,7 +204,8 @@ def main():
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1])
     old = by_title(["## " + text.rstrip("\n") + "\n" for text in PAGE.read_text(encoding="ascii").split("\n## ")[1:]])
-    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + skipping(folder) + colours(folder) + memory(folder))
+    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + skipping(folder) + colours(folder) + native(folder)
+                   + memory(folder))
     PAGE.write_text("\n".join([INTRODUCTION, *(old | new).values()]), encoding="ascii")
 
 

@@ -3,8 +3,8 @@
 #
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
-# PARTS="lenslets-30 paper-flame-1m whole skipping colour memory" says what to measure, all of it unless set; the other
-# sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
+# PARTS="lenslets-30 paper-flame-1m whole skipping colour memory" says what to measure, all of it unless set; PARTS=native
+# builds for this very processor and compares. The other sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -166,6 +166,31 @@ END
   memory "paper-flame-1m, 3000 x 3000 pixels" examples/paper-flame-1m.toml 16
   memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 2
   memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 16
+fi
+# A build for this processor alone against the one that chooses among instruction sets as it starts, in turn.
+native() { # NAME SCENE OPTION ...
+  local name=$1 scene=$2
+  shift 2
+  for run in 1 2 3; do
+    for kind in chosen native; do
+      local program=$command
+      if [ $kind = native ]; then program=build/native/app/cli/plenoflame; fi
+      "$program" render "$scene" -o out/benchmarks/native.exr --seed "$run" --quiet --threads 1 \
+        --stats "out/benchmarks/native-$name-$kind-$run.json" "$@"
+    done
+  done
+}
+if wanted native; then
+  rm -f out/benchmarks/native-*.json
+  cmake -S . -B build/native -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLENOFLAME_WITH_VTK=OFF -DPLENOFLAME_WITH_DESKTOP=OFF \
+    -DCMAKE_CXX_FLAGS=-march=native >/dev/null
+  cmake --build build/native --target plenoflame_command
+  "$command" flame candle -o out/benchmarks/native-candle.vdb --voxel-size "0.25 mm"
+  sed 's|^preset = "paper-layered"|kind = "vdb"\nfile = "native-candle.vdb"|' examples/paper-flame-1m.toml >out/benchmarks/native-candle.toml
+  for samples in 16 64 256; do
+    native "paper-flame-1m, $samples samples" examples/paper-flame-1m.toml --samples $samples
+  done
+  native "the same with a candle of voxels, 64 samples, 1000 x 1000 pixels" out/benchmarks/native-candle.toml --samples 64 --window 1000,1000,1000,1000
 fi
 python3 tools/benchmark_page.py out/benchmarks "${results[@]}"
 echo "written: docs/benchmarks.md"
