@@ -4,7 +4,7 @@
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
 # PARTS="lenslets-30 paper-flame-1m whole skipping colour memory" says what to measure, all of it unless set; PARTS=native
-# builds for this very processor and compares. The other sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
+# builds once more with the compiler's options in NATIVE, which nothing that is shipped has, and compares. The other sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -183,7 +183,7 @@ native() { # NAME SCENE OPTION ...
 if wanted native; then
   rm -f out/benchmarks/native-*.json
   cmake -S . -B build/native -G Ninja -DCMAKE_BUILD_TYPE=Release -DPLENOFLAME_WITH_VTK=OFF -DPLENOFLAME_WITH_DESKTOP=OFF \
-    -DCMAKE_CXX_FLAGS=-march=native >/dev/null
+    -DCMAKE_CXX_FLAGS="${NATIVE:?what makes the compiler build for this very processor}" >/dev/null
   cmake --build build/native --target plenoflame_command
   "$command" flame candle -o out/benchmarks/native-candle.vdb --voxel-size "0.25 mm"
   sed 's|^preset = "paper-layered"|kind = "vdb"\nfile = "native-candle.vdb"|' examples/paper-flame-1m.toml >out/benchmarks/native-candle.toml
