@@ -124,6 +124,13 @@ def skipping(folder):
     return ["\n".join(lines) + "\n"]
 
 
+def pairs_row(what, first, second, ratios, asked):
+    """A row of seconds by run, of two things in turn: medians, and that of the ratios with its range."""
+    median = statistics.median
+    return (f"| {what} | {median(first.values()):.3g} s | {median(second.values()):.3g} s | "
+            f"{median(ratios.values()):.2f} ({min(ratios.values()):.2f} to {max(ratios.values()):.2f}) | {asked} |")
+
+
 # (what, scene, scene that it is compared with, asked)
 COLOURS = [("three bands, grey layers, constant indices", "three", "mono", ""),
            ("X, Y, Z of all wavelengths, grey layers", "xyz", "mono", ""),
@@ -150,9 +157,7 @@ def colours(folder):
     for what, many, one, asked in COLOURS:
         if many not in runs or one not in runs:
             continue
-        ratios = [runs[many][run] / runs[one][run] for run in runs[many] if run in runs[one]]
-        lines.append(f"| {what} | {statistics.median(runs[one].values()):.3g} s | {statistics.median(runs[many].values()):.3g} s | "
-                     f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f}) | {asked} |")
+        lines.append(pairs_row(what, runs[one], runs[many], {run: runs[many][run] / runs[one][run] for run in runs[one]}, asked))
     return ["\n".join(lines) + "\n"]
 
 
@@ -171,9 +176,7 @@ def native(folder):
              "| what | as installed | native | speed as installed over native | asked |", "|---|---|---|---|---|"]
     for name, run in runs.items():
         chosen, own = run["chosen"], run["native"]
-        ratios = [own[k] / chosen[k] for k in chosen]
-        lines.append(f"| {name} | {statistics.median(chosen.values()):.3g} s | {statistics.median(own.values()):.3g} s | "
-                     f"{statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f}) | 0.9 |")
+        lines.append(pairs_row(name, chosen, own, {k: own[k] / chosen[k] for k in chosen}, "0.9"))
     return ["\n".join(lines) + "\n"]
 
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "plenoflame/base/error.h"
@@ -285,24 +286,20 @@ TEST_F(FlameFile, SaysWhatAClearFlameDoesNotUse) {
 // Whoever asks for something that needs absorption gets no clear flame.
 TEST_F(FlameFile, EmissionLinesWithoutTheAbsorptionThatIsAskedFor) {
   const std::vector<Grid> grids{{"CH*", "W/m^3", 2}, {"temperature", "", 1500}};
-  FlameSpec spec = with_line({LineKind::ch});
-  spec.absorption.grid = "kappa";
-  EXPECT_TRUE(contains(refused(grids, spec), "has no grid \"kappa\""));
-  spec = with_line({LineKind::ch});
-  spec.absorption.scale = 35;
-  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
-  spec = with_line({LineKind::ch});
-  spec.temperature.grid = "temperature";
-  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
-  spec = with_line({LineKind::ch});
-  spec.temperature.unit = "degC";
-  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
-  spec = with_line({LineKind::ch});
-  spec.scattering.albedo = 0.5;
-  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
-  spec = with_line({LineKind::ch});
-  spec.scattering.grid = "CH*";
-  EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid"));
+  FlameSpec named = with_line({LineKind::ch});
+  named.absorption.grid = "kappa";
+  EXPECT_TRUE(contains(refused(grids, named), "has no grid \"kappa\""));
+  const std::function<void(FlameSpec&)> asking[] = {
+      [](FlameSpec& spec) { spec.absorption.scale = 35; },
+      [](FlameSpec& spec) { spec.temperature.grid = "temperature"; },
+      [](FlameSpec& spec) { spec.temperature.unit = "degC"; },
+      [](FlameSpec& spec) { spec.scattering.albedo = 0.5; },
+      [](FlameSpec& spec) { spec.scattering.grid = "CH*"; }};
+  for (const auto& ask : asking) {
+    FlameSpec spec = with_line({LineKind::ch});
+    ask(spec);
+    EXPECT_TRUE(contains(refused(grids, spec), "has no absorption grid")) << &ask - asking;
+  }
   // Without lines nothing would shine.
   EXPECT_TRUE(contains(refused(grids), "has no absorption grid"));
   const std::string no_temperature =

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "core/media_voxel/voxel_fixture.h"
+#include "core/render/isothermal.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/media/voxel_medium.h"
 #include "plenoflame/scene/spectral.h"
@@ -103,29 +104,7 @@ TEST(Scattering, VanDeHulstSlab) {
 /// picture is that of the surroundings alone.
 void expect_invisible(const Scene& scene, const CompiledScene& with, const std::string& what) {
   ASSERT_EQ(with.scatterers.size(), 1u);
-  RenderSettings settings;
-  settings.samples = 256;
-  settings.replicates = 16;
-  const LightField seen = render(with, settings, test::one_thread()).light_field;
-  Scene dark = scene;
-  dark.flames.clear();
-  CompiledScene without = compile(dark);
-  without.lights.environment = {1, 1};
-  const LightField unit = render(without, settings, test::one_thread()).light_field;
-  for (std::size_t c = 0; c < 2; ++c) {
-    const double expected = source_function(scene.channels[c])(1700);
-    double sum = 0, variance = 0, all = 0;
-    for (std::size_t i = 0; i < seen.channels[c].flux.pixels.size(); ++i) {
-      sum += static_cast<double>(seen.channels[c].flux.pixels[i]);
-      const double e = static_cast<double>(seen.channels[c].standard_error.pixels[i]);
-      variance += e * e;
-      all += expected * static_cast<double>(unit.channels[c].flux.pixels[i]);
-    }
-    // Nodes stand for a wide channel within their stated error.
-    const double error = std::sqrt(variance) + with.spectral_error * all;
-    EXPECT_LT(error, 0.01 * all);
-    EXPECT_TRUE(within_standard_errors(sum, all, error, 4)) << what << " " << c;
-  }
+  test::expect_isothermal(scene, with, 256, 1700, what);
 }
 
 // Nothing tells a body from its surroundings of the same temperature, whatever it scatters.

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <string>
 
+#include "core/render/isothermal.h"
 #include "core/render/scattered_light.h"
 #include "core/render/sparse_pixels.h"
 #include "sampling/directions.h"
@@ -83,30 +85,9 @@ TEST(SmokeAndWalls, ClosedIsothermalBox) {
       box.material.reflectivity = reflectivity;
       ball.material.reflectivity = 0.7;
       with.surfaces = std::make_unique<GreyWalls>(std::vector{box, ball}, black);
-      RenderSettings settings;
-      settings.samples = 320;
-      settings.replicates = 16;
-      const LightField seen = render(with, settings, one_thread()).light_field;
-      Scene dark = scene;
-      dark.flames.clear();
-      CompiledScene without = compile(dark);
-      without.lights.environment = {1, 1};
-      const LightField unit = render(without, settings, one_thread()).light_field;
-      for (std::size_t c = 0; c < 2; ++c) {
-        const double expected = source_function(scene.channels[c])(1700);
-        double sum = 0, variance = 0, all = 0;
-        for (std::size_t i = 0; i < seen.channels[c].flux.pixels.size(); ++i) {
-          sum += static_cast<double>(seen.channels[c].flux.pixels[i]);
-          const double e = static_cast<double>(seen.channels[c].standard_error.pixels[i]);
-          variance += e * e;
-          all += expected * static_cast<double>(unit.channels[c].flux.pixels[i]);
-        }
-        // Nodes stand for a wide channel within their stated error.
-        const double error = std::sqrt(variance) + with.spectral_error * all;
-        EXPECT_LT(error, 0.01 * all);
-        EXPECT_TRUE(within_standard_errors(sum, all, error, 4))
-            << reflectivity << " " << spec.albedo << " " << c;
-      }
+      expect_isothermal(
+          scene, with, 320, 1700,
+          "walls " + std::to_string(reflectivity) + ", albedo " + std::to_string(spec.albedo));
     }
 }
 
