@@ -527,8 +527,10 @@ QImage SceneView::picture() {
         mappers.push_back(mapper);
       }
   view_->window->Render();
+  // A view that was resized a moment ago is drawn once more by the grab: finely, too.
+  QImage picture = view_->widget->grabFramebuffer();
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
-  return view_->widget->grabFramebuffer();
+  return picture;
 }
 
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
