@@ -27,6 +27,12 @@ struct MediumTruth {
 constexpr double kDeepest = 0.1;
 constexpr double kMostSteps = 1000;
 
+/// What the medium's wavelengths are to the first channel, one each.
+struct FirstChannel {
+  std::vector<double> weights;  ///< with which it counts their light
+  std::vector<double> shares;   ///< of its light from a body at 1700 K, together 1
+};
+
 /// What a ray needs, kept from one to the next.
 struct Work {
   std::vector<double> limits, emission, absorption, depth;
@@ -47,11 +53,10 @@ double coefficients(const Medium& medium, Vec3 place, std::size_t nodes, Work& w
 }
 
 /// @param end where the ray ends: at a solid surface, or kInfinity
-/// @param shares of the wavelengths that stand for the first channel, the medium's first ones
 MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
-                           const std::vector<double>& shares, Work& work) {
+                           const FirstChannel& channel, Work& work) {
   MediumTruth truth;
-  const std::size_t nodes = shares.size();
+  const std::size_t nodes = channel.weights.size();
   truth.depths.assign(nodes, 0.0);
   std::vector<double>& limits = work.limits;
   // The part of the ray within the bounds.
@@ -101,8 +106,8 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
         double light = 0;
         for (std::size_t n = 0; n < nodes; ++n)
           // To the point within the step: the mean absorption, which is exact to second order.
-          light +=
-              weight[g] * step * work.source[g][n] * std::exp(-truth.depths[n] - depth[n] * at[g]);
+          light += channel.weights[n] * weight[g] * step * work.source[g][n] *
+                   std::exp(-truth.depths[n] - depth[n] * at[g]);
         truth.radiance += light;
         truth.moment += light * (begin + at[g] * step);
         truth.heat += light * medium.sample(ray.at(begin + at[g] * step)).temperature;
@@ -110,7 +115,8 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
       for (std::size_t n = 0; n < nodes; ++n) truth.depths[n] += depth[n];
     }
   }
-  for (std::size_t n = 0; n < nodes; ++n) truth.optical_depth += shares[n] * truth.depths[n];
+  for (std::size_t n = 0; n < nodes; ++n)
+    truth.optical_depth += channel.shares[n] * truth.depths[n];
   return truth;
 }
 
@@ -143,20 +149,19 @@ class ChiefRays {
   double towards_axis_ = 0;
 };
 
-/// Of the wavelengths that stand for the first channel: their part of the light of a body at 1700
-/// K.
-std::vector<double> shares_of_first_channel(const CompiledScene& scene) {
-  if (scene.mix.empty() || !scene.medium) return {1.0};
+FirstChannel first_channel(const CompiledScene& scene) {
+  if (scene.mix.empty() || !scene.medium) return {{1.0}, {1.0}};
   constexpr double kTemperature = 1700;
-  std::vector<double> shares;
+  FirstChannel channel;
   double sum = 0;
   for (int n = 0; n < scene.mix.nodes(); ++n) {
     const double weight = scene.mix.weight(0, n);
-    shares.push_back(weight > 0 ? weight * scene.medium->source(n, kTemperature) : 0);
-    sum += shares.back();
+    channel.weights.push_back(weight);
+    channel.shares.push_back(weight > 0 ? weight * scene.medium->source(n, kTemperature) : 0);
+    sum += channel.shares.back();
   }
-  for (double& share : shares) share /= sum;
-  return shares;
+  for (double& share : channel.shares) share /= sum;
+  return channel;
 }
 
 }  // namespace
@@ -169,7 +174,7 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
       temperature = optical_depth, surface, surface_distance;
   if (scene.surfaces) surface = surface_distance = optical_depth;
   const ChiefRays rays(scene.camera);
-  const std::vector<double> shares = shares_of_first_channel(scene);
+  const FirstChannel channel = first_channel(scene);
   const RigidTransform& to_world = scene.camera.to_world();
   const bool done =
       parallel_for(execution, static_cast<std::size_t>(window.height), [&](std::size_t line, int) {
@@ -190,7 +195,7 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
             distance.at(column, row) = along_axis(hit.t);
           }
           if (!scene.medium) continue;
-          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, shares, work);
+          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, channel, work);
           if (!truth.hit) continue;
           optical_depth.at(column, row) = static_cast<float>(truth.optical_depth);
           first.at(column, row) = along_axis(truth.first);
