@@ -4,6 +4,7 @@
 #include <QCommandLineParser>
 #include <QDockWidget>
 #include <QElapsedTimer>
+#include <QEventLoop>
 #include <QIcon>
 #include <QSettings>
 #include <QStandardPaths>
@@ -100,8 +101,13 @@ int main(int argc, char** argv) {
   }
   window.show();
   if (!parser.positionalArguments().isEmpty()) {
-    if (!window.open(parser.positionalArguments().front()) && unattended)
-      return fail(1, window.last_message());
+    const bool begun = window.open(parser.positionalArguments().front());
+    if (unattended) {
+      while (window.is_file_busy())
+        QApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);
+      if (!begun || window.session().document().is_empty())
+        return fail(1, window.last_message());
+    }
   } else if (!unattended) {
     window.offer_recovery();
   }

@@ -21,6 +21,7 @@ set(desktop_model_sources
   model/undo_history.cpp)
 set(desktop_widget_sources
   widgets/design_panel.cpp
+  widgets/file_tasks.cpp
   widgets/flame_dialogs.cpp
   widgets/flame_look_editor.cpp
   widgets/flame_opacity.cpp

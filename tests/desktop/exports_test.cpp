@@ -37,9 +37,6 @@ class ExportsTest : public test::WindowFixture {
     found.sort();
     return found;
   }
-  bool done_in_background() {
-    return until([this] { return window_->is_settled(); }, 120000);
-  }
   /// The scene as a file, and its light field as the command renders it.
   void save_for_the_command() {
     session().document().save(file("scene.toml").toStdString());
@@ -127,6 +124,7 @@ class ExportsTest : public test::WindowFixture {
       const QString own = file("own." + format), reference = file("command." + format);
       answer_file_dialog(own);
       QVERIFY(click_menu({"File", "Export", "Rays of the selection..."}));
+      QVERIFY(written());
       run(PLENOFLAME_COMMAND, {"rays", file("scene.toml"), "--pixel",
                                QString("%1,%2").arg(selected.column).arg(selected.row), "--rays",
                                QString::number(RaySelector::kRaysPerPixel), "-o", reference});
@@ -137,6 +135,7 @@ class ExportsTest : public test::WindowFixture {
     // A name that means nothing: said, and nothing is written.
     answer_file_dialog(file("rays.xyz"));
     QVERIFY(click_menu({"File", "Export", "Rays of the selection..."}));
+    QVERIFY(written());
     QVERIFY(window_->last_message().contains("rays.xyz"));
     QVERIFY(!QFile::exists(file("rays.xyz")));
   }
@@ -148,20 +147,24 @@ class ExportsTest : public test::WindowFixture {
     const QString item = "Light field (.exr) or developed picture (.png)...";
     answer_file_dialog(file("own.exr"));
     QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(written());
     const LightField own = read_light_field(file("own.exr").toStdString()),
                      command = read_light_field(file("raw.exr").toStdString());
     QVERIFY(own.channels[0].flux.pixels == command.channels[0].flux.pixels);
     QVERIFY(own.channels[0].standard_error.pixels == command.channels[0].standard_error.pixels);
     answer_file_dialog(file("own.png"));
     QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(written());
     run(PLENOFLAME_COMMAND, {"develop", file("raw.exr"), "-o", file("raw.png")});
     QVERIFY(read_png(file("own.png").toStdString()).samples ==
             read_png(file("raw.png").toStdString()).samples);
     answer_file_dialog(file("own.bmp"));
     QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(written());
     QVERIFY(window_->last_message().contains("must end in"));
     answer_file_dialog("/no/such/folder/own.exr");
     QVERIFY(click_menu({"File", "Export", item}));
+    QVERIFY(written());
     QVERIFY(!QFile::exists("/no/such/folder/own.exr"));
   }
 
@@ -170,15 +173,16 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY(settled());
     answer_file_dialog(file("scene.png"));
     QVERIFY(click_menu({"File", "Export", "Picture of the 3-D view..."}));
-    const QImage written(file("scene.png"));
-    QCOMPARE(test::difference(written, window_->scene_view().picture()), 0.0);
+    QVERIFY(written());
+    const QImage kept(file("scene.png"));
+    QCOMPARE(test::difference(kept, window_->scene_view().picture()), 0.0);
   }
 
   void filesForOtherToolsAreTheLibrarys() {
     open_part_of("lenslets-30", "100");
-    int written = 0;
-    for (const ExportName& format : export_formats()) written += export_for(format.name) ? 1 : 0;
-    QCOMPARE(written, 9);  // plenopticam wants an unfocused camera
+    int done = 0;
+    for (const ExportName& format : export_formats()) done += export_for(format.name) ? 1 : 0;
+    QCOMPARE(done, 9);  // plenopticam wants an unfocused camera
   }
 
   void filesOfAnUnfocusedCameraAreTheLibrarys() {
@@ -218,7 +222,7 @@ class ExportsTest : public test::WindowFixture {
     QDir(folder_->path()).mkdir("own");
     answer_file_dialog(file("own"));
     QVERIFY(click_menu({"File", "Export", "All views..."}));
-    QVERIFY(done_in_background());
+    QVERIFY(written());
     run(PLENOFLAME_COMMAND,
         {"views", file("raw.exr"), "--grid", QString::number(LightFieldJobs::kGrid), "--exr", "-o",
          file("command")});
@@ -248,6 +252,7 @@ class ExportsTest : public test::WindowFixture {
         60000));
     answer_file_dialog(file("refocused.exr"));
     QVERIFY(click_menu({"File", "Export", "Picture of the light-field panel..."}));
+    QVERIFY(written());
     run(PLENOFLAME_COMMAND, {"refocus", file("raw.exr"), "--depth",
                              QString::number(window_->light_field_panel().depth(), 'g', 17) + " m",
                              "--exr", "-o", file("refocus")});

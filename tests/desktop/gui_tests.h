@@ -24,7 +24,6 @@ class TimedApplication : public QApplication {
   bool notify(QObject* receiver, QEvent* event) override;
 
  private:
-  static constexpr double kReported = 40;  ///< [ms]
   int depth_ = 0;
 };
 /// Prints how long things take that somebody waits for. @return exit status

@@ -43,6 +43,7 @@ class PanelsTest : public test::WindowFixture {
     const QString raw = folder_->filePath("raw.exr"), png = folder_->filePath("raw.png");
     answer_file_dialog(raw);
     child<QAction>("exportImage")->trigger();
+    QVERIFY(written());
     QVERIFY(QFile::exists(raw));
     run(PLENOFLAME_COMMAND, {"develop", raw, "-o", png});
     const PngImage developed = read_png(png.toStdString());
@@ -117,6 +118,7 @@ class PanelsTest : public test::WindowFixture {
     const QString path = folder_->filePath("slice.png");
     answer_file_dialog(path);
     QTest::mouseClick(child<QPushButton>("exportDerived"), Qt::LeftButton);
+    QVERIFY(written());
     QVERIFY(QFile::exists(path));
   }
 
@@ -187,6 +189,7 @@ class PanelsTest : public test::WindowFixture {
       QTest::keyClick(&dialog, Qt::Key_Return);
     });
     QTest::mouseClick(child<QPushButton>("flameMapping"), Qt::LeftButton);
+    QVERIFY(written());
     QCOMPARE(session().document().scene().flames[0].temperature.scale, 1.1);
     QVERIFY(until([&] {
       return std::fabs(window_->flame_panel().sampler().samples()->hottest / hottest / 1.1 - 1) <

@@ -74,6 +74,7 @@ class TourTest : public test::WindowFixture {
     QVERIFY(rays && rays->isEnabled());
     answer_file_dialog(folder_->filePath("bundle"));  // no ending: the suggested one
     QTest::mouseClick(rays, Qt::LeftButton);
+    QVERIFY(written());
     QVERIFY(QFile::exists(folder_->filePath("bundle.vtp")));
     QVERIFY(run(PLENOFLAME_COMMAND, {"info", folder_->filePath("bundle.vtp")}).contains("32"));
     keep_picture("exported");
@@ -94,6 +95,7 @@ class TourTest : public test::WindowFixture {
     QVERIFY(save);
     answer_file_dialog(folder_->filePath("refocused"));
     QTest::mouseClick(save, Qt::LeftButton);
+    QVERIFY(written());
     QVERIFY(QFile::exists(folder_->filePath("refocused.png")));
     keep_picture("end");
     window_.reset();

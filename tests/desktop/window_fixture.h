@@ -67,6 +67,10 @@ class WindowFixture : public QObject {
   bool settled() {
     return until([this] { return window_->is_settled(); });
   }
+  /// Files that are read or written in the background are there.
+  bool written() {
+    return until([this] { return !window_->is_file_busy(); }, 120000);
+  }
   ImageView& image() { return window_->image_panel().view(); }
   Session& session() { return window_->session(); }
   QPoint of_pixel(int column, int row) {

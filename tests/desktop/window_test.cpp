@@ -185,6 +185,7 @@ class WindowTest : public test::WindowFixture {
     const QString path = folder_->filePath("rays.csv");
     answer_file_dialog(path);
     QTest::mouseClick(child<QPushButton>("exportRays"), Qt::LeftButton);
+    QVERIFY(written());
     QFile file(path);
     QVERIFY2(file.open(QIODevice::ReadOnly), qPrintable(window_->last_message()));
     QVERIFY(file.readAll().count('\n') > 30);

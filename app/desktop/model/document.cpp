@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/scene/scene_schema.h"
+#include "plenoflame/volumes/vdb_info.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -79,41 +79,53 @@ void Document::begin(SceneDocument scene, const std::string& file,
   emit image_changed();
 }
 
-void Document::open(const std::string& path) {
+FileContent Document::read(const std::string& path) {
+  FileContent content;
+  content.path = path;
   const std::string ending = ending_of(path);
   if (ending == ".toml") {
-    begin(read_scene_file(path), path, nullptr);
+    content.scene = read_scene_file(path);
   } else if (ending == ".exr") {
     auto field = std::make_shared<LightField>(read_light_field(path));
     if (field->scene_text.empty())
       throw InputError("'" + path +
                        "' holds no scene, so its camera is not known; open the scene instead");
-    SceneDocument document = parse_scene(field->scene_text, "scene of " + path);
-    check_raw_image(*field, document.scene.camera, "'" + path + "'");
-    document.scene.file = path;  // relative paths start beside it
-    begin(std::move(document), "", std::move(field));
+    content.kind = FileContent::Kind::light_field;
+    content.scene = parse_scene(field->scene_text, "scene of " + path);
+    check_raw_image(*field, content.scene.scene.camera, "'" + path + "'");
+    content.scene.scene.file = path;  // relative paths start beside it
+    content.image = std::move(field);
   } else if (ending == ".vdb") {
-    read_file(path);  // says what is wrong with it before anything changes
-    Scene scene = this->scene();
-    const bool first = empty_;
-    if (first) scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
-    FlameSpec flame;
-    flame.kind = FlameKind::vdb;
-    flame.name = fs::path(path).stem().string();
-    flame.file = fs::absolute(path).string();
-    if (!scene.flames.empty()) flame.position = scene.flames.front().position;
-    if (scene.flames.empty()) flame.position = {1, 0, -0.02};
-    scene.flames = {flame};
-    if (first)
-      begin({scene, {}}, "", nullptr);
-    else
-      change(scene, "open " + fs::path(path).filename().string());
-    if (first) history_.forget_saved();
-    emit state_changed();
+    content.kind = FileContent::Kind::flame;
+    vdb_info(path);  // says what is wrong with it before anything changes
   } else {
     throw UsageError("'" + path +
                      "' is neither a scene (.toml) nor a flame (.vdb) nor a light field (.exr)");
   }
+  return content;
+}
+
+void Document::open(FileContent content) {
+  if (content.kind == FileContent::Kind::scene)
+    return begin(std::move(content.scene), content.path, nullptr);
+  if (content.kind == FileContent::Kind::light_field)
+    return begin(std::move(content.scene), "", std::move(content.image));
+  Scene scene = this->scene();
+  const bool first = empty_;
+  if (first) scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
+  FlameSpec flame;
+  flame.kind = FlameKind::vdb;
+  flame.name = fs::path(content.path).stem().string();
+  flame.file = fs::absolute(content.path).string();
+  if (!scene.flames.empty()) flame.position = scene.flames.front().position;
+  if (scene.flames.empty()) flame.position = {1, 0, -0.02};
+  scene.flames = {flame};
+  if (first)
+    begin({scene, {}}, "", nullptr);
+  else
+    change(scene, "open " + fs::path(content.path).filename().string());
+  if (first) history_.forget_saved();
+  emit state_changed();
 }
 
 void Document::open_text(const std::string& text, const std::string& name) {

@@ -51,6 +51,15 @@ struct RecoveredScene {
   std::string text;
 };
 
+/// What a file holds that can be opened.
+struct FileContent {
+  enum class Kind { scene, flame, light_field };
+  Kind kind = Kind::scene;
+  std::string path;
+  SceneDocument scene;                      ///< of a scene or a light field
+  std::shared_ptr<const LightField> image;  ///< of a light field
+};
+
 /// What the window is about: a scene with its history, the light field that belongs to it, and what
 /// is selected. Knows no widgets and computes nothing.
 ///
@@ -73,7 +82,11 @@ class Document : public QObject {
   /// Opens a scene (.toml), a flame (.vdb, put before the present camera, or the default one) or a
   /// raw light field (.exr, with the scene it holds), by the ending.
   /// @throws FileError, InputError, UsageError (another ending)
-  void open(const std::string& path);
+  void open(const std::string& path) { open(read(path)); }
+  /// The two halves of it. The first one takes long for what is large, and may run on any thread.
+  /// @throws FileError, InputError, UsageError (another ending)
+  static FileContent read(const std::string& path);
+  void open(FileContent content);
   /// Takes a scene that has no file of its own. @param name for messages and relative paths
   void open_text(const std::string& text, const std::string& name);
   /// The same after a crash: it counts as changed.

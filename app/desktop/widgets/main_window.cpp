@@ -20,6 +20,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "widgets/design_panel.h"
+#include "widgets/file_tasks.h"
 #include "widgets/flame_panel.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
@@ -55,6 +56,16 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
   pointer_label_ = new QLabel(this);
   pointer_label_->setObjectName("pointerLabel");
   busy_label_ = new QLabel(this);
+  files_ = new FileTasks(this);
+  connect(files_, &FileTasks::failed, this, &MainWindow::fail);
+  connect(files_, &FileTasks::done, this,
+          [this](const QString& what) { statusBar()->showMessage(tr("%1: done").arg(what), 8000); });
+  connect(files_, &FileTasks::cancelled, this, [this](const QString& what) {
+    last_message_ = tr("%1: cancelled").arg(what);
+    statusBar()->showMessage(last_message_, 8000);
+  });
+  connect(files_, &FileTasks::warned, &session_, &Session::warned);
+  statusBar()->addPermanentWidget(files_);
   statusBar()->addPermanentWidget(pointer_label_);
   statusBar()->addPermanentWidget(busy_label_);
   connect(&autosave_, &QTimer::timeout, this, [this] {
@@ -79,7 +90,7 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
 MainWindow::~MainWindow() {
   // Widgets go before what they show: members would be gone before children are.
   autosave_.stop();
-  file_task_.cancel();
+  delete files_;  // waits for what is being written
   qDeleteAll(findChildren<QDockWidget*>());
   delete takeCentralWidget();
 }
@@ -307,12 +318,30 @@ void MainWindow::fail(const QString& message) {
 }
 
 bool MainWindow::open(const QString& path) {
-  if (!may_discard()) return false;
-  const bool opened = guarded([&] { session_.document().open(path.toStdString()); });
-  if (!opened) return false;
-  stack_->setCurrentIndex(1);
-  add_recent(QFileInfo(path).absoluteFilePath());
+  const QString ending = QFileInfo(path).suffix().toLower();
+  // A flame is put into the scene that is open, which can be undone.
+  if (ending != "vdb" && !may_discard()) return false;
+  const auto opened = [this, path] {
+    stack_->setCurrentIndex(1);
+    add_recent(QFileInfo(path).absoluteFilePath());
+  };
+  if (ending == "exr" || ending == "vdb") {
+    auto content = std::make_shared<FileContent>();
+    files_->add(
+        tr("opening %1").arg(QFileInfo(path).fileName()),
+        [content, path](const Execution&) { *content = Document::read(path.toStdString()); },
+        [this, content, opened] {
+          if (guarded([&] { session_.document().open(std::move(*content)); })) opened();
+        });
+    return true;
+  }
+  if (!guarded([&] { session_.document().open(path.toStdString()); })) return false;
+  opened();
   return true;
+}
+
+bool MainWindow::is_file_busy() const {
+  return files_->busy();
 }
 
 bool MainWindow::open_example(const QString& name) {
@@ -415,11 +444,11 @@ bool MainWindow::is_settled() const {
   const Session& session = session_;
   auto& mutable_session = const_cast<Session&>(session);
   const RenderJob::State state = mutable_session.render().state();
-  return mutable_session.document().is_empty() ||
-         (!file_task_.busy() && mutable_session.compiler().is_current() &&
-          state != RenderJob::State::running && mutable_session.document().image() &&
-          image_->pyramid() && image_->is_current() && mutable_session.rays().is_current() &&
-          scene_view_->is_current());
+  return !files_->busy() &&
+         (mutable_session.document().is_empty() ||
+          (mutable_session.compiler().is_current() && state != RenderJob::State::running &&
+           mutable_session.document().image() && image_->pyramid() && image_->is_current() &&
+           mutable_session.rays().is_current() && scene_view_->is_current()));
 }
 
 QString MainWindow::apply_options(const QString& pixel, const QString& part, const QString& panel,
@@ -478,11 +507,24 @@ void MainWindow::set_dark(bool dark) {
   settings_->setValue("window/dark", dark);
 }
 
+void MainWindow::showEvent(QShowEvent* event) {
+  if (!event->spontaneous()) scene_view_->warm_up();
+  QMainWindow::showEvent(event);
+}
+
 void MainWindow::closeEvent(QCloseEvent* event) {
   if (!may_discard()) {
     event->ignore();
     return;
   }
+  if (files_->busy() && !unattended_ &&
+      QMessageBox::question(this, tr("Files are being written"),
+                            tr("Something is still being read or written. Cancel it and quit?")) !=
+          QMessageBox::Yes) {
+    event->ignore();
+    return;
+  }
+  files_->cancel_all();
   settings_->setValue("window/geometry", saveGeometry());
   settings_->setValue("window/state", saveState());
   session_.render().stop();

@@ -17,6 +17,7 @@ class QStackedWidget;
 namespace plenoflame::desktop {
 
 class DesignPanel;
+class FileTasks;
 class FlamePanel;
 class ImagePanel;
 class LightFieldPanel;
@@ -47,13 +48,16 @@ class MainWindow : public QMainWindow {
   LightFieldPanel& light_field_panel() { return *light_field_; }
   FlamePanel& flame_panel() { return *flame_; }
 
-  /// Opens a file; what goes wrong is said in a dialog. False then.
+  /// Opens a file; what goes wrong is said in a dialog. Scenes are open when it returns; flames and
+  /// light fields, which may be large, are read in the background. False: it was not begun.
   bool open(const QString& path);
   bool open_example(const QString& name);
   bool save();
   bool save_as();
   /// Offers what was left behind by a program that ended without saving.
   void offer_recovery();
+  /// Whether files are being read or written.
+  bool is_file_busy() const;
   /// Everything that was asked for is on display: nothing is being computed.
   bool is_settled() const;
   /// Questions are answered with yes and dialogs are not shown but kept: for tests and screenshots.
@@ -65,6 +69,7 @@ class MainWindow : public QMainWindow {
   bool save_screenshot(const QString& path);
 
  protected:
+  void showEvent(QShowEvent* event) override;
   void closeEvent(QCloseEvent* event) override;
   void dragEnterEvent(QDragEnterEvent* event) override;
   void dropEvent(QDropEvent* event) override;
@@ -86,7 +91,6 @@ class MainWindow : public QMainWindow {
   void update_recent();
   void fail(const QString& message);
   bool may_discard();
-  bool file_task_busy() const { return file_task_.busy(); }
   void show_about();
   void open_help();
   QString ask_save_name(const QString& title, const QString& suggestion, const QString& filter);
@@ -101,9 +105,7 @@ class MainWindow : public QMainWindow {
   void import_flame();
   void map_grids(int flame);
   QString ask_folder(const QString& title);
-  /// Works in the background; what it throws is said, otherwise `after` is called.
-  void run_in_background(const QString& what, std::function<void(const Execution&)> work,
-                         std::function<void()> after);
+  void say_written(const QString& name);
   void select_lens_at(int column, int row);
   /// Calls it; what it throws is said, and the result false.
   bool guarded(const std::function<void()>& function);
@@ -128,7 +130,7 @@ class MainWindow : public QMainWindow {
   QTimer autosave_;
   bool unattended_ = false;
   QString last_message_;
-  LatestTask file_task_{Urgency::work};  ///< last: it ends first
+  FileTasks* files_ = nullptr;
 };
 
 }  // namespace plenoflame::desktop

@@ -19,6 +19,7 @@
 #include "plenoflame/lightfield/export.h"
 #include "plenoflame/volumes/vdb_info.h"
 #include "vtk_commands.h"
+#include "widgets/file_tasks.h"
 #include "widgets/flame_dialogs.h"
 #include "widgets/import_dialog.h"
 #include "widgets/light_field_panel.h"
@@ -28,25 +29,8 @@
 // What the window reads and writes besides scenes: exports, generated and imported flames.
 namespace plenoflame::desktop {
 
-void MainWindow::run_in_background(const QString& what, std::function<void(const Execution&)> work,
-                                   std::function<void()> after) {
-  statusBar()->showMessage(what + "...");
-  file_task_.request(
-      [this, what, work = std::move(work), after = std::move(after)](std::stop_token stop) {
-        Execution execution;
-        execution.stop = std::move(stop);
-        try {
-          work(execution);
-          post(this, [this, what, after] {
-            statusBar()->showMessage(tr("%1: done").arg(what), 8000);
-            after();
-          });
-        } catch (const Cancelled&) {
-        } catch (const std::exception& error) {
-          const QString message = QString::fromUtf8(error.what());
-          post(this, [this, message] { fail(message); });
-        }
-      });
+void MainWindow::say_written(const QString& name) {
+  statusBar()->showMessage(tr("written to %1").arg(name), 8000);
 }
 
 QString MainWindow::ask_folder(const QString& title) {
@@ -94,28 +78,29 @@ void MainWindow::export_derived() {
   const QString name = ask_save_name(tr("Export the picture"), light_field_->shown_name() + ".png",
                                      tr("Picture (*.png);;Values (*.exr)"));
   if (name.isEmpty()) return;
-  guarded([&] {
-    LightField derived;
-    derived.sensor_width = image->width;
-    derived.sensor_height = image->height;
-    derived.window = {0, 0, image->width, image->height};
-    derived.channels.push_back({field->channels.front().name, *image, {}});
-    derived.unit = light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)";
-    derived.estimator = field->estimator;
-    derived.seed = field->seed;
-    derived.samples = field->samples;
-    derived.version = field->version;
-    if (name.endsWith(".exr", Qt::CaseInsensitive)) {
-      write_light_field(name.toStdString(), derived);
-    } else if (name.endsWith(".png", Qt::CaseInsensitive)) {
-      DevelopSpec settings;
-      settings.bits = 16;
-      write_png(name.toStdString(), develop(derived, settings).picture);
-    } else {
-      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
-    }
-    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
-  });
+  const bool values = name.endsWith(".exr", Qt::CaseInsensitive);
+  if (!values && !name.endsWith(".png", Qt::CaseInsensitive))
+    return fail(tr("'%1' must end in .exr or .png").arg(name));
+  files_->add(
+      tr("export of the picture"),
+      [name, values, image, field, 
+       unit = light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)"](const Execution&) {
+        LightField derived;
+        derived.sensor_width = image->width;
+        derived.sensor_height = image->height;
+        derived.window = {0, 0, image->width, image->height};
+        derived.channels.push_back({field->channels.front().name, *image, {}});
+        derived.unit = unit;
+        derived.estimator = field->estimator;
+        derived.seed = field->seed;
+        derived.samples = field->samples;
+        derived.version = field->version;
+        if (values) return write_light_field(name.toStdString(), derived);
+        DevelopSpec settings;
+        settings.bits = 16;
+        write_png(name.toStdString(), develop(derived, settings).picture);
+      },
+      [this, name] { say_written(name); });
 }
 
 void MainWindow::export_views() {
@@ -125,7 +110,7 @@ void MainWindow::export_views() {
     return fail(tr("There are no views yet: show the light-field panel and wait for them."));
   const QString folder = ask_folder(tr("Folder for the views"));
   if (folder.isEmpty()) return;
-  run_in_background(
+  files_->add(
       tr("export of %1 views").arg(views->views.size()),
       [folder, field, views](const Execution&) {
         std::vector<cli::NamedImage> images;
@@ -153,7 +138,7 @@ void MainWindow::export_for_tool(int format) {
   const QString folder = ask_folder(tr("Folder for the export"));
   if (folder.isEmpty()) return;
   auto result = std::make_shared<ExportResult>();
-  run_in_background(
+  files_->add(
       tr("export"),
       [folder, field, scene, settings, result,
        known = session_.light_field().micro_images()](const Execution& execution) {
@@ -180,7 +165,7 @@ void MainWindow::generate_flame() {
   const QString path = ask_save_name(tr("Save the flame"), QString::fromStdString(kind) + ".vdb",
                                      tr("OpenVDB (*.vdb)"));
   if (path.isEmpty()) return;
-  run_in_background(
+  files_->add(
       tr("flame %1").arg(QString::fromStdString(kind)),
       [kind, values, path](const Execution& execution) {
         write_flame(path.toStdString(),
@@ -198,7 +183,7 @@ void MainWindow::import_flame() {
   if (path.isEmpty()) return;
   request.output = path.toStdString();
   auto written = std::make_shared<std::vector<cli::ImportedFlame>>();
-  run_in_background(
+  files_->add(
       tr("import"),
       [request, written](const Execution&) { *written = cli::import_flames(request); },
       [this, written] {
@@ -210,15 +195,21 @@ void MainWindow::map_grids(int flame) {
   Document& document = session_.document();
   if (flame < 0 || static_cast<std::size_t>(flame) >= document.scene().flames.size())
     return fail(tr("The scene has no flame from an OpenVDB file."));
-  guarded([&] {
-    Scene scene = document.scene();
-    FlameSpec& spec = scene.flames[static_cast<std::size_t>(flame)];
-    const std::filesystem::path folder = std::filesystem::path(scene.file).parent_path();
-    MappingDialog dialog(spec, vdb_info((folder / spec.file).string()), this);
-    if (dialog.exec() != QDialog::Accepted) return;
-    spec = dialog.flame();
-    document.change(scene, "choose grids");
-  });
+  const FlameSpec before = document.scene().flames[static_cast<std::size_t>(flame)];
+  const std::string file =
+      (std::filesystem::path(document.scene().file).parent_path() / before.file).string();
+  auto info = std::make_shared<VdbInfo>();
+  files_->add(
+      tr("reading the grids"), [info, file](const Execution&) { *info = vdb_info(file); },
+      [this, info, before, flame] {
+        MappingDialog dialog(before, *info, this);
+        if (dialog.exec() != QDialog::Accepted) return;
+        Scene scene = session_.document().scene();
+        const auto place = static_cast<std::size_t>(flame);
+        if (place >= scene.flames.size() || !(scene.flames[place] == before)) return;
+        scene.flames[place] = dialog.flame();
+        session_.document().change(scene, "choose grids");
+      });
 }
 
 void MainWindow::export_rays() {
@@ -227,9 +218,13 @@ void MainWindow::export_rays() {
   const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
                                      tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
   if (name.isEmpty()) return;
-  if (guarded([&] { write_ray_paths(name.toStdString(), rays->paths); }))
-    statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
-                             8000);
+  files_->add(
+      tr("export of rays"),
+      [name, rays](const Execution&) { write_ray_paths(name.toStdString(), rays->paths); },
+      [this, name, rays] {
+        statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
+                                 8000);
+      });
 }
 
 void MainWindow::export_image() {
@@ -238,15 +233,16 @@ void MainWindow::export_image() {
   const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
                                      tr("Raw light field (*.exr);;Developed picture (*.png)"));
   if (name.isEmpty()) return;
-  guarded([&] {
-    if (name.endsWith(".png", Qt::CaseInsensitive))
-      write_png(name.toStdString(), develop(*field, session_.document().scene().develop).picture);
-    else if (name.endsWith(".exr", Qt::CaseInsensitive))
-      write_light_field(name.toStdString(), *field);
-    else
-      throw UsageError("'" + name.toStdString() + "' must end in .exr or .png");
-    statusBar()->showMessage(tr("written to %1").arg(name), 8000);
-  });
+  const bool raw = name.endsWith(".exr", Qt::CaseInsensitive);
+  if (!raw && !name.endsWith(".png", Qt::CaseInsensitive))
+    return fail(tr("'%1' must end in .exr or .png").arg(name));
+  files_->add(
+      tr("export of the light field"),
+      [name, raw, field, settings = session_.document().scene().develop](const Execution&) {
+        if (raw) return write_light_field(name.toStdString(), *field);
+        write_png(name.toStdString(), develop(*field, settings).picture);
+      },
+      [this, name] { say_written(name); });
 }
 
 void MainWindow::export_picture_of_scene() {
@@ -254,7 +250,12 @@ void MainWindow::export_picture_of_scene() {
   const QString name =
       ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
   if (name.isEmpty()) return;
-  if (!picture.save(name)) fail(tr("'%1' cannot be written").arg(name));
+  files_->add(
+      tr("export of the picture"),
+      [name, picture](const Execution&) {
+        if (!picture.save(name)) throw FileError("'" + name.toStdString() + "' cannot be written");
+      },
+      [this, name] { say_written(name); });
 }
 
 }  // namespace plenoflame::desktop

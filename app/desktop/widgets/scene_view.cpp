@@ -42,6 +42,7 @@
 #include "picture_camera.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/scene/scene_file.h"
 #include "scene_props.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
@@ -55,13 +56,55 @@ namespace {
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
 
+/// Hot and dense everywhere, in some points.
+vtkSmartPointer<vtkImageData> small_flame() {
+  constexpr int kPoints = 4;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(kPoints, kPoints, kPoints);
+  image->SetSpacing(0.03, 0.03, 0.03);
+  for (const auto& [name, value] : {std::pair("temperature", 1500.0F), {"absorption", 10.0F}}) {
+    vtkNew<vtkFloatArray> values;
+    values->SetName(name);
+    values->SetNumberOfValues(image->GetNumberOfPoints());
+    values->FillValue(value);
+    image->GetPointData()->AddArray(values);
+  }
+  return image;
+}
+
 }  // namespace
 
 /// What is built in the background.
 struct SceneView::Geometry {
   vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
   vtkSmartPointer<vtkImageData> plate_texture, flame;
+
+  /// The camera, and the microlenses near a pixel; no flame yet.
+  Geometry(const Scene& scene, const std::array<int, 2>& pixel);
 };
+
+SceneView::Geometry::Geometry(const Scene& scene, const std::array<int, 2>& pixel) {
+  vtkNew<vtkPlenoflameScene> holder;
+  holder->SetScene(scene);
+  vtkNew<vtkPlenoflameCameraSource> source;
+  source->SetInputDataObject(holder);
+  source->Update();
+  camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  camera->ShallowCopy(source->GetOutput());
+  plate_texture = vtkSmartPointer<vtkImageData>::New();
+  plate_texture->DeepCopy(source->GetPlateTexture());
+  const CameraSpec& spec = scene.camera;
+  if (!spec.array.present) return;
+  vtkNew<vtkPlenoflameCameraSource> close;
+  close->SetInputDataObject(holder);
+  close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
+  const int span = std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
+  close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
+  close->SetMicrolensResolution(28);
+  close->Update();
+  detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  detail->ShallowCopy(close->GetOutput());
+}
 
 struct SceneView::View {
   QVTKOpenGLNativeWidget* widget = nullptr;
@@ -228,6 +271,39 @@ void SceneView::set_dark(bool dark) {
   render();
 }
 
+void SceneView::warm_up() {
+  if (geometry_) return;
+  view_->widget->grabFramebuffer();  // from here on there is something to draw with
+  const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
+  geometry_ = std::make_shared<Geometry>(
+      scene, std::array<int, 2>{scene.camera.sensor.columns / 2, scene.camera.sensor.rows / 2});
+  geometry_->flame = small_flame();
+  temperatures_ = {1000, 2000};
+  image_ = std::make_shared<const ImagePyramid>(std::make_shared<const Image>(8, 8, 1.0F),
+                                                Execution{1, {}, {}, {}});
+  auto rays = std::make_shared<SelectedRays>();
+  rays->paths.rays.resize(1);
+  rays->paths.vertices.resize(2);
+  rays->paths.vertices[0].position = {0.1, 0, 0};
+  rays->paths.rays[0].count = 2;
+  rays_ = rays;
+  highlighted_ = 0;
+  for (const Part part : {Part::scene, Part::array}) {
+    part_ = part;
+    add_layers();
+    view_->renderer->ResetCamera();
+    view_->window->Render();
+  }
+  part_ = Part::scene;
+  highlighted_ = -1;
+  geometry_ = nullptr;
+  image_ = nullptr;
+  rays_ = nullptr;
+  temperatures_ = {0, 0};
+  for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  view_->window->Render();
+}
+
 void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes) {
   scene_ = std::move(scene);
   if (!changes.compiled() && geometry_) return;
@@ -245,29 +321,7 @@ void SceneView::build_geometry() {
     Execution execution;
     execution.stop = std::move(stop);
     try {
-      auto built = std::make_shared<Geometry>();
-      vtkNew<vtkPlenoflameScene> holder;
-      holder->SetScene(scene->scene);
-      vtkNew<vtkPlenoflameCameraSource> source;
-      source->SetInputDataObject(holder);
-      source->Update();
-      built->camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-      built->camera->ShallowCopy(source->GetOutput());
-      built->plate_texture = vtkSmartPointer<vtkImageData>::New();
-      built->plate_texture->DeepCopy(source->GetPlateTexture());
-      const CameraSpec& spec = scene->scene.camera;
-      if (spec.array.present) {
-        vtkNew<vtkPlenoflameCameraSource> close;
-        close->SetInputDataObject(holder);
-        close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
-        const int span =
-            std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
-        close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
-        close->SetMicrolensResolution(28);
-        close->Update();
-        built->detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-        built->detail->ShallowCopy(close->GetOutput());
-      }
+      auto built = std::make_shared<Geometry>(scene->scene, pixel);
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       if (built->flame) show_glow(*scene->medium, *built->flame, execution);

@@ -41,6 +41,10 @@ class SceneView : public QWidget {
   void show_part(Part part);
   Part part() const { return part_; }
   void set_dark(bool dark);
+  /// Draws one of each kind of thing where nobody sees it: programs for the graphics card, which
+  /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
+  /// called before the window is on the screen, but after its place on the screen was made.
+  void warm_up();
   /// What is seen now, without the window around it; as finely as it can be drawn, however long
   /// that takes.
   QImage picture();
