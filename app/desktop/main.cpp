@@ -105,8 +105,7 @@ int main(int argc, char** argv) {
     if (unattended) {
       while (window.is_file_busy())
         QApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);
-      if (!begun || window.session().document().is_empty())
-        return fail(1, window.last_message());
+      if (!begun || window.session().document().is_empty()) return fail(1, window.last_message());
     }
   } else if (!unattended) {
     window.offer_recovery();

@@ -50,7 +50,7 @@ class ExportsTest : public test::WindowFixture {
       session().document().set_value(key, side);
     session().document().set_value("render.samples", "8");
     QVERIFY(settled());
-    child<QAction>("outlines")->trigger();
+    raise("lightFieldDock");
     QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }, 120000));
   }
   /// Writes the files of a tool from the menu, and beside them what the library makes of the same

@@ -204,7 +204,7 @@ class PanelsTest : public test::WindowFixture {
     image().centre_on(150, 150);
     const QImage plain = image().grab().toImage();
     QTest::keyClick(&image(), Qt::Key_O);
-    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }));
+    QVERIFY(until([&] { return session().light_field().outlines() != nullptr; }));
     QTest::qWait(50);
     QVERIFY(difference(plain, image().grab().toImage()) > 5e-3);
     QTest::keyClick(&image(), Qt::Key_O);

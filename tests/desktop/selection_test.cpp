@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "gui_tests.h"
+#include "plenoflame/lightfield/micro_images.h"
 #include "widgets/rays_panel.h"
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
@@ -158,6 +159,45 @@ class SelectionTest : public test::WindowFixture {
       QVERIFY(table()->item(row, 3)->text().contains("(0, 0)"));
     QTest::mouseClick(&image(), Qt::LeftButton, Qt::ShiftModifier, of_pixel(155, 150));
     QCOMPARE(selection().lens.q, -1);
+  }
+
+  void microlensOfAnObliquePixelIsTheOneWhoseImageItIsIn() {
+    open_small();
+    // The centres of the micro-images, and which is nearest: far from the axis not always that of
+    // the microlens straight in front.
+    const MicroImages micro(scene().camera, false);
+    const MicrolensLattice& lattice = scene().camera.lattice();
+    const double pitch = scene().scene.camera.array.pitch;
+    int compared = 0;
+    for (const int row : {20, 150, 270})
+      for (int column = 0; column < 300 && compared < 12; ++column) {
+        const Vec2 point = scene().camera.sensor_point(column + 0.5, row + 0.5);
+        std::vector<std::pair<double, LensIndex>> near;
+        for (const LensIndex lens : lattice.within(point - Vec2{2 * pitch, 2 * pitch},
+                                                   point + Vec2{2 * pitch, 2 * pitch})) {
+          const MicroImages::Place place = micro.place(lens);
+          if (!place.dark) near.emplace_back(length(place.centre - point), lens);
+        }
+        std::sort(near.begin(), near.end(),
+                  [](const auto& a, const auto& b) { return a.first < b.first; });
+        if (near.size() < 2 || near[1].first - near[0].first < 0.01 * pitch) continue;
+        const LensIndex expected = near[0].second;
+        if (expected == lattice.nearest(point)) continue;
+        image().set_scale(8);
+        image().centre_on(column, row);
+        QTest::mouseClick(&image(), Qt::LeftButton, Qt::ShiftModifier, of_pixel(column, row));
+        QVERIFY(selection().kind == Selection::Kind::microlens);
+        QVERIFY2(selection().lens == expected,
+                 qPrintable(QString("pixel %1, %2: lens %3, %4 instead of %5, %6")
+                                .arg(column)
+                                .arg(row)
+                                .arg(selection().lens.q)
+                                .arg(selection().lens.r)
+                                .arg(expected.q)
+                                .arg(expected.r)));
+        ++compared;
+      }
+    QVERIFY2(compared >= 6, qPrintable(QString::number(compared)));
   }
 
   void microlensIsPickedInTheSection() {

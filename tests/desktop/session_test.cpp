@@ -3,14 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <set>
 #include <thread>
 #include <vector>
 
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/media/layered_medium.h"
 #include "qt_main.h"
 #include "scenes.h"
@@ -272,6 +275,40 @@ TEST(ShiftAndAdd, GathersWhatLiesAtTheDepth) {
   // 0.
   EXPECT_GT(at(sharp), 0.4);
   EXPECT_LT(at(blurred), 0.3 * at(sharp));
+}
+
+TEST(MicrolensOfPixel, IsTheOneWithTheNearestCentreOfItsMicroImage) {
+  for (const char* preset : {"paper-previous-60x60", "paper-plenoptic2", "raytrix-r29"}) {
+    const Camera camera(
+        parse_scene(std::string("[camera]\npreset = \"") + preset + "\"\n", "").scene.camera);
+    const MicroImages micro(camera, false);
+    const double pitch = camera.spec().array.pitch, scale = pitch / micro.spacing();
+    const int columns = camera.spec().sensor.columns, rows = camera.spec().sensor.rows;
+    std::mt19937 random(5);
+    std::uniform_int_distribution<int> any_column(0, columns - 1), any_row(0, rows - 1);
+    int compared = 0, oblique = 0;
+    for (int i = 0; i < 300; ++i) {
+      const int column = any_column(random), row = any_row(random);
+      const Vec2 point = camera.sensor_point(column + 0.5, row + 0.5);
+      std::vector<std::pair<double, LensIndex>> near;
+      for (const LensIndex lens :
+           camera.lattice().within(scale * point - Vec2{3 * pitch, 3 * pitch},
+                                   scale * point + Vec2{3 * pitch, 3 * pitch})) {
+        const MicroImages::Place place = micro.place(lens);
+        if (!place.dark) near.emplace_back(length(place.centre - point), lens);
+      }
+      std::sort(near.begin(), near.end(),
+                [](const auto& a, const auto& b) { return a.first < b.first; });
+      // Between two of them it may be either.
+      if (near.size() < 2 || near[1].first - near[0].first < 0.02 * pitch) continue;
+      EXPECT_EQ(microlens_of_pixel(camera, column, row), near[0].second)
+          << preset << " " << column << ", " << row;
+      ++compared;
+      oblique += near[0].second == camera.lattice().nearest(point) ? 0 : 1;
+    }
+    EXPECT_GT(compared, 200) << preset;
+    EXPECT_GT(oblique, 10) << preset;
+  }
 }
 
 TEST(FlamePoint, IsWhereAnOpaqueFlameBegins) {

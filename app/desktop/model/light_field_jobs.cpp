@@ -88,19 +88,33 @@ void LightFieldJobs::set_camera(const CameraSpec& camera) {
   if (camera_ && *camera_ == camera) return;
   clear();
   camera_ = camera;
-  micro_images_ = nullptr;
+  outlines_ = micro_images_ = nullptr;
+  white_begun_ = false;
   if (!camera.array.present) {
     micro_task_->cancel();
-    emit micro_images_changed();
+    emit outlines_changed();
     emit views_changed();
     return;
   }
   run(*micro_task_, [this, camera](const Execution& execution) {
+    auto outlines = std::make_shared<const MicroImages>(Camera(camera), false, execution);
+    post(this, [this, camera, outlines] {
+      if (!camera_ || !(*camera_ == camera)) return;
+      outlines_ = outlines;
+      emit outlines_changed();
+      find_white();
+    });
+  });
+}
+
+void LightFieldJobs::find_white() {
+  if (!outlines_ || !field_ || white_begun_) return;
+  white_begun_ = true;
+  run(*micro_task_, [this, camera = *camera_](const Execution& execution) {
     auto micro = std::make_shared<const MicroImages>(Camera(camera), true, execution);
     post(this, [this, camera, micro] {
       if (!camera_ || !(*camera_ == camera)) return;
       micro_images_ = micro;
-      emit micro_images_changed();
       make_views();
     });
   });
@@ -111,6 +125,7 @@ void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const Ca
   if (!camera.array.present || field == field_) return;
   field_ = std::move(field);
   ++image_number_;
+  find_white();
   make_views();
 }
 

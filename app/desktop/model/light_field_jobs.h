@@ -35,16 +35,19 @@ class LightFieldJobs : public QObject {
   explicit LightFieldJobs(QObject* parent = nullptr);
   ~LightFieldJobs() override;
 
-  /// Finds the micro-images of a camera; what was made from another one is dropped.
+  /// Finds where the micro-images of a camera are; what was made from another one is dropped.
   void set_camera(const CameraSpec& camera);
   /// Takes a raw image; pictures that were made from another one are dropped. Cheap when only the
-  /// image differs: the micro-images of a camera are found once.
+  /// image differs: the white light of a camera's micro-images, which takes long, is found once.
   void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera);
   void clear();
 
   /// Null until views have been made from the latest image.
   const std::shared_ptr<const Views>& views() const { return views_; }
+  /// With their white light; null until views are wanted and they are there.
   const std::shared_ptr<const MicroImages>& micro_images() const { return micro_images_; }
+  /// Where they are, which is known much sooner; without white light.
+  const std::shared_ptr<const MicroImages>& outlines() const { return outlines_; }
   const std::optional<ViewGeometry>& geometry() const { return geometry_; }
 
   /// A quick picture first, then the exact one.
@@ -56,19 +59,21 @@ class LightFieldJobs : public QObject {
 
  signals:
   void views_changed();
-  void micro_images_changed();
+  void outlines_changed();
   void refocused_changed();
   void stack_changed();
   void failed(const QString& message);
 
  private:
+  void find_white();
   void make_views();
   template <class Function>
   void run(LatestTask& task, Function function);
 
   std::shared_ptr<const LightField> field_;
   std::optional<CameraSpec> camera_;
-  std::shared_ptr<const MicroImages> micro_images_;
+  std::shared_ptr<const MicroImages> outlines_, micro_images_;
+  bool white_begun_ = false;  ///< for this camera
   std::shared_ptr<const Views> views_;
   std::optional<ViewGeometry> geometry_;
   DerivedImage refocused_;

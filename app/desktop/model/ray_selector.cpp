@@ -149,6 +149,29 @@ std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ra
   return rows;
 }
 
+LensIndex microlens_of_pixel(const Camera& camera, int column, int row) {
+  const Vec2 point = camera.sensor_point(column + 0.5, row + 0.5);
+  const MicrolensLattice& lattice = camera.lattice();
+  // On the line from the pixel to the middle of the exit pupil, or a neighbour of it.
+  const LensIndex straight = lattice.nearest(point);
+  const double pupil = camera.exit_pupil();
+  const double share = std::isfinite(pupil)
+                           ? (pupil - camera.lens_place(straight).z) / (pupil - camera.sensor())
+                           : 1.0;
+  const Vec2 middle = camera.foot() + share * (point - camera.foot());
+  const double reach = 1.5 * camera.spec().array.pitch;
+  LensIndex best = lattice.nearest(middle);
+  double least = std::numeric_limits<double>::infinity();
+  for (const LensIndex lens :
+       lattice.within(middle - Vec2{reach, reach}, middle + Vec2{reach, reach})) {
+    const auto at = camera.at_stop(point, lens);
+    if (!at || !(length(*at) < least)) continue;
+    least = length(*at);
+    best = lens;
+  }
+  return best;
+}
+
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {
   const auto [near, far] =
       clip_to_box(medium.bounds(), ray, 0, std::numeric_limits<double>::infinity());

@@ -47,6 +47,10 @@ std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ra
 /// "reached the scene", "vignetted at aperture stop", ...
 QString status_text(const RayPaths& paths, const TraceStatus& status);
 
+/// The microlens in whose micro-image a pixel lies: of all of them the one through whose middle a
+/// ray from the middle of the pixel comes nearest to the middle of the stop.
+LensIndex microlens_of_pixel(const Camera& camera, int column, int row);
+
 /// Where along a ray of the world a viewer sees the flame: the place that sends him most light per
 /// length, absorption on the way included. False: the ray meets none.
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);

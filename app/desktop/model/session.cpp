@@ -41,6 +41,12 @@ void Session::set_auto_render(bool on) {
     start_render();
 }
 
+void Session::set_outlines_wanted(bool on) {
+  if (on == outlines_wanted_) return;
+  outlines_wanted_ = on;
+  if (on) update_light_field();
+}
+
 void Session::set_views_wanted(bool on) {
   if (on == views_wanted_) return;
   views_wanted_ = on;
@@ -59,13 +65,15 @@ void Session::start_render() {
 void Session::on_compiled(const SceneChanges& changes) {
   const bool wanted = start_when_compiled_ || (auto_render_ && changes.image());
   start_when_compiled_ = false;
-  if (views_wanted_ && changes.camera) light_field_.set_camera(compiler_.compiled()->scene.camera);
+  if ((outlines_wanted_ || views_wanted_) && changes.camera)
+    light_field_.set_camera(compiler_.compiled()->scene.camera);
   if (wanted && !document_.image_is_current()) render_.start(compiler_.compiled(), threads_);
 }
 
 void Session::update_light_field() {
-  if (!views_wanted_ || !compiler_.compiled()) return;
+  if (!compiler_.compiled() || !(outlines_wanted_ || views_wanted_)) return;
   const CameraSpec& camera = compiler_.compiled()->scene.camera;
+  if (!views_wanted_) return light_field_.set_camera(camera);
   if (!document_.image()) {
     light_field_.clear();
     light_field_.set_camera(camera);

@@ -29,7 +29,8 @@ class Session : public QObject {
   /// Whether the image follows every change by itself (default).
   bool auto_render() const { return auto_render_; }
   void set_auto_render(bool on);
-  /// Whether micro-images and views are wanted: they cost time.
+  /// Whether it is wanted where micro-images are, and views, which cost much more time.
+  void set_outlines_wanted(bool on);
   void set_views_wanted(bool on);
   /// Renders the present scene from the beginning.
   void start_render();
@@ -51,7 +52,8 @@ class Session : public QObject {
   RaySelector rays_;
   LightFieldJobs light_field_;
   DesignJob design_;
-  bool auto_render_ = true, views_wanted_ = false, start_when_compiled_ = false;
+  bool auto_render_ = true, outlines_wanted_ = false, views_wanted_ = false,
+       start_when_compiled_ = false;
   int threads_ = 0;
   QTimer later_;
 };

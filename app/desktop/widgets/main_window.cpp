@@ -58,8 +58,9 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
   busy_label_ = new QLabel(this);
   files_ = new FileTasks(this);
   connect(files_, &FileTasks::failed, this, &MainWindow::fail);
-  connect(files_, &FileTasks::done, this,
-          [this](const QString& what) { statusBar()->showMessage(tr("%1: done").arg(what), 8000); });
+  connect(files_, &FileTasks::done, this, [this](const QString& what) {
+    statusBar()->showMessage(tr("%1: done").arg(what), 8000);
+  });
   connect(files_, &FileTasks::cancelled, this, [this](const QString& what) {
     last_message_ = tr("%1: cancelled").arg(what);
     statusBar()->showMessage(last_message_, 8000);
@@ -207,13 +208,13 @@ void MainWindow::connect_session() {
   connect(&session_, &Session::warned, this, [this](const QString& message) {
     statusBar()->showMessage(tr("warning: ") + message, 15000);
   });
-  connect(&session_.light_field(), &LightFieldJobs::micro_images_changed, this, [this] {
+  connect(&session_.light_field(), &LightFieldJobs::outlines_changed, this, [this] {
     if (image_->outlines_action()->isChecked())
-      image_->view().set_micro_images(session_.light_field().micro_images());
+      image_->view().set_micro_images(session_.light_field().outlines());
   });
   connect(image_->outlines_action(), &QAction::toggled, this, [this](bool on) {
-    if (on) session_.set_views_wanted(true);
-    image_->view().set_micro_images(on ? session_.light_field().micro_images() : nullptr);
+    if (on) session_.set_outlines_wanted(true);
+    image_->view().set_micro_images(on ? session_.light_field().outlines() : nullptr);
   });
   const auto show_busy = [this] {
     const RenderJob& job = session_.render();
@@ -265,27 +266,8 @@ void MainWindow::connect_selection() {
 void MainWindow::select_lens_at(int column, int row) {
   const auto& scene = session_.compiler().compiled();
   if (!scene || !scene->camera.has_array()) return;
-  // Of the micro-images the one whose centre is nearest; without them, the lens straight in front.
-  const Vec2 point = scene->camera.sensor_point(column + 0.5, row + 0.5);
-  LensIndex best = scene->camera.lattice().nearest(point);
-  if (const auto& micro = session_.light_field().micro_images()) {
-    const double scale = scene->scene.camera.array.pitch / micro->spacing();
-    const double reach = 1.5 * scene->scene.camera.array.pitch;
-    double least = 1e300;
-    for (const LensIndex lens :
-         scene->camera.lattice().within({scale * point.x - reach, scale * point.y - reach},
-                                        {scale * point.x + reach, scale * point.y + reach})) {
-      const MicroImages::Place place = micro->place(lens);
-      if (place.dark) continue;
-      const Vec2 d{place.centre.x - point.x, place.centre.y - point.y};
-      const double distance = d.x * d.x + d.y * d.y;
-      if (distance < least) {
-        least = distance;
-        best = lens;
-      }
-    }
-  }
-  session_.document().select(Selection::of_microlens(best));
+  const LensIndex lens = microlens_of_pixel(scene->camera, column, row);
+  session_.document().select(Selection::of_microlens(lens));
 }
 
 void MainWindow::show_selection() {

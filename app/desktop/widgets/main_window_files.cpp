@@ -83,7 +83,7 @@ void MainWindow::export_derived() {
     return fail(tr("'%1' must end in .exr or .png").arg(name));
   files_->add(
       tr("export of the picture"),
-      [name, values, image, field, 
+      [name, values, image, field,
        unit = light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)"](const Execution&) {
         LightField derived;
         derived.sensor_width = image->width;
