@@ -137,11 +137,13 @@ PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
 }
 
 PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
-  const double x = std::fabs(centre.x), y = std::fabs(centre.y);
-  const double near_x = std::max(x - half, 0.0), near_y = std::max(y - half, 0.0);
-  const auto near = static_cast<float>(std::sqrt(near_x * near_x + near_y * near_y));
-  float far = static_cast<float>(std::sqrt((x + half) * (x + half) + (y + half) * (y + half)));
-  const auto distance = static_cast<float>(std::sqrt(x * x + y * y));
+  const auto x = static_cast<float>(std::fabs(centre.x)),
+             y = static_cast<float>(std::fabs(centre.y)), side_half = static_cast<float>(half);
+  const float near_x = std::max(x - side_half, 0.0f), near_y = std::max(y - side_half, 0.0f),
+              far_x = x + side_half, far_y = y + side_half;
+  const float near = std::sqrt(near_x * near_x + near_y * near_y),
+              distance = std::sqrt(x * x + y * y);
+  float far = std::sqrt(far_x * far_x + far_y * far_y);
   std::size_t sector = columns_.size() - 1;
   if (0.5f * (far - near) < kSine * distance) {
     const auto along = static_cast<float>(dot(centre, field));
@@ -159,8 +161,9 @@ PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
   const float steps[3] = {column.step_at(near), column.step_at(pixel.middle), column.step_at(far)};
   const Four values[3] = {value_at(column, steps[0]), value_at(column, steps[1]),
                           value_at(column, steps[2])};
+  const float per_side = 2 / (far - near);
   for (std::size_t side = 0; side < 2; ++side) {
-    const Four slope = (values[side + 1] - values[side]) / (ends[side + 1] - ends[side]);
+    const Four slope = (values[side + 1] - values[side]) * per_side;
     // Between the ends the column bends: the straight line is lifted over its steps.
     Four lift = {0, 0, 0, 0};
     for (int k = static_cast<int>(std::ceil(steps[side])); k <= static_cast<int>(steps[side + 1]);

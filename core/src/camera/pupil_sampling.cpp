@@ -290,15 +290,24 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
 
 }  // namespace
 
-double PupilNode::mean_open(double distance, double half) const {
-  const auto last = static_cast<double>(opened.size() - 1);
-  const auto up_to = [&](double d) {
-    const double place = std::min(d / outer_radius * last, last);
-    const auto i = std::min(static_cast<std::size_t>(place), opened.size() - 2);
-    return opened[i] + (place - static_cast<double>(i)) * (opened[i + 1] - opened[i]);
-  };
-  const double from = std::max(distance - half, 0.0), to = distance + half;
-  return (up_to(to) - up_to(from)) / (to - from);
+OpenShare::OpenShare(const PupilNode& node, double half)
+    : opened_(node.opened),
+      half_(half),
+      steps_per_metre_(kLast / node.outer_radius),
+      per_width_(0.5 / half) {}
+
+double OpenShare::up_to(double distance) const {
+  const double place = std::min(distance * steps_per_metre_, kLast);
+  const auto i = std::min(static_cast<int>(place), static_cast<int>(kLast) - 1);
+  const auto k = static_cast<std::size_t>(i);
+  return opened_[k] + (place - i) * (opened_[k + 1] - opened_[k]);
+}
+
+double OpenShare::mean(double distance) const {
+  const double to = distance + half_;
+  // Divisions are for the few pixels in the middle: this is asked for every pixel of every image.
+  if (distance < half_) return up_to(to) / to;
+  return (up_to(to) - up_to(distance - half_)) * per_width_;
 }
 
 PupilNode PupilTable::at(double h) const {

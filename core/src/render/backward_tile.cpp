@@ -37,6 +37,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((11 + nodes + (passes > 1 ? passes : 0)) * kPadding + alignment);
   codes_.resize(kPadding);
+  queued_.resize(kBlockRays + 1);  // a pixel has a ray at least
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
   Real** arrays[] = {&block_.x,  &block_.y,      &block_.z,          &block_.dx,        &block_.dy,
@@ -102,22 +103,30 @@ void TileTracer<Real>::begin_patch(Vec2 lens, Vec2 centre, double outer_radius) 
   patch_.centre_y = patch_.outer_y;
 }
 
-/// @return false when the pixel lies outside of the outer disc
+/// What the pixels of a row have in common. @return false when it lies outside of the outer disc
 template <class Real>
-bool TileTracer<Real>::place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius) {
+bool TileTracer<Real>::place_row(double y, Vec2 outer_centre, double outer_radius) {
   const double half = 0.5 * plan_.scene->camera.spec().sensor.pixel_pitch;
-  const double y0 = pixel_centre.y - half, y1 = pixel_centre.y + half;
-  const double miss = std::clamp(outer_centre.y, y0, y1) - outer_centre.y;
+  row_y0_ = y - half;
+  row_y1_ = y + half;
+  const double miss = std::clamp(outer_centre.y, row_y0_, row_y1_) - outer_centre.y;
   const double reach2 = outer_radius * outer_radius - miss * miss;
-  if (!(reach2 > 0)) return false;
-  const double reach = std::sqrt(reach2);
-  const double x0 = std::max(pixel_centre.x - half, outer_centre.x - reach);
-  const double x1 = std::min(pixel_centre.x + half, outer_centre.x + reach);
+  row_reach_ = reach2 > 0 ? std::sqrt(reach2) : 0;
+  return reach2 > 0;
+}
+
+/// @return false when the pixel of the row lies outside of the outer disc
+template <class Real>
+bool TileTracer<Real>::place_pixel(double x, double outer_x) {
+  const double half = 0.5 * plan_.scene->camera.spec().sensor.pixel_pitch;
+  const double x0 = std::max(x - half, outer_x - row_reach_);
+  const double x1 = std::min(x + half, outer_x + row_reach_);
   if (!(x1 > x0)) return false;
-  pixel_.x_low = static_cast<Real>(x0);
-  pixel_.x_width = static_cast<Real>(x1 - x0);
-  pixel_.y0 = static_cast<Real>(y0);
-  pixel_.y1 = static_cast<Real>(y1);
+  KernelPixel<Real>& made = pixel();
+  made.x_low = static_cast<Real>(x0);
+  made.x_width = static_cast<Real>(x1 - x0);
+  made.y0 = static_cast<Real>(row_y0_);
+  made.y1 = static_cast<Real>(row_y1_);
   return true;
 }
 
@@ -147,7 +156,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   patch_.aim_shift = static_cast<Real>(table.discs.shift);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
-  const double half_pitch = 0.5 * pitch;
+  const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;
   const Vec2 image = place + centre;
   const auto column_of = [&](double x) {
     return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
@@ -163,14 +172,15 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
              static_cast<std::uint32_t>(lens.r)) ^
             plan_.settings->seed);
-  for (int row = row0; row <= row1; ++row)
+  const OpenShare open(node, half_pitch);
+  for (int row = row0; row <= row1; ++row) {
+    if (!place_row(camera.sensor_point(0, row + 0.5).y - place.y, centre, outer)) continue;
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
-      if (!place_pixel(at, centre, outer)) continue;
+      if (!place_pixel(at.x, centre.x)) continue;
       const Vec2 v = at - centre;
-      const double away = std::sqrt(dot(v, v));
-      const double open = node.mean_open(away, half_pitch);
-      const int level = level_of(open * static_cast<double>(pixel_.x_width) / pitch);
+      const int level = level_of(open.mean(std::sqrt(dot(v, v))) *
+                                 static_cast<double>(pixel().x_width) * per_pitch);
       set_random(column, row, key);
       const std::uint64_t chosen = chosen_replicates(level);
       if (chosen == 0) {
@@ -182,6 +192,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       set_cut(cut.open ? whole_aperture(table.discs.bound) : cut);
       add_pair(type, column, row, level, chosen);
     }
+  }
 }
 
 template <class Real>
@@ -213,7 +224,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.origin_y = static_cast<Real>(aim.y - shift * centre.y);
   patch_.origin_shift = static_cast<Real>(shift);
   patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
-  place_pixel(centre, centre, 2 * pitch);    // nothing cuts the pixel
+  place_row(centre.y, centre, 2 * pitch);  // nothing cuts the pixel
+  place_pixel(centre.x, centre.x);
   set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
   set_random(column, row, mix64(plan_.settings->seed));
   add_pair(type, column, row, 0, chosen_replicates(0));
@@ -221,12 +233,13 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
 
 template <class Real>
 void TileTracer<Real>::set_cut(const PixelCut& cut) {
-  pixel_.cut_middle = static_cast<Real>(cut.middle);
+  KernelPixel<Real>& made = pixel();
+  made.cut_middle = static_cast<Real>(cut.middle);
   for (std::size_t half = 0; half < 2; ++half)
     for (std::size_t k = 0; k < 4; ++k) {
       const float sign = k == 0 || k == 3 ? -1.0f : 1.0f;
-      pixel_.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
-      pixel_.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
+      made.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
+      made.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
     }
 }
 
@@ -275,10 +288,11 @@ void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::u
   // The upper half of the product: evenly spread over the entries, without a division.
   const int entry =
       static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
-  pixel_.shift[0] = static_cast<std::uint32_t>(random_[0]);
-  pixel_.shift[1] = static_cast<std::uint32_t>(random_[0] >> 32);
-  pixel_.shift[2] = static_cast<std::uint32_t>(random_[1]);
-  pixel_.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
+  KernelPixel<Real>& made = pixel();
+  made.shift[0] = static_cast<std::uint32_t>(random_[0]);
+  made.shift[1] = static_cast<std::uint32_t>(random_[0] >> 32);
+  made.shift[2] = static_cast<std::uint32_t>(random_[1]);
+  made.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
   counters_.pairs += 1;
   type_ = type;
   const Pending pair{column, row, 0, 0, 0, pool_level, scale_of(level)};
@@ -286,15 +300,19 @@ void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::u
   if (level == pool_level) {
     // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
     // not depend on the neighbours, or results would depend on the window.
-    if (count_ + std::min(total, kBlockRays) > kBlockRays) flush();
+    if (count_ + std::min(total, kBlockRays) > kBlockRays) flush_keeping(made);
     for (int offset = 0; offset < total; offset += kBlockRays) {
-      if (offset > 0) flush();
+      if (offset > 0) flush();  // it was alone in the block, and still is the next one
       queue(pair, pool, entry, offset, std::min(total - offset, kBlockRays));
     }
   } else {  // one point a replicate
-    if (count_ + total > kBlockRays) flush();
+    if (count_ + total > kBlockRays) flush_keeping(made);
+    const KernelPixel<Real> each = pixel();
     for (int r = 0; r < total; ++r)
-      if (chosen >> r & 1) queue(pair, pool, entry, r, 1);
+      if (chosen >> r & 1) {
+        pixel() = each;
+        queue(pair, pool, entry, r, 1);
+      }
   }
 }
 
@@ -302,14 +320,15 @@ void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::u
 template <class Real>
 void TileTracer<Real>::queue(Pending pending, const SobolPool& pool, int entry, int offset,
                              int count) {
+  KernelPixel<Real>& made = pixel();
   for (int d = 0; d < SobolPool::kDimensions; ++d) {
-    pixel_.fractions[d] = pool.fractions(entry, d) + offset;
-    __builtin_prefetch(pixel_.fractions[d]);
+    made.fractions[d] = pool.fractions(entry, d) + offset;
+    __builtin_prefetch(made.fractions[d]);
   }
-  pixel_.first = pending.first = count_;
-  pixel_.count = pending.count = count;
+  made.first = pending.first = count_;
+  made.count = pending.count = count;
   pending.offset = offset;
-  queued_.push_back(pixel_);
+  ++queued_count_;
   pending_.push_back(pending);
   if (surfaces_ || scatter_)
     groups_.push_back({count_, count, offset, pending.level, entry, random_[0]});
@@ -318,19 +337,19 @@ void TileTracer<Real>::queue(Pending pending, const SobolPool& pool, int entry, 
 
 template <class Real>
 void TileTracer<Real>::generate_queued() {
-  if (queued_.empty()) return;
+  if (queued_count_ == 0) return;
   const KernelMicrolens<Real>& lens =
       has_own_lens_ ? own_lens_ : plan_.microlenses[static_cast<std::size_t>(type_)];
-  plan_.kernels.generate(patch_, queued_.data(), static_cast<int>(queued_.size()), lens.distance,
-                         block_);
+  plan_.kernels.generate(patch_, queued_.data(), queued_count_, lens.distance, block_);
+  const KernelPixel<Real>& last = queued_[static_cast<std::size_t>(queued_count_ - 1)];
   const int first = queued_.front().first;
-  const int count = queued_.back().first + queued_.back().count - first;
+  const int count = last.first + last.count - first;
   const bool between = type_ == plan_.between_type;
   if (sink_) sink_->drawn(patch_, between ? -1 : type_, block_, first, count);
   if (between) end_at_microlenses(first, count);
   // Between the lenses only the sensor's cover glass is on the way.
   plan_.optics.pass_microlens(lens, patch_.lens_x, patch_.lens_y, first, count, block_);
-  queued_.clear();
+  queued_count_ = 0;
 }
 
 /// Rays that were drawn as if there were no array: those that meet one of its lenses have ended.
@@ -448,6 +467,14 @@ bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
   }
 }
 
+/// Makes room for the rays of this pixel, which is the one to be queued afterwards.
+template <class Real>
+void TileTracer<Real>::flush_keeping(const KernelPixel<Real>& made) {
+  const KernelPixel<Real> kept = made;
+  flush();
+  pixel() = kept;
+}
+
 template <class Real>
 void TileTracer<Real>::flush() {
   generate_queued();
@@ -526,8 +553,11 @@ void TileTracer<Real>::add_to_film(int channel) {
                                       static_cast<std::size_t>(tile_.width) +
                                   static_cast<std::size_t>(pending.column - tile_.x)) *
                                      stride;
-    int replicate = pending.offset / points;
-    int left = points - pending.offset % points;  // of the replicate
+    int replicate = 0, left = points;  // of the replicate
+    if (pending.offset > 0) {
+      replicate = pending.offset / points;
+      left = points - pending.offset % points;
+    }
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
       double sum = 0;

@@ -117,13 +117,15 @@ class TileTracer {
   void end_at_microlenses(int first, int count);
   void begin_patch(Vec2 lens, Vec2 centre, double outer_radius);
   void set_cut(const PixelCut& cut);
-  bool place_pixel(Vec2 pixel_centre, Vec2 outer_centre, double outer_radius);
+  bool place_row(double y, Vec2 outer_centre, double outer_radius);
+  bool place_pixel(double x, double outer_x);
   int level_of(double worth) const;
   void set_random(int column, int row, std::uint64_t key);
   std::uint64_t chosen_replicates(int level) const;
   void add_pair(int type, int column, int row, int level, std::uint64_t chosen);
   void queue(Pending pending, const SobolPool& pool, int entry, int offset, int count);
   void generate_queued();
+  void flush_keeping(const KernelPixel<Real>& made);
   void flush();
   void integrate(int padded);
   bool integrate_by_table(int padded);
@@ -138,12 +140,16 @@ class TileTracer {
   int tile_index_ = 0;
   PixelWindow tile_;  ///< that is being rendered
   KernelPatch<Real> patch_{};
-  KernelPixel<Real> pixel_{};
+  double row_y0_ = 0, row_y1_ = 0;    ///< [m] of the row of pixels, from the microlens' centre
+  double row_reach_ = 0;              ///< [m] of the outer disc, along the row
   std::uint64_t random_[3] = {};      ///< of pixel, microlens and seed
   int type_ = 0;                      ///< of the patch
   KernelMicrolens<Real> own_lens_{};  ///< of the patch, where lenses of a type differ
   bool has_own_lens_ = false;
-  std::vector<KernelPixel<Real>> queued_;  ///< pixels of the patch whose rays are still to be made
+  /// Pixels of the patch whose rays are still to be made, so many; the next one is being filled in.
+  std::vector<KernelPixel<Real>> queued_;
+  int queued_count_ = 0;
+  KernelPixel<Real>& pixel() { return queued_[static_cast<std::size_t>(queued_count_)]; }
   std::vector<Pending> pending_;
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;

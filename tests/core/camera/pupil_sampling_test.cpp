@@ -104,7 +104,7 @@ TEST(PupilSampling, MeanShareOfTheApertureThatIsOpen) {
         const double distance = share * node.outer_radius;
         const double expected = traced_share(camera, lens, table, node,
                                              std::max(distance - half, 0.0), distance + half);
-        EXPECT_TRUE(within(node.mean_open(distance, half), expected, 0.03, 1))
+        EXPECT_TRUE(within(OpenShare(node, half).mean(distance), expected, 0.03, 1))
             << type << " at " << share;
         dimmest = std::min(dimmest, expected);
       }

@@ -29,8 +29,21 @@ struct PupilNode {
   PixelCuts cuts;  ///< about `centre`
 
   bool dark() const { return image_radius <= 0; }
-  /// Mean share of the aperture that is open within `half` of this distance from the centre [m].
-  double mean_open(double distance, double half) const;
+};
+
+/// How much of a microlens' aperture pixels of half the side `half` [m] see open.
+class OpenShare {
+ public:
+  OpenShare(const PupilNode& node, double half);
+  /// Mean share within `half` of this distance from the micro-image's centre [m].
+  double mean(double distance) const;
+
+ private:
+  static constexpr double kLast = 16;  ///< of PupilNode::opened
+  double up_to(double distance) const;
+
+  const std::array<double, 17>& opened_;
+  double half_, steps_per_metre_, per_width_;
 };
 
 /// The two apertures of a microlens as discs of the aim plane: |u - shift * s| < radius, |u| <
