@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "film/lit_runs.h"
 #include "plenoflame/film/film.h"
 
 namespace plenoflame {
@@ -71,20 +72,22 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
     stated.bound = std::numeric_limits<double>::infinity();
     return stated;
   }
-  const double limit =
-      kLitShare * static_cast<double>(*std::max_element(flux.pixels.begin(), flux.pixels.end()));
+  const double limit = kLitShare * static_cast<double>(largest_of(flux.pixels));
   double squares = 0, fourth = 0, total = 0, lit = 0, lit_at_most = 0;
-  for (std::size_t i = 0; i < flux.pixels.size(); ++i) {
-    const double f = static_cast<double>(flux.pixels[i]);
-    const double e = static_cast<double>(standard_error.pixels[i]);
-    if (f + 2 * e > limit) lit_at_most += 1;
-    if (!(f > limit)) continue;
-    const double e2 = e * e;
-    squares += e2;
-    fourth += e2 * e2;
-    total += f;
-    lit += 1;
-  }
+  // Where there is no flux there is no scatter.
+  for_lit_runs(flux.pixels, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      const double f = static_cast<double>(flux.pixels[i]);
+      const double e = static_cast<double>(standard_error.pixels[i]);
+      if (f + 2 * e > limit) lit_at_most += 1;
+      if (!(f > limit)) continue;
+      const double e2 = e * e;
+      squares += e2;
+      fourth += e2 * e2;
+      total += f;
+      lit += 1;
+    }
+  });
   if (!(lit > 0)) return stated;
   stated.relative_rmse = std::sqrt(squares * lit) / total;
   if (!(squares > 0)) return stated;

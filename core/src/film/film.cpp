@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "film/lit_runs.h"
+
 namespace plenoflame {
 
 Film::Film(PixelWindow window, int channels, int replicates)
@@ -89,16 +91,17 @@ FilmImages Film::images(int channel, const Execution& execution) const {
 
 double estimated_relative_rmse(const Image& flux, const Image& standard_error) {
   if (flux.empty() || standard_error.empty()) return 0;
-  const float limit =
-      static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
+  const float limit = static_cast<float>(kLitShare) * largest_of(flux.pixels);
   double squares = 0, total = 0, count = 0;
-  for (std::size_t i = 0; i < flux.pixels.size(); ++i) {
-    if (!(flux.pixels[i] > limit)) continue;
-    const double error = static_cast<double>(standard_error.pixels[i]);
-    squares += error * error;
-    total += static_cast<double>(flux.pixels[i]);
-    count += 1;
-  }
+  for_lit_runs(flux.pixels, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      if (!(flux.pixels[i] > limit)) continue;
+      const double error = static_cast<double>(standard_error.pixels[i]);
+      squares += error * error;
+      total += static_cast<double>(flux.pixels[i]);
+      count += 1;
+    }
+  });
   return count > 0 ? std::sqrt(squares / count) / (total / count) : 0;
 }
 

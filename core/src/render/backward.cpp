@@ -95,6 +95,7 @@ void add(TileCounters& total, const TileCounters& part) {
   total.rays_reached += part.rays_reached;
   total.pairs += part.pairs;
   total.pairs_left_to_chance += part.pairs_left_to_chance;
+  total.pairs_skipped += part.pairs_skipped;
   total.pixels_skipped += part.pixels_skipped;
   total.tiles_skipped += part.tiles_skipped;
   total.table.looked_up += part.table.looked_up;
@@ -181,6 +182,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   statistics.rays_reached += total.rays_reached;
   statistics.pairs += total.pairs;
   statistics.pairs_left_to_chance += total.pairs_left_to_chance;
+  statistics.pairs_skipped += total.pairs_skipped;
   statistics.pixels_skipped += total.pixels_skipped;
   statistics.tiles += static_cast<double>(done);
   statistics.tiles_skipped += total.tiles_skipped;

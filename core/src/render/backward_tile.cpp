@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "render/channel_sum.h"
@@ -138,8 +139,11 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
-  if (plan_.beams && !plan_.beams->lenses().may_meet(type, lens_place)) return;
-  const double h = length(from_foot);
+  const Sight sight = plan_.beams ? plan_.beams->lenses().look(type, lens_place) : Sight::filled;
+  if (sight == Sight::nothing) return;
+  std::optional<PixelBeam> beam;  // where pixels are looked at one by one
+  if (sight == Sight::some && plan_.beams->pixels()) beam = plan_.beams->pixels()->of(type, place);
+  const double h = std::sqrt(dot(from_foot, from_foot));
   const PupilNode node = table.at(h);
   if (node.dark()) return;
   const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
@@ -178,6 +182,10 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at.x, centre.x)) continue;
+      if (beam && !beam->may_meet(at)) {
+        counters_.pairs_skipped += 1;
+        continue;
+      }
       const Vec2 v = at - centre;
       const int level = level_of(open.mean(std::sqrt(dot(v, v))) *
                                  static_cast<double>(pixel().x_width) * per_pitch);

@@ -89,7 +89,7 @@ class RaySink {
 /// Numbers counted by one worker.
 struct TileCounters {
   double rays = 0, rays_reached = 0, pairs = 0, pixels_skipped = 0, tiles_skipped = 0;
-  double pairs_left_to_chance = 0;
+  double pairs_left_to_chance = 0, pairs_skipped = 0;
   double seconds_generate = 0, seconds_optics = 0, seconds_medium = 0, seconds_surfaces = 0;
   MediumCounters medium;
   RadianceTableCounters table;

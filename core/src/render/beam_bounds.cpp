@@ -62,24 +62,24 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
   }
 }
 
-bool BeamBounds::may_meet(int table, Vec3 place) const {
-  if (!region_->bounded()) return true;
-  if (!misaligned_) return may_meet(table, {place.x, place.y}, 0);
-  if (!std::isfinite(pupil_)) return true;
+Sight BeamBounds::look(int table, Vec3 place) const {
+  if (!region_->bounded()) return Sight::filled;
+  if (!misaligned_) return look(table, {place.x, place.y}, 0);
+  if (!std::isfinite(pupil_)) return Sight::filled;
   const Vec3 p = to_lens_.point(place);
   const Vec2 off{p.x, p.y};
   const double to_pupil = pupil_ - p.z, scale = (pupil_ - plane_) / to_pupil;
-  if (!(to_pupil > 0 && scale > 0)) return true;
+  if (!(to_pupil > 0 && scale > 0)) return Sight::filled;
   const double steepest = (pupil_radius_ + length(off)) / to_pupil;
   const double room = (std::fabs(p.z - plane_) * pupil_radius_ / to_pupil +
                        aperture_ * tilt_ * steepest + aperture_ * std::fabs(scale - 1)) *
                       kMisalignedMargin;
-  return may_meet(table, scale * off, room);
+  return look(table, scale * off, room);
 }
 
-bool BeamBounds::may_meet(int table, Vec2 place, double room) const {
+Sight BeamBounds::look(int table, Vec2 place, double room) const {
   const FieldTable& field = fields_[static_cast<std::size_t>(table)];
-  const double h = length(place);
+  const double h = std::sqrt(dot(place, place));
   const auto last = field.nodes.size() - 1;
   const double at = std::min(h / field.step, static_cast<double>(last));
   const std::size_t i = std::min(static_cast<std::size_t>(at), last - 1);
@@ -93,12 +93,13 @@ bool BeamBounds::may_meet(int table, Vec2 place, double room) const {
     centre[k] = (a.centre[k] + t * (b.centre[k] - a.centre[k])) * outwards;
     // A pixel without array is as wide as its diagonal; what it sees moves with the centre.
     const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
-    const double across = h > 0 ? length(centre[k]) / h : along;
+    const double across = h > 0 ? std::sqrt(dot(centre[k], centre[k])) / h : along;
     radius =
         std::max(radius, std::max(a.radius[k], b.radius[k]) +
                              (1 + kMargin) * std::max(along, across) * (half_diagonal_ + room));
   }
-  return region_->meets(centre, radius);
+  if (!region_->meets(centre, radius)) return Sight::nothing;
+  return region_->is_filled(centre, radius) ? Sight::filled : Sight::some;
 }
 
 }  // namespace plenoflame

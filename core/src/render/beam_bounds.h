@@ -7,6 +7,13 @@
 
 namespace plenoflame {
 
+/// What a beam sees.
+enum class Sight {
+  nothing,  ///< certainly
+  some,
+  filled,  ///< there may be something in all of it: parts of it need no look
+};
+
 /// Whether the light that a microlens (or, without array, a pixel) can receive meets anything.
 /// Conservative: the beam is bounded by discs around its traced edge rays, with a margin.
 ///
@@ -20,10 +27,11 @@ class BeamBounds {
   BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables, const LitRegion& region);
 
   /// @param place microlens centre or sensor point in the camera's frame [m]
-  bool may_meet(int table, Vec3 place) const;
+  Sight look(int table, Vec3 place) const;
+  bool may_meet(int table, Vec3 place) const { return look(table, place) != Sight::nothing; }
 
  private:
-  bool may_meet(int table, Vec2 place, double room) const;
+  Sight look(int table, Vec2 place, double room) const;
   /// Footprints on the region's two planes, centres along the field direction.
   struct Footprint {
     double centre[2] = {0, 0};

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kRounding = 1e-9;  ///< of the raster's extent: rays are moved to world axes
 constexpr int kMostParts = 8;       ///< that an oblique beam is looked at in
+constexpr double kSingle = 1e-6;    ///< relative: room for single precision
 
 std::array<Vec3, 8> corners(const Box& box) {
   std::array<Vec3, 8> points;
@@ -25,6 +26,51 @@ void include(Vec3 p, Box& box) {
 
 Box nothing() {
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+}
+
+/// Distances from the middle of every place of a raster to the middle of the nearest marked one
+/// [m]; infinite when none is. Column by column, then along rows as the lower envelope of parabolas
+/// (P. Felzenszwalb, D. Huttenlocher, "Distance Transforms of Sampled Functions", 2012).
+std::vector<double> distances(const std::vector<bool>& marked, int side, Vec2 size) {
+  const auto n = static_cast<std::size_t>(side);
+  std::vector<double> squares(n * n, kInfinity);
+  for (std::size_t column = 0; column < n; ++column) {
+    const auto pass = [&](std::size_t first, int step) {
+      double rows = kInfinity;
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t i = (step > 0 ? first + k : first - k) * n + column;
+        rows = marked[i] ? 0 : rows + 1;
+        squares[i] = std::min(squares[i], rows * rows * size.y * size.y);
+      }
+    };
+    pass(0, 1);
+    pass(n - 1, -1);
+  }
+  std::vector<double> from(n), result(n * n);
+  std::vector<std::size_t> apex(n);
+  for (std::size_t row = 0; row < n; ++row) {
+    const double* f = squares.data() + row * n;
+    std::size_t count = 0;
+    // Where the parabola of a column comes below that of another one before it.
+    const auto crossing = [&](std::size_t before, std::size_t column) {
+      const double a = static_cast<double>(before) * size.x,
+                   b = static_cast<double>(column) * size.x;
+      return ((f[column] + b * b) - (f[before] + a * a)) / (2 * (b - a));
+    };
+    for (std::size_t column = 0; column < n; ++column) {
+      if (!(f[column] < kInfinity)) continue;
+      while (count > 0 && crossing(apex[count - 1], column) <= from[count - 1]) --count;
+      from[count] = count > 0 ? crossing(apex[count - 1], column) : -kInfinity;
+      apex[count++] = column;
+    }
+    for (std::size_t column = 0, k = 0; column < n; ++column) {
+      const double x = static_cast<double>(column) * size.x;
+      while (k + 1 < count && from[k + 1] < x) ++k;
+      const double away = count > 0 ? x - static_cast<double>(apex[k]) * size.x : 0;
+      result[row * n + column] = count > 0 ? std::sqrt(f[apex[k]] + away * away) : kInfinity;
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -67,7 +113,7 @@ LitRegion::LitRegion(const Camera& camera, const std::vector<Box>& world) {
   lower_ = {whole.lower.x - room, whole.lower.y - room};
   upper_ = {whole.upper.x + room, whole.upper.y + room};
   scale_ = {kSide / (upper_.x - lower_.x), kSide / (upper_.y - lower_.y)};
-  std::vector<char> lit(static_cast<std::size_t>(kSide) * kSide, 0);
+  std::vector<bool> lit(static_cast<std::size_t>(kSide) * kSide, false);
   const auto place = [](double at) { return std::clamp(static_cast<int>(at), 0, kSide - 1); };
   for (const Box& box : boxes) {
     const int column0 = place((box.lower.x - room - lower_.x) * scale_.x);
@@ -75,49 +121,62 @@ LitRegion::LitRegion(const Camera& camera, const std::vector<Box>& world) {
     const int row0 = place((box.lower.y - room - lower_.y) * scale_.y);
     const int row1 = place((box.upper.y + room - lower_.y) * scale_.y);
     for (int row = row0; row <= row1; ++row)
-      std::fill_n(lit.begin() + row * kSide + column0, column1 - column0 + 1, 1);
+      std::fill_n(lit.begin() + row * kSide + column0, column1 - column0 + 1, true);
   }
-  constexpr int kStride = kSide + 1;
-  sums_.assign(static_cast<std::size_t>(kStride) * kStride, 0);
-  const auto at = [&](int column, int row) -> int& {
-    return sums_[static_cast<std::size_t>(row * kStride + column)];
+  const Vec2 size{1 / scale_.x, 1 / scale_.y};
+  // From any point of a place to any of another: less by a half diagonal at either end.
+  const double diagonal = std::hypot(size.x, size.y);
+  const auto at_least = [&](const std::vector<bool>& marked) {
+    std::vector<float> least;
+    for (const double d : distances(marked, kSide, size))
+      least.push_back(static_cast<float>(std::max(0.0, (1 - kSingle) * d - diagonal)));
+    return least;
   };
-  for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column)
-      at(column + 1, row + 1) = at(column, row + 1) + at(column + 1, row) - at(column, row) +
-                                lit[static_cast<std::size_t>(row * kSide + column)];
+  to_lit_ = at_least(lit);
+  lit.flip();
+  to_dark_ = at_least(lit);
 }
 
-int LitRegion::count(int column0, int row0, int column1, int row1) const {
-  constexpr int kStride = kSide + 1;
-  const auto at = [&](int column, int row) {
-    return sums_[static_cast<std::size_t>(row * kStride + column)];
+std::size_t LitRegion::place_of(Vec2 p) const {
+  const auto place = [](double at) {
+    return static_cast<std::size_t>(std::min(std::max(at, 0.0), kSide - 1.0));
   };
-  return at(column1 + 1, row1 + 1) - at(column0, row1 + 1) - at(column1 + 1, row0) +
-         at(column0, row0);
+  return place((p.y - lower_.y) * scale_.y) * kSide + place((p.x - lower_.x) * scale_.x);
+}
+
+/// Whether nothing is within a disc.
+bool LitRegion::is_beyond(Vec2 centre, double radius) const {
+  // Seen from outside all that is lit lies behind the nearest point of the raster's border.
+  const Vec2 nearest{std::clamp(centre.x, lower_.x, upper_.x),
+                     std::clamp(centre.y, lower_.y, upper_.y)};
+  const Vec2 out = centre - nearest;
+  const auto in = static_cast<double>(to_lit_[place_of(nearest)]);
+  return dot(out, out) + in * in > radius * radius * (1 + kRounding);
 }
 
 bool LitRegion::meets(const Vec2 centre[2], double radius) const {
   if (!bounded_ || !(radius < kInfinity)) return true;
   const Vec2 axis = centre[1] - centre[0];
-  const double along = std::max(std::fabs(axis.x), std::fabs(axis.y));
+  const double along = std::sqrt(dot(axis, axis));
   int parts = 1;
-  if (along > 2 * radius)
-    parts = radius * kMostParts > along ? static_cast<int>(std::ceil(along / radius)) : kMostParts;
-  for (int part = 0; part < parts; ++part) {
-    const Vec2 a = centre[0] + (static_cast<double>(part) / parts) * axis;
-    const Vec2 b = centre[0] + (static_cast<double>(part + 1) / parts) * axis;
-    const double x0 = (std::min(a.x, b.x) - radius - lower_.x) * scale_.x;
-    const double x1 = (std::max(a.x, b.x) + radius - lower_.x) * scale_.x;
-    const double y0 = (std::min(a.y, b.y) - radius - lower_.y) * scale_.y;
-    const double y1 = (std::max(a.y, b.y) + radius - lower_.y) * scale_.y;
-    if (x1 < 0 || y1 < 0 || x0 >= kSide || y0 >= kSide) continue;
-    const auto place = [](double at) {
-      return static_cast<int>(std::min(std::max(at, 0.0), kSide - 1.0));
-    };
-    if (count(place(x0), place(y0), place(x1), place(y1)) > 0) return true;
-  }
+  if (along > 0.5 * radius)
+    parts = 0.5 * radius * kMostParts > along ? static_cast<int>(std::ceil(2 * along / radius))
+                                              : kMostParts;
+  for (int part = 0; part < parts; ++part)
+    if (!is_beyond(centre[0] + ((part + 0.5) / parts) * axis, radius + 0.5 * along / parts))
+      return true;
   return false;
+}
+
+bool LitRegion::is_filled(const Vec2 centre[2], double radius) const {
+  if (!bounded_) return true;
+  for (int k = 0; k < 2; ++k) {
+    const Vec2 p = centre[k];
+    if (p.x - radius < lower_.x || p.x + radius > upper_.x || p.y - radius < lower_.y ||
+        p.y + radius > upper_.y || static_cast<double>(to_dark_[place_of(p)]) < radius)
+      return false;
+  }
+  return true;
 }
 
 }  // namespace plenoflame

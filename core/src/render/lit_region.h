@@ -29,14 +29,21 @@ class LitRegion {
   /// @param centre camera x, y [m]; @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
 
+  /// Whether there is something wherever a ray of that beam crosses one of the planes: nothing in
+  /// it is worth a closer look. May say no where the answer is yes.
+  bool is_filled(const Vec2 centre[2], double radius) const;
+
  private:
   static constexpr int kSide = 128;
-  int count(int column0, int row0, int column1, int row1) const;
+  bool is_beyond(Vec2 centre, double radius) const;
+  std::size_t place_of(Vec2 p) const;
   bool bounded_ = false;
   double planes_[2] = {0, 0};
-  Vec2 lower_, upper_;     ///< of the raster, camera x, y [m]
-  Vec2 scale_;             ///< places per metre
-  std::vector<int> sums_;  ///< (kSide + 1)^2: how many lit places before and above
+  Vec2 lower_, upper_;  ///< of the raster, camera x, y [m]
+  Vec2 scale_;          ///< places per metre
+  /// Of kSide^2 places: how far, at least, any point of each is from the nearest lit one, and from
+  /// the nearest dark one [m].
+  std::vector<float> to_lit_, to_dark_;
 };
 
 }  // namespace plenoflame

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "film/lit_runs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "render/backward.h"
@@ -123,7 +124,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     statistics.relative_error = error.relative_rmse;
     statistics.relative_error_bound = error.bound;
   }
-  for (const float f : first.flux.pixels) statistics.flux += static_cast<double>(f);
+  statistics.flux = sum_of(first.flux.pixels);
   if (statistics.complete && !(statistics.flux > 0) && has_content(scene)) {
     if (statistics.rays >= kTellingRays)
       execution.warn(

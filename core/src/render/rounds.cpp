@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "film/lit_runs.h"
 #include "render/backward.h"
 #include "render/run_control.h"
 #include "render/sample_plan.h"
@@ -30,12 +31,16 @@ struct TileErrors {
 TileErrors measure_errors(const Film& film, const Execution& execution) {
   TileErrors errors;
   const auto [flux, error] = film.images(0, execution);
-  const float limit =
-      static_cast<float>(kLitShare) * *std::max_element(flux.pixels.begin(), flux.pixels.end());
+  const float limit = static_cast<float>(kLitShare) * largest_of(flux.pixels);
   double total = 0, lit = 0;
   for (int t = 0; t < film.tile_count(); ++t) {
     const PixelWindow tile = film.tile(t);
     double tile_squares = 0, tile_lit = 0;
+    if (film.tile_sums(t).empty()) {  // nothing has been sent there
+      errors.mean_square.push_back(0);
+      errors.lit.push_back(0);
+      continue;
+    }
     for (int row = tile.y - film.window().y; row < tile.y - film.window().y + tile.height; ++row)
       for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width;
            ++column) {

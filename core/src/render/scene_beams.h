@@ -5,6 +5,7 @@
 #include "plenoflame/scene/compile.h"
 #include "render/beam_bounds.h"
 #include "render/lit_region.h"
+#include "render/pixel_beams.h"
 
 namespace plenoflame {
 
@@ -18,12 +19,15 @@ class SceneBeams {
   SceneBeams(const SceneBeams&) = delete;
   SceneBeams& operator=(const SceneBeams&) = delete;
 
-  const BeamBounds& lenses() const { return lenses_; }                   ///< without array: pixels
+  const BeamBounds& lenses() const { return lenses_; }  ///< without array: pixels
+  /// nullptr: pixels are not looked at one by one
+  const PixelBeams* pixels() const { return pixels_.get(); }
   const std::optional<BeamBounds>& between() const { return between_; }  ///< clear arrays only
 
  private:
   LitRegion region_;
   BeamBounds lenses_;
+  std::unique_ptr<const PixelBeams> pixels_;
   std::optional<BeamBounds> between_;
 };
 

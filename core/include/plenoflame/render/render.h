@@ -63,6 +63,7 @@ struct RenderStatistics {
   double pixels = 0;        ///< in the window
   double pairs = 0;         ///< pixels x microlenses that cover them
   double pairs_left_to_chance = 0;  ///< of little worth, not sampled this time: others count more
+  double pairs_skipped = 0;         ///< whose beams miss the flame while others of the lens do not
   double lenses = 0;                ///< microlenses whose micro-images meet the window
   double lenses_skipped = 0;        ///< of these, whose beams miss the flame
   double pixels_skipped = 0;        ///< without array: pixels whose beams miss the flame

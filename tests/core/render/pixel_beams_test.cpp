@@ -1,0 +1,88 @@
+// What single rays see is within the beam of their pixel, and that is not much wider.
+#include "render/pixel_beams.h"
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "plenoflame/render/render.h"
+#include "render/lit_region.h"
+#include "support/cameras.h"
+#include "support/flame_scenes.h"
+
+namespace plenoflame::test {
+namespace {
+
+CameraSpec stopped_down(CameraSpec spec) {
+  for (SurfaceSpec& surface : spec.lens.surfaces)
+    surface.diameter = std::min(surface.diameter, 0.02);
+  return spec;
+}
+
+CameraSpec with_ideal_lenses(CameraSpec spec) {
+  spec.lens.model = LensModel::ideal;
+  return spec;
+}
+
+TEST(PixelBeams, HoldTheRaysOfTheirPixels) {
+  const CameraSpec paper = paper_flame(3000, 3000).camera;
+  std::mt19937_64 generator(7);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * (static_cast<double>(generator() >> 11) * 0x1p-53);
+  };
+  for (const CameraSpec& spec : {paper, stopped_down(paper), with_ideal_lenses(paper)}) {
+    const Camera camera(spec);
+    const PupilSampling pupils(camera);
+    const double pitch = spec.sensor.pixel_pitch, aperture = 0.5 * spec.array.diameter;
+    const Vec2 corner = camera.sensor_point(0, 0);
+    int rays = 0, apart = 0, told = 0;
+    for (int attempt = 0; attempt < 200000 && rays < 300; ++attempt) {
+      const Vec2 near{uniform(-std::fabs(corner.x), std::fabs(corner.x)),
+                      uniform(-std::fabs(corner.y), std::fabs(corner.y))};
+      const Vec2 room{spec.array.pitch, spec.array.pitch};
+      const auto lenses = camera.lattice().within(near - room, near + room);
+      if (lenses.empty()) continue;
+      const LensIndex lens = lenses[generator() % lenses.size()];
+      const Vec3 place = camera.lens_place(lens);
+      const int type = camera.lattice().type(lens);
+      // Mostly the edge of the aperture, where beams end.
+      const double turn = uniform(0, 6.283185307179586);
+      const double r = aperture * std::sqrt(uniform(0.5, 1.0));
+      const Vec2 aim{place.x + r * std::cos(turn), place.y + r * std::sin(turn)};
+      const Vec2 sensor = near;
+      const Camera::Path path = camera.trace(sensor, lens, aim);
+      if (path.status.status != RayStatus::reached) continue;
+      ++rays;
+      // The pixel that the sensor point lies in.
+      const double i = std::floor(0.5 * spec.sensor.columns - sensor.x / pitch);
+      const double j = std::floor(0.5 * spec.sensor.rows - sensor.y / pitch);
+      const Vec2 centre = camera.sensor_point(i + 0.5, j + 0.5);
+      ASSERT_LE(std::fabs(centre.x - sensor.x), 0.5001 * pitch);
+      const Vec2 pixel{centre.x - place.x, centre.y - place.y};
+      const double z = uniform(0.9, 1.1);
+      const Vec3 seen = path.exit.at((z - path.exit.origin.z) / path.exit.direction.z);
+      const auto meets = [&](Vec3 at) {
+        const Vec3 world = camera.to_world().point(at), speck{1e-7, 1e-7, 1e-7};
+        const LitRegion region(camera, {{world - speck, world + speck}});
+        EXPECT_TRUE(region.bounded());
+        const auto beams = PixelBeams::make(camera, pupils.tables(), region);
+        return beams->of(type, {place.x, place.y}).may_meet(pixel);
+      };
+      ASSERT_TRUE(meets(seen)) << "ray " << rays << " of type " << type << " from " << sensor.x
+                               << ", " << sensor.y;
+      // Thirty millimetres beside is beyond all beams.
+      if (rays % 8 != 0) continue;
+      ++apart;
+      const double away = uniform(0, 6.283185307179586);
+      told += !meets(seen + 30e-3 * Vec3{std::cos(away), std::sin(away), 0});
+    }
+    EXPECT_EQ(rays, 300);
+    EXPECT_GT(told, 0.9 * apart) << spec.lens.surfaces.front().diameter << " "
+                                 << (spec.lens.model == LensModel::ideal);
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame::test
