@@ -45,10 +45,8 @@ class Resolution {
       const double a = camera_.rear_vertex() - image - camera_.microlenses()[k].front_principal;
       double ratio = effective_resolution(types_[k], diameter, pixel, a);
       if (!tracers_.empty()) {
-        const double blur = tracers_[k](distance).all;
-        ratio = std::isnan(blur) ? 0
-                                 : std::min(1.0, std::fabs(types_[k].sensor_distance / a)) * pixel /
-                                       std::max(blur, pixel);
+        const double traced = traced_resolution(tracers_[k](distance), pixel);
+        ratio = std::isnan(traced) ? 0 : traced;
       }
       // Nearer than the total covering plane not every type sees every point.
       const double depth = std::fabs(a) / types_[k].sensor_distance;

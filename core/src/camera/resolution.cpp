@@ -52,7 +52,11 @@ double effective_resolution(const TypeDesign& type, double diameter, double pixe
 BlurTracer::BlurTracer(const Camera& camera, std::size_t type)
     : camera_(with_one_type(camera, type)) {}
 
-std::optional<Vec2> BlurTracer::at_array(double object_distance, Vec2 pupil) const {
+double traced_resolution(const TracedBlur& blur, double pixel, double least_spot) {
+  return pixel / std::max(blur.in_image, blur.growth * std::max(pixel, least_spot));
+}
+
+std::optional<BlurTracer::Arriving> BlurTracer::at_array(double object_distance, Vec2 pupil) const {
   const Vec3 object{0, 0, object_distance};
   const Vec3 target{pupil.x, pupil.y, -camera_.lens_first_order().entrance_pupil};
   Ray ray{object, normalize(target - object)};
@@ -61,33 +65,44 @@ std::optional<Vec2> BlurTracer::at_array(double object_distance, Vec2 pupil) con
     const IdealLens& lens = camera_.ideal();
     const Vec3 p = ray.at((lens.front_principal - object.z) / ray.direction.z);
     const double k = 1 / lens.focal_length, z = camera_.array_front() - lens.rear_principal;
-    return Vec2{p.x + z * (ray.direction.x / ray.direction.z + k * p.x),
-                p.y + z * (ray.direction.y / ray.direction.z + k * p.y)};
+    const Vec2 slope{ray.direction.x / ray.direction.z + k * p.x,
+                     ray.direction.y / ray.direction.z + k * p.y};
+    return Arriving{Vec2{p.x, p.y} + z * slope, slope};
   }
   if (camera_.lens().trace_to_sensor(ray).status != RayStatus::reached) return std::nullopt;
   const Vec3 p = ray.at((camera_.array_front() - ray.origin.z) / ray.direction.z);
-  return Vec2{p.x, p.y};
+  return Arriving{{p.x, p.y},
+                  {ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z}};
 }
 
-double BlurTracer::zone_blur2(double object_distance, double zone) const {
+std::optional<BlurTracer::Zone> BlurTracer::zone_blur(double object_distance, double zone) const {
   const FirstOrder& lens = camera_.lens_first_order();
   const double pupil = 0.5 * lens.entrance_pupil_diameter, step = 1e-4 * pupil;
   const double height = zone * pupil;
   const auto middle = at_array(object_distance, {height, 0});
   const auto outer = at_array(object_distance, {height + step, 0});
   const auto aside = at_array(object_distance, {height, step});
-  if (!middle || !outer || !aside) return kNan;
+  if (!middle || !outer || !aside) return std::nullopt;
   // How the beam of the zone maps the pupil onto the array: aimed at one microlens with it.
-  const double scale_x = (outer->x - middle->x) / step, scale_y = aside->y / step;
+  const Vec2 across = outer->place - middle->place, across_slope = outer->slope - middle->slope;
+  const double scale_x = across.x / step, scale_y = aside->place.y / step;
+  // Neighbouring rays meet where the zone focuses: across the zone and along it.
+  const Microlens& type = camera_.microlenses().front();
+  const auto kept = [&](double width, double slope) {
+    const double a = camera_.array_front() - width / slope - type.front_principal;
+    return std::min(1.0, std::fabs(type.sensor_distance / a));
+  };
+  const double share =
+      0.5 * (kept(across.x, across_slope.x) + kept(aside->place.y, aside->slope.y));
   const double radius = 0.5 * camera_.spec().array.diameter;
-  const LensIndex microlens = camera_.lattice().nearest(*middle);
+  const LensIndex microlens = camera_.lattice().nearest(middle->place);
   const Vec2 centre = camera_.lattice().centre(microlens);
   const auto limited = [&](double length, double scale) {
     return std::fabs(length) < pupil * std::fabs(scale) ? length / scale
                                                         : std::copysign(pupil, length);
   };
   const double wide_x = limited(radius, scale_x), wide_y = limited(radius, scale_y);
-  const double from_x = height + limited(centre.x - middle->x, scale_x);
+  const double from_x = height + limited(centre.x - middle->place.x, scale_x);
   const double from_y = limited(centre.y, scale_y);
   const Vec3 object{0, 0, object_distance};
   std::vector<Camera::Arrival> arrivals;
@@ -108,22 +123,30 @@ double BlurTracer::zone_blur2(double object_distance, double zone) const {
         n += 1, x += at.x, y += at.y, squares += dot(at, at);
       }
     }
-  if (n < 0.05 * kRings * kSpokes) return kNan;
-  return 8 * std::max(0.0, squares - (x * x + y * y) / n) / n;
+  if (n < 0.05 * kRings * kSpokes) return std::nullopt;
+  return Zone{8 * std::max(0.0, squares - (x * x + y * y) / n) / n, share};
 }
 
 TracedBlur BlurTracer::operator()(double object_distance) const {
-  TracedBlur blur;
-  double sum = 0;
+  TracedBlur blur{kNan, kNan, kNan, kNan};
+  double squares = 0, in_image = 0, growth = 0;
   int seen = 0;
   for (int k = 0; k < kZones; ++k) {
     // The first zone is the axis itself; the others stand for equal areas around it.
-    const double zone = k == 0 ? 0 : std::sqrt((k + 0.5) / kZones);
-    const double blur2 = zone_blur2(object_distance, zone);
-    if (k == 0) blur.central = std::sqrt(blur2);
-    if (std::isfinite(blur2)) sum += blur2, ++seen;
+    const std::optional<Zone> zone =
+        zone_blur(object_distance, k == 0 ? 0 : std::sqrt((k + 0.5) / kZones));
+    if (!zone) continue;
+    if (k == 0) blur.central = std::sqrt(zone->blur2);
+    const double wider2 = 1 / (zone->kept * zone->kept);
+    squares += zone->blur2;
+    in_image += zone->blur2 * wider2;
+    growth += wider2;
+    ++seen;
   }
-  blur.all = seen > 0 ? std::sqrt(sum / seen) : kNan;
+  if (seen == 0) return blur;
+  blur.all = std::sqrt(squares / seen);
+  blur.in_image = std::sqrt(in_image / seen);
+  blur.growth = std::sqrt(growth / seen);
   return blur;
 }
 
@@ -159,10 +182,7 @@ std::vector<ResolutionPoint> resolution_curve(const Camera& camera, int points, 
       if (k == 0) point.array_distance = a;
       const double least = 1.22 * wavelength * type.f_number;
       point.paraxial.push_back(effective_resolution(type, diameter, pixel, a, least));
-      const double blur = tracers[k](point.object_distance).all;
-      point.traced.push_back(std::isnan(blur) ? kNan
-                                              : std::min(1.0, std::fabs(type.sensor_distance / a)) *
-                                                    pixel / std::max({blur, pixel, least}));
+      point.traced.push_back(traced_resolution(tracers[k](point.object_distance), pixel, least));
     }
     point.paraxial_joint = best_of(point.paraxial);
     point.traced_joint = best_of(point.traced);

@@ -78,6 +78,33 @@ TEST(Resolution, ZonesOfTheSingletFocusElsewhere) {
   const TracedBlur third = BlurTracer(camera, 2)(1.0);
   EXPECT_GT(third.all, 3 * pixel);
   EXPECT_LT(third.all, 5 * pixel);
+  // The zones at sqrt((k + 1/2) / 5) focus 14 mm (h / 0.84)^2 short of the first, which is sharp:
+  // along the zone. Across it, as aberrations of third order do, three times as far.
+  double squares = 0;
+  for (int k = 1; k < 5; ++k) {
+    const double a = 14 * kMm * (k + 0.5) / 5 / (0.84 * 0.84);
+    const double blur = 0.1 * kMm * std::fabs(0.2516 * (1 / 0.17079 - kMm / a) - 1);
+    squares += std::pow(blur * a / (0.2516 * kMm) / (0.5 + 0.5 / 3), 2);
+  }
+  EXPECT_TRUE(relative(traced_resolution(third, pixel), pixel / std::sqrt(squares / 5), 0.15));
+}
+
+// Without aberrations of the main lens rays and formulas agree where thick microlenses are sharp.
+TEST(Resolution, SharpThroughThickMicrolenses) {
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  spec.lens.model = LensModel::ideal;
+  const Camera camera(spec);
+  const double pixel = camera.spec().sensor.pixel_pitch;
+  const auto types = design_types(camera);
+  for (std::size_t k = 0; k < types.size(); ++k) {
+    const double a = camera.microlenses()[k].sharp_distance;
+    const double object = paraxial_object_distance(
+        camera.lens_first_order(),
+        camera.rear_vertex() - (camera.microlenses()[k].front_principal + a));
+    EXPECT_TRUE(relative(traced_resolution(BlurTracer(camera, k)(object), 10 * pixel),
+                         std::fabs(types[k].sensor_distance / a), 0.02))
+        << k;
+  }
 }
 
 TEST(Resolution, CurveOfThinLenses) {

@@ -21,7 +21,15 @@ double effective_resolution(const TypeDesign& type, double diameter, double pixe
 struct TracedBlur {
   double central = 0;  ///< seen by the microlens on the axis
   double all = 0;      ///< RMS over microlenses at zones of equal area of the main lens' pupil
+  /// As `all`, each zone's blur over the share min(1, |B / a|) that its micro-images keep: blur in
+  /// the main lens' image. Aberrations of the main lens give every zone an a of its own.
+  double in_image = 0;
+  double growth = 0;  ///< RMS over the zones of one over that share
 };
+
+/// effective_resolution() by rays: p / max(in_image, growth * max(p, least_spot)).
+/// @return NaN where no light arrives
+double traced_resolution(const TracedBlur& blur, double pixel, double least_spot = 0);
 
 /// Traces the blur in the micro-images of one type, as if all microlenses were of that type.
 class BlurTracer {
@@ -32,17 +40,25 @@ class BlurTracer {
   TracedBlur operator()(double object_distance) const;
 
  private:
-  /// Where the ray through a point of the entrance pupil meets the plane of the array's front.
-  std::optional<Vec2> at_array(double object_distance, Vec2 pupil) const;
-  double zone_blur2(double object_distance, double zone) const;
+  /// Place on the plane of the array's front, and dx/dz, dy/dz there.
+  struct Arriving {
+    Vec2 place, slope;
+  };
+  struct Zone {
+    double blur2;  ///< [m^2]
+    double kept;
+  };
+  /// The ray through a point of the entrance pupil.
+  std::optional<Arriving> at_array(double object_distance, Vec2 pupil) const;
+  std::optional<Zone> zone_blur(double object_distance, double zone) const;
   Camera camera_;
 };
 
 /// Effective resolution at one distance.
 struct ResolutionPoint {
-  double object_distance = 0;            ///< [m] from the front vertex of the main lens
-  double array_distance = 0;             ///< a [m] of its paraxial image
-  std::vector<double> paraxial, traced;  ///< per type; traced: with TracedBlur::all in place of s
+  double object_distance = 0;                   ///< [m] from the front vertex of the main lens
+  double array_distance = 0;                    ///< a [m] of its paraxial image
+  std::vector<double> paraxial, traced;         ///< per type; traced: traced_resolution()
   double paraxial_joint = 0, traced_joint = 0;  ///< the best type's
 };
 
