@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -241,6 +242,37 @@ class Painter {
     cairo_set_font_size(c_, kFontSize);
   }
 
+  /// How much of the lines and marks lies under a rectangle.
+  double hidden(double left, double top, double width, double height) const {
+    double sum = 0;
+    for (const PlotSeries& series : plot_.series)
+      for (std::size_t i = 0; i < series.points.size(); ++i) {
+        const double x = x_.at(series.points[i].first), y = y_.at(series.points[i].second);
+        const std::size_t before = i > 0 ? i - 1 : 0;
+        const double from_x = x_.at(series.points[before].first),
+                     from_y = y_.at(series.points[before].second);
+        constexpr int kSteps = 16;
+        for (int k = 1; k <= kSteps; ++k) {
+          const double at_x = from_x + (x - from_x) * k / kSteps - left,
+                       at_y = from_y + (y - from_y) * k / kSteps - top;
+          if (at_x > 0 && at_x < width && at_y > 0 && at_y < height) sum += 1;
+        }
+      }
+    return sum;
+  }
+
+  /// Left and top of the rectangle in that corner of the picture where it hides least.
+  std::pair<double, double> free_corner(double width, double height) const {
+    constexpr double kGap = 12;
+    std::pair<double, double> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const double top : {kTop + kGap, kHeight - kBottom - kGap - height})
+      for (const double left : {kWidth - kRight - kGap - width, kLeft + kGap})
+        if (const double lost = hidden(left, top, width, height); lost < least)
+          least = lost, best = {left, top};
+    return best;
+  }
+
   void legend() {
     double width = 0;
     std::vector<const PlotSeries*> shown;
@@ -253,7 +285,7 @@ class Painter {
     }
     if (shown.empty()) return;
     const double height = 24 * static_cast<double>(shown.size()) + 12;
-    const double left = kWidth - kRight - width - 68, top = kTop + 12;
+    const auto [left, top] = free_corner(width + 56, height);
     cairo_set_source_rgb(c_, 1, 1, 1);
     cairo_rectangle(c_, left, top, width + 56, height);
     cairo_fill_preserve(c_);

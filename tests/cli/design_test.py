@@ -1,6 +1,7 @@
 """plenoflame design: figures of the paper's camera, and what it warns of."""
 
 import json
+import re
 
 from command import CommandTest, main
 
@@ -64,6 +65,22 @@ class Design(CommandTest):
         # Drawn: lines of the colours of the three types.
         svg = self.read("plots/resolution.svg").decode()
         self.assertGreater(svg.count("<path"), 20)
+
+    def test_legend_hides_no_curve(self):
+        """The curve rises into the corner where legends stand by default."""
+        self.write("a.toml", '[camera]\npreset = "paper-previous-60x60"\n')
+        self.run_command("design", "a.toml", "--plots", "plots", "--format", "svg")
+        svg = self.read("plots/resolution.svg").decode()
+        numbers = r"[ML] ([0-9.]+) ([0-9.]+)"
+        box = re.search(r'<path style="[^"]*stroke:rgb\(60%,60%,60%\)[^"]*" d="([^"]*)"', svg).group(1)
+        corners = [(float(x), float(y)) for x, y in re.findall(numbers, box)]
+        left, top = (min(c[i] for c in corners) for i in (0, 1))
+        right, bottom = (max(c[i] for c in corners) for i in (0, 1))
+        curves = re.findall(r'<path style="fill:none;stroke-width:2.2;[^"]*" d="([^"]*)"', svg)
+        points = [(float(x), float(y)) for x, y in re.findall(numbers, " ".join(curves[:2]))]
+        self.assertGreater(len(points), 40)
+        for x, y in points:
+            self.assertFalse(left < x < right and top < y < bottom, (x, y))
 
     def test_solving_for_the_array(self):
         """The scene that is written has the joined focal lengths when it is read again."""
