@@ -60,14 +60,14 @@ if wanted whole; then
   whole "grid, 16 samples, every ray integrated, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1 --no-control-variate
   whole "grid, to 1 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 1% --threads 2
 fi
-# What skipping gains: each scene with and without, NAME SCENE OPTION ...
+# What skipping gains: each scene with and without, NAME SCENE SAMPLES OPTION ...
 skipping() {
-  local name=$1 scene=$2
-  shift 2
+  local name=$1 scene=$2 samples=$3
+  shift 3
   for run in 1 2 3; do
-    "$command" render "$scene" -o out/benchmarks/skipped.exr --seed "$run" --quiet --samples 16 --threads 1 \
+    "$command" render "$scene" -o out/benchmarks/skipped.exr --seed "$run" --quiet --samples "$samples" --threads 1 \
       --stats "out/benchmarks/skipping-$name-with-$run.json" "$@"
-    "$command" render "$scene" -o out/benchmarks/all.exr --seed "$run" --quiet --samples 16 --threads 1 --no-skip \
+    "$command" render "$scene" -o out/benchmarks/all.exr --seed "$run" --quiet --samples "$samples" --threads 1 --no-skip \
       --stats "out/benchmarks/skipping-$name-without-$run.json" "$@"
     "$command" compare out/benchmarks/skipped.exr out/benchmarks/all.exr --json \
       >"out/benchmarks/skipping-$name-difference-$run.json"
@@ -89,8 +89,10 @@ temperature = "1800 K"
 absorption = "20 1/m"
 END
   done
-  skipping "beams: a sphere that fills 0.8 % of the sensor" out/benchmarks/sphere-3.toml
-  skipping "beams: a sphere that fills all of the sensor" out/benchmarks/sphere-60.toml
+  for samples in 16 256; do
+    skipping "beams: a sphere that fills 0.8 % of the sensor, $samples samples" out/benchmarks/sphere-3.toml $samples
+    skipping "beams: a sphere that fills all of the sensor, $samples samples" out/benchmarks/sphere-60.toml $samples
+  done
   "$command" flame candle -o out/benchmarks/candle.vdb --voxel-size "0.25 mm"
   "$command" flame layered -o out/benchmarks/layered.vdb --voxel-size "0.234 mm"
   "$command" flame cylinder -o out/benchmarks/cylinder.vdb --voxel-size "2 mm"
@@ -100,11 +102,11 @@ END
   done
   # A thousand times as much soot: black from outside.
   printf 'absorption.scale = 1000.0\n' >>out/benchmarks/cylinder.toml
-  skipping "empty bricks: candle, every ray integrated" out/benchmarks/candle.toml \
+  skipping "empty bricks: candle, every ray integrated" out/benchmarks/candle.toml 16 \
     --no-control-variate --window 1300,1300,400,400
-  skipping "constant bricks: layers as a grid, every ray integrated" out/benchmarks/layered.toml \
+  skipping "constant bricks: layers as a grid, every ray integrated" out/benchmarks/layered.toml 16 \
     --no-control-variate --window 1300,1300,400,400
-  skipping "opaque tails: sooty cylinder, every ray integrated" out/benchmarks/cylinder.toml \
+  skipping "opaque tails: sooty cylinder, every ray integrated" out/benchmarks/cylinder.toml 16 \
     --no-control-variate --window 1300,1300,400,400
 fi
 # What colours cost: the scenes in turn, five times.

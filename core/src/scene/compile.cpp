@@ -209,6 +209,15 @@ CameraSpec at_wavelength(const Camera& solved, double wavelength, const Position
   return spec;
 }
 
+/// Whether glasses refract alike in both cameras: pupils, which are costly, are the same then.
+bool have_same_indices(const CameraSpec& a, const CameraSpec& b) {
+  const auto alike = [](const auto& x, const auto& y) { return x.index == y.index; };
+  return std::equal(a.lens.surfaces.begin(), a.lens.surfaces.end(), b.lens.surfaces.begin(),
+                    b.lens.surfaces.end(), alike) &&
+         std::equal(a.array.types.begin(), a.array.types.end(), b.array.types.begin(),
+                    b.array.types.end(), alike);
+}
+
 }  // namespace
 
 CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
@@ -248,8 +257,7 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     part.camera = at_wavelength(compiled.camera,
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
     Camera part_camera(part.camera);
-    // The first one sees what the scene's own camera sees.
-    PupilSampling part_pupils = n == 0 && wavelength == scene.camera.wavelength
+    PupilSampling part_pupils = have_same_indices(part.camera, compiled.camera.spec())
                                     ? compiled.pupils
                                     : PupilSampling(part_camera, quiet);
     Media part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],

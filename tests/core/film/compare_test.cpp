@@ -161,6 +161,24 @@ TEST(Compare, LargestZCountsThePixels) {
   EXPECT_TRUE(relative(probability(6), 1.9731750973510828e-7, 1e-6));
 }
 
+// Dark pixels count as well, if their errors are known; those without any error do not.
+TEST(Compare, LargestZCountsDarkPixelsWithErrors) {
+  LightField a = make_field(10, 30, true), b = make_field(10, 30, false);
+  a.channels[0].flux = b.channels[0].flux = Image(10, 30, 0);
+  a.channels[0].standard_error = Image(10, 30, 0);
+  for (int row = 0; row < 10; ++row)
+    for (int column = 0; column < 10; ++column) {
+      a.channels[0].flux.at(column, row) = b.channels[0].flux.at(column, row) = row < 3 ? 1.F : 0.F;
+      a.channels[0].standard_error.at(column, row) = 0x1p-7F;
+    }
+  a.channels[0].flux.at(3, 7) = 6 * 0x1p-7F;
+  const Comparison c = compare(a, b);
+  EXPECT_EQ(c.chi_square_pixels, 100);
+  EXPECT_EQ(c.lit_pixels, 30);
+  EXPECT_EQ(c.largest_z_row, 7);
+  EXPECT_TRUE(relative(c.largest_z_probability, 1.9731750973510828e-7, 1e-6));
+}
+
 // The same with errors from few randomisations. mpmath: 1 - (1 - p)^100 with Student's
 // p = 1 - 2/pi atan(z) for 2 of them, I_{7/(7 + z^2)}(7/2, 1/2) for 8.
 TEST(Compare, LargestZKnowsHowFewRandomisationsMadeTheErrors) {

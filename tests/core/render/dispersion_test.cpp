@@ -1,4 +1,5 @@
 // Glasses whose index depends on wavelength: each wavelength has rays of its own.
+#include <algorithm>
 #include <cmath>
 
 #include "plenoflame/optics/glass.h"
@@ -58,6 +59,37 @@ TEST(Dispersion, EachWavelengthHasItsRays) {
     }
     EXPECT_GT(sum, 0);
     EXPECT_LT(difference, 1e-4 * sum) << c;
+  }
+}
+
+// Pupils are those of the indices that rays are traced with, whichever wavelength the camera was
+// solved at: that of the first channel that has one, not of the first part.
+TEST(Dispersion, EachWavelengthHasItsPupils) {
+  for (const bool wide : {false, true}) {
+    Scene scene = glass_scene();
+    if (wide) {
+      scene.channels = {{"wide", ChannelKind::band, 550e-9, 250e-9}};
+      scene.channels[0].wavelengths = 3;
+    } else {
+      scene.channels.push_back({"green", ChannelKind::band, 550e-9, 10e-9});
+    }
+    const CompiledScene compiled = compile(scene);
+    ASSERT_GE(compiled.parts.size(), 3u);
+    double smallest = 1e300, largest = 0;
+    for (const CompiledScene& part : compiled.parts) {
+      const PupilSampling own(part.camera);
+      const PupilTable& table = part.pupils.tables().front();
+      const PupilTable& expected = own.tables().front();
+      ASSERT_EQ(table.nodes.size(), expected.nodes.size());
+      for (std::size_t i = 0; i < table.nodes.size(); ++i) {
+        EXPECT_EQ(table.nodes[i].centre, expected.nodes[i].centre);
+        EXPECT_EQ(table.nodes[i].outer_radius, expected.nodes[i].outer_radius);
+        EXPECT_EQ(table.nodes[i].opened, expected.nodes[i].opened);
+      }
+      smallest = std::min(smallest, expected.nodes.front().outer_radius);
+      largest = std::max(largest, expected.nodes.front().outer_radius);
+    }
+    EXPECT_GT(largest, 1.002 * smallest) << "the pupils hardly differ";
   }
 }
 
