@@ -161,6 +161,60 @@ TEST(VoxelInput, SkippingChangesNothing) {
   }
 }
 
+// Light behind a transmittance of 1e-7 is cut, and none before: tau of 16.1.
+TEST(VoxelInput, OpaqueTailsBeginWhereTheySay) {
+  const auto tails = [](double tau, auto real) {
+    const auto kappa = static_cast<float>(tau / 80e-3);
+    const auto medium = make_voxel_medium(
+        make_field(
+            {0, 0, 0}, {81, 41, 41}, [](int i, int, int) { return 1500.0f + i; }, scaled(1e-3),
+            300),
+        make_field(
+            {0, 0, 0}, {81, 41, 41}, [&](int, int, int) { return kappa; }, scaled(1e-3)),
+        VoxelInterpolation::trilinear, {SourceFunction::total()});
+    std::vector<Ray> rays;
+    for (int r = 0; r < 64; ++r)
+      rays.push_back({{-0.05, 1e-3 * (5 + r % 8 * 3.1), 1e-3 * (5 + r / 8 * 3.3)}, {1, 0, 0}});
+    double all = 0;
+    for (const Isa isa : supported_isas())
+      all += see<decltype(real)>(*medium, rays, with(isa, true)).counters.opaque_tails;
+    return all / 64 / static_cast<double>(supported_isas().size());
+  };
+  // A ray of tau 15 ends by itself; one of 30 is cut in the brick where it passes 16.1.
+  EXPECT_EQ(tails(15, float()), 0);
+  EXPECT_EQ(tails(15, double()), 0);
+  EXPECT_EQ(tails(30, float()), 1);
+  EXPECT_EQ(tails(30, double()), 1);
+}
+
+// Planck's law from where nothing is stimulated to where most is: what the kernels leave out of it
+// must not show.
+TEST(VoxelInput, StimulatedEmissionIsExactWhereverItMatters) {
+  const auto field = [](float value, float background) {
+    return make_field(
+        {0, 0, 0}, {24, 16, 16}, [&](int i, int, int) { return i < 20 ? value : value + 1; },
+        scaled(1e-3), background);
+  };
+  std::vector<Ray> rays;
+  for (int r = 0; r < 16; ++r) rays.push_back({{-0.05, 1e-3 * (3 + 0.7 * r), 8e-3}, {1, 0, 0}});
+  const double temperature = 1500;
+  for (double power = 1; power < 24; power += 0.5) {
+    // e^(-c2 / (lambda T)) = 2^-power
+    const double wavelength = 0.01438776877 / (temperature * power * std::log(2.0));
+    const SourceFunction source = SourceFunction::band(wavelength, 1e-3 * wavelength);
+    const auto medium = make_voxel_medium(field(1500, 1500), field(5000, 0),
+                                          VoxelInterpolation::trilinear, {source});
+    for (const Isa isa : supported_isas()) {
+      const Seen single = see<float>(*medium, rays, with(isa, true));
+      const Seen twice = see<double>(*medium, rays, with(isa, true));
+      for (std::size_t r = 0; r < rays.size(); ++r) {
+        EXPECT_TRUE(relative(single.radiance[0][r], source(temperature), 3e-6)) << power;
+        EXPECT_TRUE(relative(twice.radiance[0][r], source(temperature), 3e-8)) << power;
+      }
+    }
+  }
+}
+
 TEST(VoxelInput, SkippingEmptyBricksIsBitIdentical) {
   // Two balls with empty bricks and blocks between them, no constant brick, nothing opaque.
   const auto ball = [](int i, int j, int k, int x) {
