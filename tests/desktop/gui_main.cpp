@@ -1,6 +1,7 @@
 // Tests of the window:  desktop_gui_test NAME [QtTest's options]
 //                       desktop_gui_test crash SCENE.toml FOLDER
 //                       desktop_gui_test measure SCENE.toml
+//                       desktop_gui_test survey SCENE.toml
 #include <QVTKOpenGLNativeWidget.h>
 #include <QApplication>
 #include <QStringList>
@@ -39,14 +40,15 @@ int main(int argc, char** argv) {
   QApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
 #endif
   QApplication::setAttribute(Qt::AA_DontUseNativeDialogs);
-  const bool measured = argc == 3 && std::string(argv[1]) == "measure";
+  const std::string mode = argc == 3 ? argv[1] : "";
+  const bool measured = mode == "measure" || mode == "survey";
   const std::unique_ptr<QApplication> application =
       measured ? std::make_unique<TimedApplication>(argc, argv)
                : std::make_unique<QApplication>(argc, argv);
   QStringList arguments = QApplication::arguments();
   const QString name = arguments.value(1);
   if (name == "crash" && argc == 4) return crash_with_changes(argv[2], argv[3]);
-  if (measured) return measure(argv[2]);
+  if (measured) return mode == "measure" ? measure(argv[2]) : survey(argv[2]);
   for (const Entry& entry : kTests) {
     if (name != entry.name) continue;
     arguments.removeAt(1);

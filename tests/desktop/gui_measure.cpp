@@ -11,14 +11,13 @@
 #include <QTabWidget>
 #include <QTemporaryDir>
 #include <QTest>
-#include <QTimer>
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <string>
 
 #include "gui_tests.h"
+#include "heartbeat.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/light_field_panel.h"
@@ -28,19 +27,6 @@
 namespace plenoflame::desktop::test {
 namespace {
 
-double milliseconds(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-double wall() {
-  return milliseconds(CLOCK_MONOTONIC);
-}
-/// Of the calling thread: what it worked, not what it waited for others.
-double worked() {
-  return milliseconds(CLOCK_THREAD_CPUTIME_ID);
-}
-
 /// What the calling thread waited for processors that others had, on Linux.
 double waited() {
   std::ifstream file("/proc/thread-self/schedstat");
@@ -48,38 +34,6 @@ double waited() {
   file >> ran >> waiting;
   return 1e-6 * waiting;
 }
-
-/// The longest time that the event loop did not turn, and what it worked meanwhile.
-class Heartbeat : public QObject {
- public:
-  Heartbeat() {
-    connect(&timer_, &QTimer::timeout, this, &Heartbeat::beat);
-    timer_.setTimerType(Qt::PreciseTimer);
-    timer_.start(1);
-    beat();
-    longest_ = most_ = 0;
-  }
-  /// Since the last call.
-  std::string take() {
-    beat();
-    char text[80];
-    std::snprintf(text, sizeof text, "longest pause %.0f ms (work in one pause: at most %.0f ms)",
-                  longest_, most_);
-    longest_ = most_ = 0;
-    return text;
-  }
-
- private:
-  void beat() {
-    const double wall_now = wall(), worked_now = worked();
-    longest_ = std::max(longest_, wall_now - wall_);
-    most_ = std::max(most_, worked_now - worked_);
-    wall_ = wall_now;
-    worked_ = worked_now;
-  }
-  QTimer timer_;
-  double wall_ = 0, worked_ = 0, longest_ = 0, most_ = 0;
-};
 
 struct Memory {
   double resident = 0, heap = 0;  ///< [MB] in memory, and allocated and not freed

@@ -28,5 +28,7 @@ class TimedApplication : public QApplication {
 };
 /// Prints how long things take that somebody waits for. @return exit status
 int measure(const char* scene);
+/// Prints for whatever can be done how long the window does not answer. @return exit status
+int survey(const char* scene);
 
 }  // namespace plenoflame::desktop::test
