@@ -1,7 +1,9 @@
 #include "answers.h"
 
 #include <QAction>
+#include <QFileInfo>
 #include <QLabel>
+#include <QLineEdit>
 #include <QMessageBox>
 
 namespace plenoflame::desktop::test {
@@ -63,6 +65,35 @@ bool click_through(QMenu& first, const QStringList& texts) {
   }
   close_popups();
   return true;
+}
+
+bool type_file_name(QFileDialog& dialog, const QString& path) {
+  const QPointer<QFileDialog> open = &dialog;
+  const QPointer<QLineEdit> edit = dialog.findChild<QLineEdit*>("fileNameEdit");
+  // Without the focus the dialog would keep what it had found for the first letters. Nobody else
+  // gives it where there is no window manager.
+  const auto ready = [&] {
+    QApplication::setActiveWindow(open);
+    edit->setFocus();
+    return edit->hasFocus();
+  };
+  const auto chosen = [&] {
+    return QFileInfo(open->selectedFiles().value(0)) == QFileInfo(path) && edit->text() == path;
+  };
+  for (int i = 0; i < kTries && open && open->isVisible(); ++i) {
+    if (!until(ready, kWait)) continue;
+    QTest::keyClick(edit, Qt::Key_A, Qt::ControlModifier);
+    QTest::keyClicks(edit, path);
+    // Names that begin alike are offered below; what was typed is what is meant.
+    close_popups();
+    if (!until(chosen, kWait)) continue;
+    QTest::keyClick(edit, Qt::Key_Return);
+    until([&] { return !open || !open->isVisible(); }, kWait);
+  }
+  if (!open || !open->isVisible()) return true;
+  const QString last = edit->text() + ", " + open->selectedFiles().join(' ');
+  open->reject();
+  return complain("did not take " + path + ": " + last);
 }
 
 }  // namespace plenoflame::desktop::test

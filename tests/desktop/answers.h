@@ -3,6 +3,7 @@
 #include <QApplication>
 #include <QDialog>
 #include <QElapsedTimer>
+#include <QFileDialog>
 #include <QMenu>
 #include <QPointer>
 #include <QStringList>
@@ -121,5 +122,9 @@ class Answers : public QObject {
 bool click_through(QMenu& first, const QStringList& texts);
 /// The entry of a menu or menu bar with this text; null: there is none.
 QAction* entry_of(const QWidget& menu, const QString& text);
+
+/// Types a name into a file dialog, key by key instead of what it suggests, and Return. False, with
+/// a message: it stayed open.
+bool type_file_name(QFileDialog& dialog, const QString& path);
 
 }  // namespace plenoflame::desktop::test

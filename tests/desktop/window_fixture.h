@@ -137,17 +137,9 @@ class WindowFixture : public QObject {
     }
     return click_through(*menu, path.mid(1));
   }
-  /// Types a name into the next file dialog.
+  /// Types a name into the next file dialog, key by key, and Return.
   void answer_file_dialog(const QString& path) {
-    when_shown<QFileDialog>([path](QFileDialog& dialog) {
-      auto* edit = dialog.findChild<QLineEdit*>("fileNameEdit");
-      edit->setText(path);
-      QTest::qWait(30);
-      for (int tries = 0; tries < 5 && dialog.isVisible(); ++tries) {
-        QTest::keyClick(edit, Qt::Key_Return);
-        until([&] { return !dialog.isVisible(); }, 1000);
-      }
-    });
+    when_shown<QFileDialog>([path](QFileDialog& dialog) { test::type_file_name(dialog, path); });
   }
 };
 
