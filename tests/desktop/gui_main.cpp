@@ -22,14 +22,16 @@ struct Entry {
   const char* name;
   std::unique_ptr<QObject> (*make)();
 };
-constexpr std::array<Entry, 8> kTests{{{"window", make_window_test},
-                                       {"panels", make_panels_test},
-                                       {"selection", make_selection_test},
-                                       {"picture", make_picture_test},
-                                       {"files", make_files_test},
-                                       {"exports", make_exports_test},
-                                       {"manners", make_manners_test},
-                                       {"tour", make_tour_test}}};
+constexpr std::array<Entry, 10> kTests{{{"window", make_window_test},
+                                        {"panels", make_panels_test},
+                                        {"selection", make_selection_test},
+                                        {"picture", make_picture_test},
+                                        {"files", make_files_test},
+                                        {"exports", make_exports_test},
+                                        {"manners", make_manners_test},
+                                        {"tour", make_tour_test},
+                                        {"views", make_views_test},
+                                        {"work", make_work_test}}};
 
 }  // namespace
 

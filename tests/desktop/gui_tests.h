@@ -13,6 +13,8 @@ std::unique_ptr<QObject> make_files_test();
 std::unique_ptr<QObject> make_exports_test();
 std::unique_ptr<QObject> make_manners_test();
 std::unique_ptr<QObject> make_tour_test();
+std::unique_ptr<QObject> make_views_test();
+std::unique_ptr<QObject> make_work_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0

@@ -23,24 +23,17 @@
 
 #include "gui_tests.h"
 #include "plenoflame/lightfield/micro_images.h"
+#include "scene_fixture.h"
 #include "widgets/rays_panel.h"
-#include "widgets/scene_view.h"
-#include "widgets/section_view.h"
-#include "window_fixture.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;
 using plenoflame::desktop::test::difference;
 
-class SelectionTest : public test::WindowFixture {
+class SelectionTest : public test::SceneFixture {
   Q_OBJECT
 
-  SceneView& view() { return window_->scene_view(); }
-  SectionView& section() { return window_->section_view(); }
-  QWidget* scene3d() { return child<QWidget>("scene3d"); }
   QTableWidget* table() { return child<QTableWidget>("raysTable"); }
-  const Selection& selection() { return session().document().selection(); }
-  const CompiledScene& scene() { return *session().compiler().compiled(); }
   bool rays_are_there() {
     const bool there = until([this] {
       return session().rays().rays() && session().rays().rays()->selection == selection();
@@ -48,30 +41,7 @@ class SelectionTest : public test::WindowFixture {
     QTest::qWait(80);  // drawn
     return there;
   }
-  void open_small() {
-    QVERIFY(window_->open_example("lenslets-30"));
-    QVERIFY(settled());
-    QVERIFY(until([&] { return view().flame_temperatures()[1] > 0; }));
-    QTest::qWait(100);
-  }
-  void part(Qt::Key key) {
-    press(key, Qt::ControlModifier);
-    QTest::qWait(150);
-  }
-  /// A point of the camera's frame in the world: z towards the scene, x right, y down.
-  Vec3 world(Vec3 camera) {
-    const CameraSpec& spec = session().document().scene().camera;
-    const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
-               up = cross(right, axis);
-    return spec.position + camera.z * axis + camera.x * right - camera.y * up;
-  }
-  /// Middle of a pixel: x = (W/2 - column) pitch, y = (H/2 - row) pitch.
-  Vec3 pixel_in_world(int column, int row) {
-    const SensorSpec& sensor = session().document().scene().camera.sensor;
-    return world({(0.5 * sensor.columns - column - 0.5) * sensor.pixel_pitch,
-                  (0.5 * sensor.rows - row - 0.5) * sensor.pixel_pitch, scene().camera.sensor()});
-  }
-  QPoint seen_at(Vec3 point) { return view().to_widget(point).toPoint(); }
+  void open_small() { QVERIFY(open_example("lenslets-30")); }
 
  private slots:
   void init() { begin(); }
@@ -108,7 +78,7 @@ class SelectionTest : public test::WindowFixture {
 
   void pixelOfTheSensorIsPickedIn3d() {
     open_small();
-    part(Qt::Key_3);
+    QVERIFY(part(Qt::Key_3));
     const QPoint at = seen_at(pixel_in_world(210, 90));
     QVERIFY(scene3d()->rect().contains(at));
     QTest::mouseClick(scene3d(), Qt::LeftButton, {}, at);
@@ -124,7 +94,7 @@ class SelectionTest : public test::WindowFixture {
 
   void microlensIsPickedIn3dWithItsImageAndCone() {
     open_small();
-    part(Qt::Key_4);
+    QVERIFY(part(Qt::Key_4));
     const auto& lattice = scene().camera.lattice();
     for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{-1, 0}}) {
       const Vec2 centre = lattice.centre(lens);
@@ -202,7 +172,7 @@ class SelectionTest : public test::WindowFixture {
 
   void microlensIsPickedInTheSection() {
     open_small();
-    part(Qt::Key_4);
+    QVERIFY(part(Qt::Key_4));
     const double front = scene().camera.array_front();
     QTest::mouseClick(&section(), Qt::LeftButton, {}, section().to_widget(front, 0).toPoint());
     QVERIFY(selection().kind == Selection::Kind::microlens);
@@ -250,7 +220,7 @@ class SelectionTest : public test::WindowFixture {
 
   void pointOfTheFlameIsPickedIn3d() {
     open_small();
-    part(Qt::Key_2);
+    QVERIFY(part(Qt::Key_2));
     const Vec3 middle = world({0, 0, 1.0});
     QTest::mouseClick(scene3d(), Qt::LeftButton, {}, seen_at(middle));
     QVERIFY(selection().kind == Selection::Kind::point);
@@ -263,7 +233,7 @@ class SelectionTest : public test::WindowFixture {
 
   void chosenRayStandsOut() {
     open_small();
-    part(Qt::Key_3);
+    QVERIFY(part(Qt::Key_3));
     QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(145, 150));
     QVERIFY(rays_are_there());
     QVERIFY(table()->rowCount() > 6);
@@ -354,7 +324,7 @@ class SelectionTest : public test::WindowFixture {
   void distanceIsMeasuredBetweenTwoClicks() {
     open_small();
     for (const Qt::Key key : {Qt::Key_1, Qt::Key_4}) {  // a metre, and a millimetre
-      part(key);
+      QVERIFY(part(key));
       QAction* const measure = child<QAction>("measure");
       measure->trigger();
       QTest::qWait(80);

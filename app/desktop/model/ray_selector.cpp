@@ -6,6 +6,7 @@
 #include <set>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/math/ray_span.h"
 
 namespace plenoflame::desktop {
@@ -170,6 +171,39 @@ LensIndex microlens_of_pixel(const Camera& camera, int column, int row) {
     best = lens;
   }
   return best;
+}
+
+QString place_text(const CompiledScene& scene, const Vec3& world) {
+  const auto text = [](double value, Dimension dimension) {
+    return QString::fromStdString(readable_quantity(value, dimension, 3));
+  };
+  const Vec3 p = scene.camera.to_world().inverse().point(world);
+  QString out =
+      QObject::tr("%1 %2, %3 beside, %4 %5")
+          .arg(text(std::fabs(p.z), Dimension::length),
+               p.z < 0 ? QObject::tr("behind") : QObject::tr("in front"),
+               text(std::fabs(p.x), Dimension::length), text(std::fabs(p.y), Dimension::length),
+               p.y > 0 ? QObject::tr("below") : QObject::tr("above"));
+  if (!scene.medium) return out;
+  const Box box = scene.medium->bounds();
+  if (world.x < box.lower.x || world.y < box.lower.y || world.z < box.lower.z ||
+      world.x > box.upper.x || world.y > box.upper.y || world.z > box.upper.z)
+    return out;
+  const MediumSample here = scene.medium->sample(world);
+  if (here.temperature > 0)
+    out += QObject::tr("; %1, %2")
+               .arg(text(here.temperature, Dimension::temperature),
+                    text(here.absorption, Dimension::absorption));
+  return out;
+}
+
+QString microlens_text(const CompiledScene& scene, LensIndex lens) {
+  const auto type = static_cast<std::size_t>(scene.camera.lattice().type(lens));
+  const auto& types = scene.scene.camera.array.types;
+  return QObject::tr("microlens (%1, %2), %3")
+      .arg(lens.q)
+      .arg(lens.r)
+      .arg(type < types.size() ? QString::fromStdString(types[type].name) : QString());
 }
 
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {

@@ -51,6 +51,11 @@ QString status_text(const RayPaths& paths, const TraceStatus& status);
 /// ray from the middle of the pixel comes nearest to the middle of the stop.
 LensIndex microlens_of_pixel(const Camera& camera, int column, int row);
 
+/// What is at a place of the world: "1.01 m in front, 3 mm beside, 2 mm above; 1650 K, 8.1 1/m".
+QString place_text(const CompiledScene& scene, const Vec3& world);
+/// "microlens (3, -2), type1".
+QString microlens_text(const CompiledScene& scene, LensIndex lens);
+
 /// Where along a ray of the world a viewer sees the flame: the place that sends him most light per
 /// length, absorption on the way included. False: the ray meets none.
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);

@@ -48,14 +48,15 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
   setAcceptDrops(true);
   setDockNestingEnabled(true);
   if (!recovery_folder.empty()) recovery_ = std::make_unique<Recovery>(recovery_folder);
+  pointer_label_ = new QLabel(this);
+  pointer_label_->setObjectName("pointerLabel");
   make_views();
   make_docks();
   make_menus();
   connect_session();
   connect_selection();
-  pointer_label_ = new QLabel(this);
-  pointer_label_->setObjectName("pointerLabel");
   busy_label_ = new QLabel(this);
+  busy_label_->setObjectName("busyLabel");
   files_ = new FileTasks(this);
   connect(files_, &FileTasks::failed, this, &MainWindow::fail);
   connect(files_, &FileTasks::done, this, [this](const QString& what) {
@@ -219,15 +220,19 @@ void MainWindow::connect_session() {
   const auto show_busy = [this] {
     const RenderJob& job = session_.render();
     const bool running = job.state() == RenderJob::State::running;
-    const bool compiling = !session_.document().is_empty() && session_.document().is_valid() &&
-                           !session_.compiler().is_current();
+    const Document& shown = session_.document();
+    const bool compiling =
+        !shown.is_empty() && shown.is_valid() && !session_.compiler().is_current();
+    const bool old = shown.image() && !shown.image_is_current();
     busy_label_->setText(running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
                          : compiling ? tr("preparing the scene")
+                         : old       ? tr("the picture is older than the last change; F5 renders")
                                      : QString());
   };
   connect(&session_.render(), &RenderJob::progressed, this, show_busy);
   connect(&session_.render(), &RenderJob::state_changed, this, show_busy);
   connect(&document, &Document::scene_changed, this, show_busy);
+  connect(&document, &Document::image_changed, this, show_busy);
   connect(&session_.compiler(), &SceneCompiler::compiled_changed, this, show_busy);
 }
 
@@ -248,6 +253,8 @@ void MainWindow::connect_selection() {
   connect(&view, &ImageView::hovered, this, [this](int column, int row, double) {
     pointer_label_->setText(column < 0 ? QString() : image_->describe(column, row));
   });
+  connect(section_, &SectionView::pointed, pointer_label_, &QLabel::setText);
+  connect(scene_view_, &SceneView::pointed, this, &MainWindow::show_pointed);
   connect(scene_view_, &SceneView::pixel_picked, this, select_pixel);
   connect(scene_view_, &SceneView::lens_picked, this, select_lens);
   connect(scene_view_, &SceneView::point_picked, this, select_point);
@@ -268,6 +275,17 @@ void MainWindow::select_lens_at(int column, int row) {
   if (!scene || !scene->camera.has_array()) return;
   const LensIndex lens = microlens_of_pixel(scene->camera, column, row);
   session_.document().select(Selection::of_microlens(lens));
+}
+
+void MainWindow::show_pointed(const Selection& target) {
+  const auto& scene = session_.compiler().compiled();
+  QString text;
+  if (scene && target.kind == Selection::Kind::pixel)
+    text = image_->describe(target.column, target.row);
+  if (scene && target.kind == Selection::Kind::microlens)
+    text = microlens_text(*scene, target.lens);
+  if (scene && target.kind == Selection::Kind::point) text = place_text(*scene, target.point);
+  pointer_label_->setText(text);
 }
 
 void MainWindow::show_selection() {

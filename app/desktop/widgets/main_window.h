@@ -107,6 +107,8 @@ class MainWindow : public QMainWindow {
   QString ask_folder(const QString& title);
   void say_written(const QString& name);
   void select_lens_at(int column, int row);
+  /// Says in the status bar what the pointer is over in 3-D.
+  void show_pointed(const Selection& target);
   /// Calls it; what it throws is said, and the result false.
   bool guarded(const std::function<void()>& function);
 

@@ -48,7 +48,7 @@ void MainWindow::make_menus() {
   connect(welcome_, &WelcomePage::open_requested, this, ask_open);
   recent_menu_ = file->addMenu(tr("Open &recent"));
   add(file, tr("&Save"), QKeySequence::Save, "actionSave", [this] { save(); });
-  add(file, tr("Save &as..."), QKeySequence::SaveAs, "actionSaveAs", [this] { save_as(); });
+  add(file, tr("Save &as..."), QKeySequence("Ctrl+Shift+S"), "actionSaveAs", [this] { save_as(); });
   file->addSeparator();
   QMenu* const exports = file->addMenu(tr("&Export"));
   exports->setObjectName("exportMenu");

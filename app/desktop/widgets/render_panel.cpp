@@ -59,6 +59,8 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   skipped_ = value(tr("What did not need to be computed in the last pass"));
   error_->setObjectName("renderError");
   state_->setObjectName("renderState");
+  rays_->setObjectName("renderRays");
+  time_->setObjectName("renderTime");
   curve_ = new PlotWidget(this);
   curve_->setObjectName("renderCurve");
   curve_->set_axes(tr("time [s]"), tr("relative RMSE"), true, true);

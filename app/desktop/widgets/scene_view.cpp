@@ -13,6 +13,7 @@
 #include <vtkHandleRepresentation.h>
 #include <vtkImageData.h>
 #include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkMath.h>
 #include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPiecewiseFunction.h>
@@ -148,14 +149,26 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   interactor->SetInteractorStyle(v.style);
   interactor->SetDesiredUpdateRate(15);
   interactor->SetStillUpdateRate(15);
-  // Near and far follow the distance to what is looked at: from the whole scene down to a microlens
-  // nothing is cut off, and the depth buffer's 24 bits tell surfaces apart.
+  // Near follows the distance to what is looked at, so that the depth buffer's 24 bits tell
+  // surfaces apart from the whole scene down to a microlens; far costs them nothing, and takes in
+  // all there is.
   v.style->AutoAdjustCameraClippingRangeOff();
   v.before_drawing->SetClientData(v.renderer.Get());
-  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* renderer, void*) {
-    vtkCamera* const camera = static_cast<vtkRenderer*>(renderer)->GetActiveCamera();
+  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
+    auto* const renderer = static_cast<vtkRenderer*>(drawn_by);
+    vtkCamera* const camera = renderer->GetActiveCamera();
     const double near = 0.02 * camera->GetDistance();
-    camera->SetClippingRange(near, 2e4 * near);
+    double far = 2e4 * near;
+    std::array<double, 6> bounds{};
+    renderer->ComputeVisiblePropBounds(bounds.data());
+    if (vtkMath::AreBoundsInitialized(bounds.data())) {
+      const double* const from = camera->GetPosition();
+      const double* const way = camera->GetDirectionOfProjection();
+      for (const Vec3 p : views::corners(bounds))
+        far = std::max(far, 1.01 * ((p.x - from[0]) * way[0] + (p.y - from[1]) * way[1] +
+                                    (p.z - from[2]) * way[2]));
+    }
+    camera->SetClippingRange(near, far);
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);
@@ -597,11 +610,18 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
       if (mouse->button() == Qt::LeftButton && (at - pressed_).manhattanLength() < 4) pick(at);
     }
   }
+  if (object == view_->widget) {
+    if (event->type() == QEvent::MouseMove) {
+      const auto* const mouse = static_cast<QMouseEvent*>(event);
+      if (mouse->buttons() == Qt::NoButton) emit pointed(target_at(pointer_place(mouse)));
+    }
+    if (event->type() == QEvent::Leave) emit pointed({});
+  }
   return QWidget::eventFilter(object, event);
 }
 
-void SceneView::pick(const QPointF& place) {
-  if (!scene_) return;
+Selection SceneView::target_at(const QPointF& place) const {
+  if (!scene_) return {};
   const double ratio = view_->widget->devicePixelRatioF();
   const int* const size = view_->renderer->GetSize();
   const auto world_at = [&](double depth) {
@@ -615,28 +635,42 @@ void SceneView::pick(const QPointF& place) {
   const bool close = part_ == Part::array || part_ == Part::pixel;
   Vec3 point;
   const bool flame_is_shown = part_ == Part::scene || part_ == Part::flame;
-  if (flame_is_shown && scene_->medium && flame_point(*scene_->medium, ray, point)) {
-    emit point_picked(point);
-    return;
-  }
+  if (flame_is_shown && scene_->medium && flame_point(*scene_->medium, ray, point))
+    return Selection::of_point(point);
   const RigidTransform inverse = scene_->camera.to_world().inverse();
   const Ray local{inverse.point(ray.origin), inverse.direction(ray.direction)};
-  if (local.direction.z == 0) return;
+  if (local.direction.z == 0) return {};
   const CameraSpec& spec = scene_->scene.camera;
   if (close && spec.array.present) {
     const double t = (scene_->camera.array_front() - local.origin.z) / local.direction.z;
-    if (t <= 0) return;
+    if (t <= 0) return {};
     const Vec3 p = local.at(t);
-    emit lens_picked(scene_->camera.lattice().nearest({p.x, p.y}));
-    return;
+    return Selection::of_microlens(scene_->camera.lattice().nearest({p.x, p.y}));
   }
   const double t = (scene_->camera.sensor() - local.origin.z) / local.direction.z;
-  if (t <= 0) return;
+  if (t <= 0) return {};
   const Vec3 p = local.at(t);
   const double column = 0.5 * spec.sensor.columns - p.x / spec.sensor.pixel_pitch,
                row = 0.5 * spec.sensor.rows - p.y / spec.sensor.pixel_pitch;
-  if (column < 0 || row < 0 || column >= spec.sensor.columns || row >= spec.sensor.rows) return;
-  emit pixel_picked(static_cast<int>(column), static_cast<int>(row));
+  if (column < 0 || row < 0 || column >= spec.sensor.columns || row >= spec.sensor.rows) return {};
+  return Selection::of_pixel(static_cast<int>(column), static_cast<int>(row));
+}
+
+void SceneView::pick(const QPointF& place) {
+  const Selection target = target_at(place);
+  switch (target.kind) {
+    case Selection::Kind::none:
+      break;
+    case Selection::Kind::point:
+      emit point_picked(target.point);
+      break;
+    case Selection::Kind::microlens:
+      emit lens_picked(target.lens);
+      break;
+    case Selection::Kind::pixel:
+      emit pixel_picked(target.column, target.row);
+      break;
+  }
 }
 
 }  // namespace plenoflame::desktop

@@ -66,6 +66,8 @@ class SceneView : public QWidget {
   void point_picked(const plenoflame::Vec3& point);
   void measured_changed(double distance);
   void picture_requested();
+  /// What the pointer is over; of kind none: nothing.
+  void pointed(const plenoflame::desktop::Selection& target);
 
  protected:
   bool eventFilter(QObject* object, QEvent* event) override;
@@ -82,6 +84,8 @@ class SceneView : public QWidget {
   void add_rays();
   void add_camera();
   void aim();
+  /// What a click there would select.
+  Selection target_at(const QPointF& place) const;
   void pick(const QPointF& place);
   void show_measured();
   void render();

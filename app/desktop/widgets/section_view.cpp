@@ -52,6 +52,7 @@ QColor status_colour(RayStatus status, bool dark_background) {
 SectionView::SectionView(QWidget* parent) : QWidget(parent) {
   setMinimumSize(160, 100);
   setFocusPolicy(Qt::ClickFocus);
+  setMouseTracking(true);
 }
 
 void SectionView::set_scene(std::shared_ptr<const CompiledScene> scene) {
@@ -399,7 +400,13 @@ void SectionView::mousePressEvent(QMouseEvent* event) {
 
 void SectionView::mouseMoveEvent(QMouseEvent* event) {
   const QPointF at = pointer_place(event);
-  if ((event->buttons() & Qt::LeftButton) == 0) return;
+  if ((event->buttons() & Qt::LeftButton) == 0) {
+    if (!scene_) return;
+    LensIndex lens;
+    emit pointed(lens_at(from_widget(at), lens) ? microlens_text(*scene_, lens)
+                                                : place_text(*scene_, world_at(from_widget(at))));
+    return;
+  }
   if ((at - pressed_).manhattanLength() > 4) dragging_ = true;
   if (!dragging_) return;
   centre_ += from_widget(last_) - from_widget(at);
@@ -410,17 +417,32 @@ void SectionView::mouseMoveEvent(QMouseEvent* event) {
 void SectionView::mouseReleaseEvent(QMouseEvent* event) {
   if (dragging_ || !scene_ || event->button() != Qt::LeftButton) return;
   const QPointF p = from_widget(pointer_place(event));
-  const double reach = 8 / scale_;
-  const Camera& camera = scene_->camera;
-  if (camera.has_array() && p.x() < camera.array_front() + reach &&
-      p.x() > camera.sensor() - reach) {
-    emit lens_clicked(camera.lattice().nearest(horizontal_ ? Vec2{p.y(), 0} : Vec2{0, -p.y()}));
+  LensIndex lens;
+  if (lens_at(p, lens)) {
+    emit lens_clicked(lens);
     return;
   }
   if (flame_.isNull()) return;
-  if (flame_place_.normalized().contains(p))
-    emit point_clicked(
-        camera.to_world().point(horizontal_ ? Vec3{p.y(), 0, p.x()} : Vec3{0, -p.y(), p.x()}));
+  if (flame_place_.normalized().contains(p)) emit point_clicked(world_at(p));
+}
+
+void SectionView::leaveEvent(QEvent*) {
+  emit pointed({});
+}
+
+bool SectionView::lens_at(QPointF place, LensIndex& lens) const {
+  const double reach = 8 / scale_;
+  const Camera& camera = scene_->camera;
+  if (!camera.has_array() || place.x() >= camera.array_front() + reach ||
+      place.x() <= camera.sensor() - reach)
+    return false;
+  lens = camera.lattice().nearest(horizontal_ ? Vec2{place.y(), 0} : Vec2{0, -place.y()});
+  return true;
+}
+
+Vec3 SectionView::world_at(QPointF place) const {
+  return scene_->camera.to_world().point(horizontal_ ? Vec3{place.y(), 0, place.x()}
+                                                     : Vec3{0, -place.y(), place.x()});
 }
 
 }  // namespace plenoflame::desktop

@@ -37,6 +37,8 @@ class SectionView : public QWidget {
  signals:
   void lens_clicked(const plenoflame::LensIndex& lens);
   void point_clicked(const plenoflame::Vec3& point);
+  /// What the pointer is over, for the status bar; empty: nothing.
+  void pointed(const QString& text);
 
  protected:
   void paintEvent(QPaintEvent* event) override;
@@ -44,9 +46,13 @@ class SectionView : public QWidget {
   void mousePressEvent(QMouseEvent* event) override;
   void mouseMoveEvent(QMouseEvent* event) override;
   void mouseReleaseEvent(QMouseEvent* event) override;
+  void leaveEvent(QEvent* event) override;
   void resizeEvent(QResizeEvent* event) override;
 
  private:
+  /// The microlens at a place of the plane; false: there is none.
+  bool lens_at(QPointF place, LensIndex& lens) const;
+  Vec3 world_at(QPointF place) const;
   QPointF from_widget(QPointF place) const;  ///< x: camera z, y: height
   QPointF project(Vec3 world) const;         ///< the same of a point
   void draw_flame(QPainter& painter);
