@@ -38,6 +38,7 @@ set(desktop_widget_sources
   widgets/ray_lines.cpp
   widgets/rays_panel.cpp
   widgets/render_panel.cpp
+  widgets/scene_geometry.cpp
   widgets/scene_panel.cpp
   widgets/scene_view.cpp
   widgets/section_view.cpp
@@ -45,7 +46,7 @@ set(desktop_widget_sources
   widgets/welcome_page.cpp)
 # With macros of VTK in them.
 set(desktop_vtk_sources widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
-  widgets/scene_view.cpp)
+  widgets/scene_geometry.cpp widgets/scene_view.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::InteractionStyle VTK::InteractionWidgets VTK::RenderingCore)
 set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame"

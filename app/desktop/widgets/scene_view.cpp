@@ -7,14 +7,10 @@
 #include <vtkDistanceRepresentation2D.h>
 #include <vtkDistanceWidget.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
-#include <vtkFloatArray.h>
 #include <vtkFocalPlanePointPlacer.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkHandleRepresentation.h>
-#include <vtkImageData.h>
 #include <vtkInteractorStyleTrackballCamera.h>
-#include <vtkMath.h>
-#include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkPiecewiseFunction.h>
 #include <vtkPointData.h>
@@ -45,11 +41,10 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/scene/scene_file.h"
 #include "scene_props.h"
-#include "vtkPlenoflameCameraSource.h"
-#include "vtkPlenoflameScene.h"
 #include "widgets/flame_opacity.h"
 #include "widgets/pointer.h"
 #include "widgets/ray_lines.h"
+#include "widgets/scene_geometry.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -57,55 +52,7 @@ namespace {
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
 
-/// Hot and dense everywhere, in some points.
-vtkSmartPointer<vtkImageData> small_flame() {
-  constexpr int kPoints = 4;
-  auto image = vtkSmartPointer<vtkImageData>::New();
-  image->SetDimensions(kPoints, kPoints, kPoints);
-  image->SetSpacing(0.03, 0.03, 0.03);
-  for (const auto& [name, value] : {std::pair("temperature", 1500.0F), {"absorption", 10.0F}}) {
-    vtkNew<vtkFloatArray> values;
-    values->SetName(name);
-    values->SetNumberOfValues(image->GetNumberOfPoints());
-    values->FillValue(value);
-    image->GetPointData()->AddArray(values);
-  }
-  return image;
-}
-
 }  // namespace
-
-/// What is built in the background.
-struct SceneView::Geometry {
-  vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
-  vtkSmartPointer<vtkImageData> plate_texture, flame;
-
-  /// The camera, and the microlenses near a pixel; no flame yet.
-  Geometry(const Scene& scene, const std::array<int, 2>& pixel);
-};
-
-SceneView::Geometry::Geometry(const Scene& scene, const std::array<int, 2>& pixel) {
-  vtkNew<vtkPlenoflameScene> holder;
-  holder->SetScene(scene);
-  vtkNew<vtkPlenoflameCameraSource> source;
-  source->SetInputDataObject(holder);
-  source->Update();
-  camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-  camera->ShallowCopy(source->GetOutput());
-  plate_texture = vtkSmartPointer<vtkImageData>::New();
-  plate_texture->DeepCopy(source->GetPlateTexture());
-  const CameraSpec& spec = scene.camera;
-  if (!spec.array.present) return;
-  vtkNew<vtkPlenoflameCameraSource> close;
-  close->SetInputDataObject(holder);
-  close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
-  const int span = std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
-  close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
-  close->SetMicrolensResolution(28);
-  close->Update();
-  detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-  detail->ShallowCopy(close->GetOutput());
-}
 
 struct SceneView::View {
   QVTKOpenGLNativeWidget* widget = nullptr;
@@ -149,26 +96,10 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   interactor->SetInteractorStyle(v.style);
   interactor->SetDesiredUpdateRate(15);
   interactor->SetStillUpdateRate(15);
-  // Near follows the distance to what is looked at, so that the depth buffer's 24 bits tell
-  // surfaces apart from the whole scene down to a microlens; far costs them nothing, and takes in
-  // all there is.
   v.style->AutoAdjustCameraClippingRangeOff();
   v.before_drawing->SetClientData(v.renderer.Get());
   v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
-    auto* const renderer = static_cast<vtkRenderer*>(drawn_by);
-    vtkCamera* const camera = renderer->GetActiveCamera();
-    const double near = 0.02 * camera->GetDistance();
-    double far = 2e4 * near;
-    std::array<double, 6> bounds{};
-    renderer->ComputeVisiblePropBounds(bounds.data());
-    if (vtkMath::AreBoundsInitialized(bounds.data())) {
-      const double* const from = camera->GetPosition();
-      const double* const way = camera->GetDirectionOfProjection();
-      for (const Vec3 p : views::corners(bounds))
-        far = std::max(far, 1.01 * ((p.x - from[0]) * way[0] + (p.y - from[1]) * way[1] +
-                                    (p.z - from[2]) * way[2]));
-    }
-    camera->SetClippingRange(near, far);
+    fit_clipping(*static_cast<vtkRenderer*>(drawn_by));
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);
@@ -288,7 +219,7 @@ void SceneView::warm_up() {
   if (geometry_) return;
   view_->widget->grabFramebuffer();  // from here on there is something to draw with
   const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
-  geometry_ = std::make_shared<Geometry>(
+  geometry_ = std::make_shared<SceneGeometry>(
       scene, std::array<int, 2>{scene.camera.sensor.columns / 2, scene.camera.sensor.rows / 2});
   geometry_->flame = small_flame();
   temperatures_ = {1000, 2000};
@@ -334,7 +265,7 @@ void SceneView::build_geometry() {
     Execution execution;
     execution.stop = std::move(stop);
     try {
-      auto built = std::make_shared<Geometry>(scene->scene, pixel);
+      const auto built = std::make_shared<SceneGeometry>(scene->scene, pixel);
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       if (built->flame) show_glow(*scene->medium, *built->flame, execution);
@@ -399,16 +330,7 @@ void SceneView::add_camera() {
   const bool close = (part_ == Part::array || part_ == Part::pixel) && geometry_->detail;
   vtkSmartPointer<vtkImageData> texture;
   if (image_ && !image_->empty()) {
-    const Image& level = image_->level(image_->level_within(kSensorTexture));
-    texture = vtkSmartPointer<vtkImageData>::New();
-    texture->SetDimensions(level.width, level.height, 1);
-    vtkNew<vtkFloatArray> flux;
-    flux->SetNumberOfValues(static_cast<vtkIdType>(level.pixels.size()));
-    for (int row = 0; row < level.height; ++row)  // rows run upwards in VTK
-      for (int column = 0; column < level.width; ++column)
-        flux->SetValue(static_cast<vtkIdType>(level.height - 1 - row) * level.width + column,
-                       level.at(column, row));
-    texture->GetPointData()->SetScalars(flux);
+    texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
   }
   view_->replace("camera", [&](vtkRenderer& renderer) {
     views::add_camera(close ? *geometry_->detail : *geometry_->camera, geometry_->plate_texture,

@@ -18,6 +18,8 @@ class QToolBar;
 
 namespace plenoflame::desktop {
 
+struct SceneGeometry;
+
 /// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
 ///
 /// Drag turns, wheel zooms, middle drag moves. A click on the flame, the sensor or the array
@@ -73,7 +75,6 @@ class SceneView : public QWidget {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
-  struct Geometry;
   struct View;
   void build_geometry();
   void add_geometry();
@@ -94,7 +95,7 @@ class SceneView : public QWidget {
   std::shared_ptr<const CompiledScene> scene_;
   std::shared_ptr<const SelectedRays> rays_;
   std::shared_ptr<const ImagePyramid> image_;
-  std::shared_ptr<Geometry> geometry_;
+  std::shared_ptr<SceneGeometry> geometry_;
   FlameLook look_;
   Part part_ = Part::scene;
   std::array<double, 2> temperatures_{0, 0};

@@ -1,0 +1,86 @@
+#include "widgets/scene_geometry.h"
+
+#include <vtkCamera.h>
+#include <vtkFloatArray.h>
+#include <vtkMath.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "picture_camera.h"
+#include "vtkPlenoflameCameraSource.h"
+#include "vtkPlenoflameScene.h"
+
+namespace plenoflame::desktop {
+
+SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel) {
+  vtkNew<vtkPlenoflameScene> holder;
+  holder->SetScene(scene);
+  vtkNew<vtkPlenoflameCameraSource> source;
+  source->SetInputDataObject(holder);
+  source->Update();
+  camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  camera->ShallowCopy(source->GetOutput());
+  plate_texture = vtkSmartPointer<vtkImageData>::New();
+  plate_texture->DeepCopy(source->GetPlateTexture());
+  const CameraSpec& spec = scene.camera;
+  if (!spec.array.present) return;
+  vtkNew<vtkPlenoflameCameraSource> close;
+  close->SetInputDataObject(holder);
+  close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
+  const int span = std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
+  close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
+  close->SetMicrolensResolution(28);
+  close->Update();
+  detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  detail->ShallowCopy(close->GetOutput());
+}
+
+vtkSmartPointer<vtkImageData> small_flame() {
+  constexpr int kPoints = 4;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(kPoints, kPoints, kPoints);
+  image->SetSpacing(0.03, 0.03, 0.03);
+  for (const auto& [name, value] : {std::pair("temperature", 1500.0F), {"absorption", 10.0F}}) {
+    vtkNew<vtkFloatArray> values;
+    values->SetName(name);
+    values->SetNumberOfValues(image->GetNumberOfPoints());
+    values->FillValue(value);
+    image->GetPointData()->AddArray(values);
+  }
+  return image;
+}
+
+vtkSmartPointer<vtkImageData> texture_of(const Image& image) {
+  auto texture = vtkSmartPointer<vtkImageData>::New();
+  texture->SetDimensions(image.width, image.height, 1);
+  vtkNew<vtkFloatArray> flux;
+  flux->SetNumberOfValues(static_cast<vtkIdType>(image.pixels.size()));
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 0; column < image.width; ++column)
+      flux->SetValue(static_cast<vtkIdType>(image.height - 1 - row) * image.width + column,
+                     image.at(column, row));
+  texture->GetPointData()->SetScalars(flux);
+  return texture;
+}
+
+void fit_clipping(vtkRenderer& renderer) {
+  vtkCamera* const camera = renderer.GetActiveCamera();
+  const double near = 0.02 * camera->GetDistance();
+  double far = 2e4 * near;
+  std::array<double, 6> bounds{};
+  renderer.ComputeVisiblePropBounds(bounds.data());
+  if (vtkMath::AreBoundsInitialized(bounds.data())) {
+    const double* const from = camera->GetPosition();
+    const double* const way = camera->GetDirectionOfProjection();
+    for (const Vec3 p : views::corners(bounds))
+      far = std::max(far, 1.01 * ((p.x - from[0]) * way[0] + (p.y - from[1]) * way[1] +
+                                  (p.z - from[2]) * way[2]));
+  }
+  camera->SetClippingRange(near, far);
+}
+
+}  // namespace plenoflame::desktop

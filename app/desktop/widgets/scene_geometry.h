@@ -1,0 +1,35 @@
+#pragma once
+#include <vtkImageData.h>
+#include <vtkMultiBlockDataSet.h>
+#include <vtkSmartPointer.h>
+
+#include <array>
+
+#include "plenoflame/image/image.h"
+#include "plenoflame/scene/scene.h"
+
+class vtkRenderer;
+
+namespace plenoflame::desktop {
+
+/// What is drawn of a scene in 3-D; made on any thread.
+struct SceneGeometry {
+  vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
+  vtkSmartPointer<vtkImageData> plate_texture, flame;
+
+  /// The camera, and the microlenses near a pixel; no flame yet.
+  SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel);
+};
+
+/// Hot and dense everywhere, in some points.
+vtkSmartPointer<vtkImageData> small_flame();
+
+/// Pixels as VTK has them, rows upwards.
+vtkSmartPointer<vtkImageData> texture_of(const Image& image);
+
+/// Near follows the distance to what is looked at, so that the depth buffer's 24 bits tell surfaces
+/// apart from the whole scene down to a microlens; far costs them nothing, and takes in all there
+/// is.
+void fit_clipping(vtkRenderer& renderer);
+
+}  // namespace plenoflame::desktop
