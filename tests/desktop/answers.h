@@ -22,8 +22,11 @@ inline bool complain(const QString& text) {
   return false;
 }
 
+/// [ms] that a machine gets which is slow, and busy with other things as well.
+constexpr int kPatience = 300000;
+
 /// Waits; a slow machine gets its time.
-inline bool until(const std::function<bool()>& condition, int milliseconds = 60000) {
+inline bool until(const std::function<bool()>& condition, int milliseconds = kPatience) {
   return QTest::qWaitFor(condition, milliseconds);
 }
 
@@ -40,7 +43,7 @@ QString words_of(const QWidget& widget);
 /// a while, and the test function fails.
 class Answers : public QObject {
  public:
-  static constexpr int kLongest = 30000;  ///< [ms] that a menu or dialog may stay in front
+  static constexpr int kLongest = 120000;  ///< [ms] that a menu or dialog may stay in front
 
   Answers() { watch(); }
 

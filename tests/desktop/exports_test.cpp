@@ -51,7 +51,7 @@ class ExportsTest : public test::WindowFixture {
     session().document().set_value("render.samples", "8");
     QVERIFY(settled());
     raise("lightFieldDock");
-    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }, 120000));
+    QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }));
   }
   /// Writes the files of a tool from the menu, and beside them what the library makes of the same
   /// light field. False: it cannot, and the window says the same words.
@@ -87,7 +87,7 @@ class ExportsTest : public test::WindowFixture {
       const bool same = window_->last_message() == QString::fromStdString(refusal);
       return same ? false : complain(window_->last_message());
     }
-    if (!until(is_about, 120000)) return complain(window_->last_message());
+    if (!until(is_about)) return complain(window_->last_message());
     const QStringList files = names(file(own));
     if (files.isEmpty() || files != names(file(reference))) return complain(files.join(' '));
     for (const QString& name : files) {
@@ -244,12 +244,10 @@ class ExportsTest : public test::WindowFixture {
     edit->selectAll();
     QTest::keyClicks(edit, "0.9 m");
     QTest::keyClick(edit, Qt::Key_Return);
-    QVERIFY(until(
-        [&] {
-          const DerivedImage& r = session().light_field().refocused();
-          return r.image && !r.preview && r.depth == window_->light_field_panel().depth();
-        },
-        60000));
+    QVERIFY(until([&] {
+      const DerivedImage& r = session().light_field().refocused();
+      return r.image && !r.preview && r.depth == window_->light_field_panel().depth();
+    }));
     answer_file_dialog(file("refocused.exr"));
     QVERIFY(click_menu({"File", "Export", "Picture of the light-field panel..."}));
     QVERIFY(written());

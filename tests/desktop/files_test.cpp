@@ -79,12 +79,10 @@ class FilesTest : public test::WindowFixture {
       QTest::keyClick(&dialog, Qt::Key_Return);
     });
     QTest::mouseClick(child<QPushButton>("flameImport"), Qt::LeftButton);
-    QVERIFY2(until(
-                 [&] {
-                   const auto& flames = session().document().scene().flames;
-                   return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
-                 },
-                 60000),
+    QVERIFY2(until([&] {
+               const auto& flames = session().document().scene().flames;
+               return flames.size() == 1 && flames[0].kind == FlameKind::vdb;
+             }),
              qPrintable(window_->last_message()));
     QVERIFY2(settled(), qPrintable(window_->last_message()));
     const auto samples = [&] { return window_->flame_panel().sampler().samples(); };
@@ -143,7 +141,7 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(QFile::copy(":/examples/lenslets-30.toml", scene));
     QProcess program;
     program.start(QCoreApplication::applicationFilePath(), {"crash", scene, left});
-    QVERIFY(program.waitForFinished(60000));
+    QVERIFY(program.waitForFinished(test::kPatience));
     QCOMPARE(program.exitStatus(), QProcess::CrashExit);
     // The next program asks; yes.
     window_.reset();

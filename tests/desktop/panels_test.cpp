@@ -111,7 +111,7 @@ class PanelsTest : public test::WindowFixture {
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(2);
     QTest::mouseClick(child<QPushButton>("totalFocus"), Qt::LeftButton);
     QVERIFY2(
-        until([&] { return child<ImageView>("totalFocusView")->image() != nullptr; }, 15000),
+        until([&] { return child<ImageView>("totalFocusView")->image() != nullptr; }),
         qPrintable(window_->last_message() + "; " + window_->light_field_panel().shown_name()));
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
     QVERIFY(child<ImageView>("epipolarView")->image() != nullptr);
@@ -253,7 +253,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(!window_->open(bad.fileName()));
     QProcess command;
     command.start(PLENOFLAME_COMMAND, {"info", bad.fileName()});
-    QVERIFY(command.waitForFinished());
+    QVERIFY(command.waitForFinished(test::kPatience));
     QVERIFY2(QString::fromUtf8(command.readAllStandardError()).contains(window_->last_message()),
              qPrintable(window_->last_message()));
     QCOMPARE(session().document().file(), path.toStdString());
@@ -275,7 +275,7 @@ class PanelsTest : public test::WindowFixture {
     QProcess gone;
     gone.start("true", QStringList());
     const qint64 process = gone.processId();
-    gone.waitForFinished();
+    gone.waitForFinished(test::kPatience);
     Recovery recovery(folder_->filePath("recovery").toStdString());
     recovery.keep(session().document());
     QVERIFY(QFile::rename(QString::fromStdString(recovery.path()),
@@ -300,7 +300,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(colours.size() > 3);
     QProcess wrong;
     wrong.start(PLENOFLAME_DESKTOP, {"/no/such/scene.toml", "--screenshot", out});
-    QVERIFY(wrong.waitForFinished());
+    QVERIFY(wrong.waitForFinished(test::kPatience));
     QCOMPARE(wrong.exitCode(), 1);
     QVERIFY(wrong.readAllStandardError().contains("/no/such/scene.toml"));
   }

@@ -321,7 +321,7 @@ class PictureTest : public test::WindowFixture {
     auto* box = child<QComboBox>("channel");
     QVERIFY(until([&] { return box->currentText() == QString::fromStdString(name); }));
     const int wanted = box->fontMetrics().horizontalAdvance(box->currentText());
-    QVERIFY2(until([&] { return box->width() > wanted + 20; }, 5000),
+    QVERIFY2(until([&] { return box->width() > wanted + 20; }),
              qPrintable(QString("%1 for %2").arg(box->width()).arg(wanted)));
   }
 

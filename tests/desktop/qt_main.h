@@ -9,7 +9,7 @@
 namespace plenoflame::desktop::test {
 
 /// Lets events happen until the condition holds; false when it does not within the time.
-inline bool wait_for(const std::function<bool()>& condition, int milliseconds = 100000) {
+inline bool wait_for(const std::function<bool()>& condition, int milliseconds = 300000) {
   QElapsedTimer since;
   since.start();
   while (!condition()) {

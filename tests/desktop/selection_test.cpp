@@ -35,11 +35,10 @@ class SelectionTest : public test::SceneFixture {
 
   QTableWidget* table() { return child<QTableWidget>("raysTable"); }
   bool rays_are_there() {
-    const bool there = until([this] {
-      return session().rays().rays() && session().rays().rays()->selection == selection();
-    });
-    QTest::qWait(80);  // drawn
-    return there;
+    return until([this] {
+             return session().rays().rays() && session().rays().rays()->selection == selection();
+           }) &&
+           settled();  // and drawn, with the microlenses near them
   }
   void open_small() { QVERIFY(open_example("lenslets-30")); }
 

@@ -56,7 +56,7 @@ class TourTest : public test::WindowFixture {
     auto* start = button(camera);
     QVERIFY(start);
     QTest::mouseClick(start, Qt::LeftButton);
-    QVERIFY(until([this] { return window_->is_settled(); }, 120000));
+    QVERIFY(until([this] { return window_->is_settled(); }));
     QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     keep_picture("scene");
     // A bright pixel of the picture.
@@ -83,14 +83,14 @@ class TourTest : public test::WindowFixture {
       const DerivedImage& r = session().light_field().refocused();
       return r.image && !r.preview && r.depth == window_->light_field_panel().depth();
     };
-    QVERIFY(until(exact, 120000));
+    QVERIFY(until(exact));
     keep_picture("refocused");
     auto* depth = child<QSlider>("depthSlider");
     const double before = window_->light_field_panel().depth();
     for (int i = 0; i < 4; ++i)
       QTest::mouseClick(depth, Qt::LeftButton, {}, QPoint(depth->width() - 4, depth->height() / 2));
     QVERIFY(window_->light_field_panel().depth() > before);
-    QVERIFY(until(exact, 120000));
+    QVERIFY(until(exact));
     auto* save = button("Export this picture...");
     QVERIFY(save);
     answer_file_dialog(folder_->filePath("refocused"));

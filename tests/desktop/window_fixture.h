@@ -69,7 +69,7 @@ class WindowFixture : public QObject {
   }
   /// Files that are read or written in the background are there.
   bool written() {
-    return until([this] { return !window_->is_file_busy(); }, 120000);
+    return until([this] { return !window_->is_file_busy(); });
   }
   ImageView& image() { return window_->image_panel().view(); }
   Session& session() { return window_->session(); }
@@ -89,7 +89,7 @@ class WindowFixture : public QObject {
   QString run(const QString& program, const QStringList& arguments) {
     QProcess process;
     process.start(program, arguments);
-    if (!process.waitForFinished(120000) || process.exitCode() != 0)
+    if (!process.waitForFinished(test::kPatience) || process.exitCode() != 0)
       qWarning("%s", process.readAllStandardError().constData());
     return QString::fromUtf8(process.readAllStandardOutput());
   }
@@ -100,7 +100,7 @@ class WindowFixture : public QObject {
     QTest::qWait(50);
   }
   /// Waits; a slow machine gets its time.
-  static bool until(const std::function<bool()>& condition, int milliseconds = 60000) {
+  static bool until(const std::function<bool()>& condition, int milliseconds = test::kPatience) {
     return test::until(condition, milliseconds);
   }
   /// A key for the window, whatever dialogs took the focus before.

@@ -51,7 +51,7 @@ class WorkTest : public test::SceneFixture {
   QString refusal(const QStringList& arguments) {
     QProcess process;
     process.start(PLENOFLAME_COMMAND, arguments);
-    if (!process.waitForFinished(60000) || process.exitCode() == 0)
+    if (!process.waitForFinished(test::kPatience) || process.exitCode() == 0)
       test::complain("was not refused: " + arguments.join(' '));
     return QString::fromUtf8(process.readAllStandardError());
   }
@@ -131,7 +131,7 @@ class WorkTest : public test::SceneFixture {
     session().document().save(file("scene.toml").toStdString());
     QProcess command;
     command.start(PLENOFLAME_COMMAND, {"design", file("scene.toml")});
-    QVERIFY(command.waitForFinished(60000));
+    QVERIFY(command.waitForFinished(test::kPatience));
     const QString said = (command.readAllStandardOutput() + command.readAllStandardError());
     for (const QString& line : warnings->text().split('\n'))
       QVERIFY2(said.simplified().contains(line.simplified()), qPrintable(line + "\n" + said));
@@ -217,7 +217,7 @@ class WorkTest : public test::SceneFixture {
     // The mark is there before there is a window; after a while there are workers, too.
     QTest::qWait(300);
     QCOMPARE(::kill(static_cast<pid_t>(program.processId()), SIGSEGV), 0);
-    QVERIFY(program.waitForFinished(60000));
+    QVERIFY(program.waitForFinished(test::kPatience));
     QCOMPARE(program.exitStatus(), QProcess::CrashExit);
     const QByteArray words = program.readAllStandardError();
     QVERIFY2(words.contains("ended unexpectedly"), words.constData());
