@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
       return fail(2, "--size: '" + parser.value(size) + "' is not of the form 1500x950");
     window.resize(w, h);
   }
-  window.show();
+  window.appear();
   if (!parser.positionalArguments().isEmpty()) {
     const bool begun = window.open(parser.positionalArguments().front());
     if (unattended) {

@@ -95,8 +95,8 @@ int measure(const char* scene) {
   window.set_unattended(true);
   window.resize(1500, 900);
   reached("window made");
-  window.show();
-  reached("about to be on the screen");
+  window.appear();
+  reached("on the screen");
   std::printf("    %s\n", heart.take().c_str());
   if (!window.open(scene)) return 1;
   reached("scene opened");

@@ -5,6 +5,7 @@
 #include <QCloseEvent>
 #include <QDockWidget>
 #include <QDragEnterEvent>
+#include <QElapsedTimer>
 #include <QFile>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -14,8 +15,10 @@
 #include <QSplitter>
 #include <QStackedWidget>
 #include <QStatusBar>
+#include <QThread>
 #include <QTreeView>
 #include <QUrl>
+#include <QWindow>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
@@ -39,6 +42,8 @@ namespace {
 
 constexpr int kAutosaveInterval = 5000;  ///< [ms]
 constexpr int kMostRecent = 10;
+constexpr int kLongestAppearance = 500;  ///< [ms]
+constexpr int kAppearanceStep = 10;      ///< [ms]
 
 }  // namespace
 
@@ -505,6 +510,18 @@ void MainWindow::set_dark(bool dark) {
   if (dark_->isChecked() != dark) dark_->setChecked(dark);
   scene_view_->set_dark(dark);
   settings_->setValue("window/dark", dark);
+}
+
+void MainWindow::appear() {
+  show();
+  QElapsedTimer since;
+  since.start();
+  bool exposed = false;
+  while (!exposed && since.elapsed() < kLongestAppearance) {
+    exposed = windowHandle()->isExposed();
+    QApplication::processEvents(QEventLoop::ExcludeUserInputEvents, kAppearanceStep);
+    if (!exposed) QThread::msleep(1);
+  }
 }
 
 void MainWindow::showEvent(QShowEvent* event) {

@@ -48,6 +48,9 @@ class MainWindow : public QMainWindow {
   LightFieldPanel& light_field_panel() { return *light_field_; }
   FlamePanel& flame_panel() { return *flame_; }
 
+  /// Shows the window and draws it, before anything is computed that would keep the processors from
+  /// it. Returns soon where the screen has no room for it, too.
+  void appear();
   /// Opens a file; what goes wrong is said in a dialog. Scenes are open when it returns; flames and
   /// light fields, which may be large, are read in the background. False: it was not begun.
   bool open(const QString& path);
