@@ -72,6 +72,9 @@ void WelcomePage::set_recent(const QStringList& files) {
     auto* item = new QListWidgetItem(info.fileName() + "\n    " + info.absolutePath(), recent_);
     item->setData(Qt::UserRole, file);
   }
+  if (!files.isEmpty()) return;
+  auto* const none = new QListWidgetItem(tr("Files that you open will be listed here."), recent_);
+  none->setFlags(Qt::NoItemFlags);
 }
 
 }  // namespace plenoflame::desktop
