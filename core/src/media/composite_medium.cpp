@@ -38,6 +38,7 @@ class CompositeMedium final : public Medium {
     for (const auto& medium : media_) sum += medium->largest_absorption(channel);
     return sum;
   }
+  double largest_share(const Box& box) const override;
   double feature_size() const override;
   bool is_costly() const override {
     return std::any_of(media_.begin(), media_.end(), [](const auto& m) { return m->is_costly(); });
@@ -228,6 +229,17 @@ TransferResult CompositeMedium::merge(const Ray& ray, const Extent* first, const
         return absorption;
       },
       channel_count(), limits, tolerance);
+}
+
+double CompositeMedium::largest_share(const Box& box) const {
+  double share = 0;
+  for (int c = 0; c < channel_count(); ++c) {
+    double here = 0;
+    for (const auto& medium : media_)
+      here += medium->largest_share(box) * medium->largest_absorption(c);
+    if (const double most = largest_absorption(c); most > 0) share = std::max(share, here / most);
+  }
+  return share;
 }
 
 template <class Real>

@@ -63,6 +63,7 @@ class LayeredMedium final : public Medium {
     for (const EllipsoidLayer& layer : layers_) most = std::max(most, layer.absorption);
     return most * (factors_.empty() ? 1 : factors_[static_cast<std::size_t>(channel)]);
   }
+  double largest_share(const Box& box) const override;
   Box bounds() const override { return bounds_; }
   std::vector<Box> occupied() const override;
   double feature_size() const override;
@@ -221,6 +222,22 @@ std::vector<Box> LayeredMedium::occupied() const {
         }
   }
   return boxes;
+}
+
+double LayeredMedium::largest_share(const Box& box) const {
+  // Of what may be in the box: the layers that reach into its circumscribed sphere, seen in units
+  // of their semi-axes.
+  const Vec3 centre = to_local_.point(0.5 * (box.lower + box.upper));
+  const double radius = 0.5 * length(box.upper - box.lower);
+  double most = 0, here = 0;
+  for (const EllipsoidLayer& layer : layers_) {
+    most = std::max(most, layer.absorption);
+    const Vec3 p = centre - layer.centre, a = layer.semi_axes;
+    const double least = std::min({a.x, a.y, a.z});
+    if (length(Vec3{p.x / a.x, p.y / a.y, p.z / a.z}) <= 1 + radius / least)
+      here = std::max(here, layer.absorption);
+  }
+  return most > 0 ? here / most : 0;
 }
 
 double LayeredMedium::feature_size() const {

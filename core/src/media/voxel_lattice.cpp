@@ -162,6 +162,10 @@ void Lattice::store(const std::vector<Index>& bricks, const FieldReader* absorpt
     if (steps)
       steps->plan(pairs.data(), one_value_per_cell_, temperature == nullptr, further.data(),
                   extra_fields_, steps_.data() + steps_.size() - kStepWords);
+    float most = 0;
+    for (std::size_t i = 1; i < pairs.size(); i += 2) most = std::max(most, pairs[i]);
+    most_of_brick_.push_back(most);
+    most_ = std::max(most_, static_cast<double>(most));
     plain_.push_back(std::all_of(steps_.end() - kStepWords, steps_.end(), is_plain) ? 1 : 0);
     return static_cast<int>(values_.size() / pairs.size()) - 1;
   };
@@ -359,9 +363,26 @@ double Lattice::spacing() const {
   return smallest;
 }
 
-double Lattice::largest_absorption() const {
+double Lattice::largest_absorption(Vec3 lower, Vec3 upper) const {
+  if (empty()) return 0;
+  const double low[3] = {lower.x, lower.y, lower.z}, high[3] = {upper.x, upper.y, upper.z};
+  Index first{}, last{};
+  for (int a = 0; a < 3; ++a) {
+    const double from = std::floor(low[a] / 8) - origin_[a],
+                 to = std::floor(high[a] / 8) - origin_[a];
+    if (to < 0 || from >= bricks_[a]) return 0;
+    first[a] = origin_[a] + static_cast<int>(std::max(from, 0.0));
+    last[a] = origin_[a] + static_cast<int>(std::min(to, bricks_[a] - 1.0));
+  }
   float most = 0;
-  for (std::size_t i = 1; i < values_.size(); i += 2) most = std::max(most, values_[i]);
+  for (int i = first[0]; i <= last[0]; ++i)
+    for (int j = first[1]; j <= last[1]; ++j)
+      for (int k = first[2]; k <= last[2]; ++k) {
+        const int found = entry({i, j, k});
+        if (found < 0) continue;
+        const int brick = found & 1 ? constants_[found / 2].data : found / 2;
+        most = std::max(most, most_of_brick_[brick]);
+      }
   return static_cast<double>(most);
 }
 

@@ -64,7 +64,9 @@ class Lattice {
   const std::vector<Constant>& constants() const { return constants_; }
   std::size_t bytes() const;
   /// [1/m] of any sample.
-  double largest_absorption() const;
+  double largest_absorption() const { return most_; }
+  /// [1/m] Absorption is nowhere above this between two index coordinates.
+  double largest_absorption(Vec3 lower, Vec3 upper) const;
   /// Lowest and highest stored temperature [K].
   std::array<float, 2> temperature_range() const { return temperature_range_; }
 
@@ -97,7 +99,9 @@ class Lattice {
   int extra_fields_ = 0;
   std::vector<int> steps_;  // kStepWords for each brick of the values
   std::vector<int> plain_;
-  int blank_ = 0;  // brick of the values without absorption
+  std::vector<float> most_of_brick_;  // largest absorption of each brick of the values [1/m]
+  double most_ = 0;                   // of all
+  int blank_ = 0;                     // brick of the values without absorption
   std::size_t varying_ = 0;
   std::vector<Constant> constants_;
   std::vector<int> constant_data_;  // the same bricks' data, for the kernel

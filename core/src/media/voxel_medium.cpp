@@ -247,6 +247,7 @@ class VoxelMedium final : public Medium {
     return cells_.largest_absorption() *
            (factors_.empty() ? 1 : factors_[static_cast<std::size_t>(channel)]);
   }
+  double largest_share(const Box& box) const override;
   void absorptions(Vec3 world, double* each) const override {
     const double absorption = sample(world).absorption;
     for (std::size_t c = 0; c < channels_.size(); ++c)
@@ -383,6 +384,21 @@ class VoxelMedium final : public Medium {
   Tables<double> double_;
   Box bounds_;
 };
+
+double VoxelMedium::largest_share(const Box& box) const {
+  // The box of the world's box: what a turn adds is looked at, too.
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Vec3 lower{kInf, kInf, kInf}, upper = -1.0 * lower;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at = cells_.world_to_index().point({corner & 1 ? box.upper.x : box.lower.x,
+                                                   corner & 2 ? box.upper.y : box.lower.y,
+                                                   corner & 4 ? box.upper.z : box.lower.z});
+    lower = {std::min(lower.x, at.x), std::min(lower.y, at.y), std::min(lower.z, at.z)};
+    upper = {std::max(upper.x, at.x), std::max(upper.y, at.y), std::max(upper.z, at.z)};
+  }
+  const double most = cells_.largest_absorption();
+  return most > 0 ? cells_.largest_absorption(lower, upper) / most : 0;
+}
 
 std::vector<Box> VoxelMedium::occupied() const {
   std::vector<Box> boxes;

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "media/majorant_grid.h"
 #include "plenoflame/sampling/noise.h"
 #include "plenoflame/scene/compile.h"
 
@@ -11,8 +12,8 @@ namespace plenoflame {
 /// flame scatters it, all at one of the nodes. One per worker.
 class BundleCollisions {
  public:
-  /// @throws InputError when the medium does not know its largest absorption
-  explicit BundleCollisions(const CompiledScene& scene);
+  /// @param majorants of the scene's medium; kept
+  BundleCollisions(const CompiledScene& scene, const MajorantGrid& majorants);
 
   enum class Fate { passed, scattered, absorbed };
   struct Event {
@@ -28,8 +29,7 @@ class BundleCollisions {
  private:
   const CompiledScene& scene_;
   const Medium& medium_;
-  Box bounds_;
-  std::vector<double> majorants_;
+  const MajorantGrid& majorants_;
   std::vector<double> coefficients_;
 };
 

@@ -21,7 +21,7 @@ constexpr std::uint64_t kCollisionSeed = 0x636f6c6c696465u;  ///< apart from the
 /// @param step number of the place on the bundles' ways
 void SurfaceBundles::meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
                                  ForwardChunk& chunk) const {
-  BundleCollisions collisions(scene_);
+  BundleCollisions collisions(scene_, *majorants_);
   std::vector<double> happens;  // density of what happens but for the way, per bundle and node
   work.segments.clear();
   const bool grey = work.segments.is_grey();

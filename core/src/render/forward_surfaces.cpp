@@ -53,6 +53,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
       field_versine_(field_versine(scene.pupils, scene.camera)) {
   options_.isa = settings.isa;
   options_.skip = settings.skip;
+  if (!scene.scatterers.empty()) majorants_ = std::make_unique<MajorantGrid>(*scene.medium);
   add_jobs(proposal);
   const std::optional<Box> lit = [&] {
     Box box = scene.surfaces ? scene.surfaces->bounds() : Box{};

@@ -4,6 +4,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "media/majorant_grid.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
 #include "render/aperture_cone.h"
@@ -97,6 +98,7 @@ class SurfaceBundles : public BundleSource {
   Vec3 centre_;        ///< of a sphere around everything that surroundings may light
   double radius_ = 0;  ///< [m]
   std::unique_ptr<EndlessPlanes> endless_;
+  std::unique_ptr<const MajorantGrid> majorants_;  ///< nullptr: nothing scatters
   double field_versine_ = 0;  ///< 1 - cos of the widest angle at which the camera looks
 };
 

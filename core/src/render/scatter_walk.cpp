@@ -25,7 +25,7 @@ ScatterPlan::ScatterPlan(const CompiledScene& compiled, const RenderSettings& se
                          const Execution& execution, const SurfaceLightPlan* light)
     : scene(&compiled),
       surface_light(light),
-      majorants(compiled.medium->majorants()),
+      majorants(*compiled.medium),
       reflections(compiled.scene.render.reflections) {
   options.isa = settings.isa;
   options.skip = settings.skip;
@@ -84,16 +84,11 @@ void ScatterWalk::draw_driver(Walk& walk) const {
 
 /// Draws the next place of extinction on the line, by the driver's. @return false: none
 bool ScatterWalk::collide(Walk& walk, double& t) {
-  const RaySpan span = clip_to_box(bounds_, walk.line, 0, walk.end);
-  const double majorant = plan_.majorants[walk.driver];
-  if (span.empty() || !(majorant > 0)) return false;
-  t = span.near;
-  for (;;) {
-    t -= std::log(walk.noise.uniform()) / majorant;
-    if (!(t < span.far)) return false;
-    medium_.absorptions(walk.line.at(t), coefficients_.data());
-    if (walk.noise.uniform() * majorant < coefficients_[walk.driver]) return true;
-  }
+  return plan_.majorants.draw(walk.line, 0, walk.end, walk.driver, walk.noise, t,
+                              [&](double at, double majorant) {
+                                medium_.absorptions(walk.line.at(at), coefficients_.data());
+                                return walk.noise.uniform() * majorant < coefficients_[walk.driver];
+                              });
 }
 
 /// Which flame scatters at a place, if any does: drawn in proportion to what each scatters at the

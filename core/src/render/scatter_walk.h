@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "media/majorant_grid.h"
 #include "plenoflame/math/ray_span.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/noise.h"
@@ -22,8 +23,8 @@ struct ScatterPlan {
   const CompiledScene* scene;
   const SurfaceLightPlan* surface_light;
   MediumOptions options;
-  std::vector<double> majorants;  ///< [1/m] of the extinction, per node
-  int reflections;                ///< on surfaces, at most
+  MajorantGrid majorants;  ///< of the extinction
+  int reflections;         ///< on surfaces, at most
   /// Draws the flames' light; nullptr: they are dark.
   const EmissionProposal* flame = nullptr;
   std::unique_ptr<const EmissionProposal> own_flame;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "media/majorant_grid.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/media/layered_medium.h"
@@ -123,7 +124,7 @@ void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& 
   }
 }
 
-/// Places in smoke are found by steps as short as its largest extinction asks for, everywhere.
+/// Places in smoke are found by steps as short as the largest extinction around them asks for.
 void warn_of_short_steps(const CompiledScene& compiled, const Execution& execution) {
   constexpr double kMany = 1e4;  // some 0.1 ms for every line that light takes
   if (compiled.scatterers.empty()) return;
@@ -131,12 +132,14 @@ void warn_of_short_steps(const CompiledScene& compiled, const Execution& executi
   for (int c = 0; c < compiled.medium->channel_count(); ++c)
     most = std::max(most, compiled.medium->largest_absorption(c));
   const Box box = compiled.medium->bounds();
-  const double steps = most * length(box.upper - box.lower);
+  double steps = most * length(box.upper - box.lower);
   if (!std::isfinite(steps) || !(steps > kMany)) return;
+  steps *= MajorantGrid(*compiled.medium).mean_share();
+  if (!(steps > kMany)) return;
   execution.warn(fmt::format(
-      "the flames scatter, and absorb and scatter up to {:.3g} 1/m within bounds that "
-      "are {} across: light takes up to {:.2g} steps through them, which is slow; is "
-      "the absorption of all of them in 1/m?",
+      "the flames scatter, and absorb and scatter up to {:.3g} 1/m within bounds that are {} "
+      "across: light takes some {:.2g} steps through all of it, which is slow; is the absorption "
+      "of all of them in 1/m?",
       most, readable_quantity(length(box.upper - box.lower), Dimension::length), steps));
 }
 

@@ -73,6 +73,9 @@ class Medium {
   /// The same of every channel, for what draws places by it.
   /// @throws InputError when the medium does not know it
   std::vector<double> majorants() const;
+  /// Absorption in a world box is at most this share of largest_absorption(), in every channel; 1
+  /// where nothing better is known.
+  virtual double largest_share(const Box&) const { return 1; }
   /// Smallest length over which the medium varies (a voxel, a semi-axis) [m].
   virtual double feature_size() const = 0;
 
