@@ -329,9 +329,8 @@ void SceneView::add_camera() {
   if (!geometry_) return;
   const bool close = (part_ == Part::array || part_ == Part::pixel) && geometry_->detail;
   vtkSmartPointer<vtkImageData> texture;
-  if (image_ && !image_->empty()) {
+  if (image_ && !image_->empty())
     texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
-  }
   view_->replace("camera", [&](vtkRenderer& renderer) {
     views::add_camera(close ? *geometry_->detail : *geometry_->camera, geometry_->plate_texture,
                       texture, close ? 0.45 : 0.4, renderer);
@@ -368,13 +367,16 @@ void SceneView::add_flame() {
   for (const auto& prop : view_->layers["flame"])
     if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) {
       const double ink = dark_ ? 0.9 : 0.1;
-      bar->GetTitleTextProperty()->SetColor(ink, ink, ink);
-      bar->GetLabelTextProperty()->SetColor(ink, ink, ink);
       bar->SetPosition(0.54, 0.02);
       bar->SetWidth(0.38);
-      bar->SetHeight(0.16);
-      bar->GetTitleTextProperty()->SetFontSize(12);
-      bar->GetLabelTextProperty()->SetFontSize(12);
+      bar->SetHeight(0.2);
+      // VTK aligns labels when it makes them, and forgets it when they are drawn again.
+      bar->GetLabelTextProperty()->SetJustificationToCentered();
+      bar->GetLabelTextProperty()->SetVerticalJustificationToTop();
+      for (auto* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+        style->SetColor(ink, ink, ink);
+        style->SetFontSize(12);
+      }
     }
   view_->show("flame", part_ == Part::scene || part_ == Part::flame);
 }
