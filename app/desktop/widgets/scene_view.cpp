@@ -12,7 +12,6 @@
 #include <vtkHandleRepresentation.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
-#include <vtkPiecewiseFunction.h>
 #include <vtkPointData.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderWindowInteractor.h>
@@ -20,7 +19,6 @@
 #include <vtkScalarBarActor.h>
 #include <vtkTextProperty.h>
 #include <vtkVolume.h>
-#include <vtkVolumeProperty.h>
 
 #include <QAction>
 #include <QActionGroup>
