@@ -42,8 +42,10 @@ std::array<int, 3> MajorantGrid::index_at(Vec3 world) const {
   const double at[3] = {world.x, world.y, world.z};
   std::array<int, 3> index;
   for (std::size_t a = 0; a < 3; ++a)
-    index[a] = static_cast<int>(
-        std::clamp(std::floor((at[a] - lower_[a]) / size_[a]), 0.0, count_[a] - 1.0));
+    // A flame that is nothing beside its distance from the origin may have no thickness.
+    index[a] = size_[a] > 0 ? static_cast<int>(std::clamp(
+                                  std::floor((at[a] - lower_[a]) / size_[a]), 0.0, count_[a] - 1.0))
+                            : 0;
   return index;
 }
 

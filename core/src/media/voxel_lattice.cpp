@@ -366,23 +366,37 @@ double Lattice::spacing() const {
 double Lattice::largest_absorption(Vec3 lower, Vec3 upper) const {
   if (empty()) return 0;
   const double low[3] = {lower.x, lower.y, lower.z}, high[3] = {upper.x, upper.y, upper.z};
-  Index first{}, last{};
+  Index first{}, last{};  // bricks, from the lowest
   for (int a = 0; a < 3; ++a) {
-    const double from = std::floor(low[a] / 8) - origin_[a],
-                 to = std::floor(high[a] / 8) - origin_[a];
+    const double from = std::floor(low[a] / 8) - origin_[a];
+    const double to = std::floor(high[a] / 8) - origin_[a];
     if (to < 0 || from >= bricks_[a]) return 0;
-    first[a] = origin_[a] + static_cast<int>(std::max(from, 0.0));
-    last[a] = origin_[a] + static_cast<int>(std::min(to, bricks_[a] - 1.0));
+    first[a] = static_cast<int>(std::max(from, 0.0));
+    last[a] = static_cast<int>(std::min(to, bricks_[a] - 1.0));
   }
   float most = 0;
-  for (int i = first[0]; i <= last[0]; ++i)
-    for (int j = first[1]; j <= last[1]; ++j)
-      for (int k = first[2]; k <= last[2]; ++k) {
-        const int found = entry({i, j, k});
-        if (found < 0) continue;
-        const int brick = found & 1 ? constants_[found / 2].data : found / 2;
-        most = std::max(most, most_of_brick_[brick]);
-      }
+  const auto look_into = [&](const Index& block, int table) {
+    Index begin{}, end{};
+    for (int a = 0; a < 3; ++a) {
+      begin[a] = std::max(first[a], 8 * block[a]) & 7;
+      end[a] = std::min(last[a], 8 * block[a] + 7) & 7;
+    }
+    for (int i = begin[0]; i <= end[0]; ++i)
+      for (int j = begin[1]; j <= end[1]; ++j)
+        for (int k = begin[2]; k <= end[2]; ++k) {
+          const int found = table_[table + (i * 8 + j) * 8 + k];
+          if (found < 0) continue;
+          const int brick = found & 1 ? constants_[found / 2].data : found / 2;
+          most = std::max(most, most_of_brick_[brick]);
+        }
+  };
+  // By blocks: stray voxels may lie far apart, with nothing between them.
+  for (int i = first[0] / 8; i <= last[0] / 8; ++i)
+    for (int j = first[1] / 8; j <= last[1] / 8; ++j)
+      for (int k = first[2] / 8; k <= last[2] / 8; ++k)
+        if (const int table = top_[(static_cast<std::size_t>(i) * blocks_[1] + j) * blocks_[2] + k];
+            table >= 0)
+          look_into({i, j, k}, table);
   return static_cast<double>(most);
 }
 

@@ -38,8 +38,10 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
     FieldTable field;
     field.step = table.field_step;
     for (const std::vector<Ray>& rays : table.edges) {
-      // Beyond the last field that anything passes at, pupil tables go on as there.
-      Footprint footprint = rays.empty() && !field.nodes.empty() ? field.nodes.back() : Footprint{};
+      // Between a field at which something passes and one at which nothing does there may be light;
+      // where it goes is not known.
+      Footprint footprint;
+      if (rays.empty()) footprint.radius[0] = footprint.radius[1] = kInfinity;
       for (int k = 0; k < 2; ++k) {
         double lo = kInfinity, hi = -kInfinity;
         std::vector<Vec2> points;

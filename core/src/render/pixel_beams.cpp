@@ -84,13 +84,14 @@ class Line {
     n_ += 1;
     x_ += x, y_ += y, xx_ += x * x, xy_ += x * y;
   }
-  double slope() const {
-    const double scatter = n_ * xx_ - x_ * x_;
-    return scatter > 0 ? (n_ * xy_ - x_ * y_) / scatter : 0;
-  }
-  double at_zero() const { return n_ > 0 ? (y_ - slope() * x_) / n_ : 0; }
+  /// Whether the points lie far enough apart to say how the line runs.
+  bool is_known() const { return scatter() > kLeastScatter * n_ * xx_; }
+  double slope() const { return (n_ * xy_ - x_ * y_) / scatter(); }
+  double at_zero() const { return (y_ - slope() * x_) / n_; }
 
  private:
+  static constexpr double kLeastScatter = 1e-3;
+  double scatter() const { return n_ * xx_ - x_ * x_; }
   double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
 
@@ -162,8 +163,9 @@ std::vector<PixelBeams::Spot> PixelBeams::spots(int table, double h, double oute
   return spots;
 }
 
-/// What is closest to all rays.
-PixelBeams::Map PixelBeams::map_of(const std::vector<Spot>& spots) {
+/// What is closest to all rays; nothing where there are too few, at fields that hardly any light
+/// comes from.
+std::optional<PixelBeams::Map> PixelBeams::map_of(const std::vector<Spot>& spots) {
   Map map;
   for (std::size_t k = 0; k < 2; ++k) {
     Line along, across;
@@ -174,6 +176,7 @@ PixelBeams::Map PixelBeams::map_of(const std::vector<Spot>& spots) {
         across.add(spot.w.y, ray[k].y);
         across.add(-spot.w.y, -ray[k].y);
       }
+    if (!along.is_known() || !across.is_known()) return std::nullopt;
     map.centre[k] = along.at_zero();
     map.along[k] = along.slope();
     map.across[k] = across.slope();
@@ -191,8 +194,10 @@ void PixelBeams::trace(int table, std::size_t i, Interval& interval) const {
   for (int step = 0; step < 3; ++step)
     of_fields[step] =
         spots(table, (static_cast<double>(i) + 0.5 * step) * pupils.field_step, interval.outer);
-  interval.ends[0] = map_of(of_fields[0]);
-  interval.ends[1] = map_of(of_fields[2]);
+  const std::optional<Map> from = map_of(of_fields[0]), to = map_of(of_fields[2]);
+  if (!from || !to || of_fields[1].empty()) return;
+  interval.ends[0] = *from;
+  interval.ends[1] = *to;
   std::array<double, kRings> radii{};
   const double half = half_diagonal_ / interval.outer;
   for (int step = 0; step < 3; ++step) {

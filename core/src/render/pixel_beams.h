@@ -2,6 +2,7 @@
 #include <array>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/camera/camera.h"
@@ -57,7 +58,7 @@ class PixelBeams {
   struct Spot;
   PixelBeams(const Camera& camera, const std::vector<PupilTable>& tables, const LitRegion& region);
   std::vector<Spot> spots(int table, double h, double outer) const;
-  static Map map_of(const std::vector<Spot>& spots);
+  static std::optional<Map> map_of(const std::vector<Spot>& spots);
   void trace(int table, std::size_t i, Interval& interval) const;
 
   const Camera& camera_;

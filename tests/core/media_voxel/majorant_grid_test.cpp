@@ -84,6 +84,27 @@ TEST(MajorantGrid, NothingIsAboveIt) {
   }
 }
 
+// A dense ball: the share of the cells that it reaches into, counted by their corners and middles.
+TEST(MajorantGrid, MeanShareOfABall) {
+  const double radius = 0.1;
+  const auto ball =
+      make_layered_medium({{{}, {radius, radius, radius}, 1500, 1e4}}, {}, two_channels());
+  const MajorantGrid grid(*ball);
+  ASSERT_EQ(grid.cells(), 32768u);
+  double inside = 0, near = 0;
+  for (int i = 0; i < 32; ++i)
+    for (int j = 0; j < 32; ++j)
+      for (int k = 0; k < 32; ++k) {
+        const auto place = [](int n) { return (n - 15.5) / 16; };
+        const double r = length(Vec3{place(i), place(j), place(k)});
+        const double half_diagonal = std::sqrt(3.0) / 32;
+        inside += r < 1 - half_diagonal;
+        near += r < 1 + 1.001 * half_diagonal;
+      }
+  EXPECT_GT(grid.mean_share() * 32768, inside);
+  EXPECT_LT(grid.mean_share() * 32768, near * 1.0001);
+}
+
 TEST(MajorantGrid, ThinMediaHaveOneCell) {
   const auto thin = make_layered_medium({{{}, {0.1, 0.1, 0.1}, 1500, 3}}, {}, two_channels());
   EXPECT_EQ(MajorantGrid(*thin).cells(), 1u);

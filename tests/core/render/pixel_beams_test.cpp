@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -81,6 +82,41 @@ TEST(PixelBeams, HoldTheRaysOfTheirPixels) {
     EXPECT_EQ(rays, 300);
     EXPECT_GT(told, 0.9 * apart) << spec.lens.surfaces.front().diameter << " "
                                  << (spec.lens.model == LensModel::ideal);
+  }
+}
+
+// A lens in a deep hood: the field gets dark where the pupil tables still have nodes, and the
+// outermost light comes from between the last of them that is lit and the first that is not.
+TEST(PixelBeams, NothingIsLostWhereTheFieldGetsDark) {
+  for (const auto& [columns, jitter] : {std::pair{3120, 0.0}, {3280, 0.0}, {3280, 1e-9}}) {
+    Scene scene;
+    scene.camera.lens.surfaces = {{kInfinity, 0.15, 1, 0.04, false},
+                                  {0.3, 0.02426, 1.5, 0.06, false},
+                                  {-0.3, 0, 1, 0.06, false},
+                                  {kInfinity, 0, 1, 0.03, true}};
+    ArraySpec& array = scene.camera.array;
+    array.present = true;
+    array.lattice = Lattice::square;
+    array.pitch = array.diameter = 1e-3;
+    array.thickness = 0.5e-3;
+    array.sensor_distance = 7e-3;
+    array.focal_jitter = jitter;  // then the camera is not aligned, and pixels are not looked at
+    array.types = {{"type1", 6e-3, 6e-3, 1.5, 0}};
+    scene.camera.sensor = {columns, 60, 1e-4};
+    scene.camera.focus = {FocusMode::paraxial, 0, 1.0, "array"};
+    scene.flames = {{}};
+    scene.flames[0].position = {1, 0.226, 0};
+    scene.flames[0].layers = {{"ball", {}, {4e-3, 4e-3, 4e-3}, 1700, 50}};
+    const CompiledScene compiled = compile(scene);
+    RenderSettings settings;
+    settings.samples = 16;
+    const RenderResult some = render(compiled, settings, one_thread());
+    settings.skip = false;
+    const RenderResult all = render(compiled, settings, one_thread());
+    EXPECT_GT(all.statistics.flux, 0) << columns;
+    EXPECT_LT(some.statistics.rays, 0.5 * all.statistics.rays) << columns;
+    EXPECT_EQ(some.light_field.channels[0].flux.pixels, all.light_field.channels[0].flux.pixels)
+        << columns;
   }
 }
 
