@@ -169,8 +169,6 @@ TEST(RadianceTable, NotWhereItDoesNotPay) {
   EXPECT_EQ(render(scene, settings).statistics.table_nodes, 0);  // too few points to correct it
 }
 
-// Sums below 0, where the table says too much and single rays correct it, are cut off: that adds
-// light, and the statistics bound how much.
 /// Sums of a pixel over the points of a randomisation that are exactly 0 with a table, though the
 /// same rays see light.
 double cut_to_nothing(const RenderResult& with, const RenderResult& without) {
@@ -186,6 +184,8 @@ double cut_to_nothing(const RenderResult& with, const RenderResult& without) {
   return count;
 }
 
+// Sums below 0, where the table says too much and single rays correct it, are cut off: that adds
+// light, and the statistics bound how much.
 TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
   const CompiledScene scene = cloud_scene(true);
   RenderSettings settings;
