@@ -143,13 +143,18 @@ COLOURS = [("three bands, grey layers, constant indices", "three", "mono", ""),
            ("three bands, lens of N-BK7", "glass-three", "glass-mono", "at most 3.2")]
 
 
+def seconds_of(path):
+    """Of a run, by its statistics, with the time to compile the scene."""
+    stats = json.loads(path.read_text())
+    return stats["seconds"] + stats["seconds_compile"]
+
+
 def colours(folder):
     """Table of what several channels cost, medians of the ratios of runs that followed one another."""
     runs = {}
     for path in sorted(folder.glob("colour-*.json")):
         scene, run = path.stem[len("colour-"):].rsplit("-", 1)
-        stats = json.loads(path.read_text())
-        runs.setdefault(scene, {})[run] = stats["seconds"] + stats["seconds_compile"]
+        runs.setdefault(scene, {})[run] = seconds_of(path)
     if not runs:
         return []
     lines = ["## Colours", "",
@@ -168,8 +173,7 @@ def native(folder):
     runs = {}
     for path in sorted(folder.glob("native-*.json")):
         name, kind, run = path.stem[len("native-"):].rsplit("-", 2)
-        stats = json.loads(path.read_text())
-        runs.setdefault(name, {}).setdefault(kind, {})[run] = stats["seconds"] + stats["seconds_compile"]
+        runs.setdefault(name, {}).setdefault(kind, {})[run] = seconds_of(path)
     if not runs:
         return []
     lines = ["## Instruction sets", "",

@@ -19,12 +19,6 @@ using namespace plenoflame::desktop;
 class FilesTest : public test::WindowFixture {
   Q_OBJECT
 
-  QString file(const QString& name) const { return folder_->filePath(name); }
-  void write(const QString& path, const QByteArray& text) {
-    QFile out(path);
-    QVERIFY(out.open(QIODevice::WriteOnly));
-    out.write(text);
-  }
   /// A simulation on 12 x 12 x 12 points, 5 mm apart: T = 1000 K + 50 K per point along z.
   QByteArray simulation() {
     constexpr int kPoints = 12;

@@ -1,15 +1,18 @@
 #pragma once
 #include <QApplication>
 #include <QDockWidget>
+#include <QFile>
 #include <QFileDialog>
 #include <QLineEdit>
 #include <QMenuBar>
 #include <QMouseEvent>
+#include <QPointer>
 #include <QProcess>
 #include <QPushButton>
 #include <QSettings>
 #include <QTemporaryDir>
 #include <QTest>
+#include <QTreeView>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -19,6 +22,7 @@
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/main_window.h"
+#include "widgets/scene_panel.h"
 
 namespace plenoflame::desktop::test {
 
@@ -70,6 +74,26 @@ class WindowFixture : public QObject {
   /// Files that are read or written in the background are there.
   bool written() {
     return until([this] { return !window_->is_file_busy(); });
+  }
+  /// Path of a file in the folder of the test.
+  QString file(const QString& name) const { return folder_->filePath(name); }
+  void write(const QString& path, const QByteArray& text) {
+    QFile out(path);
+    QVERIFY(out.open(QIODevice::WriteOnly));
+    out.write(text);
+  }
+  /// Types a value into the tree.
+  void type(const char* path, const QString& text) {
+    ScenePanel& panel = window_->scene_panel();
+    panel.reveal(path);
+    QTest::keyClick(&panel.tree(), Qt::Key_F2);
+    auto* editor = panel.tree().findChild<QLineEdit*>();
+    QVERIFY(editor);
+    editor->selectAll();
+    QTest::keyClicks(editor, text);
+    const QPointer<QLineEdit> open = editor;
+    QTest::keyClick(editor, Qt::Key_Return);
+    QVERIFY(until([&] { return !open; }));  // what was typed is taken, or refused
   }
   ImageView& image() { return window_->image_panel().view(); }
   Session& session() { return window_->session(); }

@@ -98,17 +98,7 @@ class WindowTest : public test::WindowFixture {
   void editedValueIsTypedUndoneAndRefused() {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
-    ScenePanel& panel = window_->scene_panel();
     const double before = window_->session().document().scene().camera.focus.object_distance;
-    const auto type = [&](const char* path, const QString& text) {
-      panel.reveal(path);
-      QTest::keyClick(&panel.tree(), Qt::Key_F2);
-      auto* editor = panel.tree().findChild<QLineEdit*>();
-      QVERIFY(editor);
-      editor->selectAll();
-      QTest::keyClicks(editor, text);
-      QTest::keyClick(editor, Qt::Key_Return);
-    };
     type("camera.focus.object_distance", "1.5 m");
     QVERIFY(until(
         [&] { return window_->session().document().scene().camera.focus.object_distance == 1.5; }));

@@ -28,25 +28,6 @@ using plenoflame::desktop::test::difference;
 class WorkTest : public test::SceneFixture {
   Q_OBJECT
 
-  QString file(const QString& name) const { return folder_->filePath(name); }
-  void write(const QString& path, const QByteArray& text) {
-    QFile out(path);
-    QVERIFY(out.open(QIODevice::WriteOnly));
-    out.write(text);
-  }
-  /// Types a value into the tree.
-  void type(const char* path, const QString& text) {
-    ScenePanel& panel = window_->scene_panel();
-    panel.reveal(path);
-    QTest::keyClick(&panel.tree(), Qt::Key_F2);
-    auto* editor = panel.tree().findChild<QLineEdit*>();
-    QVERIFY(editor);
-    editor->selectAll();
-    QTest::keyClicks(editor, text);
-    const QPointer<QLineEdit> open = editor;
-    QTest::keyClick(editor, Qt::Key_Return);
-    QVERIFY(until([&] { return !open; }));  // what was typed is taken, or refused
-  }
   /// What the command says on standard error, and that it fails.
   QString refusal(const QStringList& arguments) {
     QProcess process;
