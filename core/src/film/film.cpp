@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "film/lit_runs.h"
+#include "base/large_pages.h"
+#include "film/image_sums.h"
 
 namespace plenoflame {
 
@@ -56,7 +57,7 @@ double Film::sum(int channel, int replicate, int column, int row) const {
 void Film::develop(int tile, int channel, FilmImages& images) const {
   const std::vector<double>& sums = tile_sums(tile);
   const double samples = tile_samples(tile);
-  if (sums.empty() || !(samples > 0)) return;
+  if (!is_lit(tile)) return;
   const PixelWindow pixels = this->tile(tile);
   const double scale = 1.0 / samples, n = replicates_;
   const auto replicates = static_cast<std::size_t>(replicates_);
@@ -77,13 +78,41 @@ void Film::develop(int tile, int channel, FilmImages& images) const {
     }
 }
 
+std::vector<PixelWindow> Film::lit_parts() const {
+  std::vector<PixelWindow> parts;
+  for (int tile = 0; tile < tile_count(); ++tile) {
+    if (!is_lit(tile)) continue;
+    parts.push_back(this->tile(tile));
+    parts.back().x -= window_.x;
+    parts.back().y -= window_.y;
+  }
+  return parts;
+}
+
+namespace {
+
+/// Most of what a dark picture costs is to get its memory.
+Image dark_image(int width, int height) {
+  Image image;
+  image.width = width;
+  image.height = height;
+  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  image.pixels.reserve(count);
+  prefer_large_pages(image.pixels.data(), count * sizeof(float));
+  image.pixels.resize(count);
+  return image;
+}
+
+}  // namespace
+
 FilmImages Film::images(int channel, const Execution& execution) const {
   FilmImages images;
-  images.flux = Image(window_.width, window_.height);
-  if (replicates_ > 1) images.standard_error = Image(window_.width, window_.height);
   // What has been gathered is wanted also after a stop.
   Execution inner;
   inner.threads = execution.threads;
+  parallel_for(inner, replicates_ > 1 ? 2 : 1, [&](std::size_t which, int) {
+    (which == 0 ? images.flux : images.standard_error) = dark_image(window_.width, window_.height);
+  });
   parallel_for(inner, static_cast<std::size_t>(tile_count()),
                [&](std::size_t tile, int) { develop(static_cast<int>(tile), channel, images); });
   return images;
@@ -91,18 +120,7 @@ FilmImages Film::images(int channel, const Execution& execution) const {
 
 double estimated_relative_rmse(const Image& flux, const Image& standard_error) {
   if (flux.empty() || standard_error.empty()) return 0;
-  const float limit = static_cast<float>(kLitShare) * largest_of(flux.pixels);
-  double squares = 0, total = 0, count = 0;
-  for_lit_runs(flux.pixels, [&](std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) {
-      if (!(flux.pixels[i] > limit)) continue;
-      const double error = static_cast<double>(standard_error.pixels[i]);
-      squares += error * error;
-      total += static_cast<double>(flux.pixels[i]);
-      count += 1;
-    }
-  });
-  return count > 0 ? std::sqrt(squares / count) / (total / count) : 0;
+  return stated_error(flux, standard_error, 2).relative_rmse;  // of any number, but not of one
 }
 
 }  // namespace plenoflame

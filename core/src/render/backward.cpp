@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -24,6 +25,12 @@ constexpr int kLeastPoints = 1;  ///< of a replicate on the last level
 constexpr int kLeastSparsePoints = 4;
 constexpr int kPartEntries = 256;  ///< of a pool whose sequences others go on with
 
+Execution alone() {
+  Execution execution;
+  execution.threads = 1;
+  return execution;
+}
+
 /// How far from its microlens' centre any micro-image reaches [m].
 double micro_image_reach(const PupilSampling& pupils) {
   double reach = 0;
@@ -42,14 +49,20 @@ double shift_by_tilt(const Camera& camera) {
 }
 
 std::shared_ptr<const SobolPools> make_pools(const RenderSettings& settings,
-                                             const PointRange& range) {
-  const auto [first, points, part] = range;
+                                             const PointRange& range,
+                                             const Execution& execution = alone()) {
+  const std::uint32_t first = range.first;
+  const int points = range.points;
+  const bool part = range.part;
+  int levels = 1;
+  while (levels < (part ? kPartLevels : kLevels) && points >> levels >= kLeastPoints) ++levels;
+  std::vector<std::optional<SobolPool>> made(static_cast<std::size_t>(levels));
+  parallel_for(execution, made.size(), [&](std::size_t level, int) {
+    made[level].emplace(settings.replicates, points >> level, first >> level,
+                        mix64(settings.seed + level), 0, part ? kPartEntries : 0);
+  });
   auto pools = std::make_shared<SobolPools>();
-  for (int level = 0; level < (part ? kPartLevels : kLevels) && points >> level >= kLeastPoints;
-       ++level)
-    pools->emplace_back(settings.replicates, points >> level, first >> level,
-                        mix64(settings.seed + static_cast<std::uint64_t>(level)), 0,
-                        part ? kPartEntries : 0);
+  for (auto& pool : made) pools->push_back(std::move(*pool));
   return pools;
 }
 
@@ -302,8 +315,9 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
   execution.threads = threads;
   // Wavelengths with ways of their own take the same numbers: caches hold them once.
   std::vector<std::shared_ptr<const SobolPools>> pools(ranges_.size());
-  parallel_for(execution, pools.size(),
-               [&](std::size_t r, int) { pools[r] = make_pools(settings, ranges_[r]); });
+  parallel_for(execution, pools.size(), [&](std::size_t r, int) {
+    pools[r] = make_pools(settings, ranges_[r], pools.size() == 1 ? execution : alone());
+  });
   parallel_for(execution, plans.size(), [&](std::size_t i, int) {
     const std::size_t range = i / media_.size(), p = i % media_.size();
     const CompiledScene& part = scene.parts.empty() ? scene : scene.parts[p];

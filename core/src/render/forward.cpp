@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "film/image_sums.h"
 #include "plenoflame/sampling/philox.h"
 #include "render/aperture_cone.h"
 #include "render/emission_proposal.h"
@@ -200,7 +201,8 @@ class Run {
   }
   StatedError error() const {
     const FilmImages images = film_.images(0, execution_);
-    return stated_error(images.flux, images.standard_error, film_.replicates());
+    return stated_error(images.flux, images.standard_error, film_.replicates(), film_.lit_parts(),
+                        execution_);
   }
 
  private:

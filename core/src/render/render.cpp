@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "film/lit_runs.h"
+#include "film/image_sums.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "render/backward.h"
@@ -119,12 +119,14 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     field.channels.push_back(std::move(channel));
   }
   const LightFieldChannel& first = field.channels.front();
+  const ImageParts parts = film.lit_parts();
   if (!first.standard_error.empty()) {
-    const StatedError error = stated_error(first.flux, first.standard_error, settings.replicates);
+    const StatedError error =
+        stated_error(first.flux, first.standard_error, settings.replicates, parts, execution);
     statistics.relative_error = error.relative_rmse;
     statistics.relative_error_bound = error.bound;
   }
-  statistics.flux = sum_of(first.flux.pixels);
+  statistics.flux = sum_of(first.flux, parts, execution);
   if (statistics.complete && !(statistics.flux > 0) && has_content(scene)) {
     if (statistics.rays >= kTellingRays)
       execution.warn(

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "film/lit_runs.h"
+#include "film/image_sums.h"
 #include "render/backward.h"
 #include "render/run_control.h"
 #include "render/sample_plan.h"
@@ -31,16 +31,19 @@ struct TileErrors {
 TileErrors measure_errors(const Film& film, const Execution& execution) {
   TileErrors errors;
   const auto [flux, error] = film.images(0, execution);
-  const float limit = static_cast<float>(kLitShare) * largest_of(flux.pixels);
-  double total = 0, lit = 0;
-  for (int t = 0; t < film.tile_count(); ++t) {
-    const PixelWindow tile = film.tile(t);
+  const ImageParts parts = film.lit_parts();
+  const float limit = static_cast<float>(kLitShare) * largest_of(flux, parts, execution);
+  const auto tiles = static_cast<std::size_t>(film.tile_count());
+  errors.mean_square.resize(tiles);
+  errors.lit.resize(tiles);
+  std::vector<double> totals(tiles);
+  // What has been gathered is wanted also after a stop.
+  Execution inner;
+  inner.threads = execution.threads;
+  parallel_for(inner, tiles, [&](std::size_t t, int) {
+    const PixelWindow tile = film.tile(static_cast<int>(t));
     double tile_squares = 0, tile_lit = 0;
-    if (film.tile_sums(t).empty()) {  // nothing has been sent there
-      errors.mean_square.push_back(0);
-      errors.lit.push_back(0);
-      continue;
-    }
+    if (film.tile_sums(static_cast<int>(t)).empty()) return;  // nothing has been sent there
     for (int row = tile.y - film.window().y; row < tile.y - film.window().y + tile.height; ++row)
       for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width;
            ++column) {
@@ -48,15 +51,19 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
         // One replicate has no scatter.
         const double e = error.empty() ? 0 : static_cast<double>(error.at(column, row));
         tile_squares += e * e;
-        total += static_cast<double>(flux.at(column, row));
+        totals[t] += static_cast<double>(flux.at(column, row));
         tile_lit += 1;
       }
-    errors.mean_square.push_back(tile_lit > 0 ? tile_squares / tile_lit : 0);
-    errors.lit.push_back(tile_lit);
-    lit += tile_lit;
+    errors.mean_square[t] = tile_lit > 0 ? tile_squares / tile_lit : 0;
+    errors.lit[t] = tile_lit;
+  });
+  double total = 0, lit = 0;
+  for (std::size_t t = 0; t < tiles; ++t) {
+    total += totals[t];
+    lit += errors.lit[t];
   }
   if (lit > 0) errors.mean_flux = total / lit;
-  errors.stated = stated_error(flux, error, film.replicates());
+  errors.stated = stated_error(flux, error, film.replicates(), parts, execution);
   return errors;
 }
 

@@ -53,6 +53,9 @@ class Film {
   /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
   FilmImages images(int channel, const Execution& execution = {}) const;
 
+  /// The tiles, from the corner of such an image, outside of which it is 0 for every channel.
+  std::vector<PixelWindow> lit_parts() const;
+
   /// Samples per replicate that the round in progress brings each tile to: what has been decided
   /// goes with what has been gathered. Empty as long as nothing has.
   const std::vector<double>& tile_goals() const { return tile_goals_; }
@@ -69,6 +72,7 @@ class Film {
     return (row - window_.y) / kTile * tiles_across() + (column - window_.x) / kTile;
   }
   std::size_t index_in_tile(int tile, int channel, int replicate, int column, int row) const;
+  bool is_lit(int tile) const { return !tile_sums(tile).empty() && tile_samples(tile) > 0; }
   void develop(int tile, int channel, FilmImages& images) const;
 
   PixelWindow window_;
