@@ -16,6 +16,7 @@ namespace {
 /// beside it are rare, but a pixel whose pupil nothing cuts is otherwise nearly free of noise.
 constexpr double kBareSafety = 1e-11;
 constexpr int kBareBisections = 48;
+constexpr double kZones[] = {0.3, 0.5, 0.7, 0.85, 1};  ///< of the way to the edge
 
 struct Outline {
   PupilNode node;
@@ -51,7 +52,13 @@ Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
     outline.node.aim_radius =
         std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
     outline.edge.push_back(u);
-    if (!camera.misaligned()) outline.rays.push_back(camera.trace({h, 0}, std::nullopt, u).exit);
+    if (camera.misaligned()) continue;
+    // Zones of a lens focus at different distances: the edge's rays need not be the outermost.
+    for (const double share : kZones) {
+      const Vec2 within = inside + share * (u - inside);
+      const Camera::Path path = camera.trace({h, 0}, std::nullopt, within);
+      if (path.status.status == RayStatus::reached) outline.rays.push_back(path.exit);
+    }
   }
   return outline;
 }

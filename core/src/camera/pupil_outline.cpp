@@ -68,6 +68,13 @@ Vec2 PupilOutline::aim(int azimuth, double distance, std::size_t i) const {
   return discs_.shift * Vec2{dot(s, e), s.y * e.x - s.x * e.y} + discs_.radius * points_[i];
 }
 
+/// Whether also rays within an interval of the point tell how far beams reach: of the aperture's
+/// middle and of some of its edge.
+bool PupilOutline::bounds_beam(std::size_t i) {
+  const std::size_t ring = (i - 1) / kSpokes;
+  return i == 0 || ring == 4 || ring == 6;
+}
+
 /// Fills one grid. @return false when something passes as far out as was looked
 bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range) {
   const Vec2 e = directions_[static_cast<std::size_t>(azimuth)];
@@ -87,14 +94,17 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
   std::array<int, kPoints> first, last;
   first.fill(-1);
   last.fill(-1);
-  open.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
+  std::vector<Ray> within;
+  open.trace(h, requests, [&](std::size_t index, bool passes, const Ray& ray) {
     if (!passes) return;
     const std::size_t i = index / (kScan + 1);
     const int k = static_cast<int>(index % (kScan + 1));
     if (first[i] < 0) first[i] = k;
     last[i] = k;
+    if (bounds_beam(i) && k % 2 == 0) within.push_back(ray);
   });
   if (*std::max_element(last.begin(), last.end()) == kScan) return false;
+  beam_rays_.insert(beam_rays_.end(), within.begin(), within.end());
   // Both ends of every interval, between the last point that passes and the first that does not.
   struct End {
     std::size_t point;
@@ -125,7 +135,7 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
   }
   for (const End& end : ends) {
     (end.outer ? grid[end.point].out : grid[end.point].in) = end.stops;
-    if (end.outer && end.ray.direction.z != 0) edge_rays_.push_back(end.ray);
+    if (end.outer && end.ray.direction.z != 0) beam_rays_.push_back(end.ray);
   }
   return true;
 }

@@ -29,8 +29,8 @@ class PupilOutline {
   /// Share of the aperture that sees the scene, averaged over the azimuths and integrated over the
   /// distances up to this one [m].
   double opened(double distance) const;
-  /// Rays at the ends of the intervals, in the plane z = 0 of the camera frame.
-  const std::vector<Ray>& edge_rays() const { return edge_rays_; }
+  /// Rays at the ends of the intervals, and some within, in the plane z = 0 of the camera frame.
+  const std::vector<Ray>& beam_rays() const { return beam_rays_; }
 
  private:
   static constexpr int kRings = 7, kSpokes = 16;
@@ -41,6 +41,7 @@ class PupilOutline {
   using Grid = std::array<Interval, kPoints>;
   Vec2 sensor_point(int azimuth, double distance) const;
   Vec2 aim(int azimuth, double distance, std::size_t i) const;
+  static bool bounds_beam(std::size_t i);
   double last_inside(int azimuth, std::size_t i) const;
   bool search(PupilTracer& open, double h, int azimuth, double range);
   PupilCut cut(int azimuth, double distance) const;
@@ -54,7 +55,7 @@ class PupilOutline {
   /// Of every interval, as far as its point lies inside the bound.
   std::array<std::array<double, kPoints>, PupilCuts::kAzimuths> ends_{};
   std::array<double, PupilCuts::kAzimuths> opens_{}, closes_{};
-  std::vector<Ray> edge_rays_;
+  std::vector<Ray> beam_rays_;
   bool dark_ = true;
 };
 

@@ -230,7 +230,7 @@ class TableMaker {
     for (std::size_t k = 0; k < node.opened.size(); ++k)
       node.opened[k] = outline.opened(node.outer_radius * static_cast<double>(k) /
                                       static_cast<double>(node.opened.size() - 1));
-    table_.edges[i] = outline.edge_rays();
+    table_.edges[i] = outline.beam_rays();
   }
 
   void fill_shadow() { extend_into_shadow(table_.nodes, cuts_); }

@@ -42,7 +42,17 @@ class BeamBounds {
     std::vector<Footprint> nodes;
   };
   const LitRegion* region_;
+  /// Places with all that is around them: where whole neighbourhoods see nothing, none of their
+  /// microlenses is looked at. Not for cameras that are not aligned.
+  struct Neighbourhoods {
+    int columns = 0, rows = 0;  ///< 0: none
+    Vec2 lower, scale;          ///< [m], per metre
+    std::vector<bool> dark;     ///< of each table in turn, row by row
+  };
+  void survey(const Camera& camera);
+  bool is_dark(const FieldTable& field, Vec2 middle, double room) const;
   std::vector<FieldTable> fields_;
+  Neighbourhoods around_;
   double half_diagonal_ = 0;  ///< [m] of a pixel, without array
   bool misaligned_ = false;
   RigidTransform to_lens_;   ///< from the camera's frame to that of the main lens

@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "plenoflame/render/render.h"
+#include "render/beam_bounds.h"
 #include "render/lit_region.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
@@ -68,6 +70,10 @@ TEST(PixelBeams, HoldTheRaysOfTheirPixels) {
         const Vec3 world = camera.to_world().point(at), speck{1e-7, 1e-7, 1e-7};
         const LitRegion region(camera, {{world - speck, world + speck}});
         EXPECT_TRUE(region.bounded());
+        // Neither is the lens, nor all that is around it, said to see nothing.
+        EXPECT_TRUE(at.x != seen.x || at.y != seen.y ||
+                    BeamBounds(camera, pupils.tables(), region).may_meet(type, place))
+            << "lens of type " << type << " at " << place.x << ", " << place.y;
         const auto beams = PixelBeams::make(camera, pupils.tables(), region);
         return beams->of(type, {place.x, place.y}).may_meet(pixel);
       };
@@ -82,6 +88,48 @@ TEST(PixelBeams, HoldTheRaysOfTheirPixels) {
     EXPECT_EQ(rays, 300);
     EXPECT_GT(told, 0.9 * apart) << spec.lens.surfaces.front().diameter << " "
                                  << (spec.lens.model == LensModel::ideal);
+  }
+}
+
+// Without array, in front of and behind the focus of all zones of the lens: where they cross, the
+// outermost rays are not those of the lens' edge.
+TEST(BeamBounds, HoldTheRaysOfBarePixels) {
+  const CameraSpec paper = paper_flame(3000, 3000).camera;
+  std::mt19937_64 generator(11);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * (static_cast<double>(generator() >> 11) * 0x1p-53);
+  };
+  for (CameraSpec spec : {paper, stopped_down(paper), with_ideal_lenses(paper)}) {
+    spec.array.present = false;
+    const Camera camera(spec);
+    const PupilSampling pupils(camera);
+    const Vec2 corner = camera.sensor_point(0, 0);
+    int rays = 0, apart = 0, told = 0;
+    while (rays < 400) {
+      const Vec2 sensor{uniform(-std::fabs(corner.x), std::fabs(corner.x)),
+                        uniform(-std::fabs(corner.y), std::fabs(corner.y))};
+      const double turn = uniform(0, 6.283185307179586), r = 0.05 * std::sqrt(uniform(0, 1));
+      const double reach = spec.lens.surfaces.front().diameter < 0.05 ? 0.2 : 1;
+      const Vec2 aim{reach * r * std::cos(turn), reach * r * std::sin(turn)};
+      const Camera::Path path = camera.trace(sensor, std::nullopt, aim);
+      if (path.status.status != RayStatus::reached) continue;
+      ++rays;
+      const Vec3 at =
+          path.exit.at((uniform(0.7, 1.4) - path.exit.origin.z) / path.exit.direction.z);
+      const auto meets = [&](Vec3 seen) {
+        const Vec3 world = camera.to_world().point(seen), speck{1e-7, 1e-7, 1e-7};
+        const LitRegion region(camera, {{world - speck, world + speck}});
+        return BeamBounds(camera, pupils.tables(), region)
+            .may_meet(0, {sensor.x, sensor.y, camera.sensor()});
+      };
+      ASSERT_TRUE(meets(at)) << "ray " << rays << " from " << sensor.x << ", " << sensor.y
+                             << " through " << aim.x << ", " << aim.y << " at " << at.z;
+      if (rays % 8 != 0) continue;
+      ++apart;
+      const double away = uniform(0, 6.283185307179586);
+      told += !meets(at + 80e-3 * Vec3{std::cos(away), std::sin(away), 0});
+    }
+    EXPECT_EQ(told, apart);
   }
 }
 

@@ -59,8 +59,9 @@ class PupilTable {
   ApertureDiscs discs;    ///< with array
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
-  /// Rays at the edge of what gets through, per node, leaving the camera (camera frame), for a
-  /// microlens centre (or sensor point) on the +x axis: they bound the beam.
+  /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:
+  /// zones of a lens focus at different distances), per node, leaving the camera (camera frame),
+  /// for a microlens centre (or sensor point) on the +x axis: they bound the beam.
   std::vector<std::vector<Ray>> edges;
 
   /// Linear interpolation; h beyond the table takes the last node.
