@@ -89,7 +89,14 @@ temperature = "1800 K"
 absorption = "20 1/m"
 END
   done
+  # The same without the blur of the main lens: what sees the sphere is what it fills.
+  for radius in 3 60; do
+    sed 's|^camera.focus|camera.lens.model = "ideal"\n&|' "out/benchmarks/sphere-$radius.toml" \
+      >"out/benchmarks/sphere-$radius-ideal.toml"
+  done
   for samples in 16 256; do
+    skipping "beams: a sphere that fills 0.8 % of the sensor, ideal lens, $samples samples" out/benchmarks/sphere-3-ideal.toml $samples
+    skipping "beams: a sphere that fills all of the sensor, ideal lens, $samples samples" out/benchmarks/sphere-60-ideal.toml $samples
     skipping "beams: a sphere that fills 0.8 % of the sensor, $samples samples" out/benchmarks/sphere-3.toml $samples
     skipping "beams: a sphere that fills all of the sensor, $samples samples" out/benchmarks/sphere-60.toml $samples
   done
