@@ -35,6 +35,7 @@ constexpr std::string_view kNumberPrefix = "plenoflame.number.";
 constexpr std::string_view kTextPrefix = "plenoflame.text.";
 constexpr std::string_view kErrorSuffix = ".error";
 constexpr int kFormat = 1;
+constexpr int kRows = 32;  ///< that are read or written between looks at whether to stop
 
 std::string joined(std::string_view a, std::string_view b) {
   return std::string(a).append(b);
@@ -271,7 +272,7 @@ void allocate_images(const std::string& path, const Imf::Header& header, std::ui
 }
 
 LightField read(const std::string& path, bool with_pixels, bool foreign = false,
-                const Wanted& wanted = {}) {
+                const Wanted& wanted = {}, const std::stop_token& stop = {}) {
   ExrInput input(path);
   input.check_header();
   try {
@@ -296,7 +297,11 @@ LightField read(const std::string& path, bool with_pixels, bool foreign = false,
     allocate_images(path, header, input.size(), wanted, light_field);
     Imf::InputFile file(input);
     file.setFrameBuffer(make_frame_buffer(light_field));
-    file.readPixels(light_field.window.y, light_field.window.y + light_field.window.height - 1);
+    const int end = light_field.window.y + light_field.window.height;
+    for (int row = light_field.window.y; row < end; row += kRows) {
+      if (stop.stop_requested()) throw Cancelled();
+      file.readPixels(row, std::min(row + kRows, end) - 1);
+    }
     return light_field;
   } catch (const Error&) {
     throw;
@@ -320,14 +325,20 @@ const LightFieldChannel& find_channel(const LightField& light_field, const std::
                    "'; it has: " + (names.empty() ? "none" : names));
 }
 
-void write_light_field(const std::string& path, const LightField& light_field) {
+void write_light_field(const std::string& path, const LightField& light_field,
+                       const std::stop_token& stop) {
   check(light_field);
   AtomicFile file(path);
   ExrOutput output(file, path);
   try {
     Imf::OutputFile exr(output, make_header(light_field));
     exr.setFrameBuffer(make_frame_buffer(light_field));
-    exr.writePixels(light_field.window.height);
+    for (int row = 0; row < light_field.window.height; row += kRows) {
+      if (stop.stop_requested()) throw Cancelled();
+      exr.writePixels(std::min(kRows, light_field.window.height - row));
+    }
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::exception& failure) {
     if (output.error() != 0) file.fail(output.error());
     throw FileError("cannot write '" + path + "': " + failure.what());
@@ -336,8 +347,8 @@ void write_light_field(const std::string& path, const LightField& light_field) {
   file.commit();
 }
 
-LightField read_light_field(const std::string& path) {
-  return read(path, true);
+LightField read_light_field(const std::string& path, const std::stop_token& stop) {
+  return read(path, true, false, {}, stop);
 }
 
 LightField read_foreign_image(const std::string& path) {

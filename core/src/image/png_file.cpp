@@ -47,9 +47,9 @@ void pack_row(const PngImage& image, int row, png_byte* out) {
   }
 }
 
-/// @return false when libpng reported an error
+/// @return false when libpng reported an error, or a stop was requested
 bool write_rows(png_structp png, png_infop info, const PngImage& image, png_text* texts,
-                int text_count, png_byte* buffer, std::FILE* stream) {
+                int text_count, png_byte* buffer, std::FILE* stream, const std::stop_token& stop) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_init_io(png, stream);
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
@@ -71,6 +71,7 @@ bool write_rows(png_structp png, png_infop info, const PngImage& image, png_text
   png_set_compression_level(png, 3);
   png_write_info(png, info);
   for (int row = 0; row < image.height; ++row) {
+    if (stop.stop_requested()) return false;
     pack_row(image, row, buffer);
     png_write_row(png, buffer);
   }
@@ -135,7 +136,7 @@ void check(const PngImage& image) {
 
 }  // namespace
 
-void write_png(const std::string& path, const PngImage& image) {
+void write_png(const std::string& path, const PngImage& image, const std::stop_token& stop) {
   check(image);
   std::vector<png_text> texts;
   for (const auto& [keyword, text] : image.texts) {
@@ -155,10 +156,11 @@ void write_png(const std::string& path, const PngImage& image) {
   errno = 0;
   const bool written =
       info != nullptr && write_rows(png, info, image, texts.data(), static_cast<int>(texts.size()),
-                                    buffer.data(), file.stream());
+                                    buffer.data(), file.stream(), stop);
   const int error = errno;
   png_destroy_write_struct(&png, &info);
   if (!written) {
+    if (stop.stop_requested()) throw Cancelled();
     if (std::ferror(file.stream()) != 0) file.fail(error);
     throw FileError("cannot write '" + path + "': " + failure.message);
   }

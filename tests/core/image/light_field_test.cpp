@@ -147,6 +147,35 @@ TEST(LightFieldFile, ComesBackBitByBit) {
 }
 
 /// What other programs see: read with OpenEXR alone.
+TEST(LightFieldFile, TallOneComesBackWhole) {
+  const TemporaryFolder folder;
+  LightField field;
+  field.sensor_width = 30;
+  field.sensor_height = 300;
+  field.window = {3, 11, 5, 203};
+  Image flux(5, 203);
+  for (std::size_t i = 0; i < flux.pixels.size(); ++i) flux.pixels[i] = static_cast<float>(i);
+  field.channels.push_back({"total", flux, {}});
+  write_light_field(folder.file("a.exr"), field);
+  const LightField read = read_light_field(folder.file("a.exr"));
+  expect_same(read.channels[0].flux, flux);
+}
+
+TEST(LightFieldFile, StoppedWritingLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.exr");
+  std::stop_source stop;
+  write_light_field(path, sample_light_field(), stop.get_token());  // nobody asks yet
+  const std::string before = read_bytes(path);
+  LightField other = sample_light_field();
+  other.seed = 1;
+  stop.request_stop();
+  EXPECT_THROW(write_light_field(path, other, stop.get_token()), Cancelled);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.exr"});
+  EXPECT_EQ(read_bytes(path), before);
+  EXPECT_THROW(read_light_field(path, stop.get_token()), Cancelled);
+}
+
 TEST(LightFieldFile, IsAnOrdinaryExr) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");

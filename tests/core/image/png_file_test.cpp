@@ -63,6 +63,19 @@ TEST(Png, ComesBackAsWritten) {
   EXPECT_EQ(folder.names().size(), 1U);
 }
 
+TEST(Png, StoppedWritingLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.png");
+  std::stop_source stop;
+  write_png(path, sample_image(1, 16), stop.get_token());  // nobody asks yet
+  const std::string before = test::read_bytes(path);
+  ASSERT_FALSE(before.empty());
+  stop.request_stop();
+  EXPECT_THROW(write_png(path, sample_image(3, 8), stop.get_token()), Cancelled);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.png"});
+  EXPECT_EQ(test::read_bytes(path), before);
+}
+
 TEST(Png, RefusesWhatDoesNotFit) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.png");

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -51,12 +52,14 @@ const LightFieldChannel& find_channel(const LightField& light_field, const std::
 /// sensor.pixel_pitch (sensorPhotositePitch, um; sensorOverallDimensions, mm).
 /// The same light field gives the same bytes.
 /// @throws FileError naming the file and the cause (folder missing, disk full, ...),
-///         InputError when window, images and names do not fit together
-void write_light_field(const std::string& path, const LightField& light_field);
+///         InputError when window, images and names do not fit together,
+///         Cancelled when a stop was requested: nothing is left behind
+void write_light_field(const std::string& path, const LightField& light_field,
+                       const std::stop_token& stop = {});
 
 /// Reads what write_light_field wrote. @throws FileError (cannot be read, not an EXR, damaged),
-/// InputError (an EXR from elsewhere: names the missing attribute).
-LightField read_light_field(const std::string& path);
+/// InputError (an EXR from elsewhere: names the missing attribute), Cancelled
+LightField read_light_field(const std::string& path, const std::stop_token& stop = {});
 
 /// Reads an EXR from elsewhere as though it were a raw image: every channel (converted to 32-bit
 /// float) is taken for flux, in alphabetical order, the display window for the sensor. Attributes

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,8 @@ struct PngImage {
 
 /// Writes a PNG under a temporary name that is renamed at the end.
 /// @throws FileError (cannot be written), InputError (sizes that do not fit together, a sample
-///         that exceeds the bits)
-void write_png(const std::string& path, const PngImage& image);
+///         that exceeds the bits), Cancelled (a stop was requested: nothing is left behind)
+void write_png(const std::string& path, const PngImage& image, const std::stop_token& stop = {});
 
 /// Reads any PNG as grey or RGB: palettes are resolved, transparency is dropped, less than 8 bits
 /// become 8. @throws FileError (cannot be read, not a PNG, damaged)

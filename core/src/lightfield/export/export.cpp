@@ -55,7 +55,7 @@ void ExportJob::png(const std::string& name, const Image& image, double white, i
     for (int c = 0; c < channels; ++c) picture.samples.push_back(sample);
   }
   picture.texts = {{"Software", "Plenoflame " + field.version}};
-  write_png(file(name), picture);
+  write_png(file(name), picture, execution.stop);
 }
 
 double ExportJob::raw_white() const {

@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+
+namespace plenoflame {
+
+/// Files that appear in a folder all together. They are written into a temporary folder within it,
+/// and moved out of that by commit(); without commit() the destructor removes it with all that is
+/// in it, and the folder is as it was before.
+class StagingFolder {
+ public:
+  /// @param folder exists
+  /// @throws FileError naming it and the cause: missing, no permission, disk full
+  explicit StagingFolder(const std::string& folder);
+  ~StagingFolder();
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder& operator=(const StagingFolder&) = delete;
+
+  /// Where the files are to be written.
+  const std::string& path() const { return path_; }
+  /// Moves them into the folder, over those of the same names.
+  /// @throws FileError as AtomicFile's constructor, before anything is moved
+  void commit();
+
+ private:
+  std::string folder_, path_;
+};
+
+}  // namespace plenoflame
