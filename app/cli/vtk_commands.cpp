@@ -46,10 +46,11 @@ void make_picture(const PictureRequest& request) {
   find<void(const PictureRequest&)>("plenoflame_make_picture")(request);
 }
 
-std::vector<ImportedFlame> import_flames(const FlameImportRequest& request) {
+std::vector<ImportedFlame> import_flames(const FlameImportRequest& request,
+                                         const Execution& execution) {
   std::vector<ImportedFlame> files;
-  find<void(const FlameImportRequest&, std::vector<ImportedFlame>&)>("plenoflame_import_flames")(
-      request, files);
+  find<void(const FlameImportRequest&, const Execution&, std::vector<ImportedFlame>&)>(
+      "plenoflame_import_flames")(request, execution, files);
   return files;
 }
 

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/execution.h"
+
 /// Commands that need VTK. They live in a library of their own that is loaded when one of them is
 /// called: linked to the command, VTK's hundred libraries would slow down the start of all others.
 namespace plenoflame::cli {
@@ -49,6 +51,9 @@ struct ImportedFlame {
 
 /// Warnings go to standard error. @throws Error; FileError when the library is missing
 void make_picture(const PictureRequest& request);
-std::vector<ImportedFlame> import_flames(const FlameImportRequest& request);
+/// @param execution its stop, progress and warnings are used
+/// @throws Error, FileError when the library is missing, Cancelled
+std::vector<ImportedFlame> import_flames(const FlameImportRequest& request,
+                                         const Execution& execution = {});
 
 }  // namespace plenoflame::cli

@@ -1,5 +1,8 @@
 // Flames from simulations in C++: an analytic field on tetrahedra comes back exactly.
+#include <vtkAlgorithm.h>
+#include <vtkCallbackCommand.h>
 #include <vtkCellType.h>
+#include <vtkCommand.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkExecutive.h>
@@ -11,6 +14,7 @@
 
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include "events.h"
@@ -88,6 +92,26 @@ TEST_F(FlameImport, LinearFieldIsExact) {
         relative(kappa->GetTuple1(i), 6 * std::acos(-1.0) * 0.26 * soot_at(p) / 650e-9, 1e-6));
   }
   EXPECT_GT(inside, 4000);
+}
+
+TEST_F(FlameImport, StopsWhereItIsAborted) {
+  // A moment after the file was read: what follows comes to its next look at the flag.
+  vtkNew<vtkCallbackCommand> callback;
+  std::vector<double> told;
+  callback->SetClientData(&told);
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void* fraction) {
+    auto& list = *static_cast<std::vector<double>*>(data);
+    list.push_back(*static_cast<double*>(fraction));
+    if (list.back() > 0.2) static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
+  });
+  import_->AddObserver(vtkCommand::ProgressEvent, callback);
+  const Events errors(import_), of_executive(import_->GetExecutive());
+  import_->Update();
+  EXPECT_EQ(errors.size(), 0U) << errors.all();
+  EXPECT_EQ(import_->GetOutput()->GetNumberOfPoints(), 0);
+  ASSERT_FALSE(told.empty());
+  EXPECT_GT(told.back(), 0.2);
+  EXPECT_LE(told.back(), 0.6);  // where the second array begins
 }
 
 TEST_F(FlameImport, MissingArrayListsThosePresent) {

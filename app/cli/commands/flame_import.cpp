@@ -8,6 +8,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
+#include "progress_bar.h"
 #include "report.h"
 #include "run.h"
 #include "vtk_commands.h"
@@ -66,7 +67,12 @@ int run_import(const Settings& settings) {
     throw UsageError("-o: '" + request.output + "' must end in .vdb");
   Report report;
   nlohmann::json files = nlohmann::json::array();
-  for (const ImportedFlame& flame : import_flames(request)) {
+  ProgressBar bar(false);
+  Execution execution;
+  bar.connect(execution);
+  const std::vector<ImportedFlame> imported = import_flames(request, execution);
+  bar.finish();
+  for (const ImportedFlame& flame : imported) {
     nlohmann::json entry{{"file", flame.file}, {"time_s", flame.time}};
     std::string text;
     for (const GridInfo& grid : list_grids(flame.file)) {  // what is in the file

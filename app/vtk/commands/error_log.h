@@ -4,17 +4,18 @@
 #include <vtkNew.h>
 #include <vtkObject.h>
 
-#include <iostream>
 #include <string>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/execution.h"
 
 namespace plenoflame::cli {
 
-/// Turns error events into an exception, and prints warning events as the command does.
+/// Turns error events into an exception, and passes warning events on.
 class ErrorLog {
  public:
-  ErrorLog() {
+  /// @param execution its warnings; it must live as long
+  explicit ErrorLog(const Execution& execution) : execution_(execution) {
     callback_->SetClientData(this);
     callback_->SetCallback([](vtkObject*, unsigned long event, void* self, void* data) {
       std::string text = static_cast<const char*>(data);
@@ -22,7 +23,7 @@ class ErrorLog {
       while (!text.empty() && text.back() == '\n') text.pop_back();
       auto& log = *static_cast<ErrorLog*>(self);
       if (event == vtkCommand::WarningEvent)
-        std::cerr << "plenoflame: warning: " << text << '\n';
+        log.execution_.warn(text);
       else if (log.first_.empty())
         log.first_ = text;
     });
@@ -37,6 +38,7 @@ class ErrorLog {
   }
 
  private:
+  const Execution& execution_;
   vtkNew<vtkCallbackCommand> callback_;
   std::string first_;
 };

@@ -1,4 +1,8 @@
+#include <vtkAlgorithm.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
 #include <vtkExecutive.h>
+#include <vtkNew.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -20,20 +24,49 @@ std::string numbered(const std::string& path, int number) {
   return (p.parent_path() / (p.stem().string() + digits + p.extension().string())).string();
 }
 
+/// Passes the progress of an algorithm on, and the wish to stop the other way.
+class ProgressWatch {
+ public:
+  ProgressWatch(const Execution& execution, vtkAlgorithm& algorithm) : execution_(execution) {
+    callback_->SetClientData(this);
+    callback_->SetCallback([](vtkObject* caller, unsigned long, void* self, void* fraction) {
+      const auto& watch = *static_cast<ProgressWatch*>(self);
+      if (watch.execution_.stop.stop_requested())
+        static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
+      if (!watch.execution_.progress) return;
+      Progress progress;
+      progress.fraction = (watch.done_ + *static_cast<double*>(fraction)) / watch.count_;
+      watch.execution_.progress(progress);
+    });
+    algorithm.AddObserver(vtkCommand::ProgressEvent, callback_);
+  }
+  /// What begins now is one of so many steps.
+  void step(std::size_t done, std::size_t count) {
+    done_ = static_cast<double>(done);
+    count_ = static_cast<double>(count);
+  }
+
+ private:
+  const Execution& execution_;
+  vtkNew<vtkCallbackCommand> callback_;
+  double done_ = 0, count_ = 1;
+};
+
 }  // namespace
 }  // namespace plenoflame::cli
 
 extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
-    const plenoflame::cli::FlameImportRequest& request,
+    const plenoflame::cli::FlameImportRequest& request, const plenoflame::Execution& execution,
     std::vector<plenoflame::cli::ImportedFlame>& written) {
   using namespace plenoflame;
   using namespace plenoflame::cli;
   int number = 0;
   for (const std::string& file : request.files) {
-    ErrorLog log;
+    ErrorLog log(execution);
     vtkNew<vtkPlenoflameFlameImport> source;
     log.watch(source);
     log.watch(source->GetExecutive());
+    ProgressWatch watch(execution, *source);
     source->SetFileName(file.c_str());
     if (!request.solution.empty()) source->SetSolutionFileName(request.solution.c_str());
     source->SetTemperatureArray(request.temperature.c_str());
@@ -61,6 +94,10 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
       const std::string output = series ? numbered(request.output, number++) : request.output;
       check_writable(output);
       source->SetTimeStep(step);
+      watch.step(written.size(), request.files.size() * static_cast<std::size_t>(last - first + 1));
+      source->Update();
+      log.check();
+      if (execution.stop.stop_requested()) throw Cancelled();
       vtkNew<vtkPlenoflameFlameWriter> writer;
       log.watch(writer);
       writer->SetInputConnection(source->GetOutputPort());

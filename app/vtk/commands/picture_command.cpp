@@ -3,6 +3,8 @@
 #include <vtkPolyData.h>
 #include <vtkXMLPolyDataReader.h>
 
+#include <iostream>
+
 #include "error_log.h"
 #include "plenoflame/image/atomic_file.h"
 #include "vtkPlenoflameLightFieldReader.h"
@@ -53,7 +55,11 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_make_picture(
   using namespace plenoflame::cli;
   if (!vtkPlenoflameScenePicture::CanRender())
     throw InputError(vtkPlenoflameScenePicture::GetWhyNot());
-  ErrorLog log;
+  Execution execution;
+  execution.message = [](Severity, const std::string& text) {
+    std::cerr << "plenoflame: warning: " << text << '\n';
+  };
+  ErrorLog log(execution);
   vtkNew<vtkPlenoflameScene> scene;
   log.watch(scene);
   scene->ReadFile(request.scene);

@@ -156,13 +156,16 @@ std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& 
 
 std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
                           const std::string& name, vtkImageData& lattice, const std::string& path,
-                          const std::function<void(double)>& progress) {
+                          const Watcher& watcher) {
   std::vector<float> values(static_cast<std::size_t>(lattice.GetNumberOfPoints()),
                             std::numeric_limits<float>::quiet_NaN());
   bool found = false;
   double done = 0;
   for (const auto& part : parts) {
-    progress(done++ / static_cast<double>(parts.size()));
+    const auto part_watcher = [&watcher, before = done++,
+                               count = static_cast<double>(parts.size())](double share) {
+      return watcher((before + share) / count);
+    };
     const auto source = with_point_array(*part, name, path);
     if (!source) continue;
     found = true;
@@ -171,7 +174,7 @@ std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
     vtkNew<vtkProbeFilter> probe;
     probe->SetInputData(points);
     probe->SetSourceData(source);
-    probe->Update();
+    update_watched(*probe, part_watcher, [&] { probe->Update(); });
     vtkDataArray* const sampled = probe->GetOutput()->GetPointData()->GetArray(name.c_str());
     vtkDataArray* const valid =
         probe->GetOutput()->GetPointData()->GetArray(probe->GetValidPointMaskArrayName());

@@ -2,9 +2,10 @@
 #include <vtkSmartPointer.h>
 
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include "watched_algorithm.h"
 
 class vtkDataSet;
 class vtkImageData;
@@ -24,9 +25,9 @@ std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& 
 /// within a cell as VTK interpolates its points. Arrays of cells are first averaged to the points.
 /// Where parts overlap the first one in the list wins.
 /// @throws InputError: no part has such an array (lists those present), more than one component, a
-///         value that is not finite (names its place)
+///         value that is not finite (names its place); Cancelled
 std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
                           const std::string& array, vtkImageData& lattice, const std::string& path,
-                          const std::function<void(double)>& progress);
+                          const Watcher& watcher);
 
 }  // namespace plenoflame::simulation

@@ -313,24 +313,33 @@ SimulationReader::SimulationReader(const std::string& path, const std::string& s
 
 SimulationReader::~SimulationReader() = default;
 
-std::vector<vtkSmartPointer<vtkDataSet>> SimulationReader::read(std::size_t step) {
+std::vector<vtkSmartPointer<vtkDataSet>> SimulationReader::read(std::size_t step,
+                                                                const Watcher& watcher) {
   if (step >= times_.size())
     throw InputError("'" + path_ + "' has " + std::to_string(times_.size()) +
                      " time steps; there is no step " + std::to_string(step) + " (counted from 0)");
   std::vector<vtkSmartPointer<vtkDataSet>> parts;
   if (raw_) return {raw_};
   if (!series_.empty()) {
-    for (const std::string& file : series_[step])
-      for (auto& part : SimulationReader(file, "").read(0)) parts.push_back(std::move(part));
+    double done = 0;
+    const auto count = static_cast<double>(series_[step].size());
+    for (const std::string& file : series_[step]) {
+      const auto part_watcher = [&](double part) { return watcher((done + part) / count); };
+      for (auto& part : SimulationReader(file, "").read(0, part_watcher))
+        parts.push_back(std::move(part));
+      ++done;
+    }
     sort_by_cell_size(parts);
     return parts;
   }
   {
     CollectedOutput output;
-    if (times_.size() > 1)
-      reader_->UpdateTimeStep(times_[step]);
-    else
-      reader_->Update();
+    update_watched(*reader_, watcher, [&] {
+      if (times_.size() > 1)
+        reader_->UpdateTimeStep(times_[step]);
+      else
+        reader_->Update();
+    });
     errors_->add(output.text());
   }
   errors_->check(path_, format_);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "watched_algorithm.h"
+
 class vtkAlgorithm;
 class vtkDataSet;
 
@@ -21,8 +23,8 @@ class SimulationReader {
 
   /// Times of the steps, as the file has them; a single 0 when it knows no time.
   const std::vector<double>& times() const { return times_; }
-  /// The parts of the mesh at a step, the finest cells first. @throws InputError
-  std::vector<vtkSmartPointer<vtkDataSet>> read(std::size_t step);
+  /// The parts of the mesh at a step, the finest cells first. @throws InputError, Cancelled
+  std::vector<vtkSmartPointer<vtkDataSet>> read(std::size_t step, const Watcher& watcher);
   /// "OpenFOAM".
   const std::string& format() const { return format_; }
 

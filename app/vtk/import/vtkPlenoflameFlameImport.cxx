@@ -129,6 +129,9 @@ int vtkPlenoflameFlameImport::RequestData(vtkInformation*, vtkInformationVector*
   try {
     this->Fill(vtkImageData::GetData(outputs));
     return 1;
+  } catch (const plenoflame::Cancelled&) {
+    vtkImageData::GetData(outputs)->Initialize();  // as wanted by AbortExecute
+    return 1;
   } catch (const std::exception& error) {
     vtkErrorMacro(<< error.what());
     return 0;
@@ -159,9 +162,14 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
     throw UsageError("lengths, voxel size, E(m) and wavelength must be above 0");
   this->Open();
   const std::string path = this->FileName;
-  const auto parts =
-      this->Internal->Reader->read(static_cast<std::size_t>(std::max(0, this->TimeStep)));
-  this->UpdateProgress(0.2);
+  const auto watcher = [this](double from, double to) {
+    return [=, this](double part) {
+      this->UpdateProgress(from + (to - from) * part);
+      return this->GetAbortExecute() == 0;
+    };
+  };
+  const auto parts = this->Internal->Reader->read(
+      static_cast<std::size_t>(std::max(0, this->TimeStep)), watcher(0, 0.2));
   simulation::check_mesh(parts, path);
   std::array<double, 6> bounds = simulation::bounds_of(parts);  // in units of the mesh
   if (this->Bounds[0] < this->Bounds[1])
@@ -202,11 +210,8 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
   lattice->SetDimensions(size);
   lattice->SetSpacing(spacing);
   lattice->SetOrigin(origin);
-  const auto progress = [this](double from, double to) {
-    return [=, this](double part) { this->UpdateProgress(from + (to - from) * part); };
-  };
   std::vector<float> temperature =
-      simulation::sample(parts, this->TemperatureArray, *lattice, path, progress(0.2, 0.6));
+      simulation::sample(parts, this->TemperatureArray, *lattice, path, watcher(0.2, 0.6));
   const bool celsius = this->TemperatureUnit == "degC";
   bool any = false;
   for (float& value : temperature) {
@@ -228,7 +233,7 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
     const std::string& name = soot ? this->SootArray : this->AbsorptionArray;
     const double factor =
         soot ? plenoflame::soot_absorption(1, this->SootFunction, this->Wavelength) : to_per_metre;
-    absorption = simulation::sample(parts, name, *lattice, path, progress(0.6, 0.95));
+    absorption = simulation::sample(parts, name, *lattice, path, watcher(0.6, 0.95));
     for (float& value : absorption) {
       // Interpolation of higher order and solvers leave tiny negative values: they are none.
       value = std::isnan(value) ? 0 : static_cast<float>(factor * static_cast<double>(value));
