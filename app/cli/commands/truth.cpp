@@ -12,6 +12,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/ground_truth.h"
 #include "plenoflame/scene/scene_file.h"
+#include "progress_bar.h"
 #include "report.h"
 #include "run.h"
 
@@ -63,7 +64,7 @@ std::vector<Vec3> read_points(const std::string& path) {
 }
 
 std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points,
-                           std::size_t& images) {
+                           const Execution& execution, std::size_t& images) {
   std::ostringstream text;
   text.imbue(std::locale::classic());
   text.precision(10);
@@ -72,7 +73,13 @@ std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points
     if (!(camera.to_world().inverse().point(points[i]).z > 0))
       throw InputError(fmt::format("point {} at {}, {}, {} m is not in front of the camera", i,
                                    points[i].x, points[i].y, points[i].z));
-    for (const PointTruth& image : project_point(camera, points[i])) {
+    Execution own = execution;
+    own.progress = [&](Progress progress) {
+      progress.fraction =
+          (static_cast<double>(i) + progress.fraction) / static_cast<double>(points.size());
+      execution.progress(progress);
+    };
+    for (const PointTruth& image : project_point(camera, points[i], own)) {
       ++images;
       const auto& types = camera.spec().array.types;
       text << i << ',' << points[i].x << ',' << points[i].y << ',' << points[i].z << ','
@@ -107,21 +114,24 @@ int run_truth(const Settings& settings) {
     throw InputError(settings.input + " does not say which camera took it: it holds no scene");
   const SceneDocument document = parse_scene(field.scene_text, settings.input);
   const Camera camera(document.scene.camera);
+  Execution execution;
+  execution.threads = settings.threads;
+  ProgressBar bar(false);
+  bar.connect(execution);
   Report report;
   if (!settings.projections.empty()) {
     std::size_t images = 0;
     const auto points = read_points(settings.points);
-    write_file(settings.projections, projection_csv(camera, points, images));
+    write_file(settings.projections, projection_csv(camera, points, execution, images));
     report.add("points", std::to_string(points.size()), "points", points.size());
     report.add("images of them", std::to_string(images), "point_images", images);
   }
   if (settings.output.empty() && settings.attach.empty() && settings.chief.empty()) {
+    bar.finish();
     report.print(settings.json);
     return kSuccess;
   }
   check_raw_image(field, document.scene.camera, settings.input);
-  Execution execution;
-  execution.threads = settings.threads;
   const MicroImages images(camera, false, execution);
   const auto truth = micro_image_truth(images);
   const std::string csv = micro_image_csv(truth, document.scene.camera);
@@ -132,9 +142,11 @@ int run_truth(const Settings& settings) {
     write_light_field(settings.attach, with);
   }
   if (!settings.chief.empty()) {
-    add_chief_rays(images, field);  // beside the image: a light field has at least a channel
+    add_chief_rays(images, field,
+                   execution);  // beside the image: a light field has at least a channel
     write_light_field(settings.chief, field);
   }
+  bar.finish();
   report.add("micro-images", std::to_string(truth.size()), "micro_images", truth.size());
   report.add(
       "spacing",

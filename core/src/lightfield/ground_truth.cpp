@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <sstream>
+#include <vector>
+
+#include "plenoflame/base/error.h"
 
 namespace plenoflame {
 namespace {
@@ -88,6 +92,42 @@ Footprint footprint(const Camera& camera, Vec3 point) {
   return result;
 }
 
+/// The part of a footprint whose microlenses can have images on the sensor: those that rays from
+/// the exit pupil to the sensor meet.
+Footprint towards_sensor(const Camera& camera, Footprint beam) {
+  const double exit = camera.exit_pupil(), plane = camera.aim_plane(0);
+  if (!std::isfinite(exit) || !(exit > plane)) return beam;
+  // Pupils of real lenses move and grow off axis, and misaligned parts a little: with room to
+  // spare.
+  constexpr double kRoom = 1.1;
+  const double share = (exit - plane) / (exit - camera.sensor());  // of the way from the pupil
+  const double pupil = kRoom * (1 - share) * camera.lens_first_order().exit_pupil_diameter +
+                       3 * camera.spec().array.pitch;
+  const Vec2 corner = camera.sensor_point(0, 0), foot = camera.foot();
+  const Vec2 half = {kRoom * share * (std::fabs(corner.x) + std::fabs(foot.x)) + pupil,
+                     kRoom * share * (std::fabs(corner.y) + std::fabs(foot.y)) + pupil};
+  beam.lower = {std::max(beam.lower.x, foot.x - half.x), std::max(beam.lower.y, foot.y - half.y)};
+  beam.upper = {std::min(beam.upper.x, foot.x + half.x), std::min(beam.upper.y, foot.y + half.y)};
+  return beam;
+}
+
+/// Calls task(first, last) for parts of a range, side by side, and tells the progress.
+template <class Task>
+void in_parts(std::size_t count, std::size_t part, const Execution& execution, const Task& task) {
+  const std::size_t parts = (count + part - 1) / part;
+  std::mutex mutex;
+  std::size_t ended = 0;
+  const bool done = parallel_for(execution, parts, [&](std::size_t k, int) {
+    task(k * part, std::min(count, (k + 1) * part));
+    if (!execution.progress) return;
+    const std::lock_guard lock(mutex);
+    Progress progress;
+    progress.fraction = static_cast<double>(++ended) / static_cast<double>(parts);
+    execution.progress(progress);
+  });
+  if (!done) throw Cancelled();
+}
+
 }  // namespace
 
 std::vector<MicroImageTruth> micro_image_truth(const MicroImages& images) {
@@ -111,10 +151,11 @@ std::vector<MicroImageTruth> micro_image_truth(const MicroImages& images) {
   return truth;
 }
 
-std::vector<PointTruth> project_point(const Camera& camera, Vec3 world) {
+std::vector<PointTruth> project_point(const Camera& camera, Vec3 world,
+                                      const Execution& execution) {
   const Vec3 point = camera.to_world().inverse().point(world);
   std::vector<PointTruth> images;
-  const Footprint beam = footprint(camera, point);
+  Footprint beam = footprint(camera, point);
   if (beam.empty()) return images;
   const SensorSpec& sensor = camera.spec().sensor;
   const auto add = [&](LensIndex lens, int type, Vec2 s) {
@@ -132,24 +173,30 @@ std::vector<PointTruth> project_point(const Camera& camera, Vec3 world) {
     return images;
   }
   const double reach = camera.spec().array.pitch;
-  for (const LensIndex lens :
-       camera.lattice().within({beam.lower.x - reach, beam.lower.y - reach},
-                               {beam.upper.x + reach, beam.upper.y + reach})) {
-    const Vec3 place = camera.lens_place(lens);
-    const Vec2 centre{place.x, place.y};
-    const double exit = camera.exit_pupil();
-    const Vec2 start = std::isfinite(exit)
-                           ? camera.foot() + ((exit - camera.sensor()) / (exit - place.z)) *
-                                                 (centre - camera.foot())
-                           : centre;
-    if (const auto s = find_sensor_point(
-            camera, lens, [&](Vec2) { return centre; }, point, start))
-      add(lens, camera.lattice().type(lens), *s);
-  }
+  beam = towards_sensor(camera, beam);
+  const std::vector<LensIndex> lenses = camera.lattice().within(
+      {beam.lower.x - reach, beam.lower.y - reach}, {beam.upper.x + reach, beam.upper.y + reach});
+  std::vector<std::optional<Vec2>> found(lenses.size());
+  in_parts(lenses.size(), 256, execution, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const Vec3 place = camera.lens_place(lenses[k]);
+      const Vec2 centre{place.x, place.y};
+      const double exit = camera.exit_pupil();
+      const Vec2 start = std::isfinite(exit)
+                             ? camera.foot() + ((exit - camera.sensor()) / (exit - place.z)) *
+                                                   (centre - camera.foot())
+                             : centre;
+      found[k] = find_sensor_point(
+          camera, lenses[k], [&](Vec2) { return centre; }, point, start);
+    }
+  });
+  for (std::size_t k = 0; k < lenses.size(); ++k)
+    if (found[k]) add(lenses[k], camera.lattice().type(lenses[k]), *found[k]);
   return images;
 }
 
-void add_chief_rays(const MicroImages& images, LightField& light_field) {
+void add_chief_rays(const MicroImages& images, LightField& light_field,
+                    const Execution& execution) {
   const Camera& camera = images.camera();
   const PixelWindow& window = light_field.window;
   const char* const names[] = {"chief.x", "chief.y", "chief.z", "chief.dx", "chief.dy", "chief.dz"};
@@ -162,7 +209,7 @@ void add_chief_rays(const MicroImages& images, LightField& light_field) {
   const double exit = camera.exit_pupil();
   const double scale = std::isfinite(exit) ? (exit - camera.array_back()) / (exit - camera.sensor())
                                            : 1;  // sensor point to the microlens before it
-  for (int row = 0; row < window.height; ++row)
+  const auto fill = [&](int row) {
     for (int column = 0; column < window.width; ++column) {
       const Vec2 s = camera.sensor_point(window.x + column + 0.5, window.y + row + 0.5);
       const MicroImages::Place place =
@@ -193,6 +240,11 @@ void add_chief_rays(const MicroImages& images, LightField& light_field) {
       }
       for (int i = 0; i < 6; ++i) layers[i]->at(column, row) = values[i];
     }
+  };
+  in_parts(static_cast<std::size_t>(window.height), 16, execution,
+           [&](std::size_t first, std::size_t last) {
+             for (std::size_t row = first; row < last; ++row) fill(static_cast<int>(row));
+           });
 }
 
 std::string micro_image_csv(const std::vector<MicroImageTruth>& truth, const CameraSpec& camera) {

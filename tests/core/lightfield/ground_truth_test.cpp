@@ -238,6 +238,42 @@ TEST(GroundTruth, ProjectionsOfAPointByThinLenses) {
   EXPECT_TRUE(project_point(camera, camera.to_world().point({0, 0, -1})).empty());
 }
 
+TEST(GroundTruth, PointWithinTheFocalLengthIsSeenByEveryMicrolensThatItLights) {
+  // At 20 mm before a lens of f = 50 mm, imaged at 1/(1/50 - 1/20) = -33.3 mm: rays diverge.
+  CameraSpec spec = thin_camera();
+  spec.sensor.columns = 400;
+  spec.sensor.rows = 300;
+  const Camera camera(spec);
+  const double image = 1 / (1 / 0.05 - 1 / 0.02), array = 1 / (1 / 0.05 - 1.0);
+  for (const Vec3 point : {Vec3{0, 0, 0.02}, Vec3{1.8 * kMm, -1.1 * kMm, 0.02}}) {
+    const Vec2 at = (-image / 0.02) * Vec2{point.x, point.y};
+    std::map<std::pair<int, int>, Vec2> expected;
+    for (const LensIndex lens : camera.lattice().within({-8 * kMm, -8 * kMm}, {8 * kMm, 8 * kMm})) {
+      const Vec2 centre = camera.lattice().centre(lens);
+      // The straight line through the middle of the microlens that seems to come from the image.
+      const Vec2 along = (1 / (array - image)) * (centre - at);
+      if (length(at - image * along) > 5 * kMm) continue;  // beside the main lens
+      const Vec2 s = centre + 0.5 * kMm * along;
+      const Vec2 pixel{200 - s.x / 5e-6, 150 - s.y / 5e-6};
+      if (pixel.x > 0 && pixel.y > 0 && pixel.x < 400 && pixel.y < 300)
+        expected[{lens.q, lens.r}] = pixel;
+    }
+    ASSERT_GT(expected.size(), 100U);
+    double told = 0;
+    Execution execution = threads(2);
+    execution.progress = [&](const Progress& progress) { told = progress.fraction; };
+    const auto images = project_point(camera, camera.to_world().point(point), execution);
+    EXPECT_EQ(told, 1);
+    EXPECT_EQ(images.size(), expected.size());
+    for (const PointTruth& t : images) {
+      const auto place = expected.find({t.lens.q, t.lens.r});
+      ASSERT_TRUE(place != expected.end()) << t.lens.q << ' ' << t.lens.r;
+      EXPECT_TRUE(within(t.pixel.x, place->second.x, 1e-7, 400));
+      EXPECT_TRUE(within(t.pixel.y, place->second.y, 1e-7, 300));
+    }
+  }
+}
+
 TEST(GroundTruth, ChiefRaysMeetWhatTheyProject) {
   // Real optics: the chief ray of the pixel in which a point is imaged passes near it.
   CameraSpec spec = preset_camera("paper-plenoptic2");

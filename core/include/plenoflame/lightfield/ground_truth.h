@@ -28,14 +28,17 @@ struct PointTruth {
 
 /// Projects a point of the world through every microlens whose middle light from it reaches, by
 /// exact rays. Without array: where the ray through the middle of the paraxial exit pupil arrives,
-/// for lens (0, 0). Empty when the point is not seen.
-std::vector<PointTruth> project_point(const Camera& camera, Vec3 world);
+/// for lens (0, 0). Empty when the point is not seen. A point that is far from sharp may be seen by
+/// every microlens. @throws Cancelled
+std::vector<PointTruth> project_point(const Camera& camera, Vec3 world,
+                                      const Execution& execution = {});
 
 /// Adds six layers to a raw image: "chief.x", ".y", ".z" [m] where the chief ray of the pixel
 /// leaves the plane of the front vertex, and "chief.dx", ".dy", ".dz", its unit direction into the
 /// scene, in world axes: the ray of the pixel's centre through the middle of the microlens whose
-/// micro-image it is in. NaN between micro-images.
-void add_chief_rays(const MicroImages& images, LightField& light_field);
+/// micro-image it is in. NaN between micro-images. @throws Cancelled
+void add_chief_rays(const MicroImages& images, LightField& light_field,
+                    const Execution& execution = {});
 
 /// "q,r,type,column,row,radius" with a header, one line per micro-image; names of the types as
 /// text.
