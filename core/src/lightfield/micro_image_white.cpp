@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/lightfield/micro_images.h"
@@ -118,50 +120,106 @@ class ApertureLight {
   double gap_, reach_;
 };
 
-/// Value of a square table between its points, by Catmull and Rom's cubic; 0 outside.
-double cubic(const std::vector<double>& table, int side, double x, double y) {
-  const double fx = std::floor(x), fy = std::floor(y);
-  const int i = static_cast<int>(fx), j = static_cast<int>(fy);
-  const auto weights = [](double t) {
-    return std::array<double, 4>{0.5 * t * (-1 + t * (2 - t)), 0.5 * (2 + t * t * (-5 + 3 * t)),
-                                 0.5 * t * (1 + t * (4 - 3 * t)), 0.5 * t * t * (t - 1)};
-  };
-  const auto wx = weights(x - fx), wy = weights(y - fy);
-  double total = 0;
-  for (int b = 0; b < 4; ++b)
-    for (int a = 0; a < 4; ++a) {
-      const int column = i + a - 1, row = j + b - 1;
-      if (column < 0 || row < 0 || column >= side || row >= side) continue;
-      total += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
-               table[static_cast<std::size_t>(row * side + column)];
-    }
-  return total;
-}
+/// Means of a square table, interpolated by Catmull and Rom's cubic and 0 outside, over squares
+/// around the points of a finer one.
+///
+/// A mean is a sum over the table with weights that depend on where the point lies between the
+/// table's own, and the points of the finer one do so in few ways.
+class BoxMeans {
+ public:
+  /// @param table as seen through a mirror the same (last row first)
+  /// @param width points along the side of the finer one
+  /// @param side of the squares, in steps of the table, and @param samples along it
+  BoxMeans(const std::vector<double>& table, int width, double side, int samples)
+      : width_(width), side_(side), samples_(samples) {
+    const int points = static_cast<int>(std::lround(std::sqrt(table.size())));
+    const int common = std::gcd(points - 1, width - 1);
+    steps_ = (points - 1) / common;
+    period_ = (width - 1) / common;
+    reach_ = static_cast<int>(std::ceil(0.71 * side)) + 3;
+    padded_side_ = points + 2 * reach_;
+    padded_.assign(static_cast<std::size_t>(padded_side_) * static_cast<std::size_t>(padded_side_),
+                   0.0);
+    for (int row = 0; row < points; ++row)
+      std::copy_n(
+          table.begin() + static_cast<std::ptrdiff_t>(row) * points, points,
+          padded_.begin() + static_cast<std::ptrdiff_t>(row + reach_) * padded_side_ + reach_);
+  }
 
-/// Means of the traced table over squares around the points of the finer one.
-/// @param width points along the side of the finer one
-/// @param side of the squares and @param angle of them, in steps of the traced table and [rad]
-/// @param box points along the side
-std::vector<float> box_means(const std::vector<double>& traced, int width, double side, int box,
-                             double angle) {
-  const int points = static_cast<int>(std::lround(std::sqrt(traced.size())));
-  std::vector<float> table(static_cast<std::size_t>(width) * width);
-  const double ratio = static_cast<double>(points - 1) / (width - 1);
-  const Vec2 axis{std::cos(angle), std::sin(angle)};
-  for (int j = 0; j < width; ++j)
-    for (int i = 0; i < width; ++i) {
-      double total = 0;
-      for (int b = 0; b < box; ++b)
-        for (int a = 0; a < box; ++a) {
-          const Vec2 o =
-              to_camera({((a + 0.5) / box - 0.5) * side, ((b + 0.5) / box - 0.5) * side}, axis);
-          total += cubic(traced, points, ratio * i + o.x, ratio * j + o.y);
-        }
-      table[static_cast<std::size_t>(j * width + i)] =
-          static_cast<float>(std::max(0.0, total / (box * box)));
-    }
-  return table;
-}
+  /// @param angle of the squares' sides [rad]
+  std::vector<float> operator()(double angle) const {
+    std::vector<float> means(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_));
+    for (int y = 0; y < period_; ++y)
+      for (int x = 0; x < period_; ++x) {
+        const std::vector<double> weights = weights_at(x, y, angle);
+        for (int j = y; j < width_; j += period_)
+          for (int i = x; i < width_; i += period_)
+            means[static_cast<std::size_t>(j * width_ + i)] =
+                static_cast<float>(std::max(0.0, mean(i, j, weights)));
+      }
+    return means;
+  }
+
+  /// What operator() gives for squares turned the other way.
+  std::vector<float> mirrored(const std::vector<float>& means) const {
+    std::vector<float> result(means.size());
+    for (std::size_t row = 0; row < means.size(); row += static_cast<std::size_t>(width_))
+      std::copy_n(means.begin() + static_cast<std::ptrdiff_t>(row), width_,
+                  result.end() - static_cast<std::ptrdiff_t>(row) - width_);
+    return result;
+  }
+
+ private:
+  int stencil() const { return 2 * reach_ + 1; }
+
+  /// Of the points around that of the table below the point (x, y) of the finer one.
+  std::vector<double> weights_at(int x, int y, double angle) const {
+    std::vector<double> weights(
+        static_cast<std::size_t>(stencil()) * static_cast<std::size_t>(stencil()), 0.0);
+    const auto beyond = [this](int k) {
+      return static_cast<double>(k * steps_ % period_) / period_;
+    };
+    const auto cubic = [](double t) {
+      return std::array<double, 4>{0.5 * t * (-1 + t * (2 - t)), 0.5 * (2 + t * t * (-5 + 3 * t)),
+                                   0.5 * t * (1 + t * (4 - 3 * t)), 0.5 * t * t * (t - 1)};
+    };
+    const Vec2 axis{std::cos(angle), std::sin(angle)};
+    for (int b = 0; b < samples_; ++b)
+      for (int a = 0; a < samples_; ++a) {
+        const Vec2 o = to_camera(
+            {((a + 0.5) / samples_ - 0.5) * side_, ((b + 0.5) / samples_ - 0.5) * side_}, axis);
+        const double at_x = beyond(x) + o.x, at_y = beyond(y) + o.y;
+        const double left = std::floor(at_x), above = std::floor(at_y);
+        const auto wx = cubic(at_x - left), wy = cubic(at_y - above);
+        const int first = (static_cast<int>(above) - 1 + reach_) * stencil() +
+                          static_cast<int>(left) - 1 + reach_;
+        for (int r = 0; r < 4; ++r)
+          for (int c = 0; c < 4; ++c)
+            weights[static_cast<std::size_t>(first + r * stencil() + c)] +=
+                wx[static_cast<std::size_t>(c)] * wy[static_cast<std::size_t>(r)] /
+                (samples_ * samples_);
+      }
+    return weights;
+  }
+
+  double mean(int i, int j, const std::vector<double>& weights) const {
+    const double* row = padded_.data() +
+                        static_cast<std::ptrdiff_t>(j * steps_ / period_) * padded_side_ +
+                        i * steps_ / period_;
+    const double* weight = weights.data();
+    double total = 0;
+    for (int r = 0; r < stencil(); ++r, row += padded_side_, weight += stencil())
+      for (int c = 0; c < stencil(); ++c) total += weight[c] * row[c];
+    return total;
+  }
+
+  int width_ = 0;
+  double side_ = 0;
+  int samples_ = 0, steps_ = 0, period_ = 0;  ///< a finer step is steps / period of the table's
+  int reach_ = 0;                             ///< of the weights, in steps of the table
+  int padded_side_ = 0;
+  std::vector<double> padded_;  ///< the table with that many zeros around it
+};
 
 }  // namespace
 
@@ -189,8 +247,12 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
   // angles; otherwise one does.
   const double boxes = std::lround(p / step);
   const int box = static_cast<int>(std::clamp(boxes, 5.0, 12.0));
+  const BoxMeans means(traced, kWhiteSide, p / step, box);
   for (int angle = 0; angle < kAngles; ++angle)
-    node.white.push_back(box_means(traced, kWhiteSide, p / step, box, -angle * kAngleStep));
+    node.white.push_back(
+        2 * angle < kAngles
+            ? means(-angle * kAngleStep)
+            : means.mirrored(node.white[static_cast<std::size_t>(kAngles - angle)]));
   const float largest = *std::max_element(node.white[0].begin(), node.white[0].end());
   float difference = 0;
   for (std::size_t k = 0; k < node.white[0].size(); ++k)
