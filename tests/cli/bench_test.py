@@ -102,6 +102,11 @@ class Bench(CommandTest):
         name = b"benchmark.checksum\0string\0"
         at = good.index(name) + len(name) + 4 + 3  # within the value, behind its length
         recomputed(good[:at] + bytes([good[at] ^ 1]) + good[at + 1:], "is damaged")
+        # One bit of what stands around the pixels: the last digit of the number of samples, a word, a number.
+        for name, within in ((b"plenoflame.samples\0double\0", 1), (b"plenoflame.estimator\0string\0", 0),
+                             (b"plenoflame.complete\0int\0", 0)):
+            at = good.index(name) + len(name) + 4 + within
+            recomputed(good[:at] + bytes([good[at] ^ 1]) + good[at + 1:], "is damaged")
         version = re.search(rb"plenoflame.version\0string\0....([0-9.]+)", good, re.S)
         other = bytearray(good)
         other[version.start(1)] = ord("9")

@@ -24,11 +24,25 @@ std::string_view bytes_of(const Image& image) {
   return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size() * sizeof(float)};
 }
 
+/// Of everything in it but the checksum itself.
 std::string checksum(const LightField& field) {
   Fnv sum;
+  const auto add = [&sum](const auto&... parts) { (sum.add(fmt::format("{}|", parts)), ...); };
+  const PixelWindow& window = field.window;
+  add(field.sensor_width, field.sensor_height, window.x, window.y, window.width, window.height,
+      field.scene_text, field.estimator, field.seed, field.samples, field.complete, field.version,
+      field.unit);
+  for (const auto& [name, value] : field.numbers) add(name, value);
+  for (const auto& [name, value] : field.texts)
+    if (name != kChecksum) add(name, value);
   for (const LightFieldChannel& channel : field.channels) {
+    add(channel.name);
     sum.add(bytes_of(channel.flux));
     sum.add(bytes_of(channel.standard_error));
+  }
+  for (const auto& [name, image] : field.layers) {
+    add(name);
+    sum.add(bytes_of(image));
   }
   return fmt::format("{:016x}", sum.value());
 }
