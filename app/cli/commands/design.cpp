@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "commands/commands.h"
 #include "commands/design_array.h"
@@ -104,6 +105,16 @@ int run_design(const Settings& settings) {
   if (!task.output.empty() && task.freedom.empty())
     throw UsageError("--output: there is nothing to write without --solve");
   check_is_toml(task.output);
+  const LensTask& lens = settings.lens;
+  for (const auto& [option, given] : {std::pair{"--field", !lens.field.empty()},
+                                      {"--distance", !lens.distance.empty()},
+                                      {"--wavelength", !lens.wavelength.empty()},
+                                      {"--paraxial-focus", lens.paraxial_focus}})
+    if (given)
+      throw UsageError(
+          std::string(option) +
+          ": it is for a lens alone; that of a scene has its sensor, its focus and its "
+          "channels");
   std::vector<std::string> warnings;
   const Scene scene = read_valid_scene(settings.scene, &warnings).scene;
   const Camera camera(scene.camera);
