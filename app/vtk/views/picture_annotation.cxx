@@ -1,7 +1,6 @@
 #include "picture_annotation.h"
 
 #include <vtkActor.h>
-#include <vtkBillboardTextActor3D.h>
 #include <vtkCellArray.h>
 #include <vtkColorTransferFunction.h>
 #include <vtkNew.h>
@@ -23,6 +22,7 @@ namespace plenoflame::views {
 namespace {
 
 constexpr double kInk = 0.1;  ///< grey of texts
+constexpr int kTitleGap = 6;  ///< [pixel] between the labels of a scale and its title
 
 void set_text_style(vtkTextProperty& style, int font_size) {
   style.SetFontFamilyToArial();
@@ -88,12 +88,13 @@ void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) 
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->SetLineWidth(2);
     renderer.AddActor(actor);
-    vtkNew<vtkBillboardTextActor3D> label;
+    vtkNew<vtkTextActor> label;  // before everything: no solid hides it
     label->SetInput((std::string(names[k]) + "  " + length_label(length)).c_str());
-    label->SetPosition(end.x, end.y, end.z);
+    label->GetPositionCoordinate()->SetCoordinateSystemToWorld();
+    label->GetPositionCoordinate()->SetValue(end.x, end.y, end.z);
     set_text_style(*label->GetTextProperty(), font_size);
     label->GetTextProperty()->SetColor(colours[k][0], colours[k][1], colours[k][2]);
-    renderer.AddActor(label);
+    renderer.AddActor2D(label);
   }
 }
 
@@ -106,6 +107,7 @@ void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& rendere
   bar->SetOrientationToHorizontal();
   bar->SetTextPositionToPrecedeScalarBar();
   bar->UnconstrainedFontSizeOn();
+  bar->SetVerticalTitleSeparation(kTitleGap);
   for (vtkTextProperty* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
     set_text_style(*style, 15);
     style->BoldOff();
