@@ -101,7 +101,10 @@ int main(int argc, char** argv) {
   }
   window.appear();
   if (!parser.positionalArguments().isEmpty()) {
-    const bool begun = window.open(parser.positionalArguments().front());
+    // Opening a file selects nothing: that comes after.
+    const bool begun = window.open(parser.positionalArguments().front(), [&] {
+      window.apply_options(parser.value(pixel), {}, {}, false);
+    });
     if (unattended) {
       while (window.is_file_busy())
         QApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);

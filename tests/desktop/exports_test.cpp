@@ -111,6 +111,46 @@ class ExportsTest : public test::WindowFixture {
   void init() { begin(); }
   void cleanup() { end(); }
 
+  void cancelledExportsLeaveNothing() {
+    open_part_of("paper-previous-60x60", "300");
+    QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
+    for (const QStringList& entry :
+         {QStringList{"All views..."}, {"For another tool", "view-grid..."}}) {
+      QDir(folder_->path()).mkdir("out");
+      cancel_at_once([&] {
+        answer_file_dialog(file("out"));
+        QVERIFY(click_menu(QStringList{"File", "Export"} + entry));
+      });
+      QVERIFY(QDir(file("out"))
+                  .entryList(QDir::AllEntries | QDir::Hidden | QDir::NoDotAndDotDot)
+                  .isEmpty());
+    }
+  }
+
+  void picturesOfAnEarlierCameraAreExportedWithThatCamera() {
+    open_part_of("lenslets-30", "200");
+    const auto write = [&](const QString& name) {
+      QDir(folder_->path()).mkdir(name);
+      answer_file_dialog(file(name));
+      QVERIFY(click_menu({"File", "Export", "For another tool", "pip..."}));
+      QVERIFY(written());
+    };
+    write("before");
+    QTest::mouseClick(child<QAbstractButton>("renderAutomatic"), Qt::LeftButton, {}, QPoint(8, 8));
+    const auto image = session().document().image();
+    const auto compiled = session().compiler().compiled();
+    session().document().set_value("camera.array.rotation", "3 deg");
+    QVERIFY(until([&] {
+      return session().compiler().is_current() && session().compiler().compiled() != compiled;
+    }));
+    QVERIFY(session().document().image() == image);
+    write("after");
+    QVERIFY(!names(file("before")).isEmpty());
+    QCOMPARE(names(file("after")), names(file("before")));
+    for (const QString& name : names(file("before")))
+      QVERIFY2(content(file("after/" + name)) == content(file("before/" + name)), qPrintable(name));
+  }
+
   void raysAreTheCommandsInEveryFormat() {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());

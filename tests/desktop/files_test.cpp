@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <QComboBox>
+#include <QDir>
 #include <QFile>
 #include <QListWidget>
 #include <QMessageBox>
@@ -83,6 +84,59 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(until([&] { return samples() && samples()->hottest > 1500; }));
     QVERIFY(samples()->hottest <= 1550 * (1 + 1e-6));
     QVERIFY(std::fabs(samples()->densest / 12 - 1) < 1e-5);
+  }
+
+  void cancelledImportLeavesNothing() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    write(file("burner.vti"), simulation());
+    QVERIFY(QDir(folder_->path()).mkdir("out"));
+    raise("flameDock");
+    const Scene before = session().document().scene();
+    cancel_at_once([&] {
+      when_shown<ImportDialog>([&](ImportDialog& dialog) {
+        QTest::keyClicks(dialog.findChild<QLineEdit*>("importFile"), file("burner.vti"));
+        QTest::keyClicks(dialog.findChild<QLineEdit*>("importSource"), "kappa");
+        answer_file_dialog(file("out/burner.vdb"));
+        QTest::keyClick(&dialog, Qt::Key_Return);
+      });
+      QTest::mouseClick(child<QPushButton>("flameImport"), Qt::LeftButton);
+    });
+    QVERIFY(session().document().scene() == before);
+    QVERIFY(QDir(file("out")).isEmpty());
+  }
+
+  void whatIsDoneWhileAFileIsReadCounts() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    session().document().save(file("mine.toml").toStdString());
+    write_light_field(file("raw.exr").toStdString(), *session().document().image());
+    // What was opened last is open in the end, however long the other one takes.
+    QVERIFY(window_->open(file("raw.exr")));
+    QVERIFY(window_->open(file("mine.toml")));
+    QVERIFY(written());
+    QCOMPARE(session().document().file(), file("mine.toml").toStdString());
+    // Changes that came in between are asked about, not thrown away.
+    window_->set_unattended(false);
+    int questions = 0;
+    bool then = false;
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      ++questions;
+      QTest::keyClick(&box, Qt::Key_Escape);
+    });
+    QVERIFY(window_->open(file("raw.exr"), [&] { then = true; }));
+    session().document().set_value("camera.focus.object_distance", "1.25 m");
+    QVERIFY(written());
+    QCOMPARE(questions, 1);
+    QCOMPARE(session().document().scene().camera.focus.object_distance, 1.25);
+    QVERIFY(!then);
+    window_->set_unattended(true);
+    // What is to be done with a file comes after it is there.
+    QVERIFY(window_->open(file("raw.exr"), [&] {
+      then = session().document().image() && session().document().file().empty();
+    }));
+    QVERIFY(written());
+    QVERIFY(then);
   }
 
   void arrayThatIsNotThereIsSaidAndNothingChanges() {

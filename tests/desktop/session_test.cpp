@@ -83,6 +83,30 @@ TEST_F(SessionTest, PausedAndResumedImageHasTheSameBits) {
   EXPECT_EQ(session_.document().image()->channels[0].flux.pixels, whole.pixels);
 }
 
+TEST_F(SessionTest, PictureThatIsBeingRefinedSaysWhatItShows) {
+  open();
+  session_.document().set_value("render.samples", "20000");
+  std::shared_ptr<const LightField> unfinished;
+  ASSERT_TRUE(wait_for([&] {
+    const auto& image = session_.document().image();
+    if (image && !image->complete) unfinished = image;
+    return unfinished || session_.render().state() == RenderJob::State::finished;
+  }));
+  ASSERT_TRUE(unfinished);
+  session_.render().stop();
+  // Written now, it can be opened again.
+  const TemporaryFolder folder;
+  write_light_field(folder.file("raw.exr"), *unfinished);
+  Document other;
+  other.open(folder.file("raw.exr"));
+  EXPECT_TRUE(other.scene().camera == session_.document().scene().camera);
+  ASSERT_TRUE(other.image());
+  EXPECT_FALSE(other.image()->complete);
+  EXPECT_EQ(other.image()->estimator, "backward");
+  EXPECT_GT(other.image()->samples, 0);
+  EXPECT_FALSE(other.image()->version.empty());
+}
+
 TEST_F(SessionTest, ErrorFallsAlongTheCurve) {
   open();
   session_.document().set_value("render.samples", "1024");

@@ -12,13 +12,16 @@
 #include <QSettings>
 #include <QTemporaryDir>
 #include <QTest>
+#include <QThread>
 #include <QTreeView>
 #include <cmath>
 #include <functional>
 #include <memory>
 
 #include "answers.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field.h"
+#include "widgets/file_tasks.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/main_window.h"
@@ -74,6 +77,25 @@ class WindowFixture : public QObject {
   /// Files that are read or written in the background are there.
   bool written() {
     return until([this] { return !window_->is_file_busy(); });
+  }
+  /// Asks for something to be read or written, and cancels it right after its beginning.
+  void cancel_at_once(const std::function<void()>& ask) {
+    auto* const files = window_->findChild<FileTasks*>();
+    files->add(
+        "before",
+        [](const Execution& execution) {
+          while (!execution.stop.stop_requested()) QThread::msleep(1);
+          throw Cancelled();
+        },
+        [] {});
+    ask();
+    QObject here;
+    QObject::connect(files, &FileTasks::cancelled, &here, [files](const QString& what) {
+      if (what == "before") files->cancel();  // what waited has begun
+    });
+    files->cancel();
+    QVERIFY(written());
+    QVERIFY2(window_->last_message().contains("cancelled"), qPrintable(window_->last_message()));
   }
   /// Path of a file in the folder of the test.
   QString file(const QString& name) const { return folder_->filePath(name); }

@@ -2,6 +2,7 @@
 #include <QFile>
 #include <QLabel>
 #include <QTableWidget>
+#include <QToolBar>
 #include <QTreeView>
 
 #include "gui_tests.h"
@@ -37,6 +38,23 @@ class WindowTest : public test::WindowFixture {
       for (int x = 0; x < shown.width(); x += 3)
         lit += QColor(shown.pixel(x, y)).value() > 128 ? 1 : 0;
     QVERIFY(lit > 200);
+  }
+
+  void everythingOfTheToolbarsIsSeenAtTheFirstSize() {
+    // A window as the program makes it, with no settings from before.
+    MainWindow fresh(std::make_unique<QSettings>(file("none.ini"), QSettings::IniFormat), {});
+    fresh.set_unattended(true);
+    fresh.show();
+    QVERIFY(QTest::qWaitForWindowExposed(&fresh));
+    QVERIFY(fresh.open_example("lenslets-30"));
+    QVERIFY(until([&] { return fresh.is_settled(); }));
+    int actions = 0;
+    for (const QToolBar* bar : fresh.findChildren<QToolBar*>())
+      for (QAction* action : bar->actions()) {
+        QVERIFY2(bar->widgetForAction(action)->isVisible(), qPrintable(action->text()));
+        ++actions;
+      }
+    QVERIFY(actions > 10);
   }
 
   void clickedPixelShowsItsRaysEverywhere() {

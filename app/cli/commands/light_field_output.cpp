@@ -131,7 +131,7 @@ void prepare_folder(const std::string& folder, bool force) {
 
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,
                     const std::string& unit, const std::string& channel, bool exr,
-                    const LightField& raw) {
+                    const LightField& raw, const Execution& execution) {
   Image all;  // one exposure for all pictures
   for (const NamedImage& named : images)
     all.pixels.insert(all.pixels.end(), named.image.pixels.begin(), named.image.pixels.end());
@@ -156,8 +156,8 @@ double write_images(const std::string& folder, const std::vector<NamedImage>& im
     field.numbers = named.numbers;
     PngImage picture = develop(field, settings).picture;
     picture.texts = {{"Software", "Plenoflame " + raw.version}};
-    write_png((path / (named.name + ".png")).string(), picture);
-    if (exr) write_light_field((path / (named.name + ".exr")).string(), field);
+    write_png((path / (named.name + ".png")).string(), picture, execution.stop);
+    if (exr) write_light_field((path / (named.name + ".exr")).string(), field, execution.stop);
   }
   return settings.saturation;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/execution.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/image/light_field_channel.h"
 #include "plenoflame/lightfield/views.h"
@@ -59,9 +60,10 @@ struct NamedImage {
 /// Writes every image as PNG (sRGB curve, 16 bits, one exposure for all: 99.9 % of the pixels with
 /// light are not saturated), and as EXR in `unit` when asked for.
 /// @return the value that is white
+/// @throws FileError, Cancelled
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,
                     const std::string& unit, const std::string& channel, bool exr,
-                    const LightField& raw);
+                    const LightField& raw, const Execution& execution = {});
 
 /// Writes a depth map: depth.exr with the channels "depth" [m] and "confidence", and depth.png, in
 /// which the nearest depth is white, the farthest dark, and what is unknown black.

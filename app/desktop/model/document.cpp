@@ -79,14 +79,14 @@ void Document::begin(SceneDocument scene, const std::string& file,
   emit image_changed();
 }
 
-FileContent Document::read(const std::string& path) {
+FileContent Document::read(const std::string& path, const std::stop_token& stop) {
   FileContent content;
   content.path = path;
   const std::string ending = ending_of(path);
   if (ending == ".toml") {
     content.scene = read_scene_file(path);
   } else if (ending == ".exr") {
-    auto field = std::make_shared<LightField>(read_light_field(path));
+    auto field = std::make_shared<LightField>(read_light_field(path, stop));
     if (field->scene_text.empty())
       throw InputError("'" + path +
                        "' holds no scene, so its camera is not known; open the scene instead");

@@ -1,6 +1,7 @@
 #pragma once
 #include <QObject>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -84,8 +85,8 @@ class Document : public QObject {
   /// @throws FileError, InputError, UsageError (another ending)
   void open(const std::string& path) { open(read(path)); }
   /// The two halves of it. The first one takes long for what is large, and may run on any thread.
-  /// @throws FileError, InputError, UsageError (another ending)
-  static FileContent read(const std::string& path);
+  /// @throws FileError, InputError, UsageError (another ending), Cancelled
+  static FileContent read(const std::string& path, const std::stop_token& stop = {});
   void open(FileContent content);
   /// Takes a scene that has no file of its own. @param name for messages and relative paths
   void open_text(const std::string& text, const std::string& name);

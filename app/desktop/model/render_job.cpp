@@ -98,6 +98,11 @@ std::shared_ptr<LightField> RenderJob::Run::merged(const Film& film) const {
     }
     field->channels.push_back(std::move(channel));
   }
+  const RenderSpec& settings = scene->scene.render;
+  field->estimator = settings.estimator == Estimator::forward ? "forward" : "backward";
+  field->seed = settings.seed;
+  field->samples = passes[pass];
+  describe(*scene, *field);
   return field;
 }
 

@@ -44,7 +44,8 @@ void FileTasks::start() {
   fraction_ = 0;
   since_.start();
   clock_.start(kShownAfter);
-  thread_.request([this, work = waiting_.front().work, token = stop_.get_token()](std::stop_token) {
+  thread_.request([this, work = waiting_.front().work, what = waiting_.front().what,
+                   token = stop_.get_token()](std::stop_token) {
     Execution execution;
     execution.stop = token;
     execution.message = [this](Severity severity, const std::string& text) {
@@ -61,6 +62,9 @@ void FileTasks::start() {
     } catch (const std::exception& error) {
       end = End::failed;
       message = QString::fromUtf8(error.what());
+    } catch (...) {
+      end = End::failed;
+      message = tr("%1: unknown failure").arg(what);
     }
     post(this, [this, end, message] { finish(end, message); });
   });

@@ -322,25 +322,34 @@ void MainWindow::fail(const QString& message) {
   if (!unattended_) QMessageBox::warning(this, tr("Plenoflame"), message);
 }
 
-bool MainWindow::open(const QString& path) {
+bool MainWindow::open(const QString& path, const std::function<void()>& then) {
   const QString ending = QFileInfo(path).suffix().toLower();
   // A flame is put into the scene that is open, which can be undone.
-  if (ending != "vdb" && !may_discard()) return false;
-  const auto opened = [this, path] {
+  const bool discards = ending != "vdb";
+  if (discards && !may_discard()) return false;
+  const auto opened = [this, path, then] {
     stack_->setCurrentIndex(1);
     add_recent(QFileInfo(path).absoluteFilePath());
+    if (then) then();
   };
   if (ending == "exr" || ending == "vdb") {
     auto content = std::make_shared<FileContent>();
     files_->add(
         tr("opening %1").arg(QFileInfo(path).fileName()),
-        [content, path](const Execution&) { *content = Document::read(path.toStdString()); },
-        [this, content, opened] {
+        [content, path](const Execution& execution) {
+          *content = Document::read(path.toStdString(), execution.stop);
+        },
+        [this, content, opened, discards, number = scenes_opened_,
+         before = session_.document().scene()] {
+          // What was done while it was being read counts.
+          if (number != scenes_opened_) return;
+          if (discards && !(session_.document().scene() == before) && !may_discard()) return;
           if (guarded([&] { session_.document().open(std::move(*content)); })) opened();
         });
     return true;
   }
   if (!guarded([&] { session_.document().open(path.toStdString()); })) return false;
+  ++scenes_opened_;
   opened();
   return true;
 }
@@ -356,6 +365,7 @@ bool MainWindow::open_example(const QString& name) {
     if (!file.open(QIODevice::ReadOnly))
       throw FileError("there is no example " + name.toStdString());
     session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
+    ++scenes_opened_;
     stack_->setCurrentIndex(1);
   });
 }

@@ -53,7 +53,8 @@ class MainWindow : public QMainWindow {
   void appear();
   /// Opens a file; what goes wrong is said in a dialog. Scenes are open when it returns; flames and
   /// light fields, which may be large, are read in the background. False: it was not begun.
-  bool open(const QString& path);
+  /// @param then is called once it is open
+  bool open(const QString& path, const std::function<void()>& then = {});
   bool open_example(const QString& name);
   bool save();
   bool save_as();
@@ -135,6 +136,7 @@ class MainWindow : public QMainWindow {
   QTimer autosave_;
   bool unattended_ = false;
   QString last_message_;
+  unsigned scenes_opened_ = 0;  ///< at once, without files_
   FileTasks* files_ = nullptr;
 };
 

@@ -1,4 +1,5 @@
 #include <QAction>
+#include <QBuffer>
 #include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -13,10 +14,13 @@
 #include "commands/light_field_output.h"
 #include "model/flame_generator.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/image/staging_folder.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/export.h"
+#include "plenoflame/scene/scene_file.h"
 #include "plenoflame/volumes/vdb_info.h"
 #include "vtk_commands.h"
 #include "widgets/file_tasks.h"
@@ -84,7 +88,8 @@ void MainWindow::export_derived() {
   files_->add(
       tr("export of the picture"),
       [name, values, image, field,
-       unit = light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)"](const Execution&) {
+       unit =
+           light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)"](const Execution& execution) {
         LightField derived;
         derived.sensor_width = image->width;
         derived.sensor_height = image->height;
@@ -95,10 +100,10 @@ void MainWindow::export_derived() {
         derived.seed = field->seed;
         derived.samples = field->samples;
         derived.version = field->version;
-        if (values) return write_light_field(name.toStdString(), derived);
+        if (values) return write_light_field(name.toStdString(), derived, execution.stop);
         DevelopSpec settings;
         settings.bits = 16;
-        write_png(name.toStdString(), develop(derived, settings).picture);
+        write_png(name.toStdString(), develop(derived, settings).picture, execution.stop);
       },
       [this, name] { say_written(name); });
 }
@@ -112,7 +117,8 @@ void MainWindow::export_views() {
   if (folder.isEmpty()) return;
   files_->add(
       tr("export of %1 views").arg(views->views.size()),
-      [folder, field, views](const Execution&) {
+      [folder, field, views](const Execution& execution) {
+        StagingFolder staging(folder.toStdString());
         std::vector<cli::NamedImage> images;
         for (const View& view : views->views)
           images.push_back({QString("view_%1_%2")
@@ -122,8 +128,9 @@ void MainWindow::export_views() {
                             view.image,
                             {}});
         images.push_back({"contact", contact_sheet(*views), {}});
-        cli::write_images(folder.toStdString(), images, views->unit, field->channels.front().name,
-                          true, *field);
+        cli::write_images(staging.path(), images, views->unit, field->channels.front().name, true,
+                          *field, execution);
+        staging.commit();
       },
       [] {});
 }
@@ -134,18 +141,27 @@ void MainWindow::export_for_tool(int format) {
   if (!field || !scene) return fail(tr("There is no image yet."));
   ExportSettings settings;
   settings.format = static_cast<ExportFormat>(format);
-  if (!guarded([&] { check_export(scene->camera, settings.format); })) return;
+  // A picture that is older than the last change was taken by the camera that was there then.
+  CameraSpec spec = scene->scene.camera;
+  if (!guarded([&] {
+        if (!session_.document().image_is_current())
+          spec = parse_scene(field->scene_text, "scene of the picture").scene.camera;
+        check_export(Camera(spec), settings.format);
+      }))
+    return;
   const QString folder = ask_folder(tr("Folder for the export"));
   if (folder.isEmpty()) return;
   auto result = std::make_shared<ExportResult>();
   files_->add(
       tr("export"),
-      [folder, field, scene, settings, result,
+      [folder, field, spec, settings, result,
        known = session_.light_field().micro_images()](const Execution& execution) {
-        const bool usable = known && known->camera().spec() == scene->camera.spec();
+        const bool usable = known && known->camera().spec() == spec;
         const auto micro =
-            usable ? known : std::make_shared<const MicroImages>(scene->camera, true, execution);
-        *result = export_light_field(*field, *micro, settings, folder.toStdString(), execution);
+            usable ? known : std::make_shared<const MicroImages>(Camera(spec), true, execution);
+        StagingFolder staging(folder.toStdString());
+        *result = export_light_field(*field, *micro, settings, staging.path(), execution);
+        staging.commit();
       },
       [this, result, folder] {
         // What the command prints: where the tool cannot say all that is known.
@@ -181,14 +197,17 @@ void MainWindow::import_flame() {
   if (!guarded([&] { request = dialog.request(); })) return;
   const QString path = ask_save_name(tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
   if (path.isEmpty()) return;
-  request.output = path.toStdString();
-  auto written = std::make_shared<std::vector<cli::ImportedFlame>>();
   files_->add(
       tr("import"),
-      [request, written](const Execution&) { *written = cli::import_flames(request); },
-      [this, written] {
-        if (!written->empty()) open(QString::fromStdString(written->front().file));
-      });
+      [request, path](const Execution& execution) {
+        const std::filesystem::path output(path.toStdString());
+        StagingFolder staging(output.parent_path().string());
+        cli::FlameImportRequest staged = request;
+        staged.output = (staging.path() / output.filename()).string();
+        cli::import_flames(staged, execution);
+        staging.commit();
+      },
+      [this, path] { open(path); });
 }
 
 void MainWindow::map_grids(int flame) {
@@ -238,9 +257,10 @@ void MainWindow::export_image() {
     return fail(tr("'%1' must end in .exr or .png").arg(name));
   files_->add(
       tr("export of the light field"),
-      [name, raw, field, settings = session_.document().scene().develop](const Execution&) {
-        if (raw) return write_light_field(name.toStdString(), *field);
-        write_png(name.toStdString(), develop(*field, settings).picture);
+      [name, raw, field,
+       settings = session_.document().scene().develop](const Execution& execution) {
+        if (raw) return write_light_field(name.toStdString(), *field, execution.stop);
+        write_png(name.toStdString(), develop(*field, settings).picture, execution.stop);
       },
       [this, name] { say_written(name); });
 }
@@ -253,7 +273,10 @@ void MainWindow::export_picture_of_scene() {
   files_->add(
       tr("export of the picture"),
       [name, picture](const Execution&) {
-        if (!picture.save(name)) throw FileError("'" + name.toStdString() + "' cannot be written");
+        QByteArray bytes;
+        QBuffer buffer(&bytes);
+        if (!picture.save(&buffer, "PNG")) throw FileError("the picture cannot be made a PNG");
+        write_file(name.toStdString(), bytes.toStdString());
       },
       [this, name] { say_written(name); });
 }

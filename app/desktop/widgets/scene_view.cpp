@@ -120,7 +120,8 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
 
   tools_ = new QToolBar(this);
   tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  tools_->setStyleSheet("QToolButton { padding: 2px 3px; }");
+  // All of them fit at the window's first size.
+  tools_->setStyleSheet("QToolBar { spacing: 0px; } QToolButton { padding: 2px 3px; }");
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
@@ -214,7 +215,8 @@ void SceneView::set_dark(bool dark) {
 }
 
 void SceneView::warm_up() {
-  if (geometry_) return;
+  if (warm_ || scene_) return;  // what is there must stay
+  warm_ = true;
   view_->widget->grabFramebuffer();  // from here on there is something to draw with
   const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
   geometry_ = std::make_shared<SceneGeometry>(

@@ -100,7 +100,7 @@ class SceneView : public QWidget {
   Part part_ = Part::scene;
   std::array<double, 2> temperatures_{0, 0};
   int highlighted_ = -1;
-  bool aimed_ = false, dark_ = false;
+  bool aimed_ = false, dark_ = false, warm_ = false;
   bool first_ = true;  ///< geometry: its parts come one by one
   QToolBar* tools_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
