@@ -4,6 +4,7 @@
 #include <vtkIndent.h>
 #include <vtkPointData.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -134,6 +135,26 @@ TEST_F(ScenePicture, PlaneWithoutEndIsDrawnAroundTheRest) {
   vtkImageData* const image = drawn({floor, solid(SurfaceShape::sphere, 0.5)});
   ASSERT_TRUE(image);
   EXPECT_GT(inked(image), 30000);
+}
+
+TEST_F(ScenePicture, SolidsDoNotHideTheLabelsOfTheAxes) {
+  // A cone stands before the label of y. Each label has the colour of its own, which nothing else
+  // has.
+  picture_->SetSize(600, 400);
+  picture_->SetShowAxes(true);
+  SolidSurfaceSpec ball = solid(SurfaceShape::sphere, 0.4), cone = solid(SurfaceShape::cone, 0.4);
+  ball.position = {1.1, 0.1, 0.05};
+  vtkImageData* const image = drawn({cone, ball});
+  ASSERT_TRUE(image);
+  std::array<int, 3> of_colour{};
+  for (int row = 0; row < 400; ++row)
+    for (int column = 0; column < 600; ++column)
+      for (int channel = 0; channel < 3; ++channel)
+        of_colour[static_cast<std::size_t>(channel)] +=
+            value(image, column, row, channel) >
+            30 + std::max(value(image, column, row, (channel + 1) % 3),
+                          value(image, column, row, (channel + 2) % 3));
+  for (const int count : of_colour) EXPECT_GT(count, 280);
 }
 
 TEST_F(ScenePicture, WrongInputIsAnErrorEvent) {

@@ -107,13 +107,13 @@ void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& rendere
   bar->SetOrientationToHorizontal();
   bar->SetTextPositionToPrecedeScalarBar();
   bar->UnconstrainedFontSizeOn();
-  bar->SetVerticalTitleSeparation(kTitleGap);
   for (vtkTextProperty* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
     set_text_style(*style, 15);
     style->BoldOff();
     style->ItalicOff();
     style->ShadowOff();
   }
+  bar->GetTitleTextProperty()->SetLineOffset(kTitleGap);
   bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   bar->SetPosition(0.66, 0.03);
   bar->SetWidth(0.3);
