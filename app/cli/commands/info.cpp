@@ -97,8 +97,9 @@ int run_info(const Settings& settings) {
                        "' is a flame (.vdb), and this plenoflame was built without OpenVDB");
 #endif
     case Kind::unknown:
-      throw InputError("'" + settings.file +
-                       "' is none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
+      throw InputError("'" + settings.file + "' is " +
+                       (std::filesystem::is_empty(settings.file) ? "empty, and so " : "") +
+                       "none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
                        "light field (.exr), ray paths (.vtp, .csv, .json), picture (.png)");
   }
   report.print(settings.json);

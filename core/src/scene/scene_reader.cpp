@@ -335,6 +335,7 @@ class Reader {
 };
 
 toml::table parse_toml(std::string_view text, const std::string& name) {
+  check_is_text(text, name);
   check_key_depth(text, name);
   try {
     return toml::parse(text, name);

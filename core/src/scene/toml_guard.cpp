@@ -32,6 +32,11 @@ std::size_t skip_string(std::string_view text, std::size_t at) {
 
 }  // namespace
 
+void check_is_text(std::string_view text, const std::string& name) {
+  if (text.find('\0') != std::string_view::npos)
+    throw InputError({name}, "this is no text, and so no scene: scenes are TOML");
+}
+
 void check_key_depth(std::string_view text, const std::string& name) {
   int line = 1, parts = 1;
   for (std::size_t at = 0; at < text.size();) {

@@ -10,4 +10,8 @@ namespace plenoflame {
 /// @param name of the file, for the message. @throws InputError
 void check_key_depth(std::string_view text, const std::string& name);
 
+/// Refuses what is no text at all, such as a light field in the place of its scene: what a parser
+/// of TOML says of it helps nobody. @throws InputError
+void check_is_text(std::string_view text, const std::string& name);
+
 }  // namespace plenoflame
