@@ -19,6 +19,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
+#include "plenoflame/image/atomic_file.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/main_window.h"
 
@@ -84,6 +85,13 @@ int main(int argc, char** argv) {
     return fail(2, "give one file at most (see plenoflame-desktop --help)");
 
   const bool unattended = parser.isSet(screenshot);
+  if (unattended) {
+    try {  // before anything is waited for
+      plenoflame::check_writable(parser.value(screenshot).toStdString());
+    } catch (const plenoflame::Error& error) {
+      return fail(1, error.what());
+    }
+  }
   std::unique_ptr<QSettings> settings;
   if (unattended)  // what somebody did before must not show
     settings = std::make_unique<QSettings>(QString(), QSettings::IniFormat);
@@ -108,7 +116,10 @@ int main(int argc, char** argv) {
     if (unattended) {
       while (window.is_file_busy())
         QApplication::processEvents(QEventLoop::AllEvents | QEventLoop::WaitForMoreEvents);
-      if (!begun || window.session().document().is_empty()) return fail(1, window.last_message());
+      const auto& document = window.session().document();
+      if (!begun || document.is_empty()) return fail(1, window.last_message());
+      for (const plenoflame::SceneIssue& issue : document.issues())
+        if (issue.is_error) return fail(1, QString::fromStdString(plenoflame::to_string(issue)));
     }
   } else if (!unattended) {
     window.offer_recovery();

@@ -304,6 +304,28 @@ class PanelsTest : public test::WindowFixture {
     QCOMPARE(wrong.exitCode(), 1);
     QVERIFY(wrong.readAllStandardError().contains("/no/such/scene.toml"));
   }
+
+  void screenshotOptionEndsWhereThereIsNothingToWaitFor() {
+    const QString out = folder_->filePath("shot.png"), good = folder_->filePath("good.toml"),
+                  bad = folder_->filePath("bad.toml");
+    QFile::copy(":/examples/lenslets-30.toml", good);
+    write(bad, "");
+    struct Case {
+      QStringList arguments;
+      int status;
+      const char* words;
+    };
+    for (const Case& one : {Case{{bad, "--screenshot", out}, 1, "camera.sensor.columns is missing"},
+                            {{good, "--screenshot", "/no/such/folder/shot.png"}, 1, "/no/such"},
+                            {{good, "--screenshot", out, "--pixel", "9999,3"}, 2, "300 x 300"}}) {
+      QProcess program;
+      program.start(PLENOFLAME_DESKTOP, one.arguments);
+      QVERIFY(program.waitForFinished(test::kPatience));
+      QCOMPARE(program.exitCode(), one.status);
+      QVERIFY(program.readAllStandardError().contains(one.words));
+      QVERIFY(!QFile::exists(out));
+    }
+  }
 };
 
 std::unique_ptr<QObject> plenoflame::desktop::test::make_panels_test() {

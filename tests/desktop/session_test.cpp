@@ -107,6 +107,19 @@ TEST_F(SessionTest, PictureThatIsBeingRefinedSaysWhatItShows) {
   EXPECT_FALSE(other.image()->version.empty());
 }
 
+TEST_F(SessionTest, LightFieldThatIsOpenedFirstHasViews) {
+  open();
+  ASSERT_TRUE(finish());
+  const TemporaryFolder folder;
+  write_light_field(folder.file("raw.exr"), *session_.document().image());
+  Session other;
+  other.set_views_wanted(true);
+  other.document().open(folder.file("raw.exr"));
+  ASSERT_TRUE(wait_for([&] { return other.light_field().views() != nullptr; }));
+  EXPECT_TRUE(other.document().image_is_current());
+  EXPECT_EQ(other.render().state(), RenderJob::State::idle);  // it was there already
+}
+
 TEST_F(SessionTest, ErrorFallsAlongTheCurve) {
   open();
   session_.document().set_value("render.samples", "1024");

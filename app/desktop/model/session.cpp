@@ -65,7 +65,10 @@ void Session::start_render() {
 void Session::on_compiled(const SceneChanges& changes) {
   const bool wanted = start_when_compiled_ || (auto_render_ && changes.image());
   start_when_compiled_ = false;
-  if ((outlines_wanted_ || views_wanted_) && changes.camera)
+  // An image that came with the scene waited for its camera; one of an earlier camera is no use.
+  if (document_.image_is_current())
+    update_light_field();
+  else if ((outlines_wanted_ || views_wanted_) && changes.camera)
     light_field_.set_camera(compiler_.compiled()->scene.camera);
   if (wanted && !document_.image_is_current()) render_.start(compiler_.compiled(), threads_);
 }

@@ -475,6 +475,13 @@ QString MainWindow::apply_options(const QString& pixel, const QString& part, con
     const int x = parts.value(0).toInt(&x_good), y = parts.value(1).toInt(&y_good);
     if (parts.size() != 2 || !x_good || !y_good)
       return "--pixel: '" + pixel + "' is not of the form X,Y: two whole numbers";
+    const SensorSpec& sensor = session_.document().scene().camera.sensor;
+    if (!session_.document().is_empty() &&
+        (x < 0 || y < 0 || x >= sensor.columns || y >= sensor.rows))
+      return QString("--pixel: %1 is outside of the sensor of %2 x %3 pixels")
+          .arg(pixel)
+          .arg(sensor.columns)
+          .arg(sensor.rows);
     session_.document().select(Selection::of_pixel(x, y));
   }
   if (!part.isEmpty()) {

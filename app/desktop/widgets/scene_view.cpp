@@ -120,8 +120,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
 
   tools_ = new QToolBar(this);
   tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  // All of them fit at the window's first size.
-  tools_->setStyleSheet("QToolBar { spacing: 0px; } QToolButton { padding: 2px 3px; }");
+  tools_->setStyleSheet("QToolBar { spacing: 0px; } QToolButton { padding: 2px 3px; }");  // all fit
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
