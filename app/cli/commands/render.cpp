@@ -222,7 +222,6 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
     result = render(compiled, settings, execution);
     interrupted = interrupt.interrupted();
   }
-  bar.finish();
   describe(compiled, result.light_field);
   if (options.white) result.light_field.texts["white"] = "1 W/(m^2 sr)";
   if (options.truth) {
@@ -230,6 +229,7 @@ int render_one(const RenderOptions& options, const SceneDocument& document) {
     rest.stop = {};  // a run that was stopped is kept, too
     add_ground_truth(compiled, result.light_field, rest);
   }
+  bar.finish();
   write_light_field(options.output, result.light_field);
   if (!result.statistics.complete) write_checkpoint(state, result.film, key);
   if (result.statistics.complete) std::filesystem::remove(state);

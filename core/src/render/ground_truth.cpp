@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -176,6 +177,15 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
   const ChiefRays rays(scene.camera);
   const FirstChannel channel = first_channel(scene);
   const RigidTransform& to_world = scene.camera.to_world();
+  std::mutex mutex;
+  int ended = 0;
+  const auto tell = [&] {
+    if (!execution.progress) return;
+    const std::lock_guard lock(mutex);
+    Progress progress;
+    progress.fraction = static_cast<double>(++ended) / window.height;
+    execution.progress(progress);
+  };
   const bool done =
       parallel_for(execution, static_cast<std::size_t>(window.height), [&](std::size_t line, int) {
         const int row = static_cast<int>(line);
@@ -204,6 +214,7 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
           distance.at(column, row) = along_axis(truth.moment / truth.radiance);
           temperature.at(column, row) = static_cast<float>(truth.heat / truth.radiance);
         }
+        tell();
       });
   if (!done) throw Cancelled();
   light_field.layers[truth::kOpticalDepth] = std::move(optical_depth);

@@ -86,7 +86,17 @@ TEST(GroundTruth, BehindMicrolenses) {
   const double distance = 1 / (1 / kFocal - 1 / 1.0);
   LightField field;
   field.window = {20, 5, 90, 95};
-  add_ground_truth(scene, field, test::threads(2));
+  Execution execution = test::threads(2);
+  double told = 0;
+  int times = 0;
+  execution.progress = [&](const Progress& progress) {
+    EXPECT_GT(progress.fraction, told);
+    told = progress.fraction;
+    ++times;
+  };
+  add_ground_truth(scene, field, execution);
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(times, 95);  // every row
   int lit = 0;
   for (const LensIndex lens :
        {LensIndex{0, 0}, LensIndex{1, 0}, LensIndex{-1, 1}, LensIndex{1, -2}}) {
