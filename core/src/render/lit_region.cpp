@@ -11,6 +11,25 @@ constexpr double kRounding = 1e-9;  ///< of the raster's extent: rays are moved 
 constexpr int kMostParts = 8;       ///< that an oblique beam is looked at in
 constexpr double kSingle = 1e-6;    ///< relative: room for single precision
 
+constexpr double kC1 = 0.9238795325112867, kC2 = 0.7071067811865476, kC3 = 0.3826834323650898;
+/// Unit vectors, 1/16 of a turn apart.
+constexpr std::array<Vec2, LitRegion::kSides> kAround{{{1, 0},
+                                                       {kC1, kC3},
+                                                       {kC2, kC2},
+                                                       {kC3, kC1},
+                                                       {0, 1},
+                                                       {-kC3, kC1},
+                                                       {-kC2, kC2},
+                                                       {-kC1, kC3},
+                                                       {-1, 0},
+                                                       {-kC1, -kC3},
+                                                       {-kC2, -kC2},
+                                                       {-kC3, -kC1},
+                                                       {0, -1},
+                                                       {kC3, -kC1},
+                                                       {kC2, -kC2},
+                                                       {kC1, -kC3}}};
+
 std::array<Vec3, 8> corners(const Box& box) {
   std::array<Vec3, 8> points;
   for (std::size_t i = 0; i < 8; ++i)
@@ -133,8 +152,77 @@ LitRegion::LitRegion(const Camera& camera, const std::vector<Box>& world) {
     return least;
   };
   to_lit_ = at_least(lit);
+  measure_reach(lit);
   lit.flip();
   to_dark_ = at_least(lit);
+}
+
+void LitRegion::measure_reach(const std::vector<bool>& lit) {
+  middle_ = 0.5 * (lower_ + upper_);
+  std::vector<Vec2> corners;  // of each row's first and last place
+  for (int row = 0; row < kSide; ++row) {
+    const auto begin = lit.begin() + row * kSide, end = begin + kSide;
+    const auto first = std::find(begin, end, true);
+    if (first == end) continue;
+    auto last = end;
+    while (!*(last - 1)) --last;
+    for (const auto column : {first - begin, last - begin})
+      for (const int edge : {row, row + 1})
+        corners.push_back(lower_ + Vec2{static_cast<double>(column) / scale_.x, edge / scale_.y} -
+                          middle_);
+  }
+  double farthest = 0;
+  for (const Vec2 corner : corners) farthest = std::max(farthest, length(corner));
+  for (int i = 0; i < kDirections; ++i) {
+    // All that number_of() gives this number: the middle, and as far as the reach changes from it.
+    const double p = (i + 0.5) * (4.0 / kDirections) - 2, q = std::fabs(p) - 1;
+    const Vec2 along{-q, std::copysign(1 - std::fabs(q), p)};
+    const Vec2 direction = (1 / length(along)) * along;
+    double reach = 0;
+    for (const Vec2 corner : corners) reach = std::max(reach, dot(corner, direction));
+    reach_.push_back(reach + farthest * (4.0 / kDirections));
+  }
+}
+
+/// Numbers of directions all around, without an angle: along the sides of a square on its corner.
+/// An angle changes by at most twice as much as the way along the sides.
+std::size_t LitRegion::number_of(Vec2 direction) {
+  const double share = direction.x / (std::fabs(direction.x) + std::fabs(direction.y));
+  const double way = std::copysign(1 - share, direction.y);  // -2 to 2
+  return static_cast<std::size_t>(
+      std::clamp((way + 2) * (0.25 * kDirections), 0.0, kDirections - 1.0));
+}
+
+bool LitRegion::holds(Vec2 p) const {
+  return p.x > lower_.x && p.x < upper_.x && p.y > lower_.y && p.y < upper_.y &&
+         !(to_lit_[place_of(p)] > 0);
+}
+
+bool LitRegion::is_apart(const Vec2 centre[2], Vec2 axis,
+                         const std::array<double, kSides>& support) const {
+  if (!bounded_) return false;
+  const Vec2 a = centre[0] - middle_, b = centre[1] - middle_;
+  const Vec2 half = upper_ - middle_, between = 0.5 * (a + b);
+  // Away from an ellipse as long and as wide as all there is: of the directions that the beam's
+  // outline is known in the nearest, and some next to it.
+  const Vec2 out{between.x / (half.x * half.x), between.y / (half.y * half.y)};
+  const Vec2 across{-axis.y, axis.x};
+  const double x = dot(out, axis), y = dot(out, across);
+  const double steep = std::fabs(y), flat = std::fabs(x);
+  // Tangents of 1/32, 3/32, ... of a turn.
+  int eighth = 0;
+  for (const double tangent :
+       {0.1989123673796580, 0.6681786379192989, 1.4966057626654890, 5.0273394921258481})
+    eighth += steep > tangent * flat ? 1 : 0;
+  const int upper = x < 0 ? kSides / 2 - eighth : eighth;
+  const int nearest = y < 0 ? kSides - upper : upper;
+  for (const int off : {0, 1, kSides - 1}) {
+    const auto i = static_cast<std::size_t>((nearest + off) % kSides);
+    const Vec2 n = kAround[i].x * axis + kAround[i].y * across;
+    if (std::min(dot(a, n), dot(b, n)) - support[(i + kSides / 2) % kSides] > reach_[number_of(n)])
+      return true;
+  }
+  return false;
 }
 
 std::size_t LitRegion::place_of(Vec2 p) const {

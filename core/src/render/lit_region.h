@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,19 @@ class LitRegion {
   /// @param centre camera x, y [m]; @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
 
+  /// Whether there is something, or nearly so, where a line along the axis passes: what goes
+  /// through there needs no closer look.
+  /// @param p camera x, y [m]
+  bool holds(Vec2 p) const;
+
+  static constexpr int kSides = 16;  ///< of the outline that is_apart() takes
+  /// Whether a straight line is found that parts all that there is from a beam whose outline is not
+  /// round.
+  /// @param centre as in meets() @param axis unit vector
+  /// @param support how far the beam reaches beyond its centres in directions turned from the axis
+  /// by 2 pi / kSides each, towards where y is from x [m]
+  bool is_apart(const Vec2 centre[2], Vec2 axis, const std::array<double, kSides>& support) const;
+
   /// Whether there is something wherever a ray of that beam crosses one of the planes: nothing in
   /// it is worth a closer look. May say no where the answer is yes.
   bool is_filled(const Vec2 centre[2], double radius) const;
@@ -36,9 +50,14 @@ class LitRegion {
  private:
   static constexpr int kSide = 128;
   bool is_beyond(Vec2 centre, double radius) const;
+  void measure_reach(const std::vector<bool>& lit);
   std::size_t place_of(Vec2 p) const;
   bool bounded_ = false;
   double planes_[2] = {0, 0};
+  static constexpr int kDirections = 512;
+  static std::size_t number_of(Vec2 direction);
+  std::vector<double> reach_;  ///< of all that is lit, from the raster's middle, all around [m]
+  Vec2 middle_;
   Vec2 lower_, upper_;  ///< of the raster, camera x, y [m]
   Vec2 scale_;          ///< places per metre
   /// Of kSide^2 places: how far, at least, any point of each is from the nearest lit one, and from

@@ -15,12 +15,14 @@ namespace {
 // the opening that they are aimed at.
 constexpr double kMargin = 0.08;
 constexpr int kDirections = 16;
-constexpr double kShares[] = {0.2, 0.5, 0.85, 0.92, 0.97, 1};
+constexpr double kShares[] = {0.5, 0.85, 0.95, 1};
 constexpr int kAzimuths = 5;  ///< of sensor points, over half a turn
 /// Of the micro-image's radius: in its very middle cuts hold for all azimuths, which says little.
-constexpr double kFirstRing = 0.02, kLastRing = 0.97;
-constexpr double kPoint = 0.01;     ///< of a pixel: cuts are asked for at points
-constexpr double kRounding = 1e-6;  ///< of the distance: rays in single precision
+constexpr double kFirstRing = 0.02, kLastRing = 0.99;
+constexpr double kRingStep = 1.0 / 12;  ///< of sensor points, in units of the radius
+constexpr double kClear = 1.5;          ///< half diagonals of a pixel that its outline is told from
+constexpr double kPoint = 0.01;         ///< of a pixel: cuts are asked for at points
+constexpr double kRounding = 1e-6;      ///< of the distance: rays in single precision
 
 /// What a sensor point may see of a microlens' aperture, in coordinates along the line through the
 /// micro-image's centre and across (PupilCut).
@@ -94,6 +96,55 @@ class Line {
   double scatter() const { return n_ * xx_ - x_ * x_; }
   double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
 };
+
+constexpr std::size_t kSides = LitRegion::kSides;
+
+/// Unit vectors all around.
+struct AllAround {
+  std::array<double, kSides> cosine, sine;
+  AllAround() {
+    for (std::size_t i = 0; i < kSides; ++i) {
+      const double angle = 2 * constants::pi * static_cast<double>(i) / kSides;
+      cosine[i] = std::cos(angle);
+      sine[i] = std::sin(angle);
+    }
+  }
+};
+
+/// How far some points reach in directions all around.
+class Support {
+ public:
+  Support() { reach_.fill(-kInfinity); }
+  void take(const AllAround& around, Vec2 p) {
+    for (std::size_t i = 0; i < kSides; ++i) {
+      const double at = p.x * around.cosine[i] + p.y * around.sine[i];
+      reach_[i] = reach_[i] < at ? at : reach_[i];
+    }
+  }
+  void take(const Support& other) {
+    for (std::size_t i = 0; i < kSides; ++i) reach_[i] = std::max(reach_[i], other.reach_[i]);
+  }
+  double operator[](std::size_t i) const { return reach_[i]; }
+  /// The corners of the polygon that holds all that reaches no farther.
+  std::array<Vec2, kSides> corners(const AllAround& around) const {
+    std::array<Vec2, kSides> corners;
+    for (std::size_t i = 0; i < kSides; ++i) {
+      const double along =
+          (reach_[(i + 1) % kSides] - reach_[i] * around.cosine[1]) / around.sine[1];
+      corners[i] = {reach_[i] * around.cosine[i] - along * around.sine[i],
+                    reach_[i] * around.sine[i] + along * around.cosine[i]};
+    }
+    return corners;
+  }
+
+ private:
+  std::array<double, kSides> reach_;
+};
+
+/// v in axes of which the first is `axis`, a unit vector.
+Vec2 seen_along(Vec2 axis, Vec2 v) {
+  return {dot(v, axis), v.y * axis.x - v.x * axis.y};
+}
 
 }  // namespace
 
@@ -190,7 +241,7 @@ void PixelBeams::trace(int table, std::size_t i, Interval& interval) const {
   const PupilNode &a = pupils.nodes[i], &b = pupils.nodes[i + 1];
   if (a.dark() || b.dark()) return;
   interval.outer = std::max(a.outer_radius, b.outer_radius);
-  std::vector<Spot> of_fields[3];
+  std::array<std::vector<Spot>, 3> of_fields;
   for (int step = 0; step < 3; ++step)
     of_fields[step] =
         spots(table, (static_cast<double>(i) + 0.5 * step) * pupils.field_step, interval.outer);
@@ -216,7 +267,53 @@ void PixelBeams::trace(int table, std::size_t i, Interval& interval) const {
   const double widest = *std::max_element(radii.begin(), radii.end());
   for (double& radius : radii)
     if (!(radius > 0)) radius = widest;  // nothing of it got through
-  if (widest > 0) interval.radii = radii;
+  if (!(widest > 0)) return;
+  interval.radii = radii;
+  draw_outlines(of_fields, interval);
+}
+
+/// Of all sensor points in pixels of a ring, wherever in the pixel they lie.
+void PixelBeams::draw_outlines(const std::array<std::vector<Spot>, 3>& fields,
+                               Interval& interval) const {
+  const AllAround around;
+  const double half = half_diagonal_ / interval.outer;
+  std::array<double, kCells> margins{};
+  std::array<Support, kCells> supports;
+  for (std::size_t step = 0; step < 3; ++step) {
+    const Map map = interval.ends[0].mixed(interval.ends[1], 0.5 * static_cast<double>(step));
+    for (const Spot& spot : fields[step])
+      for (std::size_t k = 0; k < 2; ++k) {
+        Support of_spot;
+        for (const auto& ray : spot.rays) of_spot.take(around, ray[k]);
+        const std::array<Vec2, kSides> corners = of_spot.corners(around);
+        for (std::size_t i = 0; i < kSides; i += 2) {
+          const Vec2 pixel = spot.w + half * Vec2{around.cosine[i], around.sine[i]};
+          const double r = length(pixel);
+          const Vec2 away = (1 / r) * pixel, from = map.at(k, pixel);
+          Support support;
+          for (const Vec2 corner : corners) support.take(around, seen_along(away, corner - from));
+          // Also for pixels a little farther in or out.
+          for (std::size_t ring = 0; ring < kCells; ++ring) {
+            const double inner = static_cast<double>(ring) / kCells;
+            if (r < inner - 0.5 * kRingStep ||
+                (r > inner + 1.0 / kCells + 0.5 * kRingStep && ring + 1 < kCells))
+              continue;
+            margins[ring] = std::max(margins[ring],
+                                     kMargin * interval.radii[spot.ring] + kRounding * planes_[1]);
+            supports[ring].take(support);
+          }
+        }
+      }
+  }
+  for (std::size_t ring = 0; ring < kCells; ++ring) {
+    // Where the micro-image's middle is near there is no direction away from it.
+    if (static_cast<double>(ring) / kCells < kClear * half || !(margins[ring] > 0)) continue;
+    Outline& outline = interval.outlines[ring];
+    outline.known = true;
+    for (std::size_t i = 0; i < kSides; ++i)  // The micro-image is its own mirror image.
+      outline.support[i] =
+          std::max(supports[ring][i], supports[ring][(kSides - i) % kSides]) + margins[ring];
+  }
 }
 
 PixelBeam PixelBeams::of(int table, Vec2 place) const {
@@ -243,6 +340,12 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   const Vec2 e = field_;
   const Vec2 v{pixel.x * e.x + pixel.y * e.y - centre_, pixel.y * e.x - pixel.x * e.y};
   const double to_unit = 1 / interval_->outer, d = std::sqrt(dot(v, v));
+  Vec2 at[2];
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vec2 p = map_.at(k, to_unit * v);
+    at[k] = {p.x * e.x - p.y * e.y, p.x * e.y + p.y * e.x};
+  }
+  if (region_->holds(0.5 * (at[0] + at[1]))) return true;
   // The rings that the pixel lies between.
   constexpr double kLast = PixelBeams::kRings - 1;
   const auto ring = [&](double distance) {
@@ -252,12 +355,13 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   const std::size_t outermost = std::min(ring(d + half_) + 1, interval_->radii.size() - 1);
   for (std::size_t r = ring(d - half_); r <= outermost; ++r)
     radius = std::max(radius, interval_->radii[r]);
-  Vec2 at[2];
-  for (std::size_t k = 0; k < 2; ++k) {
-    const Vec2 p = map_.at(k, to_unit * v);
-    at[k] = {p.x * e.x - p.y * e.y, p.x * e.y + p.y * e.x};
-  }
-  return region_->meets(at, radius);
+  if (!region_->meets(at, radius)) return false;
+  const PixelBeams::Outline& outline = interval_->outlines[static_cast<std::size_t>(
+      std::min(d * to_unit * PixelBeams::kCells, PixelBeams::kCells - 1.0))];
+  if (!outline.known) return true;
+  const Vec2 away = (1 / d) * v;
+  return !region_->is_apart(at, {away.x * e.x - away.y * e.y, away.x * e.y + away.y * e.x},
+                            outline.support);
 }
 
 }  // namespace plenoflame

@@ -16,7 +16,7 @@ class PixelBeam;
 
 /// Which pixels behind a microlens can see anything through it. Conservative: a pixel's beam is
 /// bounded by a disc on each of the region's two planes, its middle linear in the sensor point, as
-/// large as traced rays ask for, with a margin.
+/// large as traced rays ask for, with a margin; and by a polygon, as spots need not be round.
 ///
 /// A microlens' whole beam (BeamBounds) is several pixels' images wide where the array resolves
 /// something. Not for cameras without array, nor for those that are not aligned.
@@ -33,7 +33,8 @@ class PixelBeams {
 
  private:
   friend class PixelBeam;
-  static constexpr std::size_t kRings = 7;  ///< of sensor points, from the micro-image's centre out
+  static constexpr std::size_t kRings =
+      13;  ///< of sensor points, from the micro-image's centre out
   /// What a sensor point sees lies about centre[k] + diag(along[k], across[k]) w on plane k: along
   /// and across the direction away from the axis, which is a mirror plane.
   struct Map {
@@ -44,12 +45,20 @@ class PixelBeams {
     }
     Map mixed(const Map& other, double t) const;
   };
+  static constexpr std::size_t kCells = 8;  ///< rings of pixels
+  /// How far what pixels of a ring see reaches beyond where the Map says, on both planes [m]:
+  /// directions count from that away from the micro-image's centre (LitRegion::is_apart()).
+  struct Outline {
+    std::array<double, LitRegion::kSides> support{};
+    bool known = false;
+  };
   /// Between two neighbouring fields of a table: traced when first asked for, as most never are.
   struct Interval {
     std::once_flag once;
     double outer = 1;  ///< [m] the micro-image's radius
     Map ends[2];
     std::array<double, kRings> radii{};  ///< [m] of the discs; infinite: nothing is known
+    std::array<Outline, kCells> outlines;
   };
   struct Table {
     const PupilTable* pupils = nullptr;
@@ -59,6 +68,7 @@ class PixelBeams {
   PixelBeams(const Camera& camera, const std::vector<PupilTable>& tables, const LitRegion& region);
   std::vector<Spot> spots(int table, double h, double outer) const;
   static std::optional<Map> map_of(const std::vector<Spot>& spots);
+  void draw_outlines(const std::array<std::vector<Spot>, 3>& fields, Interval& interval) const;
   void trace(int table, std::size_t i, Interval& interval) const;
 
   const Camera& camera_;
