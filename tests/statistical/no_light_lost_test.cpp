@@ -147,7 +147,9 @@ TEST_P(NoLightLost, EveryRayThatPassesIsInsideTheBounds) {
         const Vec2 out = h > 0 ? (1 / h) * place : Vec2{1, 0};
         const Vec2 from = s.sensor - place, aim = s.aim - place;
         ++passed;
-        outside_aperture += length(aim - table.discs.shift * from) >= table.discs.radius;
+        outside_aperture +=
+            length(aim - table.discs.shift * from) >= table.discs.radius_at(from) ||
+            length(aim - table.discs.near_shift * from) >= table.discs.near_radius;
         const Vec2 image = from - node.centre * out;
         const PixelCut cut =
             node.cuts.of_square(middle_of(s.sensor) - place - node.centre * out, 0.5 * p, out);

@@ -18,8 +18,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kSafety = 0.001;     ///< of a radius, over the measured margin
-constexpr double kDiscSafety = 8e-4;  ///< the same for the microlens' own apertures
+constexpr double kSafety = 0.001;       ///< of a radius, over the measured margin
+constexpr double kDiscSafety = 8e-4;    ///< the same for the microlens' far aperture
+constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is known exactly
+constexpr int kDiscSteps = 8;           ///< sensor points that apertures are looked at from
+constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
 class MicrolensTracer {
@@ -92,49 +95,80 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   return {};
 }
 
-/// The disc of aim points that get through the microlens itself, as seen from sensor points out to
-/// `s_max`; independent of the field.
+/// What aim points get through the microlens itself, as seen from sensor points out to `s_max`;
+/// independent of the field.
 ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
   ApertureDiscs discs;
   const double own = 0.5 * camera.spec().array.diameter;
   if (camera.ideal_array()) {
-    discs.radius = discs.bound = own * (1 + kSafety);
+    discs.radius = discs.near_radius = discs.bound = own * (1 + kDiscRounding);
     return discs;
   }
-  const int lens_surfaces = camera.surface_count() - 2;
-  std::vector<std::pair<double, std::vector<Vec2>>> edges;
+  const int far_face = camera.surface_count() - 2;
+  /// The surface at which a ray ends; -1: it ends nowhere.
+  const auto last_surface = [&](double s, Vec2 u) {
+    const TraceStatus status = camera.trace({s, 0}, LensIndex{}, u).status;
+    return status.status == RayStatus::reached ? -1 : status.surface;
+  };
+  struct Edge {
+    double s;
+    Vec2 u;
+  };
+  std::vector<Edge> near, far;
   double ss = 0, us = 0, on_axis = 0;
-  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    const double s = part * s_max;
-    const Passes passes = [&](Vec2 u) {
-      const TraceStatus status = camera.trace({s, 0}, LensIndex{}, u).status;
-      return status.status == RayStatus::reached || status.surface < lens_surfaces;
-    };
+  for (int step = 0; step <= kDiscSteps; ++step) {
+    const double s = s_max * step / kDiscSteps;
+    const Passes passes_near = [&](Vec2 u) { return last_surface(s, u) <= far_face; };
+    const Passes passes_both = [&](Vec2 u) { return last_surface(s, u) < far_face; };
     Vec2 inside{0, 0};
-    if (!find_inside(passes, own, inside)) continue;
-    edges.emplace_back(s, find_edge(passes, inside, 2.2 * own));
+    if (find_inside(passes_near, own, inside)) {
+      const std::vector<Vec2> edge = find_edge(passes_near, inside, 2.2 * own);
+      for (const Vec2 u : edge) near.push_back({s, u});
+      if (step == kDiscSteps) discs.near_shift = middle(edge).x / s;
+    }
+    if (!find_inside(passes_both, own, inside)) continue;
     // Seen from the side, the edge turned away from s is the far face's, the other one the near
-    // face's, which hardly moves. Light that only just passes the stop comes over the former.
+    // face's. Light that only just passes the stop comes over the former.
     double turned_away = kInfinity;
-    for (const Vec2 u : edges.back().second) turned_away = std::min(turned_away, u.x);
+    for (const Vec2 u : find_edge(passes_both, inside, 2.2 * own)) {
+      discs.bound = std::max(discs.bound, length(u));
+      turned_away = std::min(turned_away, u.x);
+      if (passes_near(u + kBeyond * (u - inside))) far.push_back({s, u});
+    }
     if (s == 0) on_axis = turned_away;
     ss += s * s;
     us += s * (turned_away - on_axis);
   }
+  for (const Edge& edge : near)
+    discs.near_radius =
+        std::max(discs.near_radius, length(edge.u - Vec2{discs.near_shift * edge.s, 0}));
+  // Of the shifts near this one, that whose disc fits best.
   const double guess = ss > 0 ? us / ss : 0;
-  // Of the shifts near this one, that with the smallest disc.
-  discs.radius = kInfinity;
-  for (int step = -20; step <= 20; ++step) {
+  double least_slack = kInfinity;
+  for (int step = -20; step <= 20 && !far.empty(); ++step) {
     const double shift = guess * (1 + 0.005 * step);
+    double n = 0, r = 0, t = 0, tt = 0, rt = 0;
+    for (const auto& [s, u] : far) {
+      const double radius = length(u - Vec2{shift * s, 0}), part = s * s;
+      n += 1, r += radius, t += part, tt += part * part, rt += radius * part;
+    }
+    const double scatter = n * tt - t * t;
+    const double growth = scatter > 1e-6 * n * tt ? (n * rt - r * t) / scatter : 0;
     double radius = 0;
-    for (const auto& [s, edge] : edges)
-      for (const Vec2 u : edge) radius = std::max(radius, length(u - Vec2{shift * s, 0}));
-    if (radius >= discs.radius) continue;
+    for (const auto& [s, u] : far)
+      radius = std::max(radius, length(u - Vec2{shift * s, 0}) - growth * s * s);
+    const double slack = n * radius + growth * t - r;
+    if (slack >= least_slack) continue;
+    least_slack = slack;
     discs.radius = radius;
     discs.shift = shift;
+    discs.growth = growth;
   }
-  for (const auto& [s, edge] : edges)
-    for (const Vec2 u : edge) discs.bound = std::max(discs.bound, length(u));
+  if (far.empty()) {
+    discs.radius = discs.near_radius;
+    discs.shift = discs.near_shift;
+  }
+  discs.near_radius *= 1 + kDiscRounding;
   discs.radius *= 1 + kDiscSafety;
   discs.bound *= 1 + 2 * kDiscSafety;
   return discs;
@@ -157,6 +191,7 @@ void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
                              tilt * array.thickness) +
                       tilt * tilt * discs.bound;
   discs.radius += room;
+  discs.near_radius += room;
   discs.bound += room;
 }
 

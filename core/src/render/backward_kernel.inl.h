@@ -92,9 +92,9 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
 ///
 /// The part is bounded by four circles: those of the two apertures of the microlens, and two
 /// through the ends `low` and `high` of the part's extent along the line through the patch's
-/// centre. A uniform point of the unit disc is stretched to it: linearly along that line, by the
-/// ratio of the chords across. All weights are exact Jacobians: a bound that is too wide costs
-/// rays, never light.
+/// centre, centred on that line. A uniform point of the unit disc is stretched to it: linearly
+/// along the line, across from one end of the chord to the other. All weights are exact Jacobians:
+/// a bound that is too wide costs rays, never light.
 template <class Real>
 PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count, Real distance,
                                 const KernelBlock<Real>& block) {
@@ -110,8 +110,8 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
   int* __restrict code = block.code + first;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
   const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
-  const Real bound = c.bound_radius, bound2 = bound * bound;
-  const Real aim_radius = c.aim_radius, aim_shift = c.aim_shift;
+  const Real near_radius = c.near_radius, near_shift = c.near_shift;
+  const Real far_radius = c.far_radius, far_growth = c.far_growth, far_shift = c.far_shift;
   const Real g2 = distance * distance;
   const int padded = (count + 15) & ~15;
 #pragma omp simd
@@ -123,12 +123,16 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real ex = w2 > Real(1e-30) ? wx * inverse_w : Real(1);
     const Real ey = w2 > Real(1e-30) ? wy * inverse_w : Real(0);
 
-    // The aperture's disc, widened by how far its centre lies beside the line.
-    const Real along = aim_shift * (sx * ex + sy * ey);
-    const Real a = aim_radius + magnitude(aim_shift * (sx * ey - sy * ex));
+    // The discs of the two apertures. The centre of the near one lies hardly beside the line: it is
+    // taken to lie on it, and the disc to be larger.
+    const Real s_along = sx * ex + sy * ey, s_beside = sy * ex - sx * ey;
+    const Real near = near_radius + magnitude(near_shift * s_beside);
+    const Real far = far_radius + far_growth * (sx * sx + sy * sy);
+    const Real near_along = near_shift * s_along, far_along = far_shift * s_along;
+    const Real far_beside = far_shift * s_beside;
     const Real cut_low = dz[i], cut_high = weight[i];
-    const Real low = greatest(greatest(cut_low, -bound), along - a);
-    const Real high = least(least(cut_high, bound), along + a);
+    const Real low = greatest(cut_low, greatest(near_along - near, far_along - far));
+    const Real high = least(cut_high, least(near_along + near, far_along + far));
 
     const Real t = dy[i], v2 = dx[i];
     const Real folded = t > Real(0.25) ? Real(0.5) - t : (t < Real(-0.25) ? Real(-0.5) - t : t);
@@ -138,10 +142,15 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real p = Real(0.5) * (low + high) + half * cosine;
     const Real unit_chord2 = (Real(1) - v2) + across * across;  // 1 - cosine^2
     const Real above = p - cut_low, below = cut_high - p;
-    const Real chord2 = least(least(bound2 - p * p, a * a - (p - along) * (p - along)),
-                              least(above * (low_far[i] - p), below * (p - high_far[i])));
-    const Real stretch = square_root(greatest(chord2, Real(0)) / unit_chord2);
-    const Real q = across * stretch;
+    const Real near_p = p - near_along, far_p = p - far_along;
+    const Real cut2 = least(near * near - near_p * near_p,
+                            least(above * (low_far[i] - p), below * (p - high_far[i])));
+    const Real cut_half = square_root(greatest(cut2, Real(0)));
+    const Real far_half = square_root(greatest(far * far - far_p * far_p, Real(0)));
+    const Real top = least(cut_half, far_beside + far_half);
+    const Real bottom = greatest(-cut_half, far_beside - far_half);
+    const Real stretch = greatest(Real(0.5) * (top - bottom), Real(0)) / square_root(unit_chord2);
+    const Real q = Real(0.5) * (top + bottom) + across * stretch;
     const Real ux = origin_x + origin_shift * sx + ex * p - ey * q;
     const Real uy = origin_y + origin_shift * sy + ey * p + ex * q;
 

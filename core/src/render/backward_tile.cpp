@@ -155,9 +155,11 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     set_lens(camera, lens, own_lens_);
     has_own_lens_ = true;
   }
-  patch_.bound_radius = static_cast<Real>(table.discs.bound);
-  patch_.aim_radius = static_cast<Real>(table.discs.radius);
-  patch_.aim_shift = static_cast<Real>(table.discs.shift);
+  patch_.near_radius = static_cast<Real>(table.discs.near_radius);
+  patch_.near_shift = static_cast<Real>(table.discs.near_shift);
+  patch_.far_radius = static_cast<Real>(table.discs.radius);
+  patch_.far_shift = static_cast<Real>(table.discs.shift);
+  patch_.far_growth = static_cast<Real>(table.discs.growth);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
   const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;
@@ -182,10 +184,6 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     for (int column = column0; column <= column1; ++column) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at.x, centre.x)) continue;
-      if (beam && !beam->may_meet(at)) {
-        counters_.pairs_skipped += 1;
-        continue;
-      }
       const Vec2 v = at - centre;
       const int level = level_of(open.mean(std::sqrt(dot(v, v))) *
                                  static_cast<double>(pixel().x_width) * per_pitch);
@@ -193,6 +191,10 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       const std::uint64_t chosen = chosen_replicates(level);
       if (chosen == 0) {
         counters_.pairs_left_to_chance += 1;
+        continue;
+      }
+      if (beam && !beam->may_meet(at)) {
+        counters_.pairs_skipped += 1;
         continue;
       }
       const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
@@ -231,7 +233,7 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.origin_x = static_cast<Real>(aim.x - shift * centre.x);
   patch_.origin_y = static_cast<Real>(aim.y - shift * centre.y);
   patch_.origin_shift = static_cast<Real>(shift);
-  patch_.aim_radius = patch_.bound_radius = static_cast<Real>(node.aim_radius);
+  patch_.near_radius = patch_.far_radius = static_cast<Real>(node.aim_radius);
   place_row(centre.y, centre, 2 * pitch);  // nothing cuts the pixel
   place_pixel(centre.x, centre.x);
   set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself

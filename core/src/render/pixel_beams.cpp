@@ -31,7 +31,8 @@ class Opening {
   /// @param sensor from the microlens' centre, @param e direction of the line
   Opening(const PixelCut& cut, const ApertureDiscs& discs, Vec2 sensor, Vec2 e)
       : bound_(discs.bound),
-        radius_(discs.radius + std::fabs(discs.shift * (sensor.x * e.y - sensor.y * e.x))),
+        radius_(discs.radius_at(sensor) +
+                std::fabs(discs.shift * (sensor.x * e.y - sensor.y * e.x))),
         along_(discs.shift * dot(sensor, e)),
         low_(std::max(-bound_, along_ - radius_)),
         high_(std::min(bound_, along_ + radius_)),

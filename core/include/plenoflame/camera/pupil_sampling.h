@@ -46,11 +46,16 @@ class OpenShare {
   double half_, steps_per_metre_, per_width_;
 };
 
-/// The two apertures of a microlens as discs of the aim plane: |u - shift * s| < radius, |u| <
-/// bound.
+/// The two apertures of a microlens as discs of the aim plane, for a sensor point s. The near
+/// face's rim is seen along straight lines: |u - near_shift * s| < near_radius holds exactly. The
+/// far face's is seen through the near one: |u - shift * s| < radius_at(s).
 struct ApertureDiscs {
-  double radius = 0, bound = 0;  ///< [m]
-  double shift = 0;
+  double near_radius = 0, near_shift = 0;  ///< [m], none
+  double radius = 0, shift = 0;            ///< [m], none
+  double growth = 0;                       ///< [1/m]
+  double bound = 0;                        ///< of |u|, for all s [m]
+
+  double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
 /// The table of one microlens type (or of the bare camera) over the field.
