@@ -148,7 +148,7 @@ TEST_P(NoLightLost, EveryRayThatPassesIsInsideTheBounds) {
         const Vec2 from = s.sensor - place, aim = s.aim - place;
         ++passed;
         outside_aperture +=
-            length(aim - table.discs.shift * from) >= table.discs.radius_at(from) ||
+            length(aim - table.discs.far_centre(from)) >= table.discs.radius_at(from) ||
             length(aim - table.discs.near_shift * from) >= table.discs.near_radius;
         const Vec2 image = from - node.centre * out;
         const PixelCut cut =

@@ -65,7 +65,7 @@ Vec2 PupilOutline::sensor_point(int azimuth, double distance) const {
 Vec2 PupilOutline::aim(int azimuth, double distance, std::size_t i) const {
   const Vec2 e = directions_[static_cast<std::size_t>(azimuth)],
              s = sensor_point(azimuth, distance);
-  return discs_.shift * Vec2{dot(s, e), s.y * e.x - s.x * e.y} + discs_.radius_at(s) * points_[i];
+  return discs_.far_centre({dot(s, e), s.y * e.x - s.x * e.y}) + discs_.radius_at(s) * points_[i];
 }
 
 /// Whether also rays within an interval of the point tell how far beams reach: of the aperture's
@@ -83,7 +83,7 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
   for (std::size_t i = 0; i < kPoints; ++i) points[i] = turned(points_[i], e);
   const auto request = [&](std::size_t i, double distance) {
     const Vec2 s = Vec2{centre_, 0} + distance * e;
-    return PupilTracer::Request{s, discs_.shift * s + discs_.radius_at(s) * points[i]};
+    return PupilTracer::Request{s, discs_.far_centre(s) + discs_.radius_at(s) * points[i]};
   };
   const auto distance_of = [range](std::size_t k) {
     return range * static_cast<double>(k) / kScan;

@@ -1,5 +1,6 @@
 #include "plenoflame/camera/pupil_sampling.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,9 +20,11 @@ namespace plenoflame {
 namespace {
 
 constexpr double kSafety = 0.001;       ///< of a radius, over the measured margin
-constexpr double kDiscSafety = 8e-4;    ///< the same for the microlens' far aperture
+constexpr double kDiscSafety = 1.2e-3;    ///< the same for the microlens' far aperture
 constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is known exactly
-constexpr int kDiscSteps = 8;           ///< sensor points that apertures are looked at from
+constexpr double kReach = 1.02;         ///< micro-images may still grow by less
+constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
+constexpr int kFitSteps = 4;            ///< of the fit of the far one
 constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
@@ -121,7 +124,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     const Passes passes_near = [&](Vec2 u) { return last_surface(s, u) <= far_face; };
     const Passes passes_both = [&](Vec2 u) { return last_surface(s, u) < far_face; };
     Vec2 inside{0, 0};
-    if (find_inside(passes_near, own, inside)) {
+    if ((step == 0 || step == kDiscSteps) && find_inside(passes_near, own, inside)) {
       const std::vector<Vec2> edge = find_edge(passes_near, inside, 2.2 * own);
       for (const Vec2 u : edge) near.push_back({s, u});
       if (step == kDiscSteps) discs.near_shift = middle(edge).x / s;
@@ -142,28 +145,30 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
   for (const Edge& edge : near)
     discs.near_radius =
         std::max(discs.near_radius, length(edge.u - Vec2{discs.near_shift * edge.s, 0}));
-  // Of the shifts near this one, that whose disc fits best.
-  const double guess = ss > 0 ? us / ss : 0;
-  double least_slack = kInfinity;
-  for (int step = -20; step <= 20 && !far.empty(); ++step) {
-    const double shift = guess * (1 + 0.005 * step);
-    double n = 0, r = 0, t = 0, tt = 0, rt = 0;
+  // Least squares over the edges, by Gauss and Newton's method.
+  discs.shift = ss > 0 ? us / ss : 0;
+  discs.radius = own;
+  for (int step = 0; step < kFitSteps && !far.empty(); ++step) {
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (const auto& [s, u] : far) {
-      const double radius = length(u - Vec2{shift * s, 0}), part = s * s;
-      n += 1, r += radius, t += part, tt += part * part, rt += radius * part;
+      const double part = s / s_max;
+      const Vec2 from = u - discs.far_centre({s, 0});
+      const double distance = length(from), cosine = from.x / distance;
+      const Eigen::Vector4d row{1, part * part, cosine * part, cosine * part * part * part};
+      normal += row * row.transpose();
+      right += (distance - discs.radius_at({s, 0})) * row;
     }
-    const double scatter = n * tt - t * t;
-    const double growth = scatter > 1e-6 * n * tt ? (n * rt - r * t) / scatter : 0;
-    double radius = 0;
-    for (const auto& [s, u] : far)
-      radius = std::max(radius, length(u - Vec2{shift * s, 0}) - growth * s * s);
-    const double slack = n * radius + growth * t - r;
-    if (slack >= least_slack) continue;
-    least_slack = slack;
-    discs.radius = radius;
-    discs.shift = shift;
-    discs.growth = growth;
+    const Eigen::Vector4d change = normal.completeOrthogonalDecomposition().solve(right);
+    discs.radius += change[0];
+    discs.growth += change[1] / (s_max * s_max);
+    discs.shift += change[2] / s_max;
+    discs.bend += change[3] / (s_max * s_max * s_max);
   }
+  double lacking = 0;
+  for (const auto& [s, u] : far)
+    lacking = std::max(lacking, length(u - discs.far_centre({s, 0})) - discs.radius_at({s, 0}));
+  discs.radius += lacking;
   if (far.empty()) {
     discs.radius = discs.near_radius;
     discs.shift = discs.near_shift;
@@ -238,12 +243,10 @@ class TableMaker {
   void find_image(std::size_t i) { images_[i] = find_chief_image(tracer_, place(i)); }
 
   void fit_discs() {
-    double s_max = 0;
     for (const ChiefImage& image : images_)
       if (image.radius > 0)
-        s_max = std::max(s_max, std::fabs(image.centre) + image.range / kRangeRoom);
-    table_.discs = fit_aperture(tracer_.own_at(0), s_max);
-    if (given_.misaligned()) widen_discs(given_, s_max, table_.discs);
+        s_max_ = std::max(s_max_, std::fabs(image.centre) + image.range / kRangeRoom);
+    fit_discs_to(s_max_);
   }
 
   void trace_outline(std::size_t i) {
@@ -268,6 +271,15 @@ class TableMaker {
     table_.edges[i] = outline.beam_rays();
   }
 
+  /// The same for micro-images that turned out to be larger.
+  void fit_discs_again() {
+    double s_max = 0;
+    for (const PupilNode& node : table_.nodes)
+      if (!node.dark())
+        s_max = std::max(s_max, std::fabs(node.centre) + kReach * node.outer_radius);
+    if (s_max > s_max_) fit_discs_to(s_max);
+  }
+
   void fill_shadow() { extend_into_shadow(table_.nodes, cuts_); }
 
   /// Not for neighbours at the same time.
@@ -288,6 +300,10 @@ class TableMaker {
   PupilTable take() { return std::move(table_); }
 
  private:
+  void fit_discs_to(double s_max) {
+    table_.discs = fit_aperture(tracer_.own_at(0), s_max);
+    if (given_.misaligned()) widen_discs(given_, s_max, table_.discs);
+  }
   double place(std::size_t i) const { return static_cast<double>(i) * table_.field_step; }
 
   const Camera& given_;
@@ -295,6 +311,7 @@ class TableMaker {
   int type_;
   MicrolensTracer tracer_;
   std::vector<ChiefImage> images_;
+  double s_max_ = 0;  ///< [m] of the images
   std::vector<PupilCuts> cuts_;
   PupilTable table_;
 };
@@ -311,8 +328,9 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
   };
   const std::size_t nodes = makers.front()->nodes();  // all types have the same field
   of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.find_image(i); });
-  for (const auto& maker : makers) maker->fit_discs();
+  of_each(1, [](TableMaker& maker, std::size_t) { maker.fit_discs(); });
   of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.trace_outline(i); });
+  of_each(1, [](TableMaker& maker, std::size_t) { maker.fit_discs_again(); });
   for (const auto& maker : makers) maker->fill_shadow();
   for (const std::size_t first : {0, 1})  // pairs that share no node
     of_each((nodes - first) / 2,

@@ -216,9 +216,11 @@ void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
 void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts) {
   const auto margin = static_cast<float>(kMargin * table.discs.bound);
   for (PupilCuts& node : cuts)
-    for (PupilColumn& column : node.columns)
+    for (PupilColumn& column : node.columns) {
+      column.closes += margin;
       for (PupilCut& cut : column.cuts)
         for (float& side : cut) side += margin;
+    }
 }
 
 }  // namespace plenoflame

@@ -16,9 +16,8 @@ struct KernelPatch {
   Real centre_x, centre_y;               ///< the cuts' axes run through this sensor point
   Real origin_x, origin_y,
       origin_shift;  ///< aim points count from (origin_x, origin_y) + origin_shift * s
-  /// The discs of the microlens' own apertures, around near_shift * s and far_shift * s from the
-  /// origin; the far one's radius is far_radius + far_growth * s^2.
-  Real near_radius, near_shift, far_radius, far_shift, far_growth;
+  /// The discs of the microlens' own apertures (ApertureDiscs), from the origin.
+  Real near_radius, near_shift, far_radius, far_growth, far_shift, far_bend;
 };
 
 /// A pixel that the microlens of a patch may light, and its random numbers.

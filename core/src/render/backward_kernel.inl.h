@@ -111,7 +111,8 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
   const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
   const Real near_radius = c.near_radius, near_shift = c.near_shift;
-  const Real far_radius = c.far_radius, far_growth = c.far_growth, far_shift = c.far_shift;
+  const Real far_radius = c.far_radius, far_growth = c.far_growth;
+  const Real far_shift = c.far_shift, far_bend = c.far_bend;
   const Real g2 = distance * distance;
   const int padded = (count + 15) & ~15;
 #pragma omp simd
@@ -127,9 +128,10 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     // taken to lie on it, and the disc to be larger.
     const Real s_along = sx * ex + sy * ey, s_beside = sy * ex - sx * ey;
     const Real near = near_radius + magnitude(near_shift * s_beside);
-    const Real far = far_radius + far_growth * (sx * sx + sy * sy);
-    const Real near_along = near_shift * s_along, far_along = far_shift * s_along;
-    const Real far_beside = far_shift * s_beside;
+    const Real s2 = sx * sx + sy * sy;
+    const Real far = far_radius + far_growth * s2, shift = far_shift + far_bend * s2;
+    const Real near_along = near_shift * s_along, far_along = shift * s_along;
+    const Real far_beside = shift * s_beside;
     const Real cut_low = dz[i], cut_high = weight[i];
     const Real low = greatest(cut_low, greatest(near_along - near, far_along - far));
     const Real high = least(cut_high, least(near_along + near, far_along + far));

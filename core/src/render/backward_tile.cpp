@@ -160,6 +160,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   patch_.far_radius = static_cast<Real>(table.discs.radius);
   patch_.far_shift = static_cast<Real>(table.discs.shift);
   patch_.far_growth = static_cast<Real>(table.discs.growth);
+  patch_.far_bend = static_cast<Real>(table.discs.bend);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
   const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;

@@ -31,9 +31,9 @@ class Opening {
   /// @param sensor from the microlens' centre, @param e direction of the line
   Opening(const PixelCut& cut, const ApertureDiscs& discs, Vec2 sensor, Vec2 e)
       : bound_(discs.bound),
-        radius_(discs.radius_at(sensor) +
-                std::fabs(discs.shift * (sensor.x * e.y - sensor.y * e.x))),
-        along_(discs.shift * dot(sensor, e)),
+        centre_(discs.far_centre(sensor)),
+        radius_(discs.radius_at(sensor) + std::fabs(centre_.x * e.y - centre_.y * e.x)),
+        along_(dot(centre_, e)),
         low_(std::max(-bound_, along_ - radius_)),
         high_(std::min(bound_, along_ + radius_)),
         is_cut_(!cut.open) {
@@ -55,7 +55,9 @@ class Opening {
   }
 
  private:
-  double bound_, radius_, along_, low_, high_;
+  double bound_;
+  Vec2 centre_;
+  double radius_, along_, low_, high_;
   bool is_cut_;
   std::array<double, 4> cut_{};
 };

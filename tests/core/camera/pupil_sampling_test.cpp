@@ -78,7 +78,7 @@ double traced_share(const Camera& camera, LensIndex lens, const PupilTable& tabl
       for (int i = 0; i < kRings * kSpokes; ++i) {
         const double r = table.discs.radius_at(s) * std::sqrt((i % kRings + 0.5) / kRings);
         const double turn = 2 * std::numbers::pi * (i / kRings + 0.31) / kSpokes;
-        const Vec2 u = table.discs.shift * s + r * Vec2{std::cos(turn), std::sin(turn)};
+        const Vec2 u = table.discs.far_centre(s) + r * Vec2{std::cos(turn), std::sin(turn)};
         open += camera.trace(place + s, lens, place + u).status.status == RayStatus::reached;
       }
     }

@@ -48,13 +48,14 @@ class OpenShare {
 
 /// The two apertures of a microlens as discs of the aim plane, for a sensor point s. The near
 /// face's rim is seen along straight lines: |u - near_shift * s| < near_radius holds exactly. The
-/// far face's is seen through the near one: |u - shift * s| < radius_at(s).
+/// far face's is seen through the near one: |u - far_centre(s)| < radius_at(s).
 struct ApertureDiscs {
   double near_radius = 0, near_shift = 0;  ///< [m], none
   double radius = 0, shift = 0;            ///< [m], none
-  double growth = 0;                       ///< [1/m]
+  double growth = 0, bend = 0;             ///< [1/m], [1/m^2]
   double bound = 0;                        ///< of |u|, for all s [m]
 
+  Vec2 far_centre(Vec2 s) const { return (shift + bend * dot(s, s)) * s; }
   double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
