@@ -20,7 +20,7 @@ namespace plenoflame {
 namespace {
 
 constexpr double kSafety = 0.001;       ///< of a radius, over the measured margin
-constexpr double kDiscSafety = 1.2e-3;    ///< the same for the microlens' far aperture
+constexpr double kDiscSafety = 1.2e-3;  ///< the same for the microlens' far aperture
 constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is known exactly
 constexpr double kReach = 1.02;         ///< micro-images may still grow by less
 constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
