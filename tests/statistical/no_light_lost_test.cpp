@@ -1,6 +1,7 @@
 // The pupil tables and the choice of rays must not lose light: everything that a plain sampler over
 // all apertures finds, the renderer finds too.
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,21 @@ CameraSpec with_models(CameraSpec camera, LensModel lens, LensModel array) {
   return camera;
 }
 
+/// Microlenses far thicker than wide, plane on the side of the scene: their far face is seen askew,
+/// and from most of the micro-image the near one hides much of its rim.
+CameraSpec thick_microlenses() {
+  CameraSpec camera = preset_camera("paper-plenoptic2");
+  const double diameter = camera.array.diameter, index = 1.5, focal_length = 2 * diameter;
+  camera.array.types = {camera.array.types[0]};
+  camera.array.types[0].index = index;
+  camera.array.types[0].radius_front = std::numeric_limits<double>::infinity();
+  camera.array.types[0].radius_back = (index - 1) * focal_length;
+  camera.array.thickness = 2.5 * diameter;
+  camera.array.sensor_distance = 1.15 * focal_length;
+  camera.focus.conjugate = "array";
+  return camera;
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const double field : kFields) {
@@ -56,6 +72,7 @@ std::vector<Case> cases() {
     all.push_back({"ideal", with_models(paper, LensModel::ideal, LensModel::ideal), field});
     all.push_back({"ideal lens", with_models(paper, LensModel::ideal, LensModel::real), field});
     all.push_back({"no array", bare_camera(), field});
+    all.push_back({"thick microlenses", thick_microlenses(), field});
   }
   return all;
 }

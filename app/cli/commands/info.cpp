@@ -96,11 +96,13 @@ int run_info(const Settings& settings) {
       throw InputError("'" + settings.file +
                        "' is a flame (.vdb), and this plenoflame was built without OpenVDB");
 #endif
-    case Kind::unknown:
-      throw InputError("'" + settings.file + "' is " +
-                       (std::filesystem::is_empty(settings.file) ? "empty, and so " : "") +
+    case Kind::unknown: {
+      std::error_code no_file;  // a device, for one
+      const bool empty = std::filesystem::is_empty(settings.file, no_file);
+      throw InputError("'" + settings.file + "' is " + (empty && !no_file ? "empty, and so " : "") +
                        "none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
                        "light field (.exr), ray paths (.vtp, .csv, .json), picture (.png)");
+    }
   }
   report.print(settings.json);
   return kSuccess;

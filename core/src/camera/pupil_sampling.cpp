@@ -25,6 +25,7 @@ constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is
 constexpr double kReach = 1.02;         ///< micro-images may still grow by less
 constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
 constexpr int kFitSteps = 4;            ///< of the fit of the far one
+constexpr double kRoom = 1.3;           ///< what lacks at traced edges lacks more between them
 constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
@@ -117,7 +118,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     double s;
     Vec2 u;
   };
-  std::vector<Edge> near, far;
+  std::vector<Edge> near, far, open;  // of the near face, of the far one, of what both leave
   double ss = 0, us = 0, on_axis = 0;
   for (int step = 0; step <= kDiscSteps; ++step) {
     const double s = s_max * step / kDiscSteps;
@@ -136,6 +137,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     for (const Vec2 u : find_edge(passes_both, inside, 2.2 * own)) {
       discs.bound = std::max(discs.bound, length(u));
       turned_away = std::min(turned_away, u.x);
+      open.push_back({s, u});
       if (passes_near(u + kBeyond * (u - inside))) far.push_back({s, u});
     }
     if (s == 0) on_axis = turned_away;
@@ -165,14 +167,15 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     discs.shift += change[2] / s_max;
     discs.bend += change[3] / (s_max * s_max * s_max);
   }
-  double lacking = 0;
-  for (const auto& [s, u] : far)
-    lacking = std::max(lacking, length(u - discs.far_centre({s, 0})) - discs.radius_at({s, 0}));
-  discs.radius += lacking;
   if (far.empty()) {
     discs.radius = discs.near_radius;
     discs.shift = discs.near_shift;
   }
+  // Also where the near face is the limit: there the fit is a guess.
+  double lacking = 0;
+  for (const auto& [s, u] : open)
+    lacking = std::max(lacking, length(u - discs.far_centre({s, 0})) - discs.radius_at({s, 0}));
+  discs.radius += kRoom * lacking;
   discs.near_radius *= 1 + kDiscRounding;
   discs.radius *= 1 + kDiscSafety;
   discs.bound *= 1 + 2 * kDiscSafety;
@@ -192,9 +195,10 @@ void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
   const ArraySpec& array = camera.spec().array;
   const double tilt = std::tan(length(array.tilt));
   const double gap = camera.aim_plane(0) - camera.sensor();
-  const double room = 1.2 * (std::fabs(discs.shift) * (tilt * gap + array.focal_jitter * s_max) +
-                             tilt * array.thickness) +
-                      tilt * tilt * discs.bound;
+  const double slope = std::fabs(discs.shift) + 3 * std::fabs(discs.bend) * s_max * s_max;
+  const double room =
+      1.2 * (slope * (tilt * gap + array.focal_jitter * s_max) + tilt * array.thickness) +
+      tilt * tilt * discs.bound;
   discs.radius += room;
   discs.near_radius += room;
   discs.bound += room;

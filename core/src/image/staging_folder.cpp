@@ -35,13 +35,16 @@ StagingFolder::~StagingFolder() {
 
 void StagingFolder::commit() {
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path_))
-    files.push_back(entry.path());
   std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
+    files.push_back(entry.path());
+  if (error) throw FileError("cannot read '" + path_ + "': " + error.message());
   for (const fs::path& file : files) check_writable((fs::path(folder_) / file.filename()).string());
   for (const fs::path& file : files) {
     fs::path target = fs::path(folder_) / file.filename();
     if (fs::is_symlink(target, error)) target = fs::weakly_canonical(target, error);
+    const fs::file_status old = fs::status(target, error);  // who may read it shall not change
+    if (fs::exists(old)) fs::permissions(file, old.permissions(), error);
     fs::rename(file, target, error);
     if (error) throw FileError("cannot write '" + target.string() + "': " + error.message());
   }

@@ -15,7 +15,7 @@ namespace {
 // the opening that they are aimed at.
 constexpr double kMargin = 0.08;
 constexpr int kDirections = 16;
-constexpr double kShares[] = {0.5, 0.85, 0.95, 1};
+constexpr double kShares[] = {0.5, 0.85, 0.95, 0.985, 1};
 constexpr int kAzimuths = 5;  ///< of sensor points, over half a turn
 /// Of the micro-image's radius: in its very middle cuts hold for all azimuths, which says little.
 constexpr double kFirstRing = 0.02, kLastRing = 0.99;
@@ -34,8 +34,11 @@ class Opening {
         centre_(discs.far_centre(sensor)),
         radius_(discs.radius_at(sensor) + std::fabs(centre_.x * e.y - centre_.y * e.x)),
         along_(dot(centre_, e)),
-        low_(std::max(-bound_, along_ - radius_)),
-        high_(std::min(bound_, along_ + radius_)),
+        near_radius_(discs.near_radius +
+                     std::fabs(discs.near_shift * (sensor.x * e.y - sensor.y * e.x))),
+        near_along_(discs.near_shift * dot(sensor, e)),
+        low_(std::max({-bound_, along_ - radius_, near_along_ - near_radius_})),
+        high_(std::min({bound_, along_ + radius_, near_along_ + near_radius_})),
         is_cut_(!cut.open) {
     if (!is_cut_) return;
     for (std::size_t k = 0; k < 4; ++k) cut_[k] = static_cast<double>(cut.value[0][k]);
@@ -48,7 +51,8 @@ class Opening {
   /// Half the chord across at p.
   double half_chord(double p) const {
     double square =
-        std::min(bound_ * bound_ - p * p, radius_ * radius_ - (p - along_) * (p - along_));
+        std::min({bound_ * bound_ - p * p, radius_ * radius_ - (p - along_) * (p - along_),
+                  near_radius_ * near_radius_ - (p - near_along_) * (p - near_along_)});
     if (is_cut_)
       square = std::min({square, (p + cut_[0]) * (cut_[2] - p), (cut_[1] - p) * (p + cut_[3])});
     return std::sqrt(std::max(0.0, square));
@@ -57,7 +61,7 @@ class Opening {
  private:
   double bound_;
   Vec2 centre_;
-  double radius_, along_, low_, high_;
+  double radius_, along_, near_radius_, near_along_, low_, high_;
   bool is_cut_;
   std::array<double, 4> cut_{};
 };

@@ -45,6 +45,18 @@ TEST(StagingFolder, FilesAppearTogether) {
   EXPECT_EQ(sorted_names(folder), (std::vector<std::string>{"a", "b", "c", "mine"}));
 }
 
+TEST(StagingFolder, WhoMayReadAFileStays) {
+  const TemporaryFolder folder;
+  write_bytes(folder.file("b"), "old");
+  fs::permissions(folder.file("b"), fs::perms::owner_read | fs::perms::owner_write);
+  StagingFolder staging(folder.path());
+  write_bytes(staging.path() + "/b", "new");
+  staging.commit();
+  EXPECT_EQ(read_bytes(folder.file("b")), "new");
+  EXPECT_EQ(fs::status(folder.file("b")).permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
+}
+
 TEST(StagingFolder, NothingIsLeftWithoutCommit) {
   const TemporaryFolder folder;
   write_bytes(folder.file("b"), "old");
