@@ -112,6 +112,11 @@ TEST_F(FlameImport, StopsWhereItIsAborted) {
   ASSERT_FALSE(told.empty());
   EXPECT_GT(told.back(), 0.2);
   EXPECT_LE(told.back(), 0.6);  // where the second array begins
+  // What was stopped is not up to date.
+  import_->RemoveObserver(callback);
+  import_->Update();
+  EXPECT_EQ(errors.size(), 0U) << errors.all();
+  EXPECT_GT(import_->GetOutput()->GetNumberOfPoints(), 0);
 }
 
 TEST_F(FlameImport, MissingArrayListsThosePresent) {

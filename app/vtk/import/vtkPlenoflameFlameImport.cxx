@@ -130,7 +130,11 @@ int vtkPlenoflameFlameImport::RequestData(vtkInformation*, vtkInformationVector*
     this->Fill(vtkImageData::GetData(outputs));
     return 1;
   } catch (const plenoflame::Cancelled&) {
-    vtkImageData::GetData(outputs)->Initialize();  // as wanted by AbortExecute
+    // As wanted by AbortExecute. The reader may have stopped amid its mesh, and what was not made
+    // is not up to date: the next Update() begins anew.
+    vtkImageData::GetData(outputs)->Initialize();
+    this->Internal->Reader.reset();
+    this->Modified();
     return 1;
   } catch (const std::exception& error) {
     vtkErrorMacro(<< error.what());

@@ -29,9 +29,15 @@ inline void update_watched(vtkAlgorithm& algorithm, const Watcher& watcher,
     self.wanted = self.wanted && self.watcher(*static_cast<double*>(fraction));
     if (!self.wanted) static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
   });
-  const unsigned long tag = algorithm.AddObserver(vtkCommand::ProgressEvent, callback);
-  update();
-  algorithm.RemoveObserver(tag);
+  struct Observed {
+    vtkAlgorithm& algorithm;
+    unsigned long tag;
+    ~Observed() { algorithm.RemoveObserver(tag); }
+  };
+  {
+    const Observed observed{algorithm, algorithm.AddObserver(vtkCommand::ProgressEvent, callback)};
+    update();
+  }
   if (!watch.wanted || !watcher(1)) throw Cancelled();
 }
 
