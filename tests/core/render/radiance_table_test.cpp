@@ -170,16 +170,22 @@ TEST(RadianceTable, NotWhereItDoesNotPay) {
 }
 
 /// Sums of a pixel over the points of a randomisation that are exactly 0 with a table, though the
-/// same rays see light.
+/// same rays see light: more than the table's single precision can tell from none beside the
+/// brightest sum, as a ray that grazes the cloud does not.
 double cut_to_nothing(const RenderResult& with, const RenderResult& without) {
   const PixelWindow window = with.film.window();
-  double count = 0;
+  double count = 0, brightest = 0;
+  for (int row = window.y; row < window.y + window.height; ++row)
+    for (int column = window.x; column < window.x + window.width; ++column)
+      for (int replicate = 0; replicate < with.film.replicates(); ++replicate)
+        brightest = std::max(brightest, without.film.sum(0, replicate, column, row));
+  constexpr double kSingle = 0x1p-20;  // a sum of 32 rounded numbers
   for (int row = window.y; row < window.y + window.height; ++row)
     for (int column = window.x; column < window.x + window.width; ++column)
       for (int replicate = 0; replicate < with.film.replicates(); ++replicate) {
         const double sum = with.film.sum(0, replicate, column, row);
         EXPECT_GE(sum, 0);
-        count += sum == 0 && without.film.sum(0, replicate, column, row) > 0;
+        count += sum == 0 && without.film.sum(0, replicate, column, row) > kSingle * brightest;
       }
   return count;
 }
