@@ -68,8 +68,8 @@ Vec2 PupilOutline::aim(int azimuth, double distance, std::size_t i) const {
   return discs_.far_centre({dot(s, e), s.y * e.x - s.x * e.y}) + discs_.radius_at(s) * points_[i];
 }
 
-/// Whether also rays within an interval of the point tell how far beams reach: of the aperture's
-/// middle and of some of its edge.
+/// Whether also rays within an interval of the point tell how far beams reach (zones of a lens
+/// focus at different distances): of the disc's middle, its edge and a ring just inside.
 bool PupilOutline::bounds_beam(std::size_t i) {
   const std::size_t ring = (i - 1) / kSpokes;
   return i == 0 || ring == 4 || ring == 6;

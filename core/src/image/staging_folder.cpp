@@ -3,9 +3,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "plenoflame/base/error.h"
@@ -14,6 +20,75 @@
 namespace plenoflame {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// A file on its way to its place. Undone by the destructor, unless it is told to stay.
+///
+/// Through a symbolic link, which may lead to another file system, it is copied.
+class Move {
+ public:
+  Move(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)) {
+    std::error_code none;
+    check_writable(to_.string());
+    linked_ = fs::is_symlink(to_, none) && fs::is_regular_file(from_, none);
+    target_ = to_;
+  }
+  ~Move() {
+    std::error_code none;
+    if (moved_ && kept_.empty() && !replaces_) fs::remove_all(target_, none);
+    if (moved_ && !kept_.empty()) fs::rename(kept_, target_, none);
+    if (!kept_.empty()) fs::remove(kept_, none);
+  }
+  Move(const Move&) = delete;
+  Move& operator=(const Move&) = delete;
+
+  /// @param number differs from that of the others
+  void prepare(std::size_t number) {
+    if (linked_) copy();
+    std::error_code none;
+    const fs::file_status old = fs::status(target_, none);  // who may read it shall not change
+    replaces_ = fs::exists(old);
+    if (replaces_ && !linked_) fs::permissions(from_, old.permissions(), none);
+    // A second name for what is replaced; some file systems have none.
+    const fs::path kept =
+        (linked_ ? target_ : from_).parent_path() /
+        (".plenoflame." + std::to_string(getpid()) + "-" + std::to_string(number) + ".kept");
+    std::error_code error;
+    if (replaces_) fs::create_hard_link(target_, kept, error);
+    if (replaces_ && !error) kept_ = kept;
+  }
+  void go() {
+    std::error_code error;
+    if (copy_)
+      copy_->commit();
+    else
+      fs::rename(from_, target_, error);
+    if (error) throw FileError("cannot write '" + to_.string() + "': " + error.message());
+    moved_ = true;
+  }
+  void stay() { moved_ = false; }
+
+ private:
+  void copy() {
+    copy_ = std::make_unique<AtomicFile>(to_.string());
+    target_ = copy_->target();
+    std::ifstream in(from_, std::ios::binary);
+    std::vector<char> block(1 << 20);
+    while (in.read(block.data(), static_cast<std::streamsize>(block.size())), in.gcount() > 0)
+      copy_->write({block.data(), static_cast<std::size_t>(in.gcount())});
+    if (!in.eof()) throw FileError("cannot read '" + from_.string() + "'");
+    if (std::fflush(copy_->stream()) != 0) copy_->fail(errno);
+  }
+
+  fs::path from_, to_;
+  fs::path target_;  ///< with links followed
+  fs::path kept_;    ///< what is replaced; empty: nothing is, or it cannot be kept
+  std::unique_ptr<AtomicFile> copy_;
+  bool linked_ = false, replaces_ = false, moved_ = false;
+};
+
+}  // namespace
 
 StagingFolder::StagingFolder(const std::string& folder) : folder_(folder) {
   int error = EEXIST;
@@ -39,15 +114,14 @@ void StagingFolder::commit() {
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
     files.push_back(entry.path());
   if (error) throw FileError("cannot read '" + path_ + "': " + error.message());
-  for (const fs::path& file : files) check_writable((fs::path(folder_) / file.filename()).string());
-  for (const fs::path& file : files) {
-    fs::path target = fs::path(folder_) / file.filename();
-    if (fs::is_symlink(target, error)) target = fs::weakly_canonical(target, error);
-    const fs::file_status old = fs::status(target, error);  // who may read it shall not change
-    if (fs::exists(old)) fs::permissions(file, old.permissions(), error);
-    fs::rename(file, target, error);
-    if (error) throw FileError("cannot write '" + target.string() + "': " + error.message());
-  }
+  std::sort(files.begin(), files.end());
+  // What may fail comes first. What fails nevertheless takes back what was moved before it.
+  std::vector<std::unique_ptr<Move>> moves;
+  for (const fs::path& file : files)
+    moves.push_back(std::make_unique<Move>(file, fs::path(folder_) / file.filename()));
+  for (std::size_t i = 0; i < moves.size(); ++i) moves[i]->prepare(i);
+  for (const auto& move : moves) move->go();
+  for (const auto& move : moves) move->stay();
 }
 
 }  // namespace plenoflame

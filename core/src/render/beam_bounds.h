@@ -15,7 +15,8 @@ enum class Sight {
 };
 
 /// Whether the light that a microlens (or, without array, a pixel) can receive meets anything.
-/// Conservative: the beam is bounded by discs around its traced edge rays, with a margin.
+/// Conservative: the beam is bounded by discs around rays traced at its edge and within it, with a
+/// margin.
 ///
 /// A beam is what goes through a microlens' aperture and the main lens: its focal length does not
 /// matter. In a camera that is not aligned it is looked at in the frame of the main lens, from the
@@ -43,7 +44,7 @@ class BeamBounds {
   };
   const LitRegion* region_;
   /// Places with all that is around them: where whole neighbourhoods see nothing, none of their
-  /// microlenses is looked at. Not for cameras that are not aligned.
+  /// microlenses (without array: pixels) is looked at. Not for cameras that are not aligned.
   struct Neighbourhoods {
     int columns = 0, rows = 0;  ///< 0: none
     Vec2 lower, scale;          ///< [m], per metre

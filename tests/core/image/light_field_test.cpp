@@ -19,12 +19,14 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field_channel.h"
 #include "support/approx.h"
+#include "support/stop_on_read.h"
 #include "support/temporary_folder.h"
 
 namespace plenoflame {
 namespace {
 
 using test::read_bytes;
+using test::StopOnRead;
 using test::TemporaryFolder;
 using test::write_bytes;
 
@@ -146,7 +148,6 @@ TEST(LightFieldFile, ComesBackBitByBit) {
   EXPECT_EQ(read_bytes(folder.file("b.exr")), read_bytes(path));
 }
 
-/// What other programs see: read with OpenEXR alone.
 TEST(LightFieldFile, TallOneComesBackWhole) {
   const TemporaryFolder folder;
   LightField field;
@@ -176,6 +177,18 @@ TEST(LightFieldFile, StoppedWritingLeavesNothingBehind) {
   EXPECT_THROW(read_light_field(path, stop.get_token()), Cancelled);
 }
 
+TEST(LightFieldFile, WritingStoppedInItsMidstLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  LightField field;
+  field.sensor_width = field.sensor_height = 600;
+  field.window = {0, 0, 600, 600};
+  field.channels.push_back({"total", Image(600, 600), {}});
+  const StopOnRead middle(&field.channels[0].flux.at(300, 300));
+  EXPECT_THROW(write_light_field(folder.file("a.exr"), field, middle.token()), Cancelled);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{});
+}
+
+/// What other programs see: read with OpenEXR alone.
 TEST(LightFieldFile, IsAnOrdinaryExr) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "plenoflame/base/error.h"
+#include "support/stop_on_read.h"
 #include "support/temporary_folder.h"
 
 namespace plenoflame {
 namespace {
 
+using test::StopOnRead;
 using test::TemporaryFolder;
 using test::write_bytes;
 
@@ -74,6 +76,18 @@ TEST(Png, StoppedWritingLeavesNothingBehind) {
   EXPECT_THROW(write_png(path, sample_image(3, 8), stop.get_token()), Cancelled);
   EXPECT_EQ(folder.names(), std::vector<std::string>{"a.png"});
   EXPECT_EQ(test::read_bytes(path), before);
+}
+
+TEST(Png, WritingStoppedInItsMidstLeavesNothingBehind) {
+  const TemporaryFolder folder;
+  PngImage image;
+  image.width = image.height = 600;
+  image.channels = 1;
+  image.bits = 16;
+  image.samples.resize(image.sample_count());
+  const StopOnRead middle(&image.samples[image.sample_count() / 2]);
+  EXPECT_THROW(write_png(folder.file("a.png"), image, middle.token()), Cancelled);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{});
 }
 
 TEST(Png, RefusesWhatDoesNotFit) {

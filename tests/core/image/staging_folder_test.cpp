@@ -1,11 +1,15 @@
 #include "plenoflame/image/staging_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -79,6 +83,86 @@ TEST(StagingFolder, NothingIsMovedWhereOneFileCannotBeReplaced) {
     EXPECT_THROW(staging.commit(), FileError);
   }
   EXPECT_EQ(folder.names(), std::vector<std::string>{"b"});
+}
+
+/// A folder on a file system kept in memory; false where there is none, or everything is there.
+bool make_folder_elsewhere(const std::string& here, std::string& path) {
+  path = "/dev/shm/plenoflame-test-XXXXXX";
+  struct stat a {
+  }, b{};
+  if (stat(here.c_str(), &a) != 0 || stat("/dev/shm", &b) != 0 || a.st_dev == b.st_dev)
+    return false;
+  return mkdtemp(path.data()) != nullptr;
+}
+
+TEST(StagingFolder, LinksToAnotherFileSystemAreFollowed) {
+  const TemporaryFolder folder;
+  std::string elsewhere;
+  if (!make_folder_elsewhere(folder.path(), elsewhere))
+    GTEST_SKIP() << "there is no second file system";
+  const std::string old = elsewhere + "/old", fresh = elsewhere + "/fresh";
+  write_bytes(old, "old");
+  fs::permissions(old, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(old, folder.file("b"));
+  fs::create_symlink(fresh, folder.file("c"));
+  const std::string large(3000000, 'x');
+  {
+    StagingFolder staging(folder.path());
+    for (const char* name : {"a", "b", "c"}) write_bytes(staging.path() + "/" + name, name + large);
+    staging.commit();
+  }
+  EXPECT_EQ(read_bytes(folder.file("a")), "a" + large);
+  EXPECT_TRUE(fs::is_symlink(folder.file("b")) && fs::is_symlink(folder.file("c")));
+  EXPECT_EQ(read_bytes(old), "b" + large);
+  EXPECT_EQ(read_bytes(fresh), "c" + large);
+  EXPECT_EQ(fs::status(old).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(sorted_names(folder), (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(std::distance(fs::directory_iterator(elsewhere), fs::directory_iterator()), 2);
+  fs::remove_all(elsewhere);
+}
+
+TEST(StagingFolder, NothingIsMovedWhereALinkedFileHasNoRoom) {
+  const TemporaryFolder folder, other;
+  write_bytes(folder.file("a"), "old a");
+  write_bytes(other.file("z"), "old z");
+  fs::create_symlink(other.file("z"), folder.file("z"));
+  {
+    StagingFolder staging(folder.path());
+    for (const char* name : {"a", "b"}) write_bytes(staging.path() + "/" + name, name);
+    write_bytes(staging.path() + "/z", std::string(100000, 'x'));
+    // As on a disk that is full.
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    struct rlimit before {};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+    const struct rlimit small { 10000, before.rlim_max };
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    EXPECT_THROW(staging.commit(), FileError);
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+  }
+  EXPECT_EQ(sorted_names(folder), (std::vector<std::string>{"a", "z"}));
+  EXPECT_EQ(read_bytes(folder.file("a")), "old a");
+  EXPECT_EQ(other.names(), std::vector<std::string>{"z"});
+  EXPECT_EQ(read_bytes(other.file("z")), "old z");
+}
+
+TEST(StagingFolder, WhatWasMovedBeforeAFailureIsTakenBack) {
+  const TemporaryFolder folder, other;
+  for (const char* name : {"a", "z"}) write_bytes(folder.file(name), std::string("old ") + name);
+  write_bytes(other.file("c"), "old c");
+  fs::create_symlink(other.file("c"), folder.file("c"));
+  fs::create_symlink(other.file("d"), folder.file("d"));
+  {
+    StagingFolder staging(folder.path());
+    for (const char* name : {"a", "b", "c", "d"}) write_bytes(staging.path() + "/" + name, "new");
+    fs::create_directory(staging.path() + "/z");  // does not go over a file: found out last
+    EXPECT_THROW(staging.commit(), FileError);
+  }
+  EXPECT_EQ(sorted_names(folder), (std::vector<std::string>{"a", "c", "d", "z"}));
+  EXPECT_EQ(read_bytes(folder.file("a")), "old a");
+  EXPECT_EQ(read_bytes(folder.file("z")), "old z");
+  EXPECT_EQ(other.names(), std::vector<std::string>{"c"});
+  EXPECT_EQ(read_bytes(other.file("c")), "old c");
 }
 
 TEST(StagingFolder, FolderThatIsNotThereIsNamed) {

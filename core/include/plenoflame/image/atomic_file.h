@@ -19,6 +19,8 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
+  /// Path of the file, symbolic links followed.
+  const std::string& target() const { return target_; }
   /// Appends. @throws FileError
   void write(std::string_view bytes);
   /// The buffered stream, for libraries that want one; its errors are found by commit(), too.

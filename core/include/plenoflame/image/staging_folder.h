@@ -17,8 +17,8 @@ class StagingFolder {
 
   /// Where the files are to be written.
   const std::string& path() const { return path_; }
-  /// Moves them into the folder, over those of the same names.
-  /// @throws FileError as AtomicFile's constructor, before anything is moved
+  /// Moves them into the folder, over those of the same names; through symbolic links, too.
+  /// @throws FileError as AtomicFile; then the folder is as it was before
   void commit();
 
  private:
