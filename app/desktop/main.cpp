@@ -108,10 +108,12 @@ int main(int argc, char** argv) {
     window.resize(w, h);
   }
   window.appear();
+  QString wrong;
   if (!parser.positionalArguments().isEmpty()) {
     // Opening a file selects nothing: that comes after.
     const bool begun = window.open(parser.positionalArguments().front(), [&] {
-      window.apply_options(parser.value(pixel), {}, {}, false);
+      wrong = window.apply_options(parser.value(pixel), {}, {}, false);
+      if (!wrong.isEmpty()) QApplication::exit(fail(2, wrong));
     });
     if (unattended) {
       while (window.is_file_busy())
@@ -121,11 +123,12 @@ int main(int argc, char** argv) {
       for (const plenoflame::SceneIssue& issue : document.issues())
         if (issue.is_error) return fail(1, QString::fromStdString(plenoflame::to_string(issue)));
     }
+    if (!wrong.isEmpty()) return 2;
   } else if (!unattended) {
     window.offer_recovery();
   }
-  const QString wrong = window.apply_options(parser.value(pixel), parser.value(part),
-                                             parser.value(dock), parser.isSet(dark));
+  wrong = window.apply_options(parser.value(pixel), parser.value(part), parser.value(dock),
+                               parser.isSet(dark));
   if (!wrong.isEmpty()) return fail(2, wrong);
   bool refocus = false;
   if (parser.isSet(depth)) {

@@ -7,6 +7,7 @@
 #include <QListWidget>
 #include <QMessageBox>
 #include <QPushButton>
+#include <QStatusBar>
 
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
@@ -116,6 +117,9 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(window_->open(file("mine.toml")));
     QVERIFY(written());
     QCOMPARE(session().document().file(), file("mine.toml").toStdString());
+    // The other one is not forgotten in silence.
+    const QString said = window_->statusBar()->currentMessage();
+    QVERIFY2(said.contains("raw.exr") && said.contains("not opened"), qPrintable(said));
     // Changes that came in between are asked about, not thrown away.
     window_->set_unattended(false);
     int questions = 0;

@@ -326,6 +326,23 @@ class PanelsTest : public test::WindowFixture {
       QVERIFY(!QFile::exists(out));
     }
   }
+
+  void pixelBesideTheSensorOfALightFieldIsRefused() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    const QString raw = folder_->filePath("raw.exr"), out = folder_->filePath("shot.png");
+    write_light_field(raw.toStdString(), *session().document().image());
+    // With somebody in front of it, too: the file is read while the window is there already.
+    for (const QStringList& more : {QStringList{}, {"--screenshot", out}}) {
+      QProcess program;
+      program.start(PLENOFLAME_DESKTOP, QStringList{raw, "--pixel", "9999,3"} + more);
+      QVERIFY(program.waitForFinished(test::kPatience));
+      QCOMPARE(program.exitCode(), 2);
+      const QByteArray said = program.readAllStandardError();
+      QVERIFY2(said.count("error: ") == 1 && said.contains("300 x 300"), said.constData());
+      QVERIFY(!QFile::exists(out));
+    }
+  }
 };
 
 std::unique_ptr<QObject> plenoflame::desktop::test::make_panels_test() {

@@ -120,6 +120,52 @@ TEST_F(SessionTest, LightFieldThatIsOpenedFirstHasViews) {
   EXPECT_EQ(other.render().state(), RenderJob::State::idle);  // it was there already
 }
 
+TEST_F(SessionTest, ViewsThatAreWantedLateAreOfAWholePass) {
+  open();
+  session_.document().set_value("render.samples", "20000");
+  std::shared_ptr<const LightField> whole;
+  QObject here;
+  QObject::connect(&session_.document(), &Document::image_changed, &here, [&] {
+    const auto& image = session_.document().image();
+    if (image && image->complete) whole = image;
+  });
+  ASSERT_TRUE(wait_for([&] {
+    const auto& image = session_.document().image();
+    return whole && session_.document().image_is_current() && !image->complete;
+  }));
+  ASSERT_EQ(session_.render().state(), RenderJob::State::running);
+  session_.set_views_wanted(true);
+  EXPECT_EQ(session_.light_field().field(), whole);
+  // What is broken off is seen in them, too: nothing better comes by itself.
+  session_.render().stop();
+  EXPECT_FALSE(session_.document().image()->complete);
+  ASSERT_TRUE(wait_for([&] { return session_.light_field().views() != nullptr; }));
+  EXPECT_EQ(session_.light_field().field(), session_.document().image());
+}
+
+TEST_F(SessionTest, ViewsOfAnOlderImageAreThoseOfItsCamera) {
+  open();
+  ASSERT_TRUE(finish());
+  session_.set_auto_render(false);
+  const CameraSpec taken_by = session_.compiler().compiled()->scene.camera;
+  const auto before = session_.compiler().compiled();
+  session_.document().set_value("camera.array.rotation", "3 deg");
+  ASSERT_TRUE(wait_for([&] {
+    return session_.compiler().is_current() && session_.compiler().compiled() != before;
+  }));
+  session_.set_views_wanted(true);
+  ASSERT_TRUE(wait_for([&] { return session_.light_field().views() != nullptr; }));
+  EXPECT_TRUE(session_.light_field().micro_images()->camera().spec() == taken_by);
+  // The next image brings its own.
+  session_.start_render();
+  ASSERT_TRUE(finish());
+  ASSERT_TRUE(wait_for([&] {
+    return session_.light_field().field() == session_.document().image() &&
+           session_.light_field().views();
+  }));
+  EXPECT_FALSE(session_.light_field().micro_images()->camera().spec() == taken_by);
+}
+
 TEST_F(SessionTest, ErrorFallsAlongTheCurve) {
   open();
   session_.document().set_value("render.samples", "1024");

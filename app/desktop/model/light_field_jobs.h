@@ -42,6 +42,8 @@ class LightFieldJobs : public QObject {
   void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera);
   void clear();
 
+  /// The image that pictures are made of; null: none.
+  const std::shared_ptr<const LightField>& field() const { return field_; }
   /// Null until views have been made from the latest image.
   const std::shared_ptr<const Views>& views() const { return views_; }
   /// With their white light; null until views are wanted and they are there.

@@ -7,7 +7,9 @@ Session::Session(QObject* parent)
   connect(&later_, &QTimer::timeout, this, &Session::update_light_field);
   connect(&document_, &Document::scene_changed, this, [this](const SceneChanges& changes) {
     // An image of another scene is no use to anybody.
-    if (changes.image()) render_.stop();
+    if (!changes.image()) return;
+    render_.stop();
+    viewed_is_old_ = true;
   });
   connect(&compiler_, &SceneCompiler::compiled_changed, this, &Session::on_compiled);
   connect(&compiler_, &SceneCompiler::failed, this,
@@ -18,9 +20,8 @@ Session::Session(QObject* parent)
   connect(&render_, &RenderJob::failed, this,
           [this](const QString& message) { emit failed("render", message); });
   connect(&render_, &RenderJob::state_changed, this, [this] {
-    if (render_.state() == RenderJob::State::finished ||
-        render_.state() == RenderJob::State::paused)
-      update_light_field();
+    // What was broken off is seen in the views, too: nothing better comes by itself.
+    if (render_.state() != RenderJob::State::running && document_.image_is_current()) take_image();
   });
   connect(&rays_, &RaySelector::failed, this,
           [this](const QString& message) { emit failed("rays", message); });
@@ -28,11 +29,24 @@ Session::Session(QObject* parent)
           [this](const QString& message) { emit failed("light field", message); });
   connect(&design_, &DesignJob::failed, this,
           [this](const QString& message) { emit failed("design", message); });
-  connect(&document_, &Document::image_changed, this, [this] {
-    // While an image is being refined, views are made of whole passes only.
-    const auto& image = document_.image();
-    if (render_.state() != RenderJob::State::running || (image && image->complete)) later_.start(0);
-  });
+  connect(&document_, &Document::image_changed, this, &Session::on_image);
+}
+
+void Session::on_image() {
+  const auto& image = document_.image();
+  // While an image is being refined, views are made of whole passes only.
+  const bool refined = render_.state() == RenderJob::State::running && image && !image->complete;
+  if (!refined) return take_image();
+  if (viewed_is_old_) viewed_ = nullptr;
+}
+
+/// Views are of the present image, once its camera is known.
+void Session::take_image() {
+  const bool known = document_.image_is_current() && compiler_.is_current();
+  viewed_ = known ? document_.image() : nullptr;
+  if (known) viewed_camera_ = compiler_.compiled()->scene.camera;
+  viewed_is_old_ = false;
+  later_.start(0);
 }
 
 void Session::set_auto_render(bool on) {
@@ -67,7 +81,7 @@ void Session::on_compiled(const SceneChanges& changes) {
   start_when_compiled_ = false;
   // An image that came with the scene waited for its camera; one of an earlier camera is no use.
   if (document_.image_is_current())
-    update_light_field();
+    on_image();
   else if ((outlines_wanted_ || views_wanted_) && changes.camera)
     light_field_.set_camera(compiler_.compiled()->scene.camera);
   if (wanted && !document_.image_is_current()) render_.start(compiler_.compiled(), threads_);
@@ -75,18 +89,9 @@ void Session::on_compiled(const SceneChanges& changes) {
 
 void Session::update_light_field() {
   if (!compiler_.compiled() || !(outlines_wanted_ || views_wanted_)) return;
-  const CameraSpec& camera = compiler_.compiled()->scene.camera;
-  if (!views_wanted_) return light_field_.set_camera(camera);
-  if (!document_.image()) {
-    light_field_.clear();
-    light_field_.set_camera(camera);
-    return;
-  }
-  const LightField& field = *document_.image();
-  // While a new camera is being compiled the image is still the old one's.
-  if (field.sensor_width != camera.sensor.columns || field.sensor_height != camera.sensor.rows)
-    return;
-  light_field_.set_image(document_.image(), camera);
+  if (views_wanted_ && viewed_) return light_field_.set_image(viewed_, viewed_camera_);
+  if (views_wanted_ && !document_.image()) light_field_.clear();
+  light_field_.set_camera(compiler_.compiled()->scene.camera);
 }
 
 }  // namespace plenoflame::desktop

@@ -44,6 +44,8 @@ class Session : public QObject {
 
  private:
   void on_compiled(const SceneChanges& changes);
+  void on_image();
+  void take_image();
   void update_light_field();
 
   Document document_;
@@ -52,6 +54,11 @@ class Session : public QObject {
   RaySelector rays_;
   LightFieldJobs light_field_;
   DesignJob design_;
+  /// The image that views are made of, and the camera that took it: no picture that is being
+  /// refined.
+  std::shared_ptr<const LightField> viewed_;
+  CameraSpec viewed_camera_;
+  bool viewed_is_old_ = false;  ///< of an earlier scene
   bool auto_render_ = true, outlines_wanted_ = false, views_wanted_ = false,
        start_when_compiled_ = false;
   int threads_ = 0;

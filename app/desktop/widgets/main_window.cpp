@@ -339,10 +339,15 @@ bool MainWindow::open(const QString& path, const std::function<void()>& then) {
         [content, path](const Execution& execution) {
           *content = Document::read(path.toStdString(), execution.stop);
         },
-        [this, content, opened, discards, number = scenes_opened_,
+        [this, content, path, opened, discards, number = scenes_opened_,
          before = session_.document().scene()] {
           // What was done while it was being read counts.
-          if (number != scenes_opened_) return;
+          if (number != scenes_opened_) {
+            last_message_ = tr("%1 was not opened: another scene was, while it was being read")
+                                .arg(QFileInfo(path).fileName());
+            statusBar()->showMessage(last_message_, 20000);
+            return;
+          }
           if (discards && !(session_.document().scene() == before) && !may_discard()) return;
           if (guarded([&] { session_.document().open(std::move(*content)); })) opened();
         });
