@@ -1,12 +1,17 @@
 #include "plenoflame/volumes/grid_writer.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <csignal>
+#include <random>
+#include <stop_token>
+#include <thread>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/grid_file.h"
@@ -93,6 +98,41 @@ TEST(GridWriter, RefusesWhatSixteenBitsCannotHold) {
   EXPECT_TRUE(contains(
       message_of<InputError>([&] { write_grids(folder.file("a.vdb"), std::span(&output, 1)); }),
       "singular"));
+}
+
+TEST(GridWriter, WritingStoppedInItsMidstLeavesTheOldFileAlone) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.vdb");
+  test::spill(path, {'o', 'l', 'd'});
+  VoxelField field = sample_field();
+  field.brick_origins.clear();
+  for (int i = 0; i < 2000; ++i) field.brick_origins.push_back({8 * i, 0, 0});
+  field.values.assign(512 * field.brick_origins.size(), 1.0F);
+  std::minstd_rand random(3);  // what cannot be compressed
+  for (float& value : field.values) value = static_cast<float>(random());
+  const GridOutput output{&field, "K"};
+  // The temporary file is one end of a pipe: nothing goes on until the other end has read it.
+  const std::string pipe = path + "." + std::to_string(getpid()) + ".partial";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::stop_source stop;
+  std::size_t held = 0;
+  std::jthread reader([&] {
+    const int end = open(pipe.c_str(), O_RDONLY);
+    std::vector<char> bytes(100000);
+    for (ssize_t count = 1; count > 0; held += static_cast<std::size_t>(count)) {
+      count = read(end, bytes.data(), bytes.size());
+      if (held + static_cast<std::size_t>(count) > bytes.size()) stop.request_stop();
+    }
+    close(end);
+  });
+  GridWriteOptions options;
+  options.stop = stop.get_token();
+  EXPECT_THROW(write_grids(path, std::span(&output, 1), options), Cancelled);
+  reader.join();
+  EXPECT_GT(held, 100000U);
+  EXPECT_LT(held, 1000000U);  // of four million
+  EXPECT_EQ(test::slurp(path), (std::vector<char>{'o', 'l', 'd'}));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
 TEST(GridWriter, AFailedWriteLeavesTheOldFileAlone) {

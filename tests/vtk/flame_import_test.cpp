@@ -12,6 +12,7 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -117,6 +118,43 @@ TEST_F(FlameImport, StopsWhereItIsAborted) {
   import_->Update();
   EXPECT_EQ(errors.size(), 0U) << errors.all();
   EXPECT_GT(import_->GetOutput()->GetNumberOfPoints(), 0);
+}
+
+TEST_F(FlameImport, StopsAmidTheSamplingOfAnArray) {
+  import_->SetVoxelSize(kSide / 96);
+  vtkNew<vtkCallbackCommand> callback;
+  std::vector<double> told;
+  callback->SetClientData(&told);
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void* fraction) {
+    auto& list = *static_cast<std::vector<double>*>(data);
+    list.push_back(*static_cast<double*>(fraction));
+    if (list.back() > 0.3) static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
+  });
+  import_->AddObserver(vtkCommand::ProgressEvent, callback);
+  import_->Update();
+  EXPECT_EQ(import_->GetOutput()->GetNumberOfPoints(), 0);
+  EXPECT_LT(told.back(), 0.5);  // the first array takes from 0.2 to 0.6
+}
+
+// Large lattices are sampled in several goes: no layer is left out, doubled or moved.
+TEST_F(FlameImport, LinearFieldIsExactOnManyVoxels) {
+  import_->SetVoxelSize(kSide / 96);
+  import_->Update();
+  vtkImageData* const image = import_->GetOutput();
+  ASSERT_EQ(image->GetNumberOfPoints(), 102 * 102 * 102);
+  vtkDataArray* const temperature = image->GetPointData()->GetArray("temperature");
+  vtkDataArray* const absorption = image->GetPointData()->GetArray("absorption");
+  int inside = 0;
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i) {
+    double p[3];
+    image->GetPoint(i, p);
+    const bool in = *std::min_element(p, p + 3) > 0 && *std::max_element(p, p + 3) < kSide;
+    ASSERT_EQ(absorption->GetTuple1(i) > 0, in) << p[0] << " " << p[1] << " " << p[2];
+    if (!in) continue;
+    ++inside;
+    ASSERT_TRUE(relative(temperature->GetTuple1(i), temperature_at(p), 1e-6));
+  }
+  EXPECT_EQ(inside, 96 * 96 * 96);
 }
 
 TEST_F(FlameImport, MissingArrayListsThosePresent) {

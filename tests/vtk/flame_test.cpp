@@ -1,4 +1,7 @@
 // Flames between VTK and OpenVDB: origin, last layer and rotation survive.
+#include <sys/stat.h>
+#include <unistd.h>
+#include <vtkCallbackCommand.h>
 #include <vtkDataArray.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
@@ -6,7 +9,13 @@
 #include <vtkMatrix4x4.h>
 #include <vtkPointData.h>
 
+#include <atomic>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "events.h"
 #include "plenoflame/media/layered_medium.h"
@@ -95,6 +104,45 @@ TEST(Flame, FileHoldsTheTransform) {
       EXPECT_EQ(grid.maximum, absorption_at(10, 9, 12));
       EXPECT_EQ(grid.unit, "1/m");
     }
+}
+
+TEST(Flame, WritingStopsWhereItIsAborted) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.vdb");
+  ASSERT_TRUE(write(turned_box(), path));
+  const std::string before = read_bytes(path);
+  const vtkNew<vtkImageData> image = turned_box();
+  image->GetPointData()->GetArray("absorption")->SetTuple1(0, 77);
+  vtkNew<vtkPlenoflameFlameWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileName(path.c_str());
+  std::atomic<int> told = 0;
+  vtkNew<vtkCallbackCommand> callback;
+  callback->SetClientData(&told);
+  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void*) {
+    static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
+    ++*static_cast<std::atomic<int>*>(data);
+  });
+  const unsigned long tag = writer->AddObserver(vtkCommand::ProgressEvent, callback);
+  // The temporary file is one end of a pipe: nothing goes on before the other end is opened, which
+  // is when the wish to stop has been heard.
+  const std::string pipe = path + "." + std::to_string(getpid()) + ".partial";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::jthread reader([&] {
+    while (told < 4) std::this_thread::yield();
+    std::ifstream end(pipe, std::ios::binary);
+    const std::string all{std::istreambuf_iterator<char>(end), {}};
+  });
+  const Events errors(writer);
+  EXPECT_FALSE(writer->Write());
+  reader.join();
+  EXPECT_EQ(errors.size(), 0U) << errors.all();
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.vdb"});
+  EXPECT_EQ(read_bytes(path), before);
+  // The next time it is not.
+  writer->RemoveObserver(tag);
+  EXPECT_TRUE(writer->Write());
+  EXPECT_NE(read_bytes(path), before);
 }
 
 TEST(Flame, LocalFrameIsPlacedByItsMatrix) {

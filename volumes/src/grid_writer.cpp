@@ -10,6 +10,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <ostream>
+#include <utility>
 
 #include "field.h"
 #include "plenoflame/base/error.h"
@@ -55,6 +57,21 @@ class TemporaryFile {
   std::string path_;
 };
 
+/// Every brick comes as some bytes of its own.
+class StoppableFile : public std::filebuf {
+ public:
+  explicit StoppableFile(std::stop_token stop) : stop_(std::move(stop)) {}
+
+ protected:
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    if (stop_.stop_requested()) throw Cancelled();
+    return std::filebuf::xsputn(bytes, count);
+  }
+
+ private:
+  std::stop_token stop_;
+};
+
 [[noreturn]] void fail(const std::string& path, const std::string& cause) {
   throw FileError(fmt::format("{}: cannot be written: {}", path, cause));
 }
@@ -77,6 +94,7 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
           fmt::format("{}: grid \"{}\" has values up to {:g}, and 16 bits hold at most 65504; "
                       "write it without --half",
                       path, field.name, std::fmax(-range->minimum, range->maximum)));
+    if (options.stop.stop_requested()) throw Cancelled();
     const auto grid = to_openvdb(field);
     if (!output.unit.empty()) grid->insertMeta("unit", openvdb::StringMetadata(output.unit));
     grid->setSaveFloatAsHalf(options.half);
@@ -93,12 +111,14 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
   if (std::filesystem::is_directory(path, error)) fail(path, "a folder has this name");
   const TemporaryFile temporary(path);
   errno = 0;
-  std::ofstream stream(temporary.path(), std::ios::binary | std::ios::trunc);
-  if (!stream) fail(path, system_cause());
+  StoppableFile file(options.stop);
+  if (!file.open(temporary.path(), std::ios::out | std::ios::binary | std::ios::trunc))
+    fail(path, system_cause());
   try {
+    std::ostream stream(&file);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     Writer(options.compression).write_file(stream, converted, metadata);
-    stream.close();
+    if (!file.close()) fail(path, system_cause());
   } catch (const std::ios_base::failure&) {
     fail(path, system_cause());
   } catch (const openvdb::Exception& failure) {

@@ -198,6 +198,7 @@ int run(Settings& s) {
                                                               {"blosc", VdbCompression::blosc}}
                             .at(s.compression);
   options.metadata = {{"creator", "plenoflame " + std::string(version())}, {"flame", s.name}};
+  options.stop = execution.stop;
   if (s.name == "turbulent") options.metadata["seed"] = std::to_string(s.seed);
   const std::uint64_t size = write_grids(s.output, grids, options);
   bar.finish();

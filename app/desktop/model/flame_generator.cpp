@@ -131,9 +131,10 @@ FlameFields generate_flame(const std::string& name,
   unknown(name);
 }
 
-void write_flame(const std::string& path, const FlameFields& fields) {
+void write_flame(const std::string& path, const FlameFields& fields, const std::stop_token& stop) {
   const std::array<GridOutput, 2> grids{{{&fields.temperature, "K"}, {&fields.absorption, "1/m"}}};
   GridWriteOptions options;
+  options.stop = stop;
   options.metadata["creator"] = "Plenoflame " + std::string(version());
   write_grids(path, grids, options);
 }

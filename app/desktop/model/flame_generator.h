@@ -30,6 +30,7 @@ FlameFields generate_flame(const std::string& name,
                            const Execution& execution);
 
 /// Writes both grids as `plenoflame flame` does. @throws FileError, InputError
-void write_flame(const std::string& path, const FlameFields& fields);
+void write_flame(const std::string& path, const FlameFields& fields,
+                 const std::stop_token& stop = {});
 
 }  // namespace plenoflame::desktop

@@ -185,7 +185,7 @@ void MainWindow::generate_flame() {
       tr("flame %1").arg(QString::fromStdString(kind)),
       [kind, values, path](const Execution& execution) {
         write_flame(path.toStdString(),
-                    plenoflame::desktop::generate_flame(kind, values, execution));
+                    plenoflame::desktop::generate_flame(kind, values, execution), execution.stop);
       },
       [this, path] { open(path); });
 }

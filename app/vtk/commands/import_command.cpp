@@ -16,6 +16,8 @@
 namespace plenoflame::cli {
 namespace {
 
+constexpr double kReading = 0.9;  ///< of the work on one flame, the rest is writing
+
 /// "flame.vdb" -> "flame_0003.vdb".
 std::string numbered(const std::string& path, int number) {
   const std::filesystem::path p(path);
@@ -35,21 +37,21 @@ class ProgressWatch {
         static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
       if (!watch.execution_.progress) return;
       Progress progress;
-      progress.fraction = (watch.done_ + *static_cast<double*>(fraction)) / watch.count_;
+      progress.fraction = watch.from_ + (watch.to_ - watch.from_) * *static_cast<double*>(fraction);
       watch.execution_.progress(progress);
     });
     algorithm.AddObserver(vtkCommand::ProgressEvent, callback_);
   }
-  /// What begins now is one of so many steps.
-  void step(std::size_t done, std::size_t count) {
-    done_ = static_cast<double>(done);
-    count_ = static_cast<double>(count);
+  /// What share of the whole begins and ends with the algorithm's next run.
+  void stand_for(double from, double to) {
+    from_ = from;
+    to_ = to;
   }
 
  private:
   const Execution& execution_;
   vtkNew<vtkCallbackCommand> callback_;
-  double done_ = 0, count_ = 1;
+  double from_ = 0, to_ = 1;
 };
 
 }  // namespace
@@ -94,7 +96,11 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
       const std::string output = series ? numbered(request.output, number++) : request.output;
       check_writable(output);
       source->SetTimeStep(step);
-      watch.step(written.size(), request.files.size() * static_cast<std::size_t>(last - first + 1));
+      const double flames = static_cast<double>(request.files.size()) * (last - first + 1);
+      const auto whole = [&, done = static_cast<double>(written.size())](double share) {
+        return (done + share) / flames;
+      };
+      watch.stand_for(whole(0), whole(kReading));
       source->Update();
       log.check();
       if (execution.stop.stop_requested()) throw Cancelled();
@@ -103,8 +109,11 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
       writer->SetInputConnection(source->GetOutputPort());
       writer->SetFileName(output.c_str());
       writer->SetHalf(request.half);
-      writer->Write();
+      ProgressWatch watch_writing(execution, *writer);
+      watch_writing.stand_for(whole(kReading), whole(1));
+      const bool is_written = writer->Write();
       log.check();
+      if (!is_written) throw Cancelled();
       written.push_back({output, source->GetTime(step)});
     }
   }

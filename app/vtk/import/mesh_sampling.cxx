@@ -15,6 +15,8 @@
 #include <vtkUniformGrid.h>
 #include <vtkUnstructuredGrid.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -102,6 +104,21 @@ vtkSmartPointer<vtkDataSet> with_point_array(vtkDataSet& part, const std::string
   return vtkDataSet::SafeDownCast(average->GetOutputDataObject(0));
 }
 
+/// Layers, first and last along z, that are probed at a time: VTK's filter looks at no wish to
+/// stop. Each looks at all cells of the mesh, so there are not many.
+std::vector<std::array<int, 2>> slabs_of(vtkImageData& lattice) {
+  constexpr vtkIdType kMost = 8, kPoints = 500000;
+  std::array<int, 6> extent{};
+  lattice.GetExtent(extent.data());
+  const int layers = extent[5] - extent[4] + 1;
+  const auto count = static_cast<int>(std::clamp<vtkIdType>(lattice.GetNumberOfPoints() / kPoints,
+                                                            1, std::min<vtkIdType>(kMost, layers)));
+  std::vector<std::array<int, 2>> slabs;
+  for (int i = 0; i < count; ++i)
+    slabs.push_back({extent[4] + layers * i / count, extent[4] + layers * (i + 1) / count - 1});
+  return slabs;
+}
+
 }  // namespace
 
 void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std::string& path) {
@@ -160,29 +177,41 @@ std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,
   std::vector<float> values(static_cast<std::size_t>(lattice.GetNumberOfPoints()),
                             std::numeric_limits<float>::quiet_NaN());
   bool found = false;
+  const std::vector<std::array<int, 2>> slabs = slabs_of(lattice);
+  const auto count = static_cast<double>(parts.size() * slabs.size());
   double done = 0;
   for (const auto& part : parts) {
-    const auto part_watcher = [&watcher, before = done++,
-                               count = static_cast<double>(parts.size())](double share) {
-      return watcher((before + share) / count);
-    };
     const auto source = with_point_array(*part, name, path);
-    if (!source) continue;
+    if (!source) {
+      done += static_cast<double>(slabs.size());
+      continue;
+    }
     found = true;
-    vtkNew<vtkImageData> points;
-    points->CopyStructure(&lattice);
-    vtkNew<vtkProbeFilter> probe;
-    probe->SetInputData(points);
-    probe->SetSourceData(source);
-    update_watched(*probe, part_watcher, [&] { probe->Update(); });
-    vtkDataArray* const sampled = probe->GetOutput()->GetPointData()->GetArray(name.c_str());
-    vtkDataArray* const valid =
-        probe->GetOutput()->GetPointData()->GetArray(probe->GetValidPointMaskArrayName());
-    if (!sampled || !valid) continue;
-    for (vtkIdType i = 0; i < sampled->GetNumberOfTuples(); ++i) {
-      float& value = values[static_cast<std::size_t>(i)];
-      if (std::isnan(value) && valid->GetTuple1(i) != 0)
-        value = static_cast<float>(sampled->GetTuple1(i));
+    vtkIdType first = 0;
+    for (const auto& [low, high] : slabs) {
+      const auto slab_watcher = [&watcher, count, before = done++](double share) {
+        return watcher((before + share) / count);
+      };
+      vtkNew<vtkImageData> points;
+      points->CopyStructure(&lattice);
+      std::array<int, 6> extent{};
+      lattice.GetExtent(extent.data());
+      extent[4] = low;
+      extent[5] = high;
+      points->SetExtent(extent.data());
+      vtkNew<vtkProbeFilter> probe;
+      probe->SetInputData(points);
+      probe->SetSourceData(source);
+      update_watched(*probe, slab_watcher, [&] { probe->Update(); });
+      vtkDataArray* const sampled = probe->GetOutput()->GetPointData()->GetArray(name.c_str());
+      vtkDataArray* const valid =
+          probe->GetOutput()->GetPointData()->GetArray(probe->GetValidPointMaskArrayName());
+      for (vtkIdType i = 0; sampled && valid && i < sampled->GetNumberOfTuples(); ++i) {
+        float& value = values[static_cast<std::size_t>(first + i)];
+        if (std::isnan(value) && valid->GetTuple1(i) != 0)
+          value = static_cast<float>(sampled->GetTuple1(i));
+      }
+      first += points->GetNumberOfPoints();
     }
   }
   if (!found)

@@ -50,24 +50,33 @@ void vtkPlenoflameFlameWriter::PrintSelf(ostream& os, vtkIndent indent) {
 
 bool vtkPlenoflameFlameWriter::Write() {
   using namespace plenoflame;
-  return plenoflame::pipeline::run_here(*this, [&] {
-    vtkAlgorithm* const source = this->GetInputAlgorithm(0, 0);
-    if (!source) throw UsageError("there is no flame to write: set an input");
-    source->Update();
-    auto* const image = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
-    if (!image || image->GetNumberOfPoints() == 0)
-      throw UsageError("the input gave no image to write");
-    VoxelField temperature = plenoflame::pipeline::image_to_voxels(
-        *image, this->TemperatureArray, static_cast<float>(this->AmbientTemperature));
-    VoxelField absorption = plenoflame::pipeline::image_to_voxels(*image, this->AbsorptionArray, 0);
-    check_values(temperature);
-    check_values(absorption);
+  vtkImageData* image = nullptr;
+  if (!plenoflame::pipeline::run_here(*this, [&] {
+        vtkAlgorithm* const source = this->GetInputAlgorithm(0, 0);
+        if (!source) throw UsageError("there is no flame to write: set an input");
+        source->Update();
+        image = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
+        if (!image || image->GetNumberOfPoints() == 0)
+          throw UsageError("the input gave no image to write");
+      }))
+    return false;
+  return plenoflame::pipeline::run(*this, 1, [&](const Execution& execution) {
+    const auto voxels = [&](const std::string& array, float background) {
+      VoxelField field = plenoflame::pipeline::image_to_voxels(*image, array, background);
+      if (execution.stop.stop_requested()) throw Cancelled();
+      check_values(field);
+      return field;
+    };
+    VoxelField temperature =
+        voxels(this->TemperatureArray, static_cast<float>(this->AmbientTemperature));
+    VoxelField absorption = voxels(this->AbsorptionArray, 0);
     temperature.name = "temperature";
     absorption.name = "absorption";
     const std::array<GridOutput, 2> grids{{{&temperature, "K"}, {&absorption, "1/m"}}};
     GridWriteOptions options;
     options.half = this->Half;
     options.metadata = {{"creator", "plenoflame " + std::string(version())}};
+    options.stop = execution.stop;
     write_grids(this->FileName ? this->FileName : "", grids, options);
   });
 }

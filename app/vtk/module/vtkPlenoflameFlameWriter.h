@@ -55,7 +55,8 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameWriter : public vtkImageAlgorithm {
   ///@}
 
   /**
-   * Update the input and write it. False after an error event.
+   * Update the input and write it. False after an error event, or when an observer of progress
+   * events has set AbortExecute: then there is no file, or the one that was there before.
    */
   bool Write();
 
