@@ -107,6 +107,25 @@ class PanelsTest : public test::WindowFixture {
     QTest::keyClicks(edit, "2");
     QTest::keyClick(edit, Qt::Key_Return);
     QVERIFY(edit->styleSheet().contains("b3261e"));
+    // What is typed is what counts, between the slider's steps and beyond them, and stays when
+    // there is another picture of the same camera.
+    auto* views = &session().light_field();
+    for (const double typed : {1.0001, 7.5}) {
+      edit->setFocus();
+      edit->selectAll();
+      QTest::keyClicks(edit, QString::number(typed) + " m");
+      QTest::keyClick(edit, Qt::Key_Return);
+      QVERIFY(edit->styleSheet().isEmpty());
+      QCOMPARE(window_->light_field_panel().depth(), typed);
+      const auto refocused = [&] { return views->refocused().depth == typed && sharp(); };
+      QVERIFY(until(refocused));
+      slider->setFocus();  // leaving the field, which shows fewer digits, changes nothing
+      QCOMPARE(window_->light_field_panel().depth(), typed);
+      const auto earlier = views->views();
+      session().document().set_value("render.seed", std::to_string(static_cast<int>(typed) + 5));
+      QVERIFY(until([&] { return views->views() && views->views() != earlier && refocused(); }));
+      QCOMPARE(window_->light_field_panel().depth(), typed);
+    }
     // All in focus, and an epipolar slice.
     child<QTabWidget>("lightFieldTabs")->setCurrentIndex(2);
     QTest::mouseClick(child<QPushButton>("totalFocus"), Qt::LeftButton);

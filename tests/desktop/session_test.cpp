@@ -43,6 +43,8 @@ TEST_F(SessionTest, FinishedImageIsTheCommandsBitForBit) {
   ASSERT_TRUE(finish());
   EXPECT_GE(pictures, 3);  // coarser ones before
   EXPECT_TRUE(session_.document().image_is_current());
+  EXPECT_GT(session_.render().status().rays, 0);
+  EXPECT_EQ(session_.render().status().rays, session_.render().statistics().rays);
   const TemporaryFolder folder;
   session_.document().save(folder.file("scene.toml"));
   ASSERT_EQ(std::system((std::string(PLENOFLAME_COMMAND) + " render --quiet " +

@@ -157,6 +157,26 @@ TEST_F(ScenePicture, SolidsDoNotHideTheLabelsOfTheAxes) {
   for (const int count : of_colour) EXPECT_GT(count, 280);
 }
 
+TEST_F(ScenePicture, LabelsOfTheAxesStandOnPaper) {
+  // What is behind the labels, microlenses before the sensor, is darker than the paper that they
+  // stand on.
+  spec_.camera.sensor.columns = spec_.camera.sensor.rows = 400;
+  picture_->SetSize(600, 400);
+  picture_->SetView(vtkPlenoflameScenePicture::ARRAY);
+  const auto pale = [&](bool axes) {
+    picture_->SetShowAxes(axes);
+    vtkImageData* const image = drawn({});
+    int count = 0;
+    for (int row = 0; row < 400; ++row)
+      for (int column = 0; column < 600; ++column)
+        count += value(image, column, row) > 140 && value(image, column, row, 1) > 140 &&
+                 value(image, column, row, 2) > 140;
+    return count;
+  };
+  const int without = pale(false);
+  EXPECT_GT(pale(true), without + 1500);
+}
+
 TEST_F(ScenePicture, WrongInputIsAnErrorEvent) {
   {
     SolidSurfaceSpec mesh = solid(SurfaceShape::mesh, 0.5);

@@ -173,7 +173,11 @@ void RenderJob::launch() {
         status_.relative_error = point.error;
         status_.seconds = point.seconds;
         if (statistics) statistics_ = *statistics;
-        if (last) {
+        if (last) {  // nothing may have been told of a pass that was done in a blink
+          status_.pass = status_.passes;
+          status_.samples = field->samples;
+          status_.rays = statistics->rays;
+          status_.rays_per_second = statistics->rays / std::max(1e-9, statistics->seconds);
           status_.fraction = 1;
           status_.remaining_seconds = 0;
         }

@@ -200,13 +200,16 @@ QWidget* LightFieldPanel::make_refocus_tab() {
   layout->addWidget(refocus_label_);
   layout->addWidget(refocused_, 1);
   connect(depth_, &QSlider::valueChanged, this, [this] {
-    const QSignalBlocker quiet(depth_edit_);
-    wanted_depth_ = depth();
-    depth_edit_->setText(length_text(depth()));
+    // Equal steps of 1 / depth: as the focus of a lens moves.
+    const double t = static_cast<double>(depth_->value()) / kDepthSteps;
+    depth_wanted_ = 1 / ((1 - t) / nearest_ + t / farthest_);
+    depth_edit_->setText(length_text(depth_wanted_));
+    depth_edit_->setStyleSheet({});
     request_refocus();
   });
   connect(aperture_, &QSlider::valueChanged, this, &LightFieldPanel::request_refocus);
   connect(depth_edit_, &QLineEdit::editingFinished, this, [this] {
+    if (!depth_edit_->isModified()) return;  // what is there is rounded
     depth_edit_->setStyleSheet({});
     try {
       set_depth(parse_quantity(depth_edit_->text().toStdString(), Dimension::length));
@@ -283,23 +286,25 @@ QWidget* LightFieldPanel::make_epipolar_tab() {
   return page;
 }
 
-double LightFieldPanel::depth() const {
-  // Equal steps of 1 / depth: as the focus of a lens moves.
-  const double t = static_cast<double>(depth_->value()) / kDepthSteps;
-  return 1 / ((1 - t) / nearest_ + t / farthest_);
-}
-
 void LightFieldPanel::set_depth(double depth) {
   if (!(depth > 0) || !std::isfinite(depth)) return;
-  wanted_depth_ = depth;
+  place_depth(depth);
+  request_refocus();
+}
+
+/// The slider stands at the nearest of its steps; its range grows where it must.
+void LightFieldPanel::place_depth(double depth) {
+  depth_wanted_ = depth;
   nearest_ = std::min(nearest_, depth);
   farthest_ = std::max(farthest_, depth);
   const double t = (1 / nearest_ - 1 / depth) / (1 / nearest_ - 1 / farthest_);
+  const QSignalBlocker quiet(depth_);
   depth_->setValue(static_cast<int>(std::lround(t * kDepthSteps)));
+  depth_edit_->setText(length_text(depth));
 }
 
 void LightFieldPanel::request_refocus() {
-  jobs_.refocus(depth(), aperture_->value() / 100.0);
+  if (depth_wanted_ > 0) jobs_.refocus(depth_wanted_, aperture_->value() / 100.0);
 }
 
 void LightFieldPanel::show(ImageView& view, std::shared_ptr<const Image> image, double white,
@@ -336,13 +341,15 @@ void LightFieldPanel::on_views_changed() {
     const double least = -1.15 * camera.lens_first_order().front_focal_distance;
     const double middle_depth = std::isfinite(focus) && focus > 0 ? focus : 4 * least;
     const double nearest = std::max(least, 0.55 * middle_depth), farthest = 2.2 * middle_depth;
-    if (std::fabs(nearest / nearest_ - 1) > 1e-6 || std::fabs(farthest / farthest_ - 1) > 1e-6) {
+    const std::array<double, 2> range{nearest, farthest};
+    if (range != range_) {
+      // What was asked for before there were any views is what is wanted of the first ones.
+      const bool first = range_[0] == 0 && depth_wanted_ > 0;
+      const bool kept = first || (depth_wanted_ >= nearest && depth_wanted_ <= farthest);
+      range_ = range;
       nearest_ = nearest;
       farthest_ = farthest;
-      const QSignalBlocker quiet(depth_);
-      set_depth(wanted_depth_ >= nearest && wanted_depth_ <= farthest ? wanted_depth_
-                                                                      : middle_depth);
-      depth_edit_->setText(length_text(depth()));
+      place_depth(kept ? depth_wanted_ : middle_depth);
     }
   }
   white_ = automatic_saturation(middle.image);

@@ -1,5 +1,6 @@
 #pragma once
 #include <QWidget>
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -52,7 +53,7 @@ class LightFieldPanel : public QWidget {
   LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget* parent = nullptr);
 
   /// Depth of the refocused picture [m].
-  double depth() const;
+  double depth() const { return depth_wanted_; }
   void set_depth(double depth);
   /// The picture of the tab that is shown; null: none yet.
   std::shared_ptr<const Image> shown_image() const;
@@ -72,6 +73,7 @@ class LightFieldPanel : public QWidget {
   void show_stack();
   void show_slice();
   void on_views_changed();
+  void place_depth(double depth);
   void request_refocus();
   void show(ImageView& view, std::shared_ptr<const Image> image, double white,
             bool is_depth = false);
@@ -87,7 +89,8 @@ class LightFieldPanel : public QWidget {
   QComboBox *total_kind_, *slice_direction_;
   QSpinBox* planes_;
   double nearest_ = 0.5, farthest_ = 2;
-  double wanted_depth_ = 0;  ///< [m] that was set; 0: none yet
+  double depth_wanted_ = 0;            ///< [m] 0: none yet
+  std::array<double, 2> range_{0, 0};  ///< [m] that suits the camera; 0: not known yet
   double white_ = 1;
 };
 

@@ -21,13 +21,20 @@
 namespace plenoflame::views {
 namespace {
 
-constexpr double kInk = 0.1;  ///< grey of texts
-constexpr int kTitleGap = 6;  ///< [pixel] between the labels of a scale and its title
+constexpr double kInk = 0.1;   ///< grey of texts
+constexpr int kLabelGap = 4;   ///< [pixel] between a scale and its labels
+constexpr int kTitleGap = 10;  ///< more than that: from its labels to its title
 
 void set_text_style(vtkTextProperty& style, int font_size) {
   style.SetFontFamilyToArial();
   style.SetFontSize(font_size);
   style.SetColor(kInk, kInk, kInk);
+}
+
+/// May stand before anything.
+void set_paper(vtkTextProperty& style, double opacity) {
+  style.SetBackgroundColor(0.97, 0.97, 0.98);
+  style.SetBackgroundOpacity(opacity);
 }
 
 void add_text(const std::string& text, double x, double y, bool from_top, int font_size,
@@ -36,11 +43,8 @@ void add_text(const std::string& text, double x, double y, bool from_top, int fo
   actor->SetInput(text.c_str());
   set_text_style(*actor->GetTextProperty(), font_size);
   actor->GetTextProperty()->SetColor(rgb[0], rgb[1], rgb[2]);
-  if (from_top) {  // may stand before anything
-    actor->GetTextProperty()->SetVerticalJustificationToTop();
-    actor->GetTextProperty()->SetBackgroundColor(0.97, 0.97, 0.98);
-    actor->GetTextProperty()->SetBackgroundOpacity(0.8);
-  }
+  set_paper(*actor->GetTextProperty(), 0.8);
+  if (from_top) actor->GetTextProperty()->SetVerticalJustificationToTop();
   actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   actor->SetPosition(x, y);
   renderer.AddActor2D(actor);
@@ -94,6 +98,7 @@ void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) 
     label->GetPositionCoordinate()->SetValue(end.x, end.y, end.z);
     set_text_style(*label->GetTextProperty(), font_size);
     label->GetTextProperty()->SetColor(colours[k][0], colours[k][1], colours[k][2]);
+    set_paper(*label->GetTextProperty(), 0.65);  // rays are seen through it
     renderer.AddActor2D(label);
   }
 }
@@ -113,6 +118,7 @@ void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& rendere
     style->ItalicOff();
     style->ShadowOff();
   }
+  bar->GetLabelTextProperty()->SetLineOffset(kLabelGap);
   bar->GetTitleTextProperty()->SetLineOffset(kTitleGap);
   bar->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   bar->SetPosition(0.66, 0.03);
