@@ -162,7 +162,11 @@ int main(int argc, char** argv) {
     if (settled < 6 && !late) return;
     poll.stop();
     if (late) status = fail(1, "not everything was ready in time");
-    if (!window.save_screenshot(parser.value(screenshot))) status = fail(1, window.last_message());
+    // A depth that the camera cannot refocus on: the picture would show another one.
+    const bool refused =
+        refocus && !session.light_field().refocused().image && !window.last_message().isEmpty();
+    if (refused || !window.save_screenshot(parser.value(screenshot)))
+      status = fail(1, window.last_message());
     QApplication::exit(status);
   });
   poll.start(kPollInterval);

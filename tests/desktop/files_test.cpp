@@ -181,6 +181,13 @@ class FilesTest : public test::WindowFixture {
     list->setCurrentRow(1);
     QTest::keyClick(list, Qt::Key_Return);
     QCOMPARE(session().document().file(), file("two.toml").toStdString());
+    // There is a way back to what is open.
+    QVERIFY(click_menu({"File", "Welcome page"}));
+    QVERIFY(!image().isVisible());
+    QVERIFY(child<QPushButton>("welcomeBack")->isVisible());
+    QTest::mouseClick(child<QPushButton>("welcomeBack"), Qt::LeftButton);
+    QVERIFY(image().isVisible());
+    QCOMPARE(session().document().file(), file("two.toml").toStdString());
     // One that is gone: said, and the document stays.
     QVERIFY(QFile::remove(file("one.toml")));
     QVERIFY(click_menu({"File", "Open recent", file("one.toml")}));

@@ -57,7 +57,11 @@ class MannersTest : public test::WindowFixture {
   void cleanup() { end(); }
 
   void renderingObeysItsKeys() {
+    for (const char* name : {"renderStart", "renderFiner", "renderCoarser"})
+      QVERIFY(!child<QWidget>(name)->isEnabled());  // there is nothing to render
+    QVERIFY(!child<QWidget>("welcomeBack")->isVisible());
     open_small();
+    QVERIFY(child<QWidget>("renderStart")->isEnabled());
     session().document().set_value("render.samples", "20000");
     RenderJob& job = session().render();
     QVERIFY(until([&] { return job.state() == RenderJob::State::running; }));

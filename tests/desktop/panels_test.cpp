@@ -107,6 +107,19 @@ class PanelsTest : public test::WindowFixture {
     QTest::keyClicks(edit, "2");
     QTest::keyClick(edit, Qt::Key_Return);
     QVERIFY(edit->styleSheet().contains("b3261e"));
+    // So is a place that no lens focuses on, and the picture stays.
+    for (const char* typed : {"-3 m", "10 mm"}) {
+      edit->setFocus();
+      edit->selectAll();
+      QTest::keyClicks(edit, "1 m");  // not red any more, before it is
+      QTest::keyClick(edit, Qt::Key_Return);
+      QVERIFY(edit->styleSheet().isEmpty());
+      edit->selectAll();
+      QTest::keyClicks(edit, typed);
+      QTest::keyClick(edit, Qt::Key_Return);
+      QVERIFY(edit->styleSheet().contains("b3261e"));
+      QCOMPARE(window_->light_field_panel().depth(), 1.0);
+    }
     // What is typed is what counts, between the slider's steps and beyond them, and stays when
     // there is another picture of the same camera.
     auto* views = &session().light_field();
@@ -336,6 +349,8 @@ class PanelsTest : public test::WindowFixture {
     };
     for (const Case& one : {Case{{bad, "--screenshot", out}, 1, "camera.sensor.columns is missing"},
                             {{good, "--screenshot", "/no/such/folder/shot.png"}, 1, "/no/such"},
+                            {{good, "--screenshot", out, "--depth", "0 m"}, 2, "--depth: "},
+                            {{good, "--screenshot", out, "--depth", "10 mm"}, 1, "focal plane"},
                             {{good, "--screenshot", out, "--pixel", "9999,3"}, 2, "300 x 300"}}) {
       QProcess program;
       program.start(PLENOFLAME_DESKTOP, one.arguments);

@@ -96,6 +96,21 @@ class ViewsTest : public test::SceneFixture {
     QVERIFY(difference(plain.picture(), warmed.picture()) < 1e-3);
   }
 
+  void keysThatVtkKnowsDoNothing() {
+    QVERIFY(open_example("lenslets-30"));
+    const QImage before = view().picture();
+    scene3d()->setFocus();
+    for (const char key : {'3', 'w', 's', 'p', 'f', 'i', 'r', 'j', 'e', 'q'})
+      QTest::keyClick(scene3d(), key);
+    QTest::qWait(50);
+    QCOMPARE(difference(before, view().picture()), 0.0);
+    QVERIFY(window_->isVisible());
+    // The window's own ones arrive.
+    session().document().select(Selection::of_pixel(150, 150));
+    QTest::keyClick(scene3d(), Qt::Key_Escape);
+    QVERIFY(session().document().selection() == Selection());
+  }
+
   void sensorShowsTheLiveImage() {
     QVERIFY(open_example("lenslets-30"));
     QVERIFY(part(Qt::Key_3));

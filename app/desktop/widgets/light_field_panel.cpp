@@ -19,6 +19,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/lightfield/develop.h"
+#include "plenoflame/lightfield/refocus.h"
 #include "widgets/image_view.h"
 #include "widgets/pointer.h"
 
@@ -212,7 +213,9 @@ QWidget* LightFieldPanel::make_refocus_tab() {
     if (!depth_edit_->isModified()) return;  // what is there is rounded
     depth_edit_->setStyleSheet({});
     try {
-      set_depth(parse_quantity(depth_edit_->text().toStdString(), Dimension::length));
+      const double depth = parse_quantity(depth_edit_->text().toStdString(), Dimension::length);
+      if (jobs_.micro_images()) check_refocus_depth(jobs_.micro_images()->camera(), depth);
+      set_depth(depth);
     } catch (const Error& error) {
       depth_edit_->setStyleSheet("QLineEdit { background: #b3261e; color: white; }");
       refocus_label_->setText(QString::fromUtf8(error.what()));
@@ -287,7 +290,8 @@ QWidget* LightFieldPanel::make_epipolar_tab() {
 }
 
 void LightFieldPanel::set_depth(double depth) {
-  if (!(depth > 0) || !std::isfinite(depth)) return;
+  if (!(depth > 0) || !std::isfinite(depth))
+    throw InputError("a depth is a distance in front of the lens, above 0");
   place_depth(depth);
   request_refocus();
 }

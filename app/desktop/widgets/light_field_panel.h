@@ -54,6 +54,7 @@ class LightFieldPanel : public QWidget {
 
   /// Depth of the refocused picture [m].
   double depth() const { return depth_wanted_; }
+  /// @throws InputError where there is no such depth
   void set_depth(double depth);
   /// The picture of the tab that is shown; null: none yet.
   std::shared_ptr<const Image> shown_image() const;

@@ -125,6 +125,7 @@ void MainWindow::make_views() {
   connect(welcome_, &WelcomePage::example_chosen, this,
           [this](const QString& name) { open_example(name); });
   connect(welcome_, &WelcomePage::file_chosen, this, [this](const QString& path) { open(path); });
+  connect(welcome_, &WelcomePage::back_requested, this, [this] { stack_->setCurrentIndex(1); });
 }
 
 QDockWidget* MainWindow::add_dock(const char* name, const QString& title, QWidget* content,
@@ -450,6 +451,7 @@ void MainWindow::update_title() {
                      ? tr("Plenoflame")
                      : tr("%1[*] - Plenoflame").arg(QString::fromStdString(document.name())));
   setWindowModified(document.is_modified());
+  welcome_->set_open(!document.is_empty());
   undo_->setEnabled(document.can_undo());
   redo_->setEnabled(document.can_redo());
   undo_->setText(document.can_undo()

@@ -91,6 +91,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   RenderJob& job = session_.render();
   connect(&job, &RenderJob::state_changed, this, &RenderPanel::show_status);
   connect(&job, &RenderJob::progressed, this, &RenderPanel::show_status);
+  connect(&session_.document(), &Document::state_changed, this, &RenderPanel::show_status);
   connect(start_, &QPushButton::clicked, this, [this] { session_.start_render(); });
   connect(pause_, &QPushButton::clicked, this, [this] {
     if (session_.render().state() == RenderJob::State::paused)
@@ -124,6 +125,8 @@ void RenderPanel::show_status() {
   const RenderJob::Status& status = job.status();
   using State = RenderJob::State;
   const bool running = job.state() == State::running, paused = job.state() == State::paused;
+  for (QPushButton* const button : {start_, finer_, coarser_})
+    button->setEnabled(!session_.document().is_empty());
   pause_->setEnabled(running || paused);
   pause_->setText(paused ? tr("Resume") : tr("Pause"));
   stop_->setEnabled(running || paused);

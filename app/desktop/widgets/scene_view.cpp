@@ -1,6 +1,7 @@
 #include "widgets/scene_view.h"
 
 #include <QVTKOpenGLNativeWidget.h>
+#include <vtkAxisActor2D.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
@@ -14,6 +15,7 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPropCollection.h>
+#include <vtkProperty2D.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
@@ -49,6 +51,12 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
+
+/// The line that the ruler draws; null: it draws none.
+vtkAxisActor2D* ruler_axis(vtkDistanceWidget* ruler) {
+  auto* const shape = vtkDistanceRepresentation2D::SafeDownCast(ruler->GetRepresentation());
+  return shape ? shape->GetAxis() : nullptr;
+}
 
 }  // namespace
 
@@ -108,6 +116,12 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
     shape->InstantiateHandleRepresentation();
     shape->GetPoint1Representation()->SetPointPlacer(placer);
     shape->GetPoint2Representation()->SetPointPlacer(placer);
+  }
+  if (vtkAxisActor2D* const axis = ruler_axis(v.ruler)) {
+    vtkTextProperty& style = *axis->GetTitleTextProperty();
+    style.BoldOff();
+    style.ItalicOff();
+    style.ShadowOff();
   }
   v.ruler_moved->SetClientData(this);
   v.ruler_moved->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
@@ -209,6 +223,11 @@ void SceneView::set_dark(bool dark) {
     view_->renderer->SetBackground(0.11, 0.12, 0.14);
   else
     view_->renderer->SetBackground(0.97, 0.97, 0.98);
+  if (vtkAxisActor2D* const axis = ruler_axis(view_->ruler)) {
+    const double ink = dark ? 0.95 : 0.1;
+    axis->GetProperty()->SetColor(ink, ink, ink);
+    axis->GetTitleTextProperty()->SetColor(ink, ink, ink);
+  }
   if (geometry_) add_flame();
   render();
 }
@@ -534,6 +553,12 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
     }
   }
   if (object == view_->widget) {
+    // VTK's own keys, from wire frames to pictures for red and green glasses, are not for users:
+    // what is typed goes on to the window.
+    if (event->type() == QEvent::KeyPress || event->type() == QEvent::KeyRelease) {
+      event->ignore();
+      return true;
+    }
     if (event->type() == QEvent::MouseMove) {
       const auto* const mouse = static_cast<QMouseEvent*>(event);
       if (mouse->buttons() == Qt::NoButton) emit pointed(target_at(pointer_place(mouse)));

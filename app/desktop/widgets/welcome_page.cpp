@@ -41,6 +41,11 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   open->setToolTip(
       tr("A scene (.toml), a flame (.vdb) or a raw light field (.exr); or drop it on this window"));
   left->addWidget(open, 0, Qt::AlignLeft);
+  back_ = new QPushButton(tr("Back to the open scene"), this);
+  back_->setObjectName("welcomeBack");
+  back_->setToolTip(tr("What was open before is still there"));
+  back_->hide();
+  left->addWidget(back_, 0, Qt::AlignLeft);
   left->addStretch(1);
   auto* right = new QVBoxLayout;
   right->addWidget(new QLabel(tr("Recent files"), this));
@@ -61,8 +66,13 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   layout->addSpacing(18);
   layout->addLayout(columns, 1);
   connect(open, &QPushButton::clicked, this, &WelcomePage::open_requested);
+  connect(back_, &QPushButton::clicked, this, &WelcomePage::back_requested);
   connect(recent_, &QListWidget::itemActivated, this,
           [this](QListWidgetItem* item) { emit file_chosen(item->data(Qt::UserRole).toString()); });
+}
+
+void WelcomePage::set_open(bool open) {
+  back_->setVisible(open);
 }
 
 void WelcomePage::set_recent(const QStringList& files) {

@@ -3,6 +3,7 @@
 #include <QWidget>
 
 class QListWidget;
+class QPushButton;
 
 namespace plenoflame::desktop {
 
@@ -12,14 +13,18 @@ class WelcomePage : public QWidget {
  public:
   explicit WelcomePage(QWidget* parent = nullptr);
   void set_recent(const QStringList& files);
+  /// Whether a scene is open behind this page.
+  void set_open(bool open);
 
  signals:
   void example_chosen(const QString& name);
   void file_chosen(const QString& path);
   void open_requested();
+  void back_requested();
 
  private:
   QListWidget* recent_;
+  QPushButton* back_;
 };
 
 }  // namespace plenoflame::desktop
