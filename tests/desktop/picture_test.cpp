@@ -6,7 +6,9 @@
 #include <QLabel>
 #include <QSlider>
 #include <QTabWidget>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "gui_tests.h"
 #include "plenoflame/base/units.h"
@@ -63,6 +65,42 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(std::fabs(points.back().x() - 60) < 1);
     QVERIFY(child<QDockWidget>("profileDock")->isVisible());
     QVERIFY(plot->isVisible());
+  }
+
+  void barsStandOnNothingAndAreAsWideAsTheySay() {
+    PlotWidget plot;
+    plot.resize(500, 300);
+    plot.set_axes("x", "y", false, false);
+    PlotWidget::Series series;
+    series.colour = QColor(255, 0, 0);
+    series.bar_width = 2;
+    series.points = {{10, 5}, {30, 10}};  // nothing between them
+    plot.set_series({series});
+    const QImage picture = plot.grab().toImage();
+    std::vector<int> heights;  // of columns
+    for (int x = 0; x < picture.width(); ++x) {
+      int height = 0;
+      for (int y = 0; y < picture.height(); ++y) {
+        const QColor colour(picture.pixel(x, y));
+        height += colour.red() > 200 && colour.green() < 90;
+      }
+      heights.push_back(height);
+    }
+    const int high = *std::max_element(heights.begin(), heights.end());
+    QVERIFY(high > 150);
+    const auto columns = [&](int low, int up) {
+      return std::count_if(heights.begin(), heights.end(),
+                           [&](int h) { return h >= low && h <= up; });
+    };
+    // Half as high, and both a tenth of the 20 from one to the other.
+    const auto first = columns(high / 2 - 2, high / 2 + 2), second = columns(high - 1, high);
+    const auto from = std::find_if(heights.begin(), heights.end(), [](int h) { return h > 9; });
+    const auto to =
+        std::find_if(heights.begin(), heights.end(), [&](int h) { return h > high - 2; });
+    const double step = static_cast<double>(to - from);
+    QVERIFY(std::fabs(static_cast<double>(first) - 0.1 * step) <= 2);
+    QVERIFY(std::fabs(static_cast<double>(second) - 0.1 * step) <= 2);
+    QVERIFY(std::fabs(static_cast<double>(columns(10, high)) - 0.2 * step) <= 4);
   }
 
   void histogramCountsEveryLitPixel() {

@@ -127,11 +127,11 @@ void FlamePanel::fill() {
   // Share of the absorbing volume by temperature.
   PlotWidget::Series series;
   series.colour = QColor(213, 94, 0);
-  series.bars = true;
   constexpr int kBins = 60;
   std::array<double, kBins> counts{};
   double total = 0;
   const double range = samples->hottest - samples->coldest;
+  series.bar_width = range > 0 ? range / kBins : 1;
   for (std::size_t i = 0; i < samples->temperature.size(); ++i) {
     if (samples->absorption[i] <= 0) continue;
     const double t =

@@ -247,8 +247,8 @@ void ImagePanel::update_profile() {
 void ImagePanel::show_histogram(const Histogram& counts) {
   PlotWidget::Series series;
   series.colour = QColor(0, 114, 178);
-  series.bars = true;
   const double decades = std::log10(counts.upper / counts.lower);
+  series.bar_width = decades / static_cast<double>(counts.counts.size());
   if (counts.upper > 0)
     for (std::size_t i = 0; i < counts.counts.size(); ++i)
       if (counts.counts[i] > 0)

@@ -85,10 +85,12 @@ void PlotWidget::paintEvent(QPaintEvent*) {
     for (const QPointF& p : series.points) {
       const double x = place(p.x(), log_x_), y = place(p.y(), log_y_);
       if (!std::isfinite(x) || !std::isfinite(y)) continue;
-      x0 = any ? std::min(x0, x) : x;
-      x1 = any ? std::max(x1, x) : x;
-      y0 = any ? std::min(y0, y) : y;
-      y1 = any ? std::max(y1, y) : y;
+      const double half = 0.5 * series.bar_width;
+      const double foot = half > 0 && !log_y_ ? 0 : y;  // bars stand on nothing
+      x0 = any ? std::min(x0, x - half) : x - half;
+      x1 = any ? std::max(x1, x + half) : x + half;
+      y0 = any ? std::min({y0, y, foot}) : std::min(y, foot);
+      y1 = any ? std::max({y1, y, foot}) : std::max(y, foot);
       any = true;
     }
   painter.setPen(ink);
@@ -190,8 +192,8 @@ void PlotWidget::paintEvent(QPaintEvent*) {
         continue;
       }
       const QPointF at(to_x(x), to_y(y));
-      if (series.bars) {
-        const double half = std::max(1.0, 0.5 * area_.width() / series.points.size());
+      if (series.bar_width > 0) {
+        const double half = std::max(1.0, 0.5 * series.bar_width / (x1 - x0) * area_.width());
         painter.fillRect(QRectF(at.x() - half, at.y(), 2 * half, area_.bottom() - at.y()),
                          series.colour);
         continue;

@@ -16,7 +16,8 @@ class PlotWidget : public QWidget {
     QString name;
     QVector<QPointF> points;  ///< gaps where a coordinate is not finite
     QColor colour;
-    bool dashed = false, marks = false, bars = false;
+    bool dashed = false, marks = false;
+    double bar_width = 0;  ///< above 0: bars around the points, in units (decades) of the x axis
   };
 
   explicit PlotWidget(QWidget* parent = nullptr);
