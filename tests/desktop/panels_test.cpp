@@ -12,6 +12,7 @@
 #include <QProcess>
 #include <QSet>
 #include <QSlider>
+#include <QStatusBar>
 #include <QTabWidget>
 #include <QTableWidget>
 #include <QUrl>
@@ -271,10 +272,17 @@ class PanelsTest : public test::WindowFixture {
     QApplication::sendEvent(window_.get(), &drop);
     QCOMPARE(session().document().file(), path.toStdString());
     QVERIFY(window_->windowTitle().contains("mine.toml"));
+    // Nothing to save: the comments of the file stay in it.
+    QTest::keyClick(window_.get(), Qt::Key_S, Qt::ControlModifier);
+    QVERIFY(window_->statusBar()->currentMessage().contains("no changes"));
+    QVERIFY(copy.open(QIODevice::ReadOnly));
+    QVERIFY(copy.readAll().startsWith("#"));
+    copy.close();
     session().document().set_value("render.samples", "8");
     QVERIFY(window_->isWindowModified());
     QTest::keyClick(window_.get(), Qt::Key_S, Qt::ControlModifier);
     QVERIFY(!window_->isWindowModified());
+    QVERIFY(window_->statusBar()->currentMessage().contains("mine.toml saved"));
     QVERIFY(copy.open(QIODevice::ReadOnly));
     QVERIFY(copy.readAll().contains("samples = 8"));
     // A file that is no good: the message of the command, and everything stays.

@@ -379,7 +379,15 @@ bool MainWindow::open_example(const QString& name) {
 bool MainWindow::save() {
   const std::string& file = session_.document().file();
   if (file.empty()) return save_as();
-  return guarded([&] { session_.document().save(file); });
+  const QString name = QFileInfo(QString::fromStdString(file)).fileName();
+  // A file that somebody wrote keeps its comments and its order until there is something to save.
+  if (!session_.document().is_modified() && QFileInfo::exists(QString::fromStdString(file))) {
+    statusBar()->showMessage(tr("%1 has no changes to save").arg(name), 8000);
+    return true;
+  }
+  if (!guarded([&] { session_.document().save(file); })) return false;
+  statusBar()->showMessage(tr("%1 saved").arg(name), 8000);
+  return true;
 }
 
 bool MainWindow::save_as() {
@@ -387,6 +395,7 @@ bool MainWindow::save_as() {
   if (name.isEmpty()) return false;
   if (!guarded([&] { session_.document().save(name.toStdString()); })) return false;
   add_recent(QFileInfo(name).absoluteFilePath());
+  statusBar()->showMessage(tr("%1 saved").arg(QFileInfo(name).fileName()), 8000);
   return true;
 }
 
