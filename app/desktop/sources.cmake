@@ -17,6 +17,7 @@ set(desktop_model_sources
   model/render_job.cpp
   model/scene_changes.cpp
   model/scene_compiler.cpp
+  model/scene_target.cpp
   model/session.cpp
   model/undo_history.cpp)
 set(desktop_widget_sources
@@ -38,6 +39,7 @@ set(desktop_widget_sources
   widgets/ray_lines.cpp
   widgets/rays_panel.cpp
   widgets/render_panel.cpp
+  widgets/ruler.cpp
   widgets/scene_geometry.cpp
   widgets/scene_panel.cpp
   widgets/scene_view.cpp
@@ -46,7 +48,7 @@ set(desktop_widget_sources
   widgets/welcome_page.cpp)
 # With macros of VTK in them.
 set(desktop_vtk_sources widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
-  widgets/scene_geometry.cpp widgets/scene_view.cpp)
+  widgets/ruler.cpp widgets/scene_geometry.cpp widgets/scene_view.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::InteractionStyle VTK::InteractionWidgets VTK::RenderingCore)
 set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame"

@@ -1,21 +1,16 @@
 #include "widgets/scene_view.h"
 
 #include <QVTKOpenGLNativeWidget.h>
-#include <vtkAxisActor2D.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
-#include <vtkDistanceRepresentation2D.h>
 #include <vtkDistanceWidget.h>
 #include <vtkFixedPointVolumeRayCastMapper.h>
-#include <vtkFocalPlanePointPlacer.h>
 #include <vtkGenericOpenGLRenderWindow.h>
-#include <vtkHandleRepresentation.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPropCollection.h>
-#include <vtkProperty2D.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
@@ -35,6 +30,7 @@
 
 #include "flame_image.h"
 #include "flame_volume.h"
+#include "model/scene_target.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
 #include "plenoflame/base/error.h"
@@ -44,6 +40,7 @@
 #include "widgets/flame_opacity.h"
 #include "widgets/pointer.h"
 #include "widgets/ray_lines.h"
+#include "widgets/ruler.h"
 #include "widgets/scene_geometry.h"
 
 namespace plenoflame::desktop {
@@ -51,12 +48,6 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
-
-/// The line that the ruler draws; null: it draws none.
-vtkAxisActor2D* ruler_axis(vtkDistanceWidget* ruler) {
-  auto* const shape = vtkDistanceRepresentation2D::SafeDownCast(ruler->GetRepresentation());
-  return shape ? shape->GetAxis() : nullptr;
-}
 
 }  // namespace
 
@@ -109,20 +100,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);
-  v.ruler->CreateDefaultRepresentation();
-  // Clicks are places in the plane through the focal point; VTK would put them on the near plane.
-  if (auto* shape = vtkDistanceRepresentation::SafeDownCast(v.ruler->GetRepresentation())) {
-    vtkNew<vtkFocalPlanePointPlacer> placer;
-    shape->InstantiateHandleRepresentation();
-    shape->GetPoint1Representation()->SetPointPlacer(placer);
-    shape->GetPoint2Representation()->SetPointPlacer(placer);
-  }
-  if (vtkAxisActor2D* const axis = ruler_axis(v.ruler)) {
-    vtkTextProperty& style = *axis->GetTitleTextProperty();
-    style.BoldOff();
-    style.ItalicOff();
-    style.ShadowOff();
-  }
+  set_up_ruler(*v.ruler);
   v.ruler_moved->SetClientData(this);
   v.ruler_moved->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
     static_cast<SceneView*>(self)->show_measured();
@@ -197,18 +175,12 @@ QPointF SceneView::to_widget(const Vec3& world) const {
 double SceneView::measured() const {
   if (!measure_->isChecked() || view_->ruler->GetWidgetState() == vtkDistanceWidget::Start)
     return 0;
-  std::array<double, 3> a{}, b{};
-  auto* const shape = vtkDistanceRepresentation::SafeDownCast(view_->ruler->GetRepresentation());
-  shape->GetPoint1WorldPosition(a.data());
-  shape->GetPoint2WorldPosition(b.data());
-  return length(Vec3{a[0] - b[0], a[1] - b[1], a[2] - b[2]});
+  return ruler_length(*view_->ruler);
 }
 
 void SceneView::show_measured() {
-  // The representation writes the distance by a format for printf: here it is the text itself.
   const double distance = measured();
-  if (auto* shape = vtkDistanceRepresentation2D::SafeDownCast(view_->ruler->GetRepresentation()))
-    shape->SetLabelFormat(readable_quantity(distance, Dimension::length, 4).c_str());
+  set_ruler_text(*view_->ruler, readable_quantity(distance, Dimension::length, 4));
   emit measured_changed(distance);
 }
 
@@ -223,11 +195,7 @@ void SceneView::set_dark(bool dark) {
     view_->renderer->SetBackground(0.11, 0.12, 0.14);
   else
     view_->renderer->SetBackground(0.97, 0.97, 0.98);
-  if (vtkAxisActor2D* const axis = ruler_axis(view_->ruler)) {
-    const double ink = dark ? 0.95 : 0.1;
-    axis->GetProperty()->SetColor(ink, ink, ink);
-    axis->GetTitleTextProperty()->SetColor(ink, ink, ink);
-  }
+  set_ruler_dark(*view_->ruler, dark);
   if (geometry_) add_flame();
   render();
 }
@@ -581,27 +549,10 @@ Selection SceneView::target_at(const QPointF& place) const {
   const Vec3 near = world_at(0), far = world_at(0.5);
   const Ray ray{near, normalize(far - near)};
   const bool close = part_ == Part::array || part_ == Part::pixel;
-  Vec3 point;
-  const bool flame_is_shown = part_ == Part::scene || part_ == Part::flame;
-  if (flame_is_shown && scene_->medium && flame_point(*scene_->medium, ray, point))
-    return Selection::of_point(point);
-  const RigidTransform inverse = scene_->camera.to_world().inverse();
-  const Ray local{inverse.point(ray.origin), inverse.direction(ray.direction)};
-  if (local.direction.z == 0) return {};
-  const CameraSpec& spec = scene_->scene.camera;
-  if (close && spec.array.present) {
-    const double t = (scene_->camera.array_front() - local.origin.z) / local.direction.z;
-    if (t <= 0) return {};
-    const Vec3 p = local.at(t);
-    return Selection::of_microlens(scene_->camera.lattice().nearest({p.x, p.y}));
-  }
-  const double t = (scene_->camera.sensor() - local.origin.z) / local.direction.z;
-  if (t <= 0) return {};
-  const Vec3 p = local.at(t);
-  const double column = 0.5 * spec.sensor.columns - p.x / spec.sensor.pixel_pitch,
-               row = 0.5 * spec.sensor.rows - p.y / spec.sensor.pixel_pitch;
-  if (column < 0 || row < 0 || column >= spec.sensor.columns || row >= spec.sensor.rows) return {};
-  return Selection::of_pixel(static_cast<int>(column), static_cast<int>(row));
+  return target_of(*scene_, ray,
+                   close                   ? Targets::microlenses
+                   : part_ == Part::camera ? Targets::sensor
+                                           : Targets::flame);
 }
 
 void SceneView::pick(const QPointF& place) {
