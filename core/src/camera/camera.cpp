@@ -126,7 +126,11 @@ TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points, double&
 
 std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens) const {
   const Vec3 place = lens_place(lens);
-  const Path path = trace(sensor_point, lens, {place.x, place.y}, true);
+  return at_stop(sensor_point, lens, {place.x, place.y});
+}
+
+std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim) const {
+  const Path path = trace(sensor_point, lens, aim, true);
   if (path.status.status == RayStatus::missed) return std::nullopt;
   const RigidTransform to_lens = lens_pose_.inverse();
   if (ideal_lens()) {

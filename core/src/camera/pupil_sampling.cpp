@@ -12,6 +12,7 @@
 #include "camera/passing_edge.h"
 #include "camera/pupil_field.h"
 #include "camera/pupil_outline.h"
+#include "camera/stop_landing.h"
 #include "camera/widen_cuts.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -26,6 +27,8 @@ constexpr double kReach = 1.02;         ///< micro-images may still grow by less
 constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
 constexpr int kFitSteps = 4;            ///< of the fit of the far one
 constexpr double kRoom = 1.3;           ///< what lacks at traced edges lacks more between them
+constexpr double kRimRoom = 0.5;        ///< of what traced rays exceed a rim by, for the others
+constexpr double kRimSafety = 2e-4;     ///< of the rim's radius, over that
 constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
@@ -282,6 +285,16 @@ class TableMaker {
       if (!node.dark())
         s_max = std::max(s_max, std::fabs(node.centre) + kReach * node.outer_radius);
     if (s_max > s_max_) fit_discs_to(s_max);
+    if (given_.misaligned()) return;
+    const RayCrossings crossings =
+        fit_crossings(camera_, type_, std::max(s_max, s_max_), place(table_.nodes.size() - 1));
+    table_.at_pupil = crossings.pupil;
+    table_.at_far_face = crossings.far_face;
+  }
+
+  void fit_stop_map_of(std::size_t i) {
+    if (given_.misaligned()) return;  // no two microlenses see the stop alike
+    table_.nodes[i].stop = fit_stop_map(tracer_.open_at(place(i)), place(i), table_.at_pupil);
   }
 
   void fill_shadow() { extend_into_shadow(table_.nodes, cuts_); }
@@ -289,11 +302,20 @@ class TableMaker {
   /// Not for neighbours at the same time.
   void widen(std::size_t i) {
     PupilTracer own(camera_, type_, false);
-    widen_pair(own, table_, i, cuts_);
+    const Crossed crossed = widen_pair(own, table_, i, cuts_);
+    for (const std::size_t k : {i, i + 1}) {
+      PupilNode& node = table_.nodes[k];
+      node.stop.reach = std::max(node.stop.reach, crossed.stop);
+      node.far_reach = std::max(node.far_reach, crossed.far_face);
+    }
   }
 
   void finish() {
     add_margin(table_, cuts_);
+    for (PupilNode& node : table_.nodes) {
+      for (double* reach : {&node.stop.reach, &node.far_reach})
+        if (*reach > 0) *reach += kRimRoom * (std::max(*reach, 1.0) - 1) + kRimSafety;
+    }
     if (given_.misaligned()) widen_to_misaligned(given_, type_, table_, cuts_);
     for (std::size_t i = 0; i < table_.nodes.size(); ++i) {
       summarise(cuts_[i], table_.nodes[i]);
@@ -336,6 +358,7 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
   of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.trace_outline(i); });
   of_each(1, [](TableMaker& maker, std::size_t) { maker.fit_discs_again(); });
   for (const auto& maker : makers) maker->fill_shadow();
+  of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.fit_stop_map_of(i); });
   for (const std::size_t first : {0, 1})  // pairs that share no node
     of_each((nodes - first) / 2,
             [first](TableMaker& maker, std::size_t k) { maker.widen(2 * k + first); });
@@ -385,6 +408,8 @@ PupilNode PupilTable::at(double h) const {
   for (std::size_t k = 0; k < node.opened.size(); ++k)
     node.opened[k] = mix(a.opened[k], b.opened[k]);
   node.cuts = PixelCuts::mix(a.cuts, b.cuts, static_cast<float>(t));
+  node.stop = StopMap::mix(a.stop, b.stop, t);
+  node.far_reach = std::min(a.far_reach, b.far_reach) > 0 ? std::max(a.far_reach, b.far_reach) : 0;
   return node;
 }
 

@@ -41,32 +41,47 @@ void PupilTracer::trace(double h, const std::vector<Request>& requests, const An
   trace_at({h, 0}, lens_, {1, 0}, requests, answer);
 }
 
+void PupilTracer::start(const std::vector<Request>& requests, std::size_t first, std::size_t count,
+                        double z, Vec2 turn) {
+  const std::size_t padded = (count + 15) / 16 * 16;
+  for (std::size_t i = 0; i < padded; ++i) {
+    const Request& request = requests[first + std::min(i, count - 1)];
+    const Vec2 way = request.u - request.s;
+    const double x = turn.x * way.x - turn.y * way.y, y = turn.y * way.x + turn.x * way.y;
+    const double inverse = 1 / std::sqrt(x * x + y * y + z * z);
+    block_.x[i] = turn.x * request.u.x - turn.y * request.u.y;
+    block_.y[i] = turn.y * request.u.x + turn.x * request.u.y;
+    block_.z[i] = 0;
+    block_.dx[i] = x * inverse;
+    block_.dy[i] = y * inverse;
+    block_.dz[i] = z * inverse;
+    block_.weight[i] = 1;
+    block_.code[i] = 0;
+  }
+}
+
+Ray PupilTracer::ray(std::size_t i) const {
+  return {{block_.x[i], block_.y[i], block_.z[i]}, {block_.dx[i], block_.dy[i], block_.dz[i]}};
+}
+
 void PupilTracer::trace_at(Vec2 place, const KernelMicrolens<double>& lens, Vec2 turn,
                            const std::vector<Request>& requests, const Answer& answer) {
   for (std::size_t first = 0; first < requests.size(); first += kBlockRays) {
     const std::size_t count = std::min<std::size_t>(kBlockRays, requests.size() - first);
-    const std::size_t padded = (count + 15) / 16 * 16;
-    const double z = lens.distance;
-    for (std::size_t i = 0; i < padded; ++i) {
-      const Request& request = requests[first + std::min(i, count - 1)];
-      const Vec2 way = request.u - request.s;
-      const double x = turn.x * way.x - turn.y * way.y, y = turn.y * way.x + turn.x * way.y;
-      const double inverse = 1 / std::sqrt(x * x + y * y + z * z);
-      block_.x[i] = turn.x * request.u.x - turn.y * request.u.y;
-      block_.y[i] = turn.y * request.u.x + turn.x * request.u.y;
-      block_.z[i] = 0;
-      block_.dx[i] = x * inverse;
-      block_.dy[i] = y * inverse;
-      block_.dz[i] = z * inverse;
-      block_.weight[i] = 1;
-      block_.code[i] = 0;
-    }
+    start(requests, first, count, lens.distance, turn);
     kernels_.pass_microlens(lens, place.x, place.y, 0, static_cast<int>(count), block_);
-    kernels_.trace_lens(camera_, static_cast<int>(padded), block_);
-    for (std::size_t i = 0; i < count; ++i)
-      answer(
-          first + i, block_.code[i] == 0,
-          Ray{{block_.x[i], block_.y[i], block_.z[i]}, {block_.dx[i], block_.dy[i], block_.dz[i]}});
+    kernels_.trace_lens(camera_, static_cast<int>((count + 15) / 16 * 16), block_);
+    for (std::size_t i = 0; i < count; ++i) answer(first + i, block_.code[i] == 0, ray(i));
+  }
+}
+
+void PupilTracer::leave_microlens(const std::vector<Request>& requests,
+                                  const Emergence& emergence) {
+  for (std::size_t first = 0; first < requests.size(); first += kBlockRays) {
+    const std::size_t count = std::min<std::size_t>(kBlockRays, requests.size() - first);
+    start(requests, first, count, lens_.distance, {1, 0});
+    kernels_.pass_microlens(lens_, 0, 0, 0, static_cast<int>(count), block_);
+    for (std::size_t i = 0; i < count; ++i) emergence(first + i, block_.code[i] == 0, ray(i));
   }
 }
 

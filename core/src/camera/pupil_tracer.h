@@ -26,6 +26,11 @@ class PupilTracer {
   /// @param h distance of the microlens' centre from the optical axis [m]
   virtual void trace(double h, const std::vector<Request>& requests, const Answer& answer);
 
+  /// Receives the number of a request, whether its ray comes through the microlens, and the ray
+  /// behind it: from the microlens' centre, z from the front of the array.
+  using Emergence = std::function<void(std::size_t index, bool emerges, const Ray& ray)>;
+  void leave_microlens(const std::vector<Request>& requests, const Emergence& emergence);
+
  protected:
   /// @param place of the lens @param lens its kernel @param turn of the requests' axes
   void trace_at(Vec2 place, const KernelMicrolens<double>& lens, Vec2 turn,
@@ -33,6 +38,11 @@ class PupilTracer {
   KernelMicrolens<double> lens_;
 
  private:
+  /// Fills the block with rays of requests [first, first + count). @param turn of their axes
+  void start(const std::vector<Request>& requests, std::size_t first, std::size_t count, double z,
+             Vec2 turn);
+  Ray ray(std::size_t i) const;
+
   KernelCamera<double> camera_;
   CameraKernels<double> kernels_;
   std::vector<double> storage_;

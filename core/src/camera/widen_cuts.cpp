@@ -150,17 +150,19 @@ void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::
 
 }  // namespace
 
-void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
-                std::vector<PupilCuts>& cuts) {
+Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
+                   std::vector<PupilCuts>& cuts) {
   const Circle circle;
   Spread spread(i * (kEdgeBlocks + kBlocks) * kBlockRays);
   std::vector<PupilTracer::Request> requests(kBlockRays);
   const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
-  if (a.dark() || b.dark()) return;
+  if (a.dark() || b.dark()) return {};
+  double stop2 = 0, far2 = 0;
   for (int block = 0; block < kEdgeBlocks + kBlocks; ++block) {
     const bool edge = block < kEdgeBlocks;
     const double t = edge ? (block + 0.5) / kEdgeBlocks : (block - kEdgeBlocks + 0.5) / kBlocks;
     Between between(cuts[i], cuts[i + 1], t);
+    const StopMap stop = StopMap::mix(a.stop, b.stop, t);
     const double centre = a.centre + t * (b.centre - a.centre);
     const double reach = std::max(a.outer_radius, b.outer_radius);
     // Every other ray goes for the opening itself, which may be small: a stopped-down lens seen
@@ -195,6 +197,12 @@ void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
     const double h = (static_cast<double>(i) + t) * table.field_step;
     own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
       if (!passes) return;
+      if (stop.known()) {
+        const auto& [s, u] = requests[index];
+        const Vec2 at_stop = stop.at(table.at_pupil.at(s, u)), at_face = table.at_far_face.at(s, u);
+        stop2 = std::max(stop2, dot(at_stop, at_stop));
+        far2 = std::max(far2, dot(at_face, at_face));
+      }
       const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
       const double distance = std::sqrt(dot(w, w));
       if (!(distance > 0)) return;
@@ -211,6 +219,7 @@ void widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
       hold(between, azimuth, step, 1, -p, q, table.discs.bound);
     });
   }
+  return {std::sqrt(stop2), std::sqrt(far2)};
 }
 
 void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts) {

@@ -7,6 +7,12 @@
 
 namespace plenoflame {
 
+/// Where rays cross a surface behind the microlens (camera/stop_landing.h, RayCrossing).
+template <class Real>
+struct KernelCrossing {
+  Real of_sensor[10], of_aim[10];
+};
+
 /// A microlens and what bounds the rays that pass it (camera/pupil_sampling.h): everything relative
 /// to its centre (without array: to the optical axis).
 template <class Real>
@@ -18,6 +24,12 @@ struct KernelPatch {
       origin_shift;  ///< aim points count from (origin_x, origin_y) + origin_shift * s
   /// The discs of the microlens' own apertures (ApertureDiscs), from the origin.
   Real near_radius, near_shift, far_radius, far_growth, far_shift, far_bend;
+  /// Where rays cross the microlens' far face and the stop, if that is known: sensor and aim points
+  /// times per_unit. The stop's axes (StopMap) are along `field`, away from the optical axis.
+  bool finds_far, finds_stop;
+  Real per_unit, far_reach, stop_reach, field_x, field_y;
+  KernelCrossing<Real> at_far, at_pupil;
+  Real along[6], across[4];
 };
 
 /// A pixel that the microlens of a patch may light, and its random numbers.

@@ -6,6 +6,8 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
+constexpr int kStopSteps = 2;  ///< of Newton's method, to the stop's edge
+
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
   // 23 bits and half a step: inside (0, 1), never its ends.
   return static_cast<float>(static_cast<std::int32_t>(fraction >> 9)) * 0x1p-23f + 0x1p-24f;
@@ -87,33 +89,41 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   }
 }
 
-/// Aims the rays that place_rays() has placed: uniform points of that part of the aperture that
-/// sees the scene from there.
-///
-/// The part is bounded by four circles: those of the two apertures of the microlens, and two
-/// through the ends `low` and `high` of the part's extent along the line through the patch's
-/// centre, centred on that line. A uniform point of the unit disc is stretched to it: linearly
-/// along the line, across from one end of the chord to the other. All weights are exact Jacobians:
-/// a bound that is too wide costs rays, never light.
+/// How far the discs of a bound reach from an inner point: for the point at (p, q) from the disc's
+/// middle, in the direction whose square is `square` and whose product with (p, q) is `product`.
+/// @param room radius squared less p^2 + q^2, not negative
 template <class Real>
-PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count, Real distance,
+PLENOFLAME_INLINE Real reach_of_disc(Real product, Real room, Real square, Real inverse_square) {
+  return (square_root(product * product + square * room) - product) * inverse_square;
+}
+
+/// Aims the rays that place_rays() has placed: from a point inside that part of the aperture that
+/// sees the scene from there, in all directions, as far as its bounds.
+///
+/// The bounds are four discs: those of the two apertures of the microlens, and two through the ends
+/// `low` and `high` of the part's extent along the line through the patch's centre, centred on that
+/// line. Directions are those of a unit disc that is stretched to the part's length and width.
+/// Leaves for finish_rays():
+///   dx, dy       the inner point       dz, weight   where the direction leads to, from there
+///   scratch[0]   how far along it the bounds are     scratch[1]   how far along it up to them
+///   z            pi times the area of the stretched disc, times that of the pixel
+template <class Real>
+PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count,
                                 const KernelBlock<Real>& block) {
-  Real* __restrict x = block.x + first;
-  Real* __restrict y = block.y + first;
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
   Real* __restrict z = block.z + first;
   Real* __restrict dx = block.dx + first;
   Real* __restrict dy = block.dy + first;
   Real* __restrict dz = block.dz + first;
   Real* __restrict weight = block.weight + first;
-  const Real* __restrict low_far = block.scratch[0] + first;
-  const Real* __restrict high_far = block.scratch[1] + first;
-  int* __restrict code = block.code + first;
+  Real* __restrict reach = block.scratch[0] + first;
+  Real* __restrict part = block.scratch[1] + first;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
   const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
   const Real near_radius = c.near_radius, near_shift = c.near_shift;
   const Real far_radius = c.far_radius, far_growth = c.far_growth;
   const Real far_shift = c.far_shift, far_bend = c.far_bend;
-  const Real g2 = distance * distance;
   const int padded = (count + 15) & ~15;
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
@@ -124,43 +134,198 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real ex = w2 > Real(1e-30) ? wx * inverse_w : Real(1);
     const Real ey = w2 > Real(1e-30) ? wy * inverse_w : Real(0);
 
-    // The discs of the two apertures. The centre of the near one lies hardly beside the line: it is
-    // taken to lie on it, and the disc to be larger.
     const Real s_along = sx * ex + sy * ey, s_beside = sy * ex - sx * ey;
-    const Real near = near_radius + magnitude(near_shift * s_beside);
     const Real s2 = sx * sx + sy * sy;
+    const Real near = near_radius, near_p = near_shift * s_along, near_q = near_shift * s_beside;
     const Real far = far_radius + far_growth * s2, shift = far_shift + far_bend * s2;
-    const Real near_along = near_shift * s_along, far_along = shift * s_along;
-    const Real far_beside = shift * s_beside;
+    const Real far_p = shift * s_along, far_q = shift * s_beside;
     const Real cut_low = dz[i], cut_high = weight[i];
-    const Real low = greatest(cut_low, greatest(near_along - near, far_along - far));
-    const Real high = least(cut_high, least(near_along + near, far_along + far));
+    const Real cut_low_far = reach[i], cut_high_far = part[i];
+    const Real low = greatest(cut_low, greatest(near_p - near, far_p - far));
+    const Real high = least(cut_high, least(near_p + near, far_p + far));
 
-    const Real t = dy[i], v2 = dx[i];
-    const Real folded = t > Real(0.25) ? Real(0.5) - t : (t < Real(-0.25) ? Real(-0.5) - t : t);
-    const Real across = square_root(v2) * sin_turn(folded);
-    const Real cosine = square_root(v2) * sin_turn(Real(0.25) - magnitude(t));
+    // The inner point (p, q), and half the length and the width there. Bounds that do not hold it
+    // are taken to reach up to it: all of them lie near the line.
     const Real half = greatest(Real(0.5) * (high - low), Real(0));
-    const Real p = Real(0.5) * (low + high) + half * cosine;
-    const Real unit_chord2 = (Real(1) - v2) + across * across;  // 1 - cosine^2
-    const Real above = p - cut_low, below = cut_high - p;
-    const Real near_p = p - near_along, far_p = p - far_along;
-    const Real cut2 = least(near * near - near_p * near_p,
-                            least(above * (low_far[i] - p), below * (p - high_far[i])));
-    const Real cut_half = square_root(greatest(cut2, Real(0)));
-    const Real far_half = square_root(greatest(far * far - far_p * far_p, Real(0)));
-    const Real top = least(cut_half, far_beside + far_half);
-    const Real bottom = greatest(-cut_half, far_beside - far_half);
-    const Real stretch = greatest(Real(0.5) * (top - bottom), Real(0)) / square_root(unit_chord2);
-    const Real q = Real(0.5) * (top + bottom) + across * stretch;
-    const Real ux = origin_x + origin_shift * sx + ex * p - ey * q;
-    const Real uy = origin_y + origin_shift * sy + ey * p + ex * q;
+    const Real p = Real(0.5) * (low + high), least_room = Real(1e-4) * near * near;
+    const Real from_near = p - near_p, from_far = p - far_p;
+    const Real cut2 = least((p - cut_low) * (cut_low_far - p), (cut_high - p) * (p - cut_high_far));
+    const Real cut_half = square_root(greatest(cut2, least_room));
+    const Real near_half = square_root(greatest(near * near - from_near * from_near, least_room));
+    const Real far_half = square_root(greatest(far * far - from_far * from_far, least_room));
+    const Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
+    const Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
+    const Real q = Real(0.5) * (top + bottom);
+    const Real width = greatest(Real(0.5) * (top - bottom), Real(0.01) * near);
 
-    const Real vx = ux - sx, vy = uy - sy;
+    const Real t = dy[i], share = dx[i];
+    const Real folded = t > Real(0.25) ? Real(0.5) - t : (t < Real(-0.25) ? Real(-0.5) - t : t);
+    const Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
+    const Real v2 = vp * vp + vq * vq, inverse_v2 = Real(1) / greatest(v2, Real(1e-30));
+    const Real near_dq = q - near_q, far_dq = q - far_q;
+    const Real to_near =
+        reach_of_disc(from_near * vp + near_dq * vq,
+                      greatest(near * near - from_near * from_near - near_dq * near_dq, least_room),
+                      v2, inverse_v2);
+    const Real to_far = reach_of_disc(
+        from_far * vp + far_dq * vq,
+        greatest(far * far - from_far * from_far - far_dq * far_dq, least_room), v2, inverse_v2);
+    const Real low_middle = p - Real(0.5) * (cut_low + cut_low_far),
+               high_middle = p - Real(0.5) * (cut_high + cut_high_far);
+    const Real to_low = reach_of_disc(
+        low_middle * vp + q * vq, greatest((p - cut_low) * (cut_low_far - p) - q * q, least_room),
+        v2, inverse_v2);
+    const Real to_high = reach_of_disc(
+        high_middle * vp + q * vq,
+        greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, inverse_v2);
+
+    z[i] = half > Real(0) ? Real(3.141592653589793238) * half * width * z[i] : Real(0);
+    dx[i] = origin_x + origin_shift * sx + ex * p - ey * q;
+    dy[i] = origin_y + origin_shift * sy + ey * p + ex * q;
+    dz[i] = ex * vp - ey * vq;
+    weight[i] = ey * vp + ex * vq;
+    reach[i] = least(least(to_near, to_far), least(to_low, to_high));
+    part[i] = square_root(share);
+  }
+}
+
+/// Where a ray from s to u crosses, and how that changes with u along v; all in the crossing's
+/// units. (By reference: loops with structs of them were not vectorised.)
+template <class Real>
+PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux, Real uy,
+                             Real vx, Real vy, Real& x, Real& y, Real& change_x, Real& change_y) {
+  const Real* p = c.of_sensor;
+  const Real* q = c.of_aim;
+  const Real ss = sx * sx + sy * sy, sv = sx * vx + sy * vy;
+  const Real su = sx * ux + sy * uy, uu = ux * ux + uy * uy;
+  const Real uv = Real(2) * (ux * vx + uy * vy);  // the change of uu
+  const Real p_su = p[2] + ss * p[5] + uu * p[8], p_uu = p[3] + ss * p[6];
+  const Real q_su = q[2] + ss * q[5] + uu * q[8], q_uu = q[3] + ss * q[6];
+  const Real of_s =
+      p[0] + ss * (p[1] + ss * p[4]) + su * (p_su + su * p[7]) + uu * (p_uu + uu * p[9]);
+  const Real of_u =
+      q[0] + ss * (q[1] + ss * q[4]) + su * (q_su + su * q[7]) + uu * (q_uu + uu * q[9]);
+  const Real change_s =
+      sv * (p_su + Real(2) * p[7] * su) + uv * (p_uu + p[8] * su + Real(2) * p[9] * uu);
+  const Real change_u =
+      sv * (q_su + Real(2) * q[7] * su) + uv * (q_uu + q[8] * su + Real(2) * q[9] * uu);
+  x = of_s * sx + of_u * ux;
+  y = of_s * sy + of_u * uy;
+  change_x = change_s * sx + change_u * ux + of_u * vx;
+  change_y = change_s * sy + change_u * uy + of_u * vy;
+}
+
+/// How far a step of Newton's method goes from r back to where a line leaves a disc of that radius,
+/// after steps that went back by `before` in all: only what was found outside is drawn in. A step
+/// that cannot be believed (there is no edge, or it lies beyond the inner point) undoes those.
+template <class Real>
+PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y, Real radius,
+                                   Real r, Real before) {
+  const Real height2 = x * x + y * y;
+  const Real beyond = height2 - radius * square_root(height2);
+  const Real slope = x * change_x + y * change_y;
+  const Real by = beyond / slope;
+  const Real step = greatest(beyond, before) > Real(0) ? by : Real(0);
+  return least(slope, r - by) > Real(0) ? step : -before;
+}
+
+/// Draws the bounds in to the rim of the microlens' far face. The square of the last step, which is
+/// more than the next one would be, is left.
+template <class Real>
+PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int count,
+                                    const KernelBlock<Real>& block) {
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
+  const Real* __restrict dx = block.dx + first;
+  const Real* __restrict dy = block.dy + first;
+  const Real* __restrict dz = block.dz + first;
+  const Real* __restrict weight = block.weight + first;
+  Real* __restrict reach = block.scratch[0] + first;
+  const Real unit = c.per_unit, radius = c.far_reach;
+  const KernelCrossing<Real> crossing = c.at_far;
+  const int padded = (count + 15) & ~15;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * dz[i], vy = unit * weight[i];
+    const Real bound = reach[i];
+    Real at_x, at_y, change_x, change_y;
+    cross(crossing, sx, sy, unit * dx[i] + bound * vx, unit * dy[i] + bound * vy, vx, vy, at_x,
+          at_y, change_x, change_y);
+    const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius, bound, Real(0));
+    reach[i] = least(bound - by + by * by, bound);
+  }
+}
+
+/// The same for the stop.
+template <class Real>
+PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int count,
+                                 const KernelBlock<Real>& block) {
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
+  const Real* __restrict dx = block.dx + first;
+  const Real* __restrict dy = block.dy + first;
+  const Real* __restrict dz = block.dz + first;
+  const Real* __restrict weight = block.weight + first;
+  Real* __restrict reach = block.scratch[0] + first;
+  const Real unit = c.per_unit, fx = c.field_x, fy = c.field_y, radius = c.stop_reach;
+  const KernelCrossing<Real> crossing = c.at_pupil;
+  const Real l0 = c.along[0], l1 = c.along[1], l2 = c.along[2], l3 = c.along[3], l4 = c.along[4],
+             l5 = c.along[5];
+  const Real m0 = c.across[0], m1 = c.across[1], m2 = c.across[2], m3 = c.across[3];
+  const int padded = (count + 15) & ~15;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i], cx = unit * dx[i], cy = unit * dy[i];
+    const Real vx = unit * dz[i], vy = unit * weight[i];
+    const Real bound = reach[i];
+    Real back = Real(0), by = Real(0);
+#pragma GCC unroll 4
+    for (int step = 0; step < kStopSteps; ++step) {
+      const Real r = bound - back;
+      Real at_x, at_y, change_x, change_y;
+      cross(crossing, sx, sy, cx + r * vx, cy + r * vy, vx, vy, at_x, at_y, change_x, change_y);
+      const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
+      const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
+      const Real aa = a * a, bb = b * b;
+      by = step_to_rim(
+          l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
+          b * (m0 + m1 * a + m2 * aa + m3 * bb),
+          da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
+              db * Real(2) * b * (l3 + l5 * a),
+          db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) + da * b * (m1 + Real(2) * m2 * a),
+          radius, r, back);
+      back += by;
+    }
+    reach[i] = least(bound - back + by * by, bound);
+  }
+}
+
+/// The rays, from what aim_rays() has left. All weights are exact Jacobians: a bound that is too
+/// wide costs rays, never light.
+template <class Real>
+PLENOFLAME_INLINE void finish_rays(int first, int count, Real distance,
+                                   const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  Real* __restrict weight = block.weight + first;
+  const Real* __restrict reach = block.scratch[0] + first;
+  const Real* __restrict part = block.scratch[1] + first;
+  int* __restrict code = block.code + first;
+  const Real g2 = distance * distance;
+  const int padded = (count + 15) & ~15;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real r = reach[i], along = r * part[i];
+    const Real ux = dx[i] + along * dz[i], uy = dy[i] + along * weight[i];
+    const Real vx = ux - x[i], vy = uy - y[i];
     const Real inverse = Real(1) / square_root(vx * vx + vy * vy + g2);
     const Real inverse2 = inverse * inverse;
     // cos(theta) dOmega = cos^2 / r^2 dA' on parallel planes.
-    weight[i] = Real(3.141592653589793238) * half * stretch * z[i] * (g2 * inverse2 * inverse2);
+    weight[i] = r * r * z[i] * (g2 * inverse2 * inverse2);
     x[i] = ux;
     y[i] = uy;
     z[i] = Real(0);
@@ -177,7 +342,11 @@ PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const Kernel
   const KernelPatch<Real> c = patch;
   for (int i = 0; i < count; ++i) place_rays(c, pixels[i], block);
   const int first = pixels[0].first;
-  aim_rays(c, first, pixels[count - 1].first + pixels[count - 1].count - first, distance, block);
+  const int rays = pixels[count - 1].first + pixels[count - 1].count - first;
+  aim_rays(c, first, rays, block);
+  if (c.finds_far) find_far_rim(c, first, rays, block);
+  if (c.finds_stop) find_stop(c, first, rays, block);
+  finish_rays(first, rays, distance, block);
 }
 
 template <class Real>

@@ -161,6 +161,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   patch_.far_shift = static_cast<Real>(table.discs.shift);
   patch_.far_growth = static_cast<Real>(table.discs.growth);
   patch_.far_bend = static_cast<Real>(table.discs.bend);
+  set_rims(table, node, field);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
   const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;
@@ -204,6 +205,34 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       add_pair(type, column, row, level, chosen);
     }
   }
+}
+
+/// Where the rays of the patch meet the rims that are found exactly.
+template <class Real>
+void TileTracer<Real>::set_rims(const PupilTable& table, const PupilNode& node, Vec2 field) {
+  const auto set_crossing = [](const RayCrossing& from, KernelCrossing<Real>& to) {
+    for (std::size_t k = 0; k < RayCrossing::kTerms; ++k) {
+      to.of_sensor[k] = static_cast<Real>(from.of_sensor[k]);
+      to.of_aim[k] = static_cast<Real>(from.of_aim[k]);
+    }
+  };
+  // An ideal microlens has one aperture, which the near disc is.
+  patch_.finds_far = node.far_reach > 0 && !plan_.scene->camera.ideal_array();
+  patch_.finds_stop = node.stop.known();
+  patch_.per_unit = static_cast<Real>(1 / table.at_pupil.unit);
+  if (patch_.finds_far) {
+    set_crossing(table.at_far_face, patch_.at_far);
+    patch_.far_reach = static_cast<Real>(node.far_reach);
+  }
+  if (!patch_.finds_stop) return;
+  set_crossing(table.at_pupil, patch_.at_pupil);
+  patch_.field_x = static_cast<Real>(field.x);
+  patch_.field_y = static_cast<Real>(field.y);
+  patch_.stop_reach = static_cast<Real>(node.stop.reach);
+  for (std::size_t k = 0; k < node.stop.along.size(); ++k)
+    patch_.along[k] = static_cast<Real>(node.stop.along[k]);
+  for (std::size_t k = 0; k < node.stop.across.size(); ++k)
+    patch_.across[k] = static_cast<Real>(node.stop.across[k]);
 }
 
 template <class Real>
@@ -257,10 +286,9 @@ void TileTracer<Real>::set_cut(const PixelCut& cut) {
 template <class Real>
 int TileTracer<Real>::level_of(double worth) const {
   // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
-  // error falls with points^-a; a is about 3/4: level k for a worth below 2^(-k / 0.8).
-  constexpr double kWorth[] = {0.42044820762685725,  0.17677669529663687,
-                               0.07432544468767006,  0.03125,
-                               0.013139006488339288, 0.005524271728019903};
+  // error falls with points^-a; with a = 1 level k is for a worth below 2^(-k / (2/3)).
+  constexpr double kWorth[] = {0.35355339059327379,   0.125,      0.044194173824159216, 0.015625,
+                               0.0055242717280199030, 0.001953125};
   int level = 0;
   for (const double limit : kWorth) level += worth <= limit ? 1 : 0;
   return std::min(level, static_cast<int>(plan_.pools().size()) - 1 + plan_.sparse_levels);

@@ -14,7 +14,7 @@ struct TileNeed {
 
 /// The error falls with samples^-kErrorSlope: what the paper's flame shows from 8 to 1024 samples
 /// per replicate (docs/benchmarks.md). A wrong value costs time, not accuracy.
-inline constexpr double kErrorSlope = 0.68;
+inline constexpr double kErrorSlope = 0.8;
 
 /// How many samples per replicate each tile shall have, so that the error over all lit pixels comes
 /// down to a goal with the fewest rays in all: n_t ~ difficulty^(1 / (2 kErrorSlope + 1)), by

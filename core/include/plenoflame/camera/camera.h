@@ -108,6 +108,8 @@ class Camera {
   /// Where the ray from a sensor point through the middle of a microlens meets the plane of the
   /// stop, from its middle [m]; for an ideal main lens up to scale. None: it does not get there.
   std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens) const;
+  /// The same of the ray towards `aim` on the aim plane [m, camera x, y].
+  std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim) const;
 
   /// Where a ray from the scene ends.
   struct Arrival {

@@ -6,6 +6,7 @@
 #include "plenoflame/base/execution.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/pupil_cut.h"
+#include "plenoflame/camera/stop_landing.h"
 
 namespace plenoflame {
 
@@ -27,6 +28,10 @@ struct PupilNode {
   /// outer_radius [m]: decides how many rays a pixel there is worth.
   std::array<double, 17> opened{};
   PixelCuts cuts;  ///< about `centre`
+  StopMap stop;    ///< from the plane of the exit pupil; with array
+  /// No ray that reaches the scene crosses the microlens' far face farther from its middle [radii
+  /// of the aperture]; 0: not known.
+  double far_reach = 0;
 
   bool dark() const { return image_radius <= 0; }
 };
@@ -62,7 +67,10 @@ struct ApertureDiscs {
 /// The table of one microlens type (or of the bare camera) over the field.
 class PupilTable {
  public:
-  ApertureDiscs discs;    ///< with array
+  ApertureDiscs discs;  ///< with array
+  /// The same: of the plane of the exit pupil, in its radii; of the microlens' far face, in radii
+  /// of its aperture.
+  RayCrossing at_pupil, at_far_face;
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
   /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:

@@ -1,0 +1,40 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// Where a ray that leaves the sensor through a microlens crosses a surface behind, counted from
+/// the microlens' axis: of fifth order in sensor point and aim point, both from the microlens'
+/// centre (rotational symmetry leaves these terms: Welford, Aberrations of Optical Systems,
+/// 1986, 6.2).
+struct RayCrossing {
+  static constexpr std::size_t kTerms = 10;
+  double unit = 1;  ///< of sensor and aim points [m]
+  /// What the sensor point and the aim point count for: polynomials of second degree in s.s, s.u
+  /// and u.u, in this order of terms: 1, ss, su, uu, ss ss, ss su, ss uu, su su, su uu, uu uu.
+  std::array<double, kTerms> of_sensor{}, of_aim{};
+
+  /// The terms of a ray, whose points are in units.
+  static std::array<double, kTerms> terms(Vec2 sensor, Vec2 aim);
+  Vec2 at(Vec2 sensor, Vec2 aim) const;
+};
+
+/// Where rays that cross the plane of the exit pupil meet the aperture stop, in radii of the stop,
+/// for microlenses at one distance from the optical axis: of third order, the first axis points
+/// away from the optical axis, which is in a mirror plane.
+struct StopMap {
+  std::array<double, 6> along{};   ///< 1, x, x^2, y^2, x^3, x y^2
+  std::array<double, 4> across{};  ///< y, x y, x^2 y, y^3
+  /// No ray that reaches the scene is found farther from the stop's middle [1]; 0: not known.
+  double reach = 0;
+
+  bool known() const { return reach > 0; }
+  Vec2 at(Vec2 crossing) const;
+  /// The map between two; known where both are.
+  static StopMap mix(const StopMap& a, const StopMap& b, double t);
+};
+
+}  // namespace plenoflame
