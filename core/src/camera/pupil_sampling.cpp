@@ -314,7 +314,7 @@ class TableMaker {
     add_margin(table_, cuts_);
     for (PupilNode& node : table_.nodes) {
       for (double* reach : {&node.stop.reach, &node.far_reach})
-        if (*reach > 0) *reach += kRimRoom * (std::max(*reach, 1.0) - 1) + kRimSafety;
+        if (*reach > 0) *reach = 1 + (1 + kRimRoom) * std::max(*reach - 1, 0.0) + kRimSafety;
     }
     if (given_.misaligned()) widen_to_misaligned(given_, type_, table_, cuts_);
     for (std::size_t i = 0; i < table_.nodes.size(); ++i) {

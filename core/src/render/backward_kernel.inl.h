@@ -6,7 +6,9 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-constexpr int kStopSteps = 2;  ///< of Newton's method, to the stop's edge
+/// Steps of Newton's method are believed up to so much of the way: of the first to the stop's edge,
+/// to the far face's rim; of the second to the stop's edge, as a part of the first.
+constexpr float kStopStep = 0.6F, kFarStep = 0.15F, kSecondStep = 0.5F;
 
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
   // 23 bits and half a step: inside (0, 1), never its ends.
@@ -215,18 +217,14 @@ PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Re
   change_y = change_s * sy + change_u * uy + of_u * vy;
 }
 
-/// How far a step of Newton's method goes from r back to where a line leaves a disc of that radius,
-/// after steps that went back by `before` in all: only what was found outside is drawn in. A step
-/// that cannot be believed (there is no edge, or it lies beyond the inner point) undoes those.
+/// How far a step of Newton's method goes from r back to where a line leaves a disc of that radius.
+/// Anything where the line does not lead outwards there.
 template <class Real>
-PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y, Real radius,
-                                   Real r, Real before) {
+PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y, Real radius) {
   const Real height2 = x * x + y * y;
   const Real beyond = height2 - radius * square_root(height2);
   const Real slope = x * change_x + y * change_y;
-  const Real by = beyond / slope;
-  const Real step = greatest(beyond, before) > Real(0) ? by : Real(0);
-  return least(slope, r - by) > Real(0) ? step : -before;
+  return slope > Real(0) ? beyond / slope : Real(-1e30);
 }
 
 /// Draws the bounds in to the rim of the microlens' far face. The square of the last step, which is
@@ -251,8 +249,9 @@ PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int c
     Real at_x, at_y, change_x, change_y;
     cross(crossing, sx, sy, unit * dx[i] + bound * vx, unit * dy[i] + bound * vy, vx, vy, at_x,
           at_y, change_x, change_y);
-    const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius, bound, Real(0));
-    reach[i] = least(bound - by + by * by, bound);
+    const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius);
+    const Real found = by < Real(kFarStep) * bound ? by - by * by : Real(0);
+    reach[i] = least(bound - found, bound);
   }
 }
 
@@ -278,25 +277,35 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     const Real sx = unit * x[i], sy = unit * y[i], cx = unit * dx[i], cy = unit * dy[i];
     const Real vx = unit * dz[i], vy = unit * weight[i];
     const Real bound = reach[i];
-    Real back = Real(0), by = Real(0);
-#pragma GCC unroll 4
-    for (int step = 0; step < kStopSteps; ++step) {
-      const Real r = bound - back;
+    Real first_step = Real(0), second_step = Real(0);
+#pragma GCC unroll 2
+    for (int step = 0; step < 2; ++step) {
+      const Real r = bound - first_step;
       Real at_x, at_y, change_x, change_y;
       cross(crossing, sx, sy, cx + r * vx, cy + r * vy, vx, vy, at_x, at_y, change_x, change_y);
       const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
       const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
       const Real aa = a * a, bb = b * b;
-      by = step_to_rim(
+      const Real by = step_to_rim(
           l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
           b * (m0 + m1 * a + m2 * aa + m3 * bb),
           da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
               db * Real(2) * b * (l3 + l5 * a),
           db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) + da * b * (m1 + Real(2) * m2 * a),
-          radius, r, back);
-      back += by;
+          radius);
+      if (step == 0)
+        first_step = by > Real(0) ? least(by, bound) : Real(0);
+      else
+        second_step = by;
     }
-    reach[i] = least(bound - back + by * by, bound);
+    // Where the bounds lie well outside of the edge there may be another one between; and where the
+    // second step is no small one, there was no edge in sight.
+    const Real missing = second_step * second_step;
+    const Real found = first_step + second_step - missing;
+    const bool near_edge = first_step < Real(kStopStep) * bound;
+    const Real trusted = near_edge ? found : Real(0);
+    const Real limit = Real(kSecondStep) * first_step;
+    reach[i] = missing <= limit * limit ? least(bound - trusted, bound) : bound;
   }
 }
 

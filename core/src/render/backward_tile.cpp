@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "render/channel_sum.h"
+#include "render/microlens_patch.h"
 #include "render/run_control.h"
 
 namespace plenoflame {
@@ -18,14 +19,6 @@ constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
 constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
-
-/// The cut that cuts nothing of a disc with radius `bound`.
-PixelCut whole_aperture(double bound) {
-  const auto b = static_cast<float>(bound);
-  PixelCut cut;
-  cut.value.fill({2 * b, 2 * b, 100 * b, 100 * b});
-  return cut;
-}
 
 }  // namespace
 
@@ -89,21 +82,6 @@ void TileTracer<Real>::render(int tile_index) {
   if (counters_.pairs == pairs_before) counters_.tiles_skipped += 1;
 }
 
-/// Begins a patch: what is queued belongs to the one before.
-template <class Real>
-void TileTracer<Real>::begin_patch(Vec2 lens, Vec2 centre, double outer_radius) {
-  generate_queued();
-  has_own_lens_ = false;
-  patch_ = {};
-  patch_.outer_x = static_cast<Real>(centre.x);
-  patch_.outer_y = static_cast<Real>(centre.y);
-  patch_.outer_radius2 = static_cast<Real>(outer_radius * outer_radius);
-  patch_.lens_x = static_cast<Real>(lens.x);
-  patch_.lens_y = static_cast<Real>(lens.y);
-  patch_.centre_x = patch_.outer_x;
-  patch_.centre_y = patch_.outer_y;
-}
-
 /// What the pixels of a row have in common. @return false when it lies outside of the outer disc
 template <class Real>
 bool TileTracer<Real>::place_row(double y, Vec2 outer_centre, double outer_radius) {
@@ -149,19 +127,14 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
   const Vec2 centre = node.centre * field;
   const double outer = node.outer_radius;
-  begin_patch(place, centre, outer);
+  generate_queued();  // what is queued belongs to the patch before
+  patch_ = microlens_patch<Real>(table, node, place, field, camera.ideal_array());
+  has_own_lens_ = false;
   if (camera.misaligned()) {
     own_lens_ = plan_.microlenses[static_cast<std::size_t>(type)];
     set_lens(camera, lens, own_lens_);
     has_own_lens_ = true;
   }
-  patch_.near_radius = static_cast<Real>(table.discs.near_radius);
-  patch_.near_shift = static_cast<Real>(table.discs.near_shift);
-  patch_.far_radius = static_cast<Real>(table.discs.radius);
-  patch_.far_shift = static_cast<Real>(table.discs.shift);
-  patch_.far_growth = static_cast<Real>(table.discs.growth);
-  patch_.far_bend = static_cast<Real>(table.discs.bend);
-  set_rims(table, node, field);
   const SensorSpec& sensor = camera.spec().sensor;
   const double pitch = sensor.pixel_pitch;
   const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;
@@ -201,38 +174,10 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       }
       const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
       if (cut.dark) continue;
-      set_cut(cut.open ? whole_aperture(table.discs.bound) : cut);
+      set_cut(cut.open ? whole_aperture(table.discs.bound) : cut, pixel());
       add_pair(type, column, row, level, chosen);
     }
   }
-}
-
-/// Where the rays of the patch meet the rims that are found exactly.
-template <class Real>
-void TileTracer<Real>::set_rims(const PupilTable& table, const PupilNode& node, Vec2 field) {
-  const auto set_crossing = [](const RayCrossing& from, KernelCrossing<Real>& to) {
-    for (std::size_t k = 0; k < RayCrossing::kTerms; ++k) {
-      to.of_sensor[k] = static_cast<Real>(from.of_sensor[k]);
-      to.of_aim[k] = static_cast<Real>(from.of_aim[k]);
-    }
-  };
-  // An ideal microlens has one aperture, which the near disc is.
-  patch_.finds_far = node.far_reach > 0 && !plan_.scene->camera.ideal_array();
-  patch_.finds_stop = node.stop.known();
-  patch_.per_unit = static_cast<Real>(1 / table.at_pupil.unit);
-  if (patch_.finds_far) {
-    set_crossing(table.at_far_face, patch_.at_far);
-    patch_.far_reach = static_cast<Real>(node.far_reach);
-  }
-  if (!patch_.finds_stop) return;
-  set_crossing(table.at_pupil, patch_.at_pupil);
-  patch_.field_x = static_cast<Real>(field.x);
-  patch_.field_y = static_cast<Real>(field.y);
-  patch_.stop_reach = static_cast<Real>(node.stop.reach);
-  for (std::size_t k = 0; k < node.stop.along.size(); ++k)
-    patch_.along[k] = static_cast<Real>(node.stop.along[k]);
-  for (std::size_t k = 0; k < node.stop.across.size(); ++k)
-    patch_.across[k] = static_cast<Real>(node.stop.across[k]);
 }
 
 template <class Real>
@@ -250,7 +195,12 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
     return;
   }
   const double h = length(from_foot), pitch = camera.spec().sensor.pixel_pitch;
-  begin_patch({}, centre, 2 * pitch);
+  generate_queued();
+  patch_ = {};
+  patch_.outer_x = static_cast<Real>(centre.x);
+  patch_.outer_y = static_cast<Real>(centre.y);
+  patch_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
+  has_own_lens_ = false;
   const Vec2 field = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
   const Vec2 aim = foot + node.aim_centre * field;
   // No micro-image: the line that aims go by shall hardly turn within the pixel.
@@ -266,21 +216,9 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.near_radius = patch_.far_radius = static_cast<Real>(node.aim_radius);
   place_row(centre.y, centre, 2 * pitch);  // nothing cuts the pixel
   place_pixel(centre.x, centre.x);
-  set_cut(whole_aperture(node.aim_radius));  // the aim disc is the pupil itself
+  set_cut(whole_aperture(node.aim_radius), pixel());  // the aim disc is the pupil itself
   set_random(column, row, mix64(plan_.settings->seed));
   add_pair(type, column, row, 0, chosen_replicates(0));
-}
-
-template <class Real>
-void TileTracer<Real>::set_cut(const PixelCut& cut) {
-  KernelPixel<Real>& made = pixel();
-  made.cut_middle = static_cast<Real>(cut.middle);
-  for (std::size_t half = 0; half < 2; ++half)
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float sign = k == 0 || k == 3 ? -1.0f : 1.0f;
-      made.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
-      made.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
-    }
 }
 
 template <class Real>

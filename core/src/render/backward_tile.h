@@ -115,9 +115,6 @@ class TileTracer {
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
   void end_at_microlenses(int first, int count);
-  void begin_patch(Vec2 lens, Vec2 centre, double outer_radius);
-  void set_rims(const PupilTable& table, const PupilNode& node, Vec2 field);
-  void set_cut(const PixelCut& cut);
   bool place_row(double y, Vec2 outer_centre, double outer_radius);
   bool place_pixel(double x, double outer_x);
   int level_of(double worth) const;

@@ -1,0 +1,76 @@
+#include "render/microlens_patch.h"
+
+namespace plenoflame {
+namespace {
+
+template <class Real>
+void set_crossing(const RayCrossing& from, KernelCrossing<Real>& to) {
+  for (std::size_t k = 0; k < RayCrossing::kTerms; ++k) {
+    to.of_sensor[k] = static_cast<Real>(from.of_sensor[k]);
+    to.of_aim[k] = static_cast<Real>(from.of_aim[k]);
+  }
+}
+
+}  // namespace
+
+template <class Real>
+KernelPatch<Real> microlens_patch(const PupilTable& table, const PupilNode& node, Vec2 place,
+                                  Vec2 field, bool ideal_array) {
+  KernelPatch<Real> patch{};
+  const Vec2 centre = node.centre * field;
+  patch.outer_x = patch.centre_x = static_cast<Real>(centre.x);
+  patch.outer_y = patch.centre_y = static_cast<Real>(centre.y);
+  patch.outer_radius2 = static_cast<Real>(node.outer_radius * node.outer_radius);
+  patch.lens_x = static_cast<Real>(place.x);
+  patch.lens_y = static_cast<Real>(place.y);
+  const ApertureDiscs& discs = table.discs;
+  patch.near_radius = static_cast<Real>(discs.near_radius);
+  patch.near_shift = static_cast<Real>(discs.near_shift);
+  patch.far_radius = static_cast<Real>(discs.radius);
+  patch.far_shift = static_cast<Real>(discs.shift);
+  patch.far_growth = static_cast<Real>(discs.growth);
+  patch.far_bend = static_cast<Real>(discs.bend);
+  // An ideal microlens has one aperture, which the near disc is.
+  patch.finds_far = node.far_reach > 0 && !ideal_array;
+  patch.finds_stop = node.stop.known();
+  patch.per_unit = static_cast<Real>(1 / table.at_pupil.unit);
+  if (patch.finds_far) {
+    set_crossing(table.at_far_face, patch.at_far);
+    patch.far_reach = static_cast<Real>(node.far_reach);
+  }
+  if (!patch.finds_stop) return patch;
+  set_crossing(table.at_pupil, patch.at_pupil);
+  patch.field_x = static_cast<Real>(field.x);
+  patch.field_y = static_cast<Real>(field.y);
+  patch.stop_reach = static_cast<Real>(node.stop.reach);
+  for (std::size_t k = 0; k < node.stop.along.size(); ++k)
+    patch.along[k] = static_cast<Real>(node.stop.along[k]);
+  for (std::size_t k = 0; k < node.stop.across.size(); ++k)
+    patch.across[k] = static_cast<Real>(node.stop.across[k]);
+  return patch;
+}
+
+PixelCut whole_aperture(double bound) {
+  const auto b = static_cast<float>(bound);
+  PixelCut cut;
+  cut.value.fill({2 * b, 2 * b, 100 * b, 100 * b});
+  return cut;
+}
+
+template <class Real>
+void set_cut(const PixelCut& cut, KernelPixel<Real>& pixel) {
+  pixel.cut_middle = static_cast<Real>(cut.middle);
+  for (std::size_t half = 0; half < 2; ++half)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float sign = k == 0 || k == 3 ? -1.0f : 1.0f;
+      pixel.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
+      pixel.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
+    }
+}
+
+template KernelPatch<float> microlens_patch(const PupilTable&, const PupilNode&, Vec2, Vec2, bool);
+template KernelPatch<double> microlens_patch(const PupilTable&, const PupilNode&, Vec2, Vec2, bool);
+template void set_cut(const PixelCut&, KernelPixel<float>&);
+template void set_cut(const PixelCut&, KernelPixel<double>&);
+
+}  // namespace plenoflame

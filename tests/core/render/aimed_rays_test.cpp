@@ -1,0 +1,169 @@
+// How far rays are aimed through a microlens: up to where they begin to be stopped, and no less.
+// The reference is the camera's exact trace of single rays.
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "plenoflame/render/render.h"
+#include "render/backward_kernel.h"
+#include "render/microlens_patch.h"
+#include "support/cameras.h"
+
+namespace plenoflame::test {
+namespace {
+
+constexpr int kPixels = 24;      ///< along the micro-image's side that are looked at, at most
+constexpr int kDirections = 16;  ///< of each sensor point
+
+/// What the tests need of the kernels, for the rays of one pixel.
+class PixelAims {
+ public:
+  PixelAims() : storage_(9 * kStride), codes_(kStride), fractions_(4 * kStride) {
+    double** arrays[] = {&block_.x,      &block_.y,          &block_.z,
+                         &block_.dx,     &block_.dy,         &block_.dz,
+                         &block_.weight, &block_.scratch[0], &block_.scratch[1]};
+    double* at = storage_.data();
+    for (double** array : arrays) {
+      *array = at;
+      at += kStride;
+    }
+    block_.code = codes_.data();
+  }
+  /// Sensor point, inner point, and the bound in one of the directions.
+  struct Aim {
+    Vec2 s, inner, bound;
+    double weight;
+  };
+  std::vector<Aim> aims(const KernelPatch<double>& patch, KernelPixel<double> pixel,
+                        double distance, std::uint32_t shift) {
+    // Pairs of rays that differ in how far out they are: nothing of the way, or all of it.
+    for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions_.data() + d * kStride;
+    for (int i = 0; i < 2 * kDirections; ++i) {
+      fractions_[static_cast<std::size_t>(i)] = shift;
+      fractions_[static_cast<std::size_t>(kStride + i)] = shift * 2654435769u;
+      fractions_[static_cast<std::size_t>(2 * kStride + i)] = i % 2 == 0 ? 0 : 0xffffffffu;
+      fractions_[static_cast<std::size_t>(3 * kStride + i)] =
+          static_cast<std::uint32_t>(i / 2) * (0xffffffffu / kDirections) + (shift >> 5);
+    }
+    pixel.first = 0;
+    pixel.count = 2 * kDirections;
+    baseline::generate(patch, &pixel, 1, distance, block_);
+    std::vector<Aim> aims;
+    for (int i = 0; i < 2 * kDirections; i += 2) {
+      const auto at = [&](int k) { return Vec2{block_.x[k], block_.y[k]}; };
+      const double way = distance / block_.dz[i];
+      const Vec2 s{block_.x[i] - way * block_.dx[i], block_.y[i] - way * block_.dy[i]};
+      aims.push_back({s, at(i), at(i + 1), block_.weight[i + 1]});
+    }
+    return aims;
+  }
+
+ private:
+  static constexpr int kStride = 64;
+  std::vector<double> storage_;
+  std::vector<int> codes_;
+  std::vector<std::uint32_t> fractions_;
+  KernelBlock<double> block_{};
+};
+
+struct Found {
+  double all = 0, missed = 0, stopped = 0;  ///< area inside the bounds; open outside; closed inside
+};
+
+/// Looks along every direction, from the bound outwards and inwards.
+Found look(const CameraSpec& spec, double field) {
+  const Camera camera(spec);
+  const PupilSampling pupils(camera);
+  Found found;
+  PixelAims kernels;
+  const double half_sensor =
+      0.5 * spec.sensor.pixel_pitch * std::hypot(spec.sensor.columns, spec.sensor.rows);
+  std::vector<bool> seen(pupils.tables().size());
+  std::uint32_t shift = 12345;
+  const Vec2 near = field * half_sensor * Vec2{0.6, 0.8};
+  const double pitch = spec.array.pitch;
+  for (const LensIndex lens : camera.lattice().within(near - Vec2{2 * pitch, 2 * pitch},
+                                                      near + Vec2{2 * pitch, 2 * pitch})) {
+    const auto type = static_cast<std::size_t>(camera.lattice().type(lens));
+    if (seen[type]) continue;
+    seen[type] = true;
+    const Vec2 place = camera.lattice().centre(lens);
+    const PupilTable& table = pupils.tables()[type];
+    const double h = length(place),
+                 distance = camera.aim_plane(static_cast<int>(type)) - camera.sensor();
+    const PupilNode node = table.at(h);
+    if (node.dark()) continue;
+    const Vec2 out = h > 0 ? (1 / h) * place : Vec2{1, 0};
+    const auto patch = microlens_patch<double>(table, node, place, out, camera.ideal_array());
+    const double p = spec.sensor.pixel_pitch, reach = node.outer_radius;
+    const int across = static_cast<int>(std::ceil(2 * reach / p));
+    const int step = std::max(1, across / kPixels);
+    for (int j = 0; j < across; j += step)
+      for (int i = 0; i < across; i += step) {
+        const Vec2 v{(i + 0.5) * p - reach, (j + 0.5) * p - reach};
+        const PixelCut cut = node.cuts.of_square(v, 0.5 * p, out);
+        if (cut.dark) continue;
+        KernelPixel<double> pixel{};
+        const Vec2 middle = v + node.centre * out;
+        pixel.x_low = middle.x - 0.5 * p;
+        pixel.x_width = p;
+        pixel.y0 = middle.y - 0.5 * p;
+        pixel.y1 = middle.y + 0.5 * p;
+        set_cut(cut.open ? whole_aperture(table.discs.bound) : cut, pixel);
+        shift = shift * 1664525u + 1013904223u;
+        for (const PixelAims::Aim& aim : kernels.aims(patch, pixel, distance, shift)) {
+          if (!(aim.weight > 0)) continue;
+          const auto passes = [&](double part) {
+            const Vec2 u = aim.inner + part * (aim.bound - aim.inner);
+            return camera.trace(place + aim.s, lens, place + u).status.status == RayStatus::reached;
+          };
+          constexpr int kSteps = 40;
+          for (int k = 0; k < kSteps; ++k) {  // rings of equal area inside, of equal width outside
+            const double inside = std::sqrt((k + 0.5) / kSteps);
+            found.all += aim.weight / kSteps;
+            if (!passes(inside)) found.stopped += aim.weight / kSteps;
+            const double outer = 1 + 0.4 * std::pow((k + 0.5) / kSteps, 3);
+            const double width = 0.4 * 3 * std::pow((k + 0.5) / kSteps, 2) / kSteps;
+            if (passes(outer)) found.missed += 2 * outer * width * aim.weight;
+          }
+        }
+      }
+  }
+  return found;
+}
+
+struct Case {
+  const char* preset;
+  double most_stopped;  ///< share of the area inside the bounds that is closed
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.preset;
+}
+
+class AimedRays : public ::testing::TestWithParam<Case> {};
+
+TEST_P(AimedRays, ReachAsFarAsLightGoesAndLittleFarther) {
+  for (const double field : {0.0, 0.5, 0.95}) {
+    const Found found = look(preset_camera(GetParam().preset), field);
+    ASSERT_GT(found.all, 0);
+    std::printf("%s, field %.2f: missed %.1e, stopped %.4f\n", GetParam().preset, field,
+                found.missed / found.all, found.stopped / found.all);
+    EXPECT_LE(found.missed, 1e-5 * found.all);
+    EXPECT_LE(found.stopped, GetParam().most_stopped * found.all);
+  }
+}
+
+// Where a microlens images the stop sharply (the last two), its edge divides sensor points rather
+// than aim points.
+INSTANTIATE_TEST_SUITE_P(Presets, AimedRays,
+                         ::testing::Values(Case{"paper-plenoptic2", 0.012},
+                                           Case{"raytrix-r29", 0.004}, Case{"r12", 0.03},
+                                           Case{"paper-plenoptic1", 0.13},
+                                           Case{"paper-previous-60x60", 0.13}));
+
+}  // namespace
+}  // namespace plenoflame::test
