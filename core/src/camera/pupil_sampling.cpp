@@ -29,6 +29,7 @@ constexpr int kFitSteps = 4;            ///< of the fit of the far one
 constexpr double kRoom = 1.3;           ///< what lacks at traced edges lacks more between them
 constexpr double kRimRoom = 0.5;        ///< of what traced rays exceed a rim by, for the others
 constexpr double kRimSafety = 2e-4;     ///< of the rim's radius, over that
+constexpr double kMostReach = 1.01;    ///< a series that is so far out is of no use
 constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
@@ -193,14 +194,18 @@ void summarise(const PupilCuts& cuts, PupilNode& node) {
 }
 
 /// Makes room in the discs of the apertures for what a tilt of the array and another focal length
-/// do to them: both move the far face's disc, as seen from s, like another s would.
+/// do to them: both move the far face's disc, as seen from s, like another s would; and a lens that
+/// stands nearer to the sensor, or farther from it, sees all of its points under another angle.
 void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
   const ArraySpec& array = camera.spec().array;
   const double tilt = std::tan(length(array.tilt));
   const double gap = camera.aim_plane(0) - camera.sensor();
   const double slope = std::fabs(discs.shift) + 3 * std::fabs(discs.bend) * s_max * s_max;
+  // Not nearer than a tenth of the gap: what goes through the sensor is refused (validate.h).
+  const double fall = std::min(tilt * (field_radius(camera) + field_shift(camera)), 0.9 * gap);
   const double room =
-      1.2 * (slope * (tilt * gap + array.focal_jitter * s_max) + tilt * array.thickness) +
+      1.2 * (slope * (tilt * gap + array.focal_jitter * s_max) + tilt * array.thickness +
+             (slope + std::fabs(discs.near_shift)) * s_max * fall / (gap - fall)) +
       tilt * tilt * discs.bound;
   discs.radius += room;
   discs.near_radius += room;
@@ -243,6 +248,7 @@ class TableMaker {
     table_.edges.resize(nodes);
     images_.resize(nodes);
     cuts_.resize(nodes);
+    crossed_.resize(nodes);
   }
 
   std::size_t nodes() const { return table_.nodes.size(); }
@@ -304,17 +310,17 @@ class TableMaker {
     PupilTracer own(camera_, type_, false);
     const Crossed crossed = widen_pair(own, table_, i, cuts_);
     for (const std::size_t k : {i, i + 1}) {
-      PupilNode& node = table_.nodes[k];
-      node.stop.reach = std::max(node.stop.reach, crossed.stop);
-      node.far_reach = std::max(node.far_reach, crossed.far_face);
+      crossed_[k].stop = std::max(crossed_[k].stop, crossed.stop);
+      crossed_[k].far_face = std::max(crossed_[k].far_face, crossed.far_face);
     }
   }
 
   void finish() {
     add_margin(table_, cuts_);
-    for (PupilNode& node : table_.nodes) {
-      for (double* reach : {&node.stop.reach, &node.far_reach})
-        if (*reach > 0) *reach = 1 + (1 + kRimRoom) * std::max(*reach - 1, 0.0) + kRimSafety;
+    for (std::size_t i = 0; i < table_.nodes.size(); ++i) {
+      PupilNode& node = table_.nodes[i];
+      node.far_reach = reach_of(crossed_[i].far_face);
+      node.stop.reach = node.stop.known() ? reach_of(crossed_[i].stop) : 0;
     }
     if (given_.misaligned()) widen_to_misaligned(given_, type_, table_, cuts_);
     for (std::size_t i = 0; i < table_.nodes.size(); ++i) {
@@ -330,6 +336,11 @@ class TableMaker {
     table_.discs = fit_aperture(tracer_.own_at(0), s_max);
     if (given_.misaligned()) widen_discs(given_, s_max, table_.discs);
   }
+  /// @param farthest of the rays that were seen to pass; 0: none was @return 0: not known
+  static double reach_of(double farthest) {
+    const double reach = 1 + (1 + kRimRoom) * std::max(farthest - 1, 0.0) + kRimSafety;
+    return farthest > 0 && reach < kMostReach ? reach : 0;
+  }
   double place(std::size_t i) const { return static_cast<double>(i) * table_.field_step; }
 
   const Camera& given_;
@@ -337,7 +348,8 @@ class TableMaker {
   int type_;
   MicrolensTracer tracer_;
   std::vector<ChiefImage> images_;
-  double s_max_ = 0;  ///< [m] of the images
+  double s_max_ = 0;              ///< [m] of the images
+  std::vector<Crossed> crossed_;  ///< of the rays next to each node
   std::vector<PupilCuts> cuts_;
   PupilTable table_;
 };

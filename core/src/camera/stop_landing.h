@@ -7,7 +7,8 @@
 namespace plenoflame {
 
 /// The plane that rays are looked at in behind the microlenses: that of the exit pupil, or where it
-/// is far away or close to the array, one at the main lens' focal length.
+/// is far away or close to the array, one at the main lens' focal length (few rays of a pupil that
+/// is close are then found, and its stop mostly is not known).
 struct PupilPlane {
   explicit PupilPlane(const Camera& camera);
   double distance;       ///< in front of the array [m]; may be negative

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kEdgeBlocks = 4;      ///< of rays between two nodes, near the micro-image's edge
 constexpr int kBlocks = 40;         ///< of rays between two nodes, all over the micro-image
+constexpr int kInsideBlocks = 24;   ///< the same, inside of the cuts: where series must hold
 constexpr double kBeside = 0.02;    ///< of the bound: rays are aimed so far outside of a cut
 constexpr double kRoom = 1.2;       ///< what lacks is added with this factor
 constexpr double kMargin = 0.0005;  ///< of the bound: for the rays that were not traced
@@ -158,9 +159,12 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
   const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
   if (a.dark() || b.dark()) return {};
   double stop2 = 0, far2 = 0;
-  for (int block = 0; block < kEdgeBlocks + kBlocks; ++block) {
-    const bool edge = block < kEdgeBlocks;
-    const double t = edge ? (block + 0.5) / kEdgeBlocks : (block - kEdgeBlocks + 0.5) / kBlocks;
+  const int inside_blocks = a.stop.known() && b.stop.known() ? kInsideBlocks : 0;
+  for (int block = 0; block < kEdgeBlocks + kBlocks + inside_blocks; ++block) {
+    const bool edge = block < kEdgeBlocks, inside = block >= kEdgeBlocks + kBlocks;
+    const double t = edge     ? (block + 0.5) / kEdgeBlocks
+                     : inside ? (block - kEdgeBlocks - kBlocks + 0.5) / kInsideBlocks
+                              : (block - kEdgeBlocks + 0.5) / kBlocks;
     Between between(cuts[i], cuts[i + 1], t);
     const StopMap stop = StopMap::mix(a.stop, b.stop, t);
     const double centre = a.centre + t * (b.centre - a.centre);
@@ -170,7 +174,7 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
     bool close = false;
     for (PupilTracer::Request& request : requests) {
       spread.step();
-      close = !close;
+      close = inside || !close;
       const double inner = edge ? 0.7 : 0.0, outer = edge ? 1.15 : 1.0;
       const double distance =
           reach * std::sqrt(inner * inner + spread[0] * (outer * outer - inner * inner));
@@ -186,8 +190,10 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
               std::min(opening.half_width() + room, table.discs.bound);
           const double low = opening.low_at(q), high = opening.high_at(q);
           const double part = 2 * spread[3] - 1;  // which side, and how far beside it
-          p = edge ? 0.5 * (low + high) + part * (0.5 * (high - low) + room)
-                   : (part < 0 ? low + part * room : high + part * room);
+          const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
+          p = edge     ? middle + part * (half + room)
+              : inside ? middle + std::cbrt(part) * half  // most of them close to the ends
+                       : (part < 0 ? low + part * room : high + part * room);
         } else {  // where the table holds everything already, nothing can be learnt
           p = opening.beside(p, q, away * room);
         }
@@ -197,11 +203,12 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
     const double h = (static_cast<double>(i) + t) * table.field_step;
     own.trace(h, requests, [&](std::size_t index, bool passes, const Ray&) {
       if (!passes) return;
+      const auto& [sensor, aim] = requests[index];
+      const Vec2 at_face = table.at_far_face.at(sensor, aim);
+      far2 = std::max(far2, dot(at_face, at_face));
       if (stop.known()) {
-        const auto& [s, u] = requests[index];
-        const Vec2 at_stop = stop.at(table.at_pupil.at(s, u)), at_face = table.at_far_face.at(s, u);
+        const Vec2 at_stop = stop.at(table.at_pupil.at(sensor, aim));
         stop2 = std::max(stop2, dot(at_stop, at_stop));
-        far2 = std::max(far2, dot(at_face, at_face));
       }
       const Vec2 w = requests[index].s - Vec2{centre, 0}, u = requests[index].u;
       const double distance = std::sqrt(dot(w, w));

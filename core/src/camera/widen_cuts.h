@@ -17,6 +17,7 @@ struct Crossed {
 /// get through the camera, traced between the two: what interpolation, the grids and the microlens'
 /// own aberrations leave out. Neighbouring pairs share a node.
 /// @param own traces through the microlens with its own apertures @param cuts of every node
+/// @return of the rays that get through, as the table's series find them
 Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
                    std::vector<PupilCuts>& cuts);
 

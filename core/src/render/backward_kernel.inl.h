@@ -218,7 +218,7 @@ PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Re
 }
 
 /// How far a step of Newton's method goes from r back to where a line leaves a disc of that radius.
-/// Anything where the line does not lead outwards there.
+/// Where the line does not lead outwards: far beyond, which nobody believes.
 template <class Real>
 PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y, Real radius) {
   const Real height2 = x * x + y * y;
@@ -300,12 +300,15 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     }
     // Where the bounds lie well outside of the edge there may be another one between; and where the
     // second step is no small one, there was no edge in sight.
-    const Real missing = second_step * second_step;
-    const Real found = first_step + second_step - missing;
+    const Real second2 = second_step * second_step;
+    // What the next step would be, as the edge bends: by the two that were made, or as a circle.
+    const Real bend = greatest(
+        Real(1), Real(2) * magnitude(second_step) / greatest(first_step * first_step, Real(1e-12)));
+    const Real found = first_step + second_step - bend * second2;
     const bool near_edge = first_step < Real(kStopStep) * bound;
     const Real trusted = near_edge ? found : Real(0);
     const Real limit = Real(kSecondStep) * first_step;
-    reach[i] = missing <= limit * limit ? least(bound - trusted, bound) : bound;
+    reach[i] = second2 <= limit * limit ? least(bound - trusted, bound) : bound;
   }
 }
 

@@ -224,7 +224,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
 template <class Real>
 int TileTracer<Real>::level_of(double worth) const {
   // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
-  // error falls with points^-a; with a = 1 level k is for a worth below 2^(-k / (2/3)).
+  // error falls with points^-a; with a = 1, as where no edge of the flame is seen, level k is for a
+  // worth below 2^(-k / (2/3)).
   constexpr double kWorth[] = {0.35355339059327379,   0.125,      0.044194173824159216, 0.015625,
                                0.0055242717280199030, 0.001953125};
   int level = 0;

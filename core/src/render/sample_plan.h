@@ -12,8 +12,8 @@ struct TileNeed {
   double difficulty = 0;
 };
 
-/// The error falls with samples^-kErrorSlope: what the paper's flame shows from 8 to 1024 samples
-/// per replicate (docs/benchmarks.md). A wrong value costs time, not accuracy.
+/// The error falls with samples^-kErrorSlope: what tiles of the paper's flame show, those at its
+/// rim less, the others more (docs/benchmarks.md). A wrong value costs time, not accuracy.
 inline constexpr double kErrorSlope = 0.8;
 
 /// How many samples per replicate each tile shall have, so that the error over all lit pixels comes

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@
 namespace plenoflame::test {
 namespace {
 
-constexpr int kPixels = 24;      ///< along the micro-image's side that are looked at, at most
+constexpr int kPixels = 20;      ///< along the micro-image's side that are looked at, at most
 constexpr int kDirections = 16;  ///< of each sensor point
 
 /// What the tests need of the kernels, for the rays of one pixel.
@@ -91,13 +92,13 @@ Found look(const CameraSpec& spec, double field) {
     const auto type = static_cast<std::size_t>(camera.lattice().type(lens));
     if (seen[type]) continue;
     seen[type] = true;
-    const Vec2 place = camera.lattice().centre(lens);
+    const Vec3 stands = camera.lens_place(lens);
+    const Vec2 place{stands.x, stands.y}, from_foot = place - camera.foot();
     const PupilTable& table = pupils.tables()[type];
-    const double h = length(place),
-                 distance = camera.aim_plane(static_cast<int>(type)) - camera.sensor();
+    const double h = length(from_foot), distance = stands.z - camera.sensor();
     const PupilNode node = table.at(h);
     if (node.dark()) continue;
-    const Vec2 out = h > 0 ? (1 / h) * place : Vec2{1, 0};
+    const Vec2 out = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
     const auto patch = microlens_patch<double>(table, node, place, out, camera.ideal_array());
     const double p = spec.sensor.pixel_pitch, reach = node.outer_radius;
     const int across = static_cast<int>(std::ceil(2 * reach / p));
@@ -136,9 +137,34 @@ Found look(const CameraSpec& spec, double field) {
   return found;
 }
 
+CameraSpec camera_of(const std::string& name) {
+  if (name == "double Gauss") return double_gauss_camera();
+  if (name.starts_with("r") || name.starts_with("paper")) return preset_camera(name);
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  if (name == "other lens") {
+    spec.lens =
+        parse_scene("[camera.lens]\npreset = \"objective-50mm\"\n", "t.toml").scene.camera.lens;
+    spec.sensor.columns = spec.sensor.rows = 1000;
+  }
+  for (MicrolensSpec& type : spec.array.types) {
+    if (name == "plane microlenses") {
+      type.radius_back = 1 / (1 / type.radius_front + 1 / type.radius_back);
+      type.radius_front = std::numeric_limits<double>::infinity();
+    }
+    if (name == "strong microlenses") {
+      type.radius_front *= 0.5;
+      type.radius_back *= 0.5;
+    }
+  }
+  if (name == "strong microlenses" || name == "near sensor") spec.array.sensor_distance *= 0.5;
+  if (name == "tilted array") spec.array.tilt = {0.003, 0};
+  return spec;
+}
+
 struct Case {
   const char* camera;
-  double most_stopped;  ///< share of the area inside the bounds that is closed
+  double most_stopped;        ///< share of the area inside the bounds that is closed
+  double most_missed = 1e-5;  ///< what is open outside, as a share of the area inside
 };
 
 void PrintTo(const Case& c, std::ostream* out) {
@@ -149,25 +175,24 @@ class AimedRays : public ::testing::TestWithParam<Case> {};
 
 TEST_P(AimedRays, ReachAsFarAsLightGoesAndLittleFarther) {
   for (const double field : {0.0, 0.5, 0.95}) {
-    const std::string name = GetParam().camera;
-    const Found found =
-        look(name == "double Gauss" ? double_gauss_camera() : preset_camera(name), field);
-    ASSERT_GT(found.all, 0);
+    const Found found = look(camera_of(GetParam().camera), field);
     std::printf("%s, field %.2f: missed %.1e, stopped %.4f\n", GetParam().camera, field,
                 found.missed / found.all, found.stopped / found.all);
-    EXPECT_LE(found.missed, 1e-5 * found.all);
+    EXPECT_LE(found.missed, GetParam().most_missed * found.all);
     EXPECT_LE(found.stopped, GetParam().most_stopped * found.all);
   }
 }
 
-// Where a microlens images the stop sharply (the last two), its edge divides sensor points rather
-// than aim points.
-INSTANTIATE_TEST_SUITE_P(Cameras, AimedRays,
-                         ::testing::Values(Case{"paper-plenoptic2", 0.012},
-                                           Case{"raytrix-r29", 0.004}, Case{"r12", 0.03},
-                                           Case{"double Gauss", 0.02},
-                                           Case{"paper-plenoptic1", 0.13},
-                                           Case{"paper-previous-60x60", 0.13}));
+// Where a microlens images the stop sharply (the paper's next two), its edge divides sensor points
+// rather than aim points. No series holds for strong microlenses and for tilted arrays: cuts and
+// discs alone bound their rays, cuts to 1e-4 (no_light_lost_test.cpp).
+INSTANTIATE_TEST_SUITE_P(
+    Cameras, AimedRays,
+    ::testing::Values(Case{"paper-plenoptic2", 0.012}, Case{"raytrix-r29", 0.004},
+                      Case{"r12", 0.03}, Case{"double Gauss", 0.02}, Case{"other lens", 0.1},
+                      Case{"plane microlenses", 0.18}, Case{"near sensor", 0.1},
+                      Case{"paper-plenoptic1", 0.13}, Case{"paper-previous-60x60", 0.13},
+                      Case{"strong microlenses", 0.9, 1e-4}, Case{"tilted array", 0.7}));
 
 }  // namespace
 }  // namespace plenoflame::test

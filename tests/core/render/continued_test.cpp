@@ -156,7 +156,7 @@ TEST(Continued, BetweenThePassesOfARound) {
   constexpr int kMostPoints = 8;
   RenderSettings settings;
   settings.samples = 1 << 16;
-  settings.target_error = 0.02;
+  settings.target_error = 0.008;
   const CompiledScene scene = compile(paper_flame(200, 170, 0.004));
   const PixelWindow window{0, 0, 200, 170};
   const auto run = [&](Film& film, const Execution& execution) {

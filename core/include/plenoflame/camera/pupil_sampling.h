@@ -68,8 +68,8 @@ struct ApertureDiscs {
 class PupilTable {
  public:
   ApertureDiscs discs;  ///< with array
-  /// The same: of the plane of the exit pupil, in its radii; of the microlens' far face, in radii
-  /// of its aperture.
+  /// With array: where rays cross the plane of the exit pupil, in its radii, and the microlens' far
+  /// face, in radii of its aperture.
   RayCrossing at_pupil, at_far_face;
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
