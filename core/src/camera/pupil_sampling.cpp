@@ -29,7 +29,7 @@ constexpr int kFitSteps = 4;            ///< of the fit of the far one
 constexpr double kRoom = 1.3;           ///< what lacks at traced edges lacks more between them
 constexpr double kRimRoom = 0.5;        ///< of what traced rays exceed a rim by, for the others
 constexpr double kRimSafety = 2e-4;     ///< of the rim's radius, over that
-constexpr double kMostReach = 1.01;    ///< a series that is so far out is of no use
+constexpr double kMostReach = 1.01;     ///< a series that is so far out is of no use
 constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
