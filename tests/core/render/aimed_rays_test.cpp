@@ -184,8 +184,8 @@ TEST_P(AimedRays, ReachAsFarAsLightGoesAndLittleFarther) {
 }
 
 // Where a microlens images the stop sharply (the paper's next two), its edge divides sensor points
-// rather than aim points. No series holds for strong microlenses and for tilted arrays: cuts and
-// discs alone bound their rays, cuts to 1e-4 (no_light_lost_test.cpp).
+// rather than aim points. No series holds for tilted arrays, and hardly one for strong
+// microlenses, whose rays are held as well as cuts hold them: to 1e-4 (no_light_lost_test.cpp).
 INSTANTIATE_TEST_SUITE_P(
     Cameras, AimedRays,
     ::testing::Values(Case{"paper-plenoptic2", 0.012}, Case{"raytrix-r29", 0.004},
