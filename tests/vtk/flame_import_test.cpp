@@ -95,26 +95,45 @@ TEST_F(FlameImport, LinearFieldIsExact) {
   EXPECT_GT(inside, 4000);
 }
 
+/// Aborts an algorithm as soon as it tells more progress than that.
+class AbortBeyond {
+ public:
+  AbortBeyond(vtkAlgorithm* algorithm, double fraction)
+      : algorithm_(algorithm), fraction_(fraction) {
+    callback_->SetClientData(this);
+    callback_->SetCallback([](vtkObject* caller, unsigned long, void* self, void* progress) {
+      auto& watch = *static_cast<AbortBeyond*>(self);
+      watch.told_.push_back(*static_cast<double*>(progress));
+      if (watch.told_.back() > watch.fraction_)
+        static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
+    });
+    algorithm->AddObserver(vtkCommand::ProgressEvent, callback_);
+  }
+  ~AbortBeyond() { leave(); }
+  AbortBeyond(const AbortBeyond&) = delete;
+  AbortBeyond& operator=(const AbortBeyond&) = delete;
+  void leave() { algorithm_->RemoveObserver(callback_); }
+  const std::vector<double>& told() const { return told_; }
+
+ private:
+  vtkNew<vtkCallbackCommand> callback_;
+  vtkAlgorithm* algorithm_;
+  double fraction_;
+  std::vector<double> told_;
+};
+
 TEST_F(FlameImport, StopsWhereItIsAborted) {
   // A moment after the file was read: what follows comes to its next look at the flag.
-  vtkNew<vtkCallbackCommand> callback;
-  std::vector<double> told;
-  callback->SetClientData(&told);
-  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void* fraction) {
-    auto& list = *static_cast<std::vector<double>*>(data);
-    list.push_back(*static_cast<double*>(fraction));
-    if (list.back() > 0.2) static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
-  });
-  import_->AddObserver(vtkCommand::ProgressEvent, callback);
+  AbortBeyond watch(import_, 0.2);
   const Events errors(import_), of_executive(import_->GetExecutive());
   import_->Update();
   EXPECT_EQ(errors.size(), 0U) << errors.all();
   EXPECT_EQ(import_->GetOutput()->GetNumberOfPoints(), 0);
-  ASSERT_FALSE(told.empty());
-  EXPECT_GT(told.back(), 0.2);
-  EXPECT_LE(told.back(), 0.6);  // where the second array begins
+  ASSERT_FALSE(watch.told().empty());
+  EXPECT_GT(watch.told().back(), 0.2);
+  EXPECT_LE(watch.told().back(), 0.6);  // where the second array begins
   // What was stopped is not up to date.
-  import_->RemoveObserver(callback);
+  watch.leave();
   import_->Update();
   EXPECT_EQ(errors.size(), 0U) << errors.all();
   EXPECT_GT(import_->GetOutput()->GetNumberOfPoints(), 0);
@@ -122,18 +141,10 @@ TEST_F(FlameImport, StopsWhereItIsAborted) {
 
 TEST_F(FlameImport, StopsAmidTheSamplingOfAnArray) {
   import_->SetVoxelSize(kSide / 96);
-  vtkNew<vtkCallbackCommand> callback;
-  std::vector<double> told;
-  callback->SetClientData(&told);
-  callback->SetCallback([](vtkObject* caller, unsigned long, void* data, void* fraction) {
-    auto& list = *static_cast<std::vector<double>*>(data);
-    list.push_back(*static_cast<double*>(fraction));
-    if (list.back() > 0.3) static_cast<vtkAlgorithm*>(caller)->AbortExecuteOn();
-  });
-  import_->AddObserver(vtkCommand::ProgressEvent, callback);
+  AbortBeyond watch(import_, 0.3);
   import_->Update();
   EXPECT_EQ(import_->GetOutput()->GetNumberOfPoints(), 0);
-  EXPECT_LT(told.back(), 0.5);  // the first array takes from 0.2 to 0.6
+  EXPECT_LT(watch.told().back(), 0.5);  // the first array takes from 0.2 to 0.6
 }
 
 // Large lattices are sampled in several goes: no layer is left out, doubled or moved.

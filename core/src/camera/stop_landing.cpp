@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera/pupil_tracer.h"
+#include "camera/spread_points.h"
 #include "plenoflame/base/constants.h"
 
 namespace plenoflame {
@@ -19,28 +20,11 @@ constexpr double kStopRoom = 1.3, kRimRoom = 1.2;
 constexpr double kNearest = 0.2, kFarthest = 20;
 constexpr int kInversionSteps = 6;
 
-/// Evenly spread points of two unit discs: Kronecker's sequence with the powers of 1/g, g^5 = g
-/// + 1.
-class TwoDiscs {
- public:
-  void step() {
-    constexpr std::array<double, 4> kStep{0.8566748838545029, 0.733891856627126, 0.6287067210378087,
-                                          0.5385972572236101};
-    for (std::size_t d = 0; d < 4; ++d) {
-      point_[d] += kStep[d];
-      point_[d] -= std::floor(point_[d]);
-    }
-  }
-  Vec2 first() const { return disc(point_[0], point_[1]); }
-  Vec2 second() const { return disc(point_[2], point_[3]); }
-
- private:
-  static Vec2 disc(double share, double turn) {
-    const double angle = 2 * constants::pi * turn, radius = std::sqrt(share);
-    return {radius * std::cos(angle), radius * std::sin(angle)};
-  }
-  std::array<double, 4> point_{0.5, 0.5, 0.5, 0.5};
-};
+/// A point of the unit disc from two of the unit interval.
+Vec2 of_disc(double share, double turn) {
+  const double angle = 2 * constants::pi * turn, radius = std::sqrt(share);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
 
 double dot_terms(const std::array<double, RayCrossing::kTerms>& a,
                  const std::array<double, RayCrossing::kTerms>& b) {
@@ -153,9 +137,10 @@ RayCrossings fit_crossings(const Camera& camera, int type, double sensor_reach, 
   const PupilPlane plane(camera);
   const double own = 0.5 * camera.spec().array.diameter;
   std::vector<PupilTracer::Request> requests;
-  TwoDiscs points;
+  SpreadPoints points;
   for (std::size_t i = 0; i < kCrossingRays; ++i, points.step())
-    requests.push_back({sensor_reach * points.first(), own * points.second()});
+    requests.push_back(
+        {sensor_reach * of_disc(points[0], points[1]), own * of_disc(points[2], points[3])});
   PupilTracer open(camera, type, true);
   CrossingFit pupil(own, kPupilRoom + (plane.moves_with_lens ? field / plane.radius : 0.0));
   CrossingFit far_face(own, kRimRoom);
@@ -178,10 +163,11 @@ StopMap fit_stop_map(const Camera& at_place, double place, const RayCrossing& cr
   Eigen::Matrix<double, kMapRays, 4> across;
   Eigen::Matrix<double, kMapRays, 1> x, y;
   Eigen::Index count = 0;
-  TwoDiscs points;
+  SpreadPoints points;
   for (int i = 0; i < kMapRays; ++i, points.step()) {
-    const Vec2 aim = crossing.unit * points.second();
-    const Vec2 s = sensor_point_of(crossing, aim, middle + kPupilRoom * points.first());
+    const Vec2 aim = crossing.unit * of_disc(points[2], points[3]);
+    const Vec2 s =
+        sensor_point_of(crossing, aim, middle + kPupilRoom * of_disc(points[0], points[1]));
     const auto at = at_place.at_stop({s.x + place, s.y}, LensIndex{}, {aim.x + place, aim.y});
     if (!at || !(length(*at) < kStopRoom * radius)) continue;
     const Vec2 c = crossing.at(s, aim);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "camera/spread_points.h"
 #include "plenoflame/base/constants.h"
 
 namespace plenoflame {
@@ -20,30 +21,6 @@ constexpr double kMargin = 0.0005;  ///< of the bound: for the rays that were no
 double signed_root(double x) {
   return std::copysign(std::sqrt(std::fabs(x)), x);
 }
-
-/// Evenly spread points of the unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
-class Spread {
- public:
-  /// @param first how many points are skipped
-  explicit Spread(std::size_t first) {
-    for (std::size_t d = 0; d < 4; ++d) {
-      const double turns = 0.5 + static_cast<double>(first) * kStep[d];
-      point_[d] = turns - std::floor(turns);
-    }
-  }
-  void step() {
-    for (std::size_t d = 0; d < 4; ++d) {
-      point_[d] += kStep[d];
-      point_[d] -= point_[d] >= 1 ? 1.0 : 0.0;
-    }
-  }
-  double operator[](std::size_t d) const { return point_[d]; }
-
- private:
-  static constexpr double kStep[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378087,
-                                      0.5385972572236101};
-  double point_[4];
-};
 
 /// Directions all around.
 class Circle {
@@ -154,7 +131,7 @@ void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::
 Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
                    std::vector<PupilCuts>& cuts) {
   const Circle circle;
-  Spread spread(i * (kEdgeBlocks + kBlocks) * kBlockRays);
+  SpreadPoints spread(i * (kEdgeBlocks + kBlocks) * kBlockRays);
   std::vector<PupilTracer::Request> requests(kBlockRays);
   const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
   if (a.dark() || b.dark()) return {};
