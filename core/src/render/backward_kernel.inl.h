@@ -227,11 +227,12 @@ PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y,
   return slope > Real(0) ? beyond / slope : Real(-1e30);
 }
 
-/// Draws the bounds in to the rim of the microlens' far face. The square of the last step, which is
-/// more than the next one would be, is left.
-template <class Real>
-PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int count,
-                                    const KernelBlock<Real>& block) {
+/// Draws the bounds in to where `found` finds an edge, from how far they reach, between
+///   (sx, sy)  the sensor point    (cx, cy)  the inner point    (vx, vy)  where the direction leads
+/// in the series' unit. (Numbers by value: loops with structs of them were not vectorised.)
+template <class Real, class Found>
+PLENOFLAME_INLINE void draw_in(Real unit, int first, int count, const KernelBlock<Real>& block,
+                               Found found) {
   const Real* __restrict x = block.x + first;
   const Real* __restrict y = block.y + first;
   const Real* __restrict dx = block.dx + first;
@@ -239,77 +240,80 @@ PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int c
   const Real* __restrict dz = block.dz + first;
   const Real* __restrict weight = block.weight + first;
   Real* __restrict reach = block.scratch[0] + first;
-  const Real unit = c.per_unit, radius = c.far_reach;
-  const KernelCrossing<Real> crossing = c.at_far;
   const int padded = (count + 15) & ~15;
 #pragma omp simd
-  for (int i = 0; i < padded; ++i) {
-    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * dz[i], vy = unit * weight[i];
-    const Real bound = reach[i];
-    Real at_x, at_y, change_x, change_y;
-    cross(crossing, sx, sy, unit * dx[i] + bound * vx, unit * dy[i] + bound * vy, vx, vy, at_x,
-          at_y, change_x, change_y);
-    const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius);
-    const Real found = by < Real(kFarStep) * bound ? by - by * by : Real(0);
-    reach[i] = least(bound - found, bound);
-  }
+  for (int i = 0; i < padded; ++i)
+    reach[i] = least(found(unit * x[i], unit * y[i], unit * dx[i], unit * dy[i], unit * dz[i],
+                           unit * weight[i], reach[i]),
+                     reach[i]);
+}
+
+/// Draws the bounds in to the rim of the microlens' far face. The square of the last step, which is
+/// more than the next one would be, is left.
+template <class Real>
+PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int count,
+                                    const KernelBlock<Real>& block) {
+  const Real radius = c.far_reach;
+  const KernelCrossing<Real> crossing = c.at_far;
+  draw_in(
+      c.per_unit, first, count, block,
+      [=](Real sx, Real sy, Real cx, Real cy, Real vx, Real vy, Real bound)
+          __attribute__((always_inline)) {
+            Real at_x, at_y, change_x, change_y;
+            cross(crossing, sx, sy, cx + bound * vx, cy + bound * vy, vx, vy, at_x, at_y, change_x,
+                  change_y);
+            const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius);
+            return bound - (by < Real(kFarStep) * bound ? by - by * by : Real(0));
+          });
 }
 
 /// The same for the stop.
 template <class Real>
 PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int count,
                                  const KernelBlock<Real>& block) {
-  const Real* __restrict x = block.x + first;
-  const Real* __restrict y = block.y + first;
-  const Real* __restrict dx = block.dx + first;
-  const Real* __restrict dy = block.dy + first;
-  const Real* __restrict dz = block.dz + first;
-  const Real* __restrict weight = block.weight + first;
-  Real* __restrict reach = block.scratch[0] + first;
-  const Real unit = c.per_unit, fx = c.field_x, fy = c.field_y, radius = c.stop_reach;
+  const Real fx = c.field_x, fy = c.field_y, radius = c.stop_reach;
   const KernelCrossing<Real> crossing = c.at_pupil;
   const Real l0 = c.along[0], l1 = c.along[1], l2 = c.along[2], l3 = c.along[3], l4 = c.along[4],
              l5 = c.along[5];
   const Real m0 = c.across[0], m1 = c.across[1], m2 = c.across[2], m3 = c.across[3];
-  const int padded = (count + 15) & ~15;
-#pragma omp simd
-  for (int i = 0; i < padded; ++i) {
-    const Real sx = unit * x[i], sy = unit * y[i], cx = unit * dx[i], cy = unit * dy[i];
-    const Real vx = unit * dz[i], vy = unit * weight[i];
-    const Real bound = reach[i];
-    Real first_step = Real(0), second_step = Real(0);
+  draw_in(
+      c.per_unit, first, count, block,
+      [=](Real sx, Real sy, Real cx, Real cy, Real vx, Real vy,
+          Real bound) __attribute__((always_inline)) {
+        Real first_step = Real(0), second_step = Real(0);
 #pragma GCC unroll 2
-    for (int step = 0; step < 2; ++step) {
-      const Real r = bound - first_step;
-      Real at_x, at_y, change_x, change_y;
-      cross(crossing, sx, sy, cx + r * vx, cy + r * vy, vx, vy, at_x, at_y, change_x, change_y);
-      const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
-      const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
-      const Real aa = a * a, bb = b * b;
-      const Real by = step_to_rim(
-          l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
-          b * (m0 + m1 * a + m2 * aa + m3 * bb),
-          da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
-              db * Real(2) * b * (l3 + l5 * a),
-          db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) + da * b * (m1 + Real(2) * m2 * a),
-          radius);
-      if (step == 0)
-        first_step = by > Real(0) ? least(by, bound) : Real(0);
-      else
-        second_step = by;
-    }
-    // Where the bounds lie well outside of the edge there may be another one between; and where the
-    // second step is no small one, there was no edge in sight.
-    const Real second2 = second_step * second_step;
-    // What the next step would be, as the edge bends: by the two that were made, or as a circle.
-    const Real bend = greatest(
-        Real(1), Real(2) * magnitude(second_step) / greatest(first_step * first_step, Real(1e-12)));
-    const Real found = first_step + second_step - bend * second2;
-    const bool near_edge = first_step < Real(kStopStep) * bound;
-    const Real trusted = near_edge ? found : Real(0);
-    const Real limit = Real(kSecondStep) * first_step;
-    reach[i] = second2 <= limit * limit ? least(bound - trusted, bound) : bound;
-  }
+        for (int step = 0; step < 2; ++step) {
+          const Real r = bound - first_step;
+          Real at_x, at_y, change_x, change_y;
+          cross(crossing, sx, sy, cx + r * vx, cy + r * vy, vx, vy, at_x, at_y, change_x, change_y);
+          const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
+          const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
+          const Real aa = a * a, bb = b * b;
+          const Real by = step_to_rim(
+              l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
+              b * (m0 + m1 * a + m2 * aa + m3 * bb),
+              da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
+                  db * Real(2) * b * (l3 + l5 * a),
+              db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) + da * b * (m1 + Real(2) * m2 * a),
+              radius);
+          if (step == 0)
+            first_step = by > Real(0) ? least(by, bound) : Real(0);
+          else
+            second_step = by;
+        }
+        // Where the bounds lie well outside of the edge there may be another one between; and
+        // where the second step is no small one, there was no edge in sight.
+        const Real second2 = second_step * second_step;
+        // What the next step would be, as the edge bends: by the two that were made, or as a
+        // circle.
+        const Real bend = greatest(Real(1), Real(2) * magnitude(second_step) /
+                                                greatest(first_step * first_step, Real(1e-12)));
+        const Real found = first_step + second_step - bend * second2;
+        const bool near_edge = first_step < Real(kStopStep) * bound;
+        const Real trusted = near_edge ? found : Real(0);
+        const Real limit = Real(kSecondStep) * first_step;
+        return second2 <= limit * limit ? bound - trusted : bound;
+      });
 }
 
 /// The rays, from what aim_rays() has left. All weights are exact Jacobians: a bound that is too
