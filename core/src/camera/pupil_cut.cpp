@@ -76,8 +76,9 @@ PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
 
 }  // namespace
 
-PupilCut PupilColumn::at(float step) const {
-  return stored(value_at(*this, step));
+PupilCut ColumnBetween::at(float step) const {
+  const Four from = value_at(a_, step), to = value_at(b_, step);
+  return stored(from + t_ * (to - from));
 }
 
 PupilColumn PupilColumn::mix(const PupilColumn& a, const PupilColumn& b, float t) {
@@ -110,15 +111,15 @@ PupilCuts::Azimuth PupilCuts::azimuth(float cosine) {
   return {i, std::clamp((a - cosine) / (a - b), 0.0f, 1.0f)};
 }
 
-PupilColumn PupilCuts::at(const Azimuth& azimuth) const {
+ColumnBetween PupilCuts::at(const Azimuth& azimuth) const {
   const auto j = static_cast<std::size_t>(azimuth.index);
-  return PupilColumn::mix(columns[j], columns[j + 1], azimuth.part);
+  return {columns[j], columns[j + 1], azimuth.part};
 }
 
 PixelCuts::PixelCuts(const PupilCuts& cuts) {
   const auto column_at = [&](double place) {  // in azimuth steps, mirrored at the ends
     const double angle = constants::pi * place / kLast;
-    return cuts.at(PupilCuts::azimuth(static_cast<float>(std::cos(angle))));
+    return cuts.at(PupilCuts::azimuth(static_cast<float>(std::cos(angle)))).mixed();
   };
   for (int j = 0; j <= kLast; ++j) {
     std::vector<PupilColumn> sector{column_at(j - kSector), column_at(j + kSector)};
@@ -157,24 +158,32 @@ PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
   if (pixel.dark || pixel.open) return pixel;
   far = std::min(far, column.closes);
   pixel.middle = 0.5f * (near + far);
-  const float ends[3] = {near, pixel.middle, far};
-  const float steps[3] = {column.step_at(near), column.step_at(pixel.middle), column.step_at(far)};
-  const Four values[3] = {value_at(column, steps[0]), value_at(column, steps[1]),
-                          value_at(column, steps[2])};
-  const float per_side = 2 / (far - near);
-  for (std::size_t side = 0; side < 2; ++side) {
-    const Four slope = (values[side + 1] - values[side]) * per_side;
-    // Between the ends the column bends: the straight line is lifted over its steps.
-    Four lift = {0, 0, 0, 0};
-    for (int k = static_cast<int>(std::ceil(steps[side])); k <= static_cast<int>(steps[side + 1]);
-         ++k) {
-      const float way = std::max(ends[side], column.distance_at(k)) - pixel.middle;
-      lift =
-          widest(lift, load(column.cuts[static_cast<std::size_t>(k)]) - (values[1] + slope * way));
+  const float last = PupilColumn::kSteps, length = column.closes - column.opens,
+              per_step = length > 0 ? last / length : 0.0f;
+  const float begin = (near - column.opens) * per_step,
+              end = std::min((far - column.opens) * per_step, last),
+              half_way = 0.5f * (end - begin), mean = begin + half_way;
+  const Four low = value_at(column, std::max(begin, 0.0f)),
+             middle = value_at(column, std::max(mean, 0.0f)), high = value_at(column, end);
+  // Between the ends the column bends: the straight line is lifted over its steps. As many are
+  // looked at wherever they lie, for the sake of branches that can be foretold.
+  const int steps = static_cast<int>(half_way) + 1;
+  const auto lift = [&](float from, Four value, Four slope) {
+    const int first = static_cast<int>(std::max(from + 1, 0.0f));
+    const int after = std::min(first + steps, PupilColumn::kSteps);
+    Four most = {0, 0, 0, 0};
+    for (int k = first; k < after; ++k) {
+      const float way = static_cast<float>(k) - from;
+      const Four over = load(column.cuts[static_cast<std::size_t>(k)]) - (value + way * slope);
+      most = widest(most, way < half_way ? over : most);
     }
-    pixel.value[side] = stored(values[1] + lift);
-    pixel.slope[side] = stored(slope);
-  }
+    return most;
+  };
+  const float per_half = 2 / (far - near), per_half_way = 1 / half_way;
+  const Four rise = middle - low, next_rise = high - middle;
+  pixel.value = {stored(middle + lift(begin, low, per_half_way * rise)),
+                 stored(middle + lift(mean, middle, per_half_way * next_rise))};
+  pixel.slope = {stored(per_half * rise), stored(per_half * next_rise)};
   return pixel;
 }
 

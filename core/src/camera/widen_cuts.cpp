@@ -159,7 +159,7 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
       const Vec2 e = circle.at(spread[1]), turn = circle.at(spread[3]);
       double p = r * turn.x, q = r * turn.y;
       if (!edge || close) {
-        const PupilColumn column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
+        const ColumnBetween column = between.cuts().at(PupilCuts::azimuth(static_cast<float>(e.x)));
         const Opening opening(column.at(column.step_at(static_cast<float>(distance))));
         const double room = kBeside * table.discs.bound, away = spread[3] * spread[3];
         if (close) {
@@ -193,8 +193,8 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
       const Vec2 e = (1 / distance) * w;
       const auto cosine = static_cast<float>(e.x), d = static_cast<float>(distance);
       const PupilCuts::Azimuth azimuth = PupilCuts::azimuth(cosine);
-      const PupilColumn column = between.cuts().at(azimuth);
-      const double beyond = distance - static_cast<double>(column.closes);
+      const ColumnBetween column = between.cuts().at(azimuth);
+      const double beyond = distance - static_cast<double>(column.closes());
       if (beyond > 0) between.widen_closes(azimuth, static_cast<float>(kRoom * beyond));
       if (edge) return;
       const double p = dot(u, e), q = u.y * e.x - u.x * e.y;

@@ -37,11 +37,8 @@ template <class Real>
 struct KernelPixel {
   Real x_low, x_width;  ///< columns inside the outer disc
   Real y0, y1;          ///< rows
-  /// The cut of the aperture (camera/pupil_cut.h, PixelCut) for a sensor point at distance d from
-  /// the patch's centre: cut[h][k] + slope[h][k] * (d - cut_middle), h = 0 up to the middle, 1
-  /// beyond; k: low, high, low_far, high_far.
-  Real cut_middle;
-  Real cut[2][4], slope[2][4];
+  /// The cut of the aperture, as of a PixelCut (camera/pupil_cut.h), about the patch's centre.
+  float cut_middle, cut[2][4], slope[2][4];
   const std::uint32_t* fractions[4];
   std::uint32_t shift[4];  ///< digital shift of each dimension
   int first, count;        ///< rays of the block

@@ -49,15 +49,15 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
                       h3 = pixel.shift[3];
   const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
   const Real outer_x = c.outer_x, outer_y = c.outer_y, outer2 = c.outer_radius2;
-  const Real centre_x = c.centre_x, centre_y = c.centre_y, middle = pixel.cut_middle;
-  const Real in0 = pixel.cut[0][0], in1 = pixel.cut[0][1], in2 = pixel.cut[0][2],
-             in3 = pixel.cut[0][3];
-  const Real out0 = pixel.cut[1][0], out1 = pixel.cut[1][1], out2 = pixel.cut[1][2],
-             out3 = pixel.cut[1][3];
-  const Real in_slope0 = pixel.slope[0][0], in_slope1 = pixel.slope[0][1],
-             in_slope2 = pixel.slope[0][2], in_slope3 = pixel.slope[0][3];
-  const Real out_slope0 = pixel.slope[1][0], out_slope1 = pixel.slope[1][1],
-             out_slope2 = pixel.slope[1][2], out_slope3 = pixel.slope[1][3];
+  const Real centre_x = c.centre_x, centre_y = c.centre_y, middle = Real(pixel.cut_middle);
+  const float *in = pixel.cut[0], *in_slope = pixel.slope[0];
+  const float *out = pixel.cut[1], *out_slope = pixel.slope[1];
+  const Real in0 = -Real(in[0]), in1 = Real(in[1]), in2 = Real(in[2]), in3 = -Real(in[3]);
+  const Real in_slope0 = -Real(in_slope[0]), in_slope1 = Real(in_slope[1]),
+             in_slope2 = Real(in_slope[2]), in_slope3 = -Real(in_slope[3]);
+  const Real out0 = -Real(out[0]), out1 = Real(out[1]), out2 = Real(out[2]), out3 = -Real(out[3]);
+  const Real out_slope0 = -Real(out_slope[0]), out_slope1 = Real(out_slope[1]),
+             out_slope2 = Real(out_slope[2]), out_slope3 = -Real(out_slope[3]);
   const int first = pixel.first;
   Real* __restrict x = block.x + first;
   Real* __restrict y = block.y + first;

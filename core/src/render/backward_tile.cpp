@@ -154,6 +154,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
              static_cast<std::uint32_t>(lens.r)) ^
             plan_.settings->seed);
   const OpenShare open(node, half_pitch);
+  const PixelCut whole = whole_aperture(table.discs.bound);
   for (int row = row0; row <= row1; ++row) {
     if (!place_row(camera.sensor_point(0, row + 0.5).y - place.y, centre, outer)) continue;
     for (int column = column0; column <= column1; ++column) {
@@ -174,7 +175,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       }
       const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
       if (cut.dark) continue;
-      set_cut(cut.open ? whole_aperture(table.discs.bound) : cut, pixel());
+      set_cut(cut.open ? whole : cut, pixel());
       add_pair(type, column, row, level, chosen);
     }
   }

@@ -57,20 +57,7 @@ PixelCut whole_aperture(double bound) {
   return cut;
 }
 
-template <class Real>
-void set_cut(const PixelCut& cut, KernelPixel<Real>& pixel) {
-  pixel.cut_middle = static_cast<Real>(cut.middle);
-  for (std::size_t half = 0; half < 2; ++half)
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float sign = k == 0 || k == 3 ? -1.0f : 1.0f;
-      pixel.cut[half][k] = static_cast<Real>(sign * cut.value[half][k]);
-      pixel.slope[half][k] = static_cast<Real>(sign * cut.slope[half][k]);
-    }
-}
-
 template KernelPatch<float> microlens_patch(const PupilTable&, const PupilNode&, Vec2, Vec2, bool);
 template KernelPatch<double> microlens_patch(const PupilTable&, const PupilNode&, Vec2, Vec2, bool);
-template void set_cut(const PixelCut&, KernelPixel<float>&);
-template void set_cut(const PixelCut&, KernelPixel<double>&);
 
 }  // namespace plenoflame

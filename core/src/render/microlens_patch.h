@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "plenoflame/camera/pupil_sampling.h"
 #include "render/backward_kernel.h"
 
@@ -14,6 +16,12 @@ KernelPatch<Real> microlens_patch(const PupilTable& table, const PupilNode& node
 PixelCut whole_aperture(double bound);
 
 template <class Real>
-void set_cut(const PixelCut& cut, KernelPixel<Real>& pixel);
+void set_cut(const PixelCut& cut, KernelPixel<Real>& pixel) {
+  pixel.cut_middle = cut.middle;
+  for (std::size_t half = 0; half < 2; ++half) {
+    std::copy(cut.value[half].begin(), cut.value[half].end(), pixel.cut[half]);
+    std::copy(cut.slope[half].begin(), cut.slope[half].end(), pixel.slope[half]);
+  }
+}
 
 }  // namespace plenoflame

@@ -35,7 +35,8 @@ struct PupilColumn {
   alignas(16) std::array<PupilCut, kSteps + 1> cuts{};
 
   /// @return the step, with its part: clamped to [0, kSteps]
-  float step_at(float distance) const {
+  float step_at(float distance) const { return step_at(distance, opens, closes); }
+  static float step_at(float distance, float opens, float closes) {
     const float length = closes - opens;
     const float step = length > 0 ? (distance - opens) * (kSteps / length) : 0.0f;
     return step > 0 ? (step < kSteps ? step : static_cast<float>(kSteps)) : 0.0f;
@@ -43,8 +44,23 @@ struct PupilColumn {
   float distance_at(int step) const {
     return opens + static_cast<float>(step) * ((closes - opens) / kSteps);
   }
-  PupilCut at(float step) const;
   static PupilColumn mix(const PupilColumn& a, const PupilColumn& b, float t);
+};
+
+/// A column between two others, of which only what is asked for is mixed: refers to both.
+class ColumnBetween {
+ public:
+  ColumnBetween(const PupilColumn& a, const PupilColumn& b, float t) : a_(a), b_(b), t_(t) {}
+  float closes() const { return a_.closes + t_ * (b_.closes - a_.closes); }
+  float step_at(float distance) const {
+    return PupilColumn::step_at(distance, a_.opens + t_ * (b_.opens - a_.opens), closes());
+  }
+  PupilCut at(float step) const;
+  PupilColumn mixed() const { return PupilColumn::mix(a_, b_, t_); }
+
+ private:
+  const PupilColumn &a_, &b_;
+  float t_;
 };
 
 /// The cuts of one place of a microlens over the azimuth of the sensor point about the
@@ -64,7 +80,7 @@ class PupilCuts {
     float part;
   };
   static Azimuth azimuth(float cosine);
-  PupilColumn at(const Azimuth& azimuth) const;
+  ColumnBetween at(const Azimuth& azimuth) const;
 };
 
 /// Cuts that hold for all of a pixel: columns that are at least as wide as all azimuths of a
