@@ -95,6 +95,18 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   if (!part && points >= kLeastSparsePoints)
     plan.sparse_levels =
         std::clamp(kLevels - static_cast<int>(plan.pools().size()), 0, kMostSparseLevels);
+  const auto last = static_cast<int>(plan.pools().size()) - 1;
+  for (int level = 0; level <= last + plan.sparse_levels; ++level) {
+    const int of_pool = std::min(level, last);
+    const SobolPool& pool = plan.pools()[static_cast<std::size_t>(of_pool)];
+    const int sparse = level - of_pool;
+    plan.levels.push_back({&pool, of_pool, sparse,
+                           static_cast<double>(plan.pools().front().points() << sparse) /
+                               static_cast<double>(pool.points())});
+  }
+  if (camera.has_array())
+    for (const PupilTable& table : scene.pupils.tables())
+      plan.worths.emplace_back(table, 0.5 * camera.spec().sensor.pixel_pitch);
   if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
   if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
   if (light)

@@ -16,7 +16,9 @@ namespace {
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
-constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
+constexpr std::uint64_t kScatterSeed = 0x73636174u;  ///< apart from what the rays use
+constexpr double kWholePixel = 1 - 1e-3;             ///< so much of one is no part
+constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
@@ -153,7 +155,8 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
              static_cast<std::uint32_t>(lens.r)) ^
             plan_.settings->seed);
-  const OpenShare open(node, half_pitch);
+  const WorthLevels::Rings worth = plan_.worths[static_cast<std::size_t>(type)].at(h);
+  const int last_level = static_cast<int>(plan_.levels.size()) - 1;
   const PixelCut whole = whole_aperture(table.discs.bound);
   for (int row = row0; row <= row1; ++row) {
     if (!place_row(camera.sensor_point(0, row + 0.5).y - place.y, centre, outer)) continue;
@@ -161,10 +164,13 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
       if (!place_pixel(at.x, centre.x)) continue;
       const Vec2 v = at - centre;
-      const int level = level_of(open.mean(std::sqrt(dot(v, v))) *
-                                 static_cast<double>(pixel().x_width) * per_pitch);
+      int number = worth.at(dot(v, v));
+      const double part = static_cast<double>(pixel().x_width) * per_pitch;
+      if (part < kWholePixel) number += WorthLevels::of(part);
+      const SampleLevel& level =
+          plan_.levels[static_cast<std::size_t>(std::min(number, last_level))];
       set_random(column, row, key);
-      const std::uint64_t chosen = chosen_replicates(level);
+      const std::uint64_t chosen = level.sparse > 0 ? chosen_replicates(level.sparse) : kAll;
       if (chosen == 0) {
         counters_.pairs_left_to_chance += 1;
         continue;
@@ -219,19 +225,7 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   place_pixel(centre.x, centre.x);
   set_cut(whole_aperture(node.aim_radius), pixel());  // the aim disc is the pupil itself
   set_random(column, row, mix64(plan_.settings->seed));
-  add_pair(type, column, row, 0, chosen_replicates(0));
-}
-
-template <class Real>
-int TileTracer<Real>::level_of(double worth) const {
-  // The error is least for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the
-  // error falls with points^-a; with a = 1, as where no edge of the flame is seen, level k is for a
-  // worth below 2^(-k / (2/3)).
-  constexpr double kWorth[] = {0.35355339059327379,   0.125,      0.044194173824159216, 0.015625,
-                               0.0055242717280199030, 0.001953125};
-  int level = 0;
-  for (const double limit : kWorth) level += worth <= limit ? 1 : 0;
-  return std::min(level, static_cast<int>(plan_.pools().size()) - 1 + plan_.sparse_levels);
+  add_pair(type, column, row, plan_.levels.front(), kAll);
 }
 
 template <class Real>
@@ -245,11 +239,9 @@ void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
 }
 
 /// Where less than one ray would be due to each randomisation, chance decides which of them get
-/// one, which then counts for the others. @return the mask of them; all below the sparse levels
+/// one, which then counts for the others. @return the mask of them
 template <class Real>
-std::uint64_t TileTracer<Real>::chosen_replicates(int level) const {
-  const int sparse = level - static_cast<int>(plan_.pools().size()) + 1;
-  if (sparse <= 0) return ~std::uint64_t{0};
+std::uint64_t TileTracer<Real>::chosen_replicates(int sparse) const {
   std::uint64_t chosen = 0;
   std::uint64_t bits = mix64(random_[2] + plan_.first);
   for (int r = 0; r < plan_.settings->replicates; ++r, bits >>= kMostSparseLevels) {
@@ -261,9 +253,9 @@ std::uint64_t TileTracer<Real>::chosen_replicates(int level) const {
 }
 
 template <class Real>
-void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::uint64_t chosen) {
-  const int pool_level = std::min(level, static_cast<int>(plan_.pools().size()) - 1);
-  const SobolPool& pool = plan_.pools()[static_cast<std::size_t>(pool_level)];
+void TileTracer<Real>::add_pair(int type, int column, int row, const SampleLevel& level,
+                                std::uint64_t chosen) {
+  const SobolPool& pool = *level.pool;
   // The upper half of the product: evenly spread over the entries, without a division.
   const int entry =
       static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
@@ -274,9 +266,9 @@ void TileTracer<Real>::add_pair(int type, int column, int row, int level, std::u
   made.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
   counters_.pairs += 1;
   type_ = type;
-  const Pending pair{column, row, 0, 0, 0, pool_level, scale_of(level)};
+  const Pending pair{column, row, 0, 0, 0, level.pool_level, level.scale};
   const int total = pool.replicates() * pool.points();
-  if (level == pool_level) {
+  if (level.sparse == 0) {
     // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
     // not depend on the neighbours, or results would depend on the window.
     if (count_ + std::min(total, kBlockRays) > kBlockRays) flush_keeping(made);
@@ -491,15 +483,6 @@ void TileTracer<Real>::flush() {
                       radiance_, kPadding, transmittance_);
   pending_.clear();
   count_ = 0;
-}
-
-/// What a sum on this level counts, compared with one over all points.
-template <class Real>
-double TileTracer<Real>::scale_of(int level) const {
-  const int last = static_cast<int>(plan_.pools().size()) - 1;
-  const int points = plan_.pools()[static_cast<std::size_t>(std::min(level, last))].points();
-  return static_cast<double>(plan_.pools().front().points()) / points *
-         static_cast<double>(1 << std::max(level - last, 0));
 }
 
 /// A table that says too much is corrected by single rays that count for many: the sum over all of

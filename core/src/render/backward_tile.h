@@ -14,6 +14,7 @@
 #include "render/radiance_table.h"
 #include "render/scatter_walk.h"
 #include "render/scene_beams.h"
+#include "render/worth_levels.h"
 
 namespace plenoflame {
 
@@ -32,6 +33,15 @@ using SobolPools = std::vector<SobolPool>;
 
 /// At most 2^this times less than a point of each randomisation.
 inline constexpr int kMostSparseLevels = 2;
+
+/// Pixels of one worth.
+struct SampleLevel {
+  const SobolPool* pool = nullptr;
+  int pool_level = 0;
+  /// Only one of 2^so many randomisations gets a point; each counts for the others.
+  int sparse = 0;
+  double scale = 1;  ///< what a sum counts, compared with one over all points
+};
 
 /// Everything that is the same for all tiles; immutable.
 template <class Real>
@@ -56,6 +66,8 @@ struct BackwardPlan {
   const SobolPools& pools() const { return *pools_of_range; }
   /// So many levels follow on which not every randomisation gets a point.
   int sparse_levels = 0;
+  std::vector<SampleLevel> levels;                ///< all of them
+  std::vector<WorthLevels> worths;                ///< of each type of microlens
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
   const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
   std::uint32_t first = 0;                        ///< number of the first point
@@ -117,10 +129,9 @@ class TileTracer {
   void end_at_microlenses(int first, int count);
   bool place_row(double y, Vec2 outer_centre, double outer_radius);
   bool place_pixel(double x, double outer_x);
-  int level_of(double worth) const;
   void set_random(int column, int row, std::uint64_t key);
-  std::uint64_t chosen_replicates(int level) const;
-  void add_pair(int type, int column, int row, int level, std::uint64_t chosen);
+  std::uint64_t chosen_replicates(int sparse) const;
+  void add_pair(int type, int column, int row, const SampleLevel& level, std::uint64_t chosen);
   void queue(Pending pending, const SobolPool& pool, int entry, int offset, int count);
   void generate_queued();
   void flush_keeping(const KernelPixel<Real>& made);
@@ -128,7 +139,6 @@ class TileTracer {
   void integrate(int padded);
   bool integrate_by_table(int padded);
   void add_scattered();
-  double scale_of(int level) const;
   double not_negative(double sum, double scale);
   void add_to_film(int channel);
 

@@ -335,24 +335,29 @@ PixelBeam PixelBeams::of(int table, Vec2 place) const {
   PixelBeam beam;
   beam.region_ = &region_;
   beam.interval_ = &interval;
-  beam.map_ = interval.ends[0].mixed(interval.ends[1], t);
-  beam.field_ = h > 0 ? (1 / h) * place : Vec2{1, 0};
+  const Map map = interval.ends[0].mixed(interval.ends[1], t);
+  const Vec2 e = beam.field_ = h > 0 ? (1 / h) * place : Vec2{1, 0};
   const PupilNode &a = rows.pupils->nodes[i], &b = rows.pupils->nodes[i + 1];
   beam.centre_ = a.centre + t * (b.centre - a.centre);
   beam.half_ = half_diagonal_;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double along = map.along[k] / interval.outer, across = map.across[k] / interval.outer;
+    const double turned = (along - across) * e.x * e.y;
+    beam.planes_[k] = {(map.centre[k] - along * beam.centre_) * e,
+                       {along * e.x * e.x + across * e.y * e.y, turned},
+                       {turned, along * e.y * e.y + across * e.x * e.x}};
+  }
+  const auto& [near, far] = beam.planes_;
+  beam.between_ = {0.5 * (near.foot + far.foot), 0.5 * (near.by_x + far.by_x),
+                   0.5 * (near.by_y + far.by_y)};
   return beam;
 }
 
 bool PixelBeam::may_meet(Vec2 pixel) const {
-  const Vec2 e = field_;
-  const Vec2 v{pixel.x * e.x + pixel.y * e.y - centre_, pixel.y * e.x - pixel.x * e.y};
+  if (region_->holds(between_.at(pixel))) return true;
+  const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)};
+  const Vec2 v = pixel - centre_ * field_;
   const double to_unit = 1 / interval_->outer, d = std::sqrt(dot(v, v));
-  Vec2 at[2];
-  for (std::size_t k = 0; k < 2; ++k) {
-    const Vec2 p = map_.at(k, to_unit * v);
-    at[k] = {p.x * e.x - p.y * e.y, p.x * e.y + p.y * e.x};
-  }
-  if (region_->holds(0.5 * (at[0] + at[1]))) return true;
   // The rings that the pixel lies between.
   constexpr double kLast = PixelBeams::kRings - 1;
   const auto ring = [&](double distance) {
@@ -366,9 +371,7 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   const PixelBeams::Outline& outline = interval_->outlines[static_cast<std::size_t>(
       std::min(d * to_unit * PixelBeams::kCells, PixelBeams::kCells - 1.0))];
   if (!outline.known) return true;
-  const Vec2 away = (1 / d) * v;
-  return !region_->is_apart(at, {away.x * e.x - away.y * e.y, away.x * e.y + away.y * e.x},
-                            outline.support);
+  return !region_->is_apart(at, (1 / d) * v, outline.support);
 }
 
 }  // namespace plenoflame

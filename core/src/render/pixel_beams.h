@@ -88,7 +88,12 @@ class PixelBeam {
   friend class PixelBeams;
   const LitRegion* region_ = nullptr;
   const PixelBeams::Interval* interval_ = nullptr;
-  PixelBeams::Map map_;
+  /// A PixelBeams::Map from the microlens' centre, in camera x, y.
+  struct Seen {
+    Vec2 foot, by_x, by_y;
+    Vec2 at(Vec2 pixel) const { return foot + pixel.x * by_x + pixel.y * by_y; }
+  };
+  Seen planes_[2], between_;
   Vec2 field_;         ///< unit vector away from the axis
   double centre_ = 0;  ///< of the micro-image, along it [m]
   double half_ = 0;    ///< half a pixel's diagonal [m]

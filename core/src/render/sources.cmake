@@ -10,6 +10,7 @@ list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp sr
   src/render/ray_selection.cpp
   src/render/benchmark.cpp src/render/benchmark_reference.cpp
   src/render/scene_medium.cpp src/render/medium_segments.cpp src/render/surface_light.cpp
+  src/render/worth_levels.cpp
   src/render/backward_surfaces.cpp src/render/forward_surfaces.cpp src/render/forward_scatter.cpp
   src/render/endless_planes.cpp
   src/render/pattern_images.cpp)

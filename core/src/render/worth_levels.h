@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "plenoflame/camera/pupil_sampling.h"
+
+namespace plenoflame {
+
+/// How far out pixels of a micro-image are worth how many rays.
+///
+/// A pixel's worth is the share of the microlens' aperture that it sees open. The error is least
+/// for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the error falls with
+/// points^-a; with a = 1, as where no edge of the flame is seen, level k, of 2^-k of the points, is
+/// for what is worth less than 2^(-k / (2/3)).
+class WorthLevels {
+ public:
+  static constexpr std::size_t kCount = 6;
+  static int of(double worth);
+
+  /// Levels over the distance from the centre of the micro-image of a microlens.
+  struct Rings {
+    std::array<double, kCount> squares{};  ///< beyond each the next level begins [m^2]
+    int at(double distance2) const {
+      int level = 0;
+      for (const double square : squares) level += distance2 > square ? 1 : 0;
+      return level;
+    }
+  };
+  /// @param half the side of a pixel [m]
+  WorthLevels(const PupilTable& table, double half);
+  /// @param h distance of the microlens from the optical axis [m]
+  Rings at(double h) const;
+
+ private:
+  double per_step_;
+  std::vector<Rings> nodes_;
+};
+
+}  // namespace plenoflame
