@@ -20,7 +20,8 @@ constexpr std::array<float, kLast> kBorders{0.98078528f,  0.83146961f,  0.555570
 // Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps: half a step to the
 // border, and a pixel that looks from the centre like a disc of one step's radius.
 constexpr double kSector = 1.5;
-constexpr float kSine = 0.38268343f;  ///< of one step
+constexpr float kSine = 0.38268343f;      ///< of one step
+constexpr float kHalfDiagonal = 1.4143f;  ///< of a square, in halves of its side; a little more
 constexpr float kNone = -1e30f;
 
 /// Four numbers that are computed with at once (an extension of GCC and Clang).
@@ -166,8 +167,8 @@ PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
   const Four low = value_at(column, std::max(begin, 0.0f)),
              middle = value_at(column, std::max(mean, 0.0f)), high = value_at(column, end);
   // Between the ends the column bends: the straight line is lifted over its steps. As many are
-  // looked at wherever they lie, for the sake of branches that can be foretold.
-  const int steps = static_cast<int>(half_way) + 1;
+  // looked at as a pixel may hold, for the sake of branches that can be foretold.
+  const int steps = static_cast<int>(std::min(kHalfDiagonal * side_half * per_step, last)) + 1;
   const auto lift = [&](float from, Four value, Four slope) {
     const int first = static_cast<int>(std::max(from + 1, 0.0f));
     const int after = std::min(first + steps, PupilColumn::kSteps);
