@@ -144,6 +144,8 @@ TEST_F(FlameImport, StopsAmidTheSamplingOfAnArray) {
   AbortBeyond watch(import_, 0.3);
   import_->Update();
   EXPECT_EQ(import_->GetOutput()->GetNumberOfPoints(), 0);
+  ASSERT_FALSE(watch.told().empty());
+  EXPECT_GT(watch.told().back(), 0.3);
   EXPECT_LT(watch.told().back(), 0.5);  // the first array takes from 0.2 to 0.6
 }
 

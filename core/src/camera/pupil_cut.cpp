@@ -112,7 +112,7 @@ PupilCuts::Azimuth PupilCuts::azimuth(float cosine) {
   return {i, std::clamp((a - cosine) / (a - b), 0.0f, 1.0f)};
 }
 
-ColumnBetween PupilCuts::at(const Azimuth& azimuth) const {
+ColumnBetween PupilCuts::at(const Azimuth& azimuth) const& {
   const auto j = static_cast<std::size_t>(azimuth.index);
   return {columns[j], columns[j + 1], azimuth.part};
 }
@@ -159,19 +159,24 @@ PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
   if (pixel.dark || pixel.open) return pixel;
   far = std::min(far, column.closes);
   pixel.middle = 0.5f * (near + far);
+  // The same places in steps of the column; before the first one it is flat.
   const float last = PupilColumn::kSteps, length = column.closes - column.opens,
-              per_step = length > 0 ? last / length : 0.0f;
-  const float begin = (near - column.opens) * per_step,
-              end = std::min((far - column.opens) * per_step, last),
-              half_way = 0.5f * (end - begin), mean = begin + half_way;
-  const Four low = value_at(column, std::max(begin, 0.0f)),
-             middle = value_at(column, std::max(mean, 0.0f)), high = value_at(column, end);
-  // Between the ends the column bends: the straight line is lifted over its steps. As many are
-  // looked at as a pixel may hold, for the sake of branches that can be foretold.
-  const int steps = static_cast<int>(std::min(kHalfDiagonal * side_half * per_step, last)) + 1;
+              per_metre = length > 0 ? last / length : 0.0f;
+  const float near_step = (near - column.opens) * per_metre,
+              far_step = std::min((far - column.opens) * per_metre, last),
+              half_way = 0.5f * (far_step - near_step), middle_step = near_step + half_way;
+  const Four at_near = value_at(column, std::max(near_step, 0.0f)),
+             at_middle = value_at(column, std::max(middle_step, 0.0f)),
+             at_far = value_at(column, far_step);
+  // Between the ends of a half the column bends at its steps: the straight line is lifted over
+  // them. For every pixel as many are looked at as one may hold, so that the branch can be
+  // foretold; those beyond the end do not count. The last step never lies inside.
+  const int most_steps =
+      static_cast<int>(std::min(kHalfDiagonal * side_half * per_metre, last)) + 1;
+  const float per_half_way = half_way > 0 ? 1 / half_way : 0.0f;
   const auto lift = [&](float from, Four value, Four slope) {
     const int first = static_cast<int>(std::max(from + 1, 0.0f));
-    const int after = std::min(first + steps, PupilColumn::kSteps);
+    const int after = std::min(first + most_steps, PupilColumn::kSteps);
     Four most = {0, 0, 0, 0};
     for (int k = first; k < after; ++k) {
       const float way = static_cast<float>(k) - from;
@@ -180,10 +185,10 @@ PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
     }
     return most;
   };
-  const float per_half = 2 / (far - near), per_half_way = 1 / half_way;
-  const Four rise = middle - low, next_rise = high - middle;
-  pixel.value = {stored(middle + lift(begin, low, per_half_way * rise)),
-                 stored(middle + lift(mean, middle, per_half_way * next_rise))};
+  const Four rise = at_middle - at_near, next_rise = at_far - at_middle;
+  pixel.value = {stored(at_middle + lift(near_step, at_near, per_half_way * rise)),
+                 stored(at_middle + lift(middle_step, at_middle, per_half_way * next_rise))};
+  const float per_half = 2 / (far - near);
   pixel.slope = {stored(per_half * rise), stored(per_half * next_rise)};
   return pixel;
 }

@@ -278,8 +278,9 @@ class TableMaker {
     }
     outline.fill_cuts(cuts);
     summarise(cuts, node);
+    node.opened_radius = node.outer_radius;
     for (std::size_t k = 0; k < node.opened.size(); ++k)
-      node.opened[k] = outline.opened(node.outer_radius * static_cast<double>(k) /
+      node.opened[k] = outline.opened(node.opened_radius * static_cast<double>(k) /
                                       static_cast<double>(node.opened.size() - 1));
     table_.edges[i] = outline.beam_rays();
   }
@@ -383,10 +384,7 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
 }  // namespace
 
 OpenShare::OpenShare(const PupilNode& node, double half)
-    : opened_(node.opened),
-      half_(half),
-      steps_per_metre_(kLast / node.outer_radius),
-      per_width_(0.5 / half) {}
+    : opened_(node.opened), half_(half), steps_per_metre_(kLast / node.opened_radius) {}
 
 double OpenShare::up_to(double distance) const {
   const double place = std::min(distance * steps_per_metre_, kLast);
@@ -396,10 +394,8 @@ double OpenShare::up_to(double distance) const {
 }
 
 double OpenShare::mean(double distance) const {
-  const double to = distance + half_;
-  // Divisions are for the few pixels in the middle: this is asked for every pixel of every image.
-  if (distance < half_) return up_to(to) / to;
-  return (up_to(to) - up_to(distance - half_)) * per_width_;
+  const double from = std::max(distance - half_, 0.0), to = distance + half_;
+  return (up_to(to) - up_to(from)) / (to - from);
 }
 
 PupilNode PupilTable::at(double h) const {
@@ -419,6 +415,7 @@ PupilNode PupilTable::at(double h) const {
   node.outer_radius = std::max(a.outer_radius, b.outer_radius);
   for (std::size_t k = 0; k < node.opened.size(); ++k)
     node.opened[k] = mix(a.opened[k], b.opened[k]);
+  node.opened_radius = mix(a.opened_radius, b.opened_radius);
   node.cuts = PixelCuts::mix(a.cuts, b.cuts, static_cast<float>(t));
   node.stop = StopMap::mix(a.stop, b.stop, t);
   node.far_reach = std::min(a.far_reach, b.far_reach) > 0 ? std::max(a.far_reach, b.far_reach) : 0;

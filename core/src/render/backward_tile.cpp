@@ -17,7 +17,8 @@ constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray 
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr std::uint64_t kScatterSeed = 0x73636174u;  ///< apart from what the rays use
-constexpr double kWholePixel = 1 - 1e-3;             ///< so much of one is no part
+/// Of a pixel: larger parts are worth as much as all of it.
+constexpr double kSmallPart = 0.5;
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
@@ -166,7 +167,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       const Vec2 v = at - centre;
       int number = worth.at(dot(v, v));
       const double part = static_cast<double>(pixel().x_width) * per_pitch;
-      if (part < kWholePixel) number += WorthLevels::of(part);
+      if (part < kSmallPart) number += WorthLevels::of(part);
       const SampleLevel& level =
           plan_.levels[static_cast<std::size_t>(std::min(number, last_level))];
       set_random(column, row, key);

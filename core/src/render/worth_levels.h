@@ -26,7 +26,7 @@ class WorthLevels {
       return level;
     }
   };
-  /// @param half the side of a pixel [m]
+  /// @param half half the side of a pixel [m]
   WorthLevels(const PupilTable& table, double half);
   /// @param h distance of the microlens from the optical axis [m]
   Rings at(double h) const;

@@ -114,5 +114,25 @@ TEST(PupilSampling, MeanShareOfTheApertureThatIsOpen) {
   }
 }
 
+// Micro-images of tilted arrays may reach farther; within them as much is open, of apertures that
+// are taken to be a little larger.
+TEST(PupilSampling, TiltedArraysSeeAsMuchOpen) {
+  CameraSpec spec = preset_camera("paper-plenoptic2");
+  const double half = 0.5 * spec.sensor.pixel_pitch;
+  const PupilSampling straight(Camera(spec), threads(2));
+  spec.array.tilt = {0.003, 0};
+  const PupilSampling tilted(Camera(spec), threads(2));
+  for (std::size_t type = 0; type < 3; ++type)
+    for (const double h : {0.0, 3e-3, 8e-3}) {
+      const PupilNode a = straight.tables()[type].at(h), b = tilted.tables()[type].at(h);
+      EXPECT_GT(b.outer_radius, a.outer_radius);
+      const OpenShare expected(a, half), found(b, half);
+      for (const double part : {0.0, 0.3, 0.6, 0.9})
+        EXPECT_TRUE(within(found.mean(part * a.outer_radius), expected.mean(part * a.outer_radius),
+                           0.15, 1))
+            << type << " at " << h << ", " << part;
+    }
+}
+
 }  // namespace
 }  // namespace plenoflame::test

@@ -19,7 +19,7 @@ TEST(WorthLevels, LimitsFallByThePowerThreeHalves) {
 }
 
 // Rings are found in steps, from outside: they hold no less than the mean share of the open
-// aperture asks for, and by no more than a step.
+// aperture asks for, and by no more than two of their 64 steps.
 TEST(WorthLevels, RingsFollowTheMeanShareThatIsOpen) {
   for (const char* name : {"paper-plenoptic2", "raytrix-r29", "paper-previous-60x60"}) {
     const Camera camera(preset_camera(name));

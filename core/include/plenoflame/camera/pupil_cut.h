@@ -80,7 +80,8 @@ class PupilCuts {
     float part;
   };
   static Azimuth azimuth(float cosine);
-  ColumnBetween at(const Azimuth& azimuth) const;
+  ColumnBetween at(const Azimuth& azimuth) const&;
+  ColumnBetween at(const Azimuth& azimuth) && = delete;  // it would refer to what is gone
 };
 
 /// Cuts that hold for all of a pixel: columns that are at least as wide as all azimuths of a

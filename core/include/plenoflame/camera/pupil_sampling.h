@@ -25,10 +25,11 @@ struct PupilNode {
   double aim_radius = 0;    ///< without array: its radius [m]
   double outer_radius = 0;  ///< no ray that passes has |s - centre| beyond this [m]
   /// Share of the aperture that is open, integrated over the distance from the centre up to i/16 of
-  /// outer_radius [m]: decides how many rays a pixel there is worth.
+  /// opened_radius [m]: decides how many rays a pixel there is worth (OpenShare).
   std::array<double, 17> opened{};
-  PixelCuts cuts;  ///< about `centre`
-  StopMap stop;    ///< from the plane of the exit pupil; with array
+  double opened_radius = 0;  ///< [m]
+  PixelCuts cuts;            ///< about `centre`
+  StopMap stop;              ///< from the plane of the exit pupil; with array
   /// No ray that reaches the scene crosses the microlens' far face farther from its middle [radii
   /// of the aperture]; 0: not known.
   double far_reach = 0;
@@ -48,7 +49,7 @@ class OpenShare {
   double up_to(double distance) const;
 
   const std::array<double, 17>& opened_;
-  double half_, steps_per_metre_, per_width_;
+  double half_, steps_per_metre_;
 };
 
 /// The two apertures of a microlens as discs of the aim plane, for a sensor point s. The near
