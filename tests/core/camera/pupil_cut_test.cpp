@@ -110,9 +110,9 @@ TEST(PupilCut, StraightColumnsAreTakenAsTheyAre) {
     const PixelCut pixel = pixels.of_square({0, distance}, 4e-6, {1, 0});
     for (std::size_t part = 0; part < 2; ++part) {
       // The step is 5e-6 m long.
-      EXPECT_TRUE(within(static_cast<double>(pixel.slope[part][0]), -0.4, 1e-4));
-      EXPECT_TRUE(within(static_cast<double>(pixel.value[part][0]),
-                         value(column, 0, static_cast<double>(pixel.middle)), 1e-5));
+      EXPECT_TRUE(relative(static_cast<double>(pixel.slope[part][0]), -0.4, 1e-4));
+      EXPECT_TRUE(relative(static_cast<double>(pixel.value[part][0]),
+                           value(column, 0, static_cast<double>(pixel.middle)), 1e-5));
     }
   }
 }
