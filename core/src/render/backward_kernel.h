@@ -40,8 +40,10 @@ struct KernelPixel {
   /// The cut of the aperture, as of a PixelCut (camera/pupil_cut.h), about the patch's centre.
   float cut_middle, cut[2][4], slope[2][4];
   const std::uint32_t* fractions[4];
-  std::uint32_t shift[4];  ///< digital shift of each dimension
-  int first, count;        ///< rays of the block
+  /// Digital shift of each dimension: shift ^ second_shift * number of the replicate (SobolPool).
+  std::uint32_t shift[4], second_shift[4];
+  const std::uint32_t* replicate_numbers;
+  int first, count;  ///< rays of the block
 };
 
 #define PLENOFLAME_BACKWARD_KERNELS                                                                \

@@ -47,6 +47,9 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   const std::uint32_t* f3 = pixel.fractions[3];
   const std::uint32_t h0 = pixel.shift[0], h1 = pixel.shift[1], h2 = pixel.shift[2],
                       h3 = pixel.shift[3];
+  const std::uint32_t* numbers = pixel.replicate_numbers;
+  const std::uint32_t g0 = pixel.second_shift[0], g1 = pixel.second_shift[1],
+                      g2 = pixel.second_shift[2], g3 = pixel.second_shift[3];
   const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
   const Real outer_x = c.outer_x, outer_y = c.outer_y, outer2 = c.outer_radius2;
   const Real centre_x = c.centre_x, centre_y = c.centre_y, middle = Real(pixel.cut_middle);
@@ -71,19 +74,20 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   const int padded = (pixel.count + 15) & ~15;
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
-    const Real sx = x_low + x_width * to_unit(f0[i] ^ h0, Real());
+    const std::uint32_t number = numbers[i];
+    const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
     const Real chord = square_root(greatest(outer2 - (sx - outer_x) * (sx - outer_x), Real(0)));
     const Real top = greatest(y0, outer_y - chord);
     const Real height = greatest(least(y1, outer_y + chord) - top, Real(0));
-    const Real sy = top + height * to_unit(f1[i] ^ h1, Real());
+    const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
     const Real wx = sx - centre_x, wy = sy - centre_y;
     const Real d = square_root(wx * wx + wy * wy) - middle;
     const bool inner = d < Real(0);
     x[i] = sx;
     y[i] = sy;
     area[i] = x_width * height;
-    disc[i] = to_unit(f2[i] ^ h2, Real());
-    turn[i] = to_unit(f3[i] ^ h3, Real()) - Real(0.5);
+    disc[i] = to_unit(f2[i] ^ h2 ^ g2 * number, Real());
+    turn[i] = to_unit(f3[i] ^ h3 ^ g3 * number, Real()) - Real(0.5);
     low[i] = (inner ? in0 : out0) + (inner ? in_slope0 : out_slope0) * d;
     high[i] = (inner ? in1 : out1) + (inner ? in_slope1 : out_slope1) * d;
     low_far[i] = (inner ? in2 : out2) + (inner ? in_slope2 : out_slope2) * d;

@@ -56,7 +56,9 @@ template <class Real>
 SurfaceLight::First SurfaceBlock<Real>::random_of(const RayGroup& group, int point) const {
   SurfaceLight::First random{};
   const SobolPool& pool = plan_.pools[static_cast<std::size_t>(group.level)];
-  const std::uint64_t h0 = mix64(group.key + 1), h1 = mix64(h0);
+  // A shift for each replicate (SobolPool).
+  const auto replicate = static_cast<std::uint64_t>(point / pool.points());
+  const std::uint64_t h0 = mix64(group.key + 1 + (replicate << 32)), h1 = mix64(h0);
   const std::uint32_t shift[4] = {
       static_cast<std::uint32_t>(h0), static_cast<std::uint32_t>(h0 >> 32),
       static_cast<std::uint32_t>(h1), static_cast<std::uint32_t>(h1 >> 32)};

@@ -16,7 +16,8 @@ namespace {
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
-constexpr std::uint64_t kScatterSeed = 0x73636174u;  ///< apart from what the rays use
+constexpr std::uint64_t kScatterSeed = 0x73636174u;      ///< apart from what the rays use
+constexpr std::uint64_t kSecondShiftSeed = 0x73686966u;  ///< apart from what chooses entries
 /// Of a pixel: larger parts are worth as much as all of it.
 constexpr double kSmallPart = 0.5;
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
@@ -265,6 +266,10 @@ void TileTracer<Real>::add_pair(int type, int column, int row, const SampleLevel
   made.shift[1] = static_cast<std::uint32_t>(random_[0] >> 32);
   made.shift[2] = static_cast<std::uint32_t>(random_[1]);
   made.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
+  const std::uint64_t first_two = mix64(random_[2] + kSecondShiftSeed), last_two = mix64(first_two);
+  for (std::size_t d = 0; d < 4; ++d)
+    made.second_shift[d] =
+        static_cast<std::uint32_t>((d < 2 ? first_two : last_two) >> (d % 2 * 32));
   counters_.pairs += 1;
   type_ = type;
   const Pending pair{column, row, 0, 0, 0, level.pool_level, level.scale};
@@ -297,6 +302,7 @@ void TileTracer<Real>::queue(Pending pending, const SobolPool& pool, int entry, 
     made.fractions[d] = pool.fractions(entry, d) + offset;
     __builtin_prefetch(made.fractions[d]);
   }
+  made.replicate_numbers = pool.replicate_numbers() + offset;
   made.first = pending.first = count_;
   made.count = pending.count = count;
   pending.offset = offset;

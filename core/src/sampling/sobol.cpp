@@ -129,6 +129,10 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
       stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points) + 16) {
   data_.resize(static_cast<std::size_t>(entries_) * kDimensions * stride_);
   for (int entry = 0; entry < entries_; ++entry) fill(entry, first, seed, first_dimension);
+  replicate_numbers_.resize(stride_);
+  for (int r = 0; r < replicates_; ++r)
+    std::fill_n(replicate_numbers_.begin() + std::ptrdiff_t{r} * points_, points_,
+                replicate_number(r));
 }
 
 void SobolPool::fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension) {

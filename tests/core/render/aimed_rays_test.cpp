@@ -4,14 +4,17 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "plenoflame/render/render.h"
+#include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
 #include "render/microlens_patch.h"
+#include "support/approx.h"
 #include "support/cameras.h"
 
 namespace plenoflame::test {
@@ -50,6 +53,7 @@ class PixelAims {
       fractions_[static_cast<std::size_t>(3 * kStride + i)] =
           static_cast<std::uint32_t>(i / 2) * (0xffffffffu / kDirections) + (shift >> 5);
     }
+    pixel.replicate_numbers = same_replicate_.data();
     pixel.first = 0;
     pixel.count = 2 * kDirections;
     baseline::generate(patch, &pixel, 1, distance, block_);
@@ -67,7 +71,7 @@ class PixelAims {
   static constexpr int kStride = 64;
   std::vector<double> storage_;
   std::vector<int> codes_;
-  std::vector<std::uint32_t> fractions_;
+  std::vector<std::uint32_t> fractions_, same_replicate_ = std::vector<std::uint32_t>(kStride, 0);
   KernelBlock<double> block_{};
 };
 
@@ -193,6 +197,56 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"plane microlenses", 0.18}, Case{"near sensor", 0.1},
                       Case{"paper-plenoptic1", 0.13}, Case{"paper-previous-60x60", 0.13},
                       Case{"strong microlenses", 0.9, 1e-4}, Case{"tilted array", 0.7}));
+
+/// A sensor point's column, by the formula of KernelPixel.
+TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
+  constexpr int kCount = 32;
+  std::vector<std::uint32_t> fractions(4 * kCount), numbers(kCount);
+  for (std::uint32_t i = 0; i < fractions.size(); ++i) fractions[i] = 2654435769u * (i % 8);
+  for (int i = 0; i < kCount; ++i)
+    numbers[static_cast<std::size_t>(i)] = SobolPool::replicate_number(i / 8);
+  KernelPatch<double> patch{};
+  patch.outer_radius2 = 100;
+  patch.near_radius = patch.far_radius = 1;
+  KernelPixel<double> pixel{};
+  pixel.x_low = 2;
+  pixel.x_width = 3;
+  pixel.y1 = 5;
+  set_cut(whole_aperture(1), pixel);
+  for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
+  pixel.replicate_numbers = numbers.data();
+  pixel.shift[0] = 0x9abcdef1u;
+  pixel.second_shift[0] = 0x12345677u;
+  pixel.shift[1] = 0x0fedcba9u;
+  pixel.second_shift[1] = 0x76543211u;
+  pixel.count = kCount;
+  constexpr int kStride = 64;
+  std::vector<double> storage(9 * kStride);
+  std::vector<int> codes(kStride);
+  KernelBlock<double> block{};
+  double** arrays[] = {&block.x,  &block.y,      &block.z,          &block.dx,        &block.dy,
+                       &block.dz, &block.weight, &block.scratch[0], &block.scratch[1]};
+  for (std::size_t k = 0; k < 9; ++k) *arrays[k] = storage.data() + k * kStride;
+  block.code = codes.data();
+  constexpr double kDistance = 4;
+  baseline::generate(patch, &pixel, 1, kDistance, block);
+  std::set<double> columns;
+  for (int i = 0; i < kCount; ++i) {
+    const double way = kDistance / block.dz[i];
+    const auto unit = [&](int d) {
+      const std::uint32_t word = fractions[static_cast<std::size_t>(d * kCount + i)] ^
+                                 pixel.shift[d] ^
+                                 static_cast<std::uint32_t>(std::uint64_t{pixel.second_shift[d]} *
+                                                            SobolPool::replicate_number(i / 8));
+      return (static_cast<double>(word) + 0.5) / 4294967296.0;
+    };
+    const double column = block.x[i] - way * block.dx[i], row = block.y[i] - way * block.dy[i];
+    EXPECT_TRUE(within(column, 2 + 3 * unit(0), 1e-12, 10)) << i;
+    EXPECT_TRUE(within(row, 5 * unit(1), 1e-12, 10)) << i;
+    columns.insert(column);
+  }
+  EXPECT_EQ(columns.size(), static_cast<std::size_t>(kCount));
+}
 
 }  // namespace
 }  // namespace plenoflame::test

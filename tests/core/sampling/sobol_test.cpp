@@ -268,5 +268,58 @@ TEST(SobolPool, ContinuesTheSequence) {
   }
 }
 
+TEST(SobolPool, NumbersOfReplicatesAreOddAndDiffer) {
+  const SobolPool pool(5, 3, 0, 1);
+  std::set<std::uint32_t> numbers;
+  for (int r = 0; r < 5; ++r) {
+    const std::uint32_t number = pool.replicate_numbers()[3 * r];
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(pool.replicate_numbers()[3 * r + i], number);
+    EXPECT_EQ(number % 2, r == 0 ? 0U : 1U);
+    numbers.insert(number);
+  }
+  EXPECT_EQ(numbers.size(), 5U);
+  EXPECT_EQ(pool.replicate_numbers()[0], 0U);
+}
+
+// What two replicates of an entry are wrong by, over the shifts of many pixels: independent. The
+// integrand is smooth, as a pixel's is where no edge is seen; its mean is 1.
+TEST(SobolPool, ErrorsOfReplicatesDoNotGoTogether) {
+  constexpr int kEntries = 32, kPixels = 2000, kPoints = 8;
+  const SobolPool pool(3, kPoints, 0, 7, 0, kEntries);
+  std::mt19937_64 random{5};
+  const auto word = [&] { return static_cast<std::uint32_t>(random()); };
+  const auto chi_square = [&](int one, int other, bool second) {
+    double sum = 0;
+    for (int entry = 0; entry < kEntries; ++entry) {
+      double product = 0, squares[2] = {};
+      for (int pixel = 0; pixel < kPixels; ++pixel) {
+        std::uint32_t shift[4], turn[4];
+        for (int d = 0; d < 4; ++d) shift[d] = word(), turn[d] = second ? word() : 0;
+        double error[2] = {};
+        for (int k = 0; k < 2; ++k)
+          for (int i = 0; i < kPoints; ++i) {
+            const int at = kPoints * (k == 0 ? one : other) + i;
+            double f = 1;
+            for (int d = 0; d < 4; ++d) {
+              const std::uint32_t own = shift[d] ^ (turn[d] * pool.replicate_numbers()[at]);
+              f *= 0.5 + ((pool.fractions(entry, d)[at] ^ own) + 0.5) * 0x1p-32;
+            }
+            error[k] += (f - 1) / kPoints;
+          }
+        product += error[0] * error[1];
+        for (int k = 0; k < 2; ++k) squares[k] += error[k] * error[k];
+      }
+      sum += kPixels * product * product / (squares[0] * squares[1]);
+    }
+    return sum;
+  };
+  // Of so many degrees of freedom: mean and variance are n and 2 n.
+  const double most = kEntries + 5 * std::sqrt(2.0 * kEntries);
+  EXPECT_LT(chi_square(0, 1, true), most);
+  EXPECT_LT(chi_square(1, 2, true), most);
+  // That is what the second shift is for.
+  EXPECT_GT(chi_square(0, 1, false), 3 * most);
+}
+
 }  // namespace
 }  // namespace plenoflame::test

@@ -28,7 +28,8 @@ constexpr std::uint64_t mix64(std::uint64_t key) {
 /// first, or later ones that go with them). A pixel takes one entry at random and shifts it
 /// digitally (XOR) by random bits of its own: an Owen-scrambled net stays one under the shift, so
 /// that each pixel's points are Owen-scrambled, too, at the cost of one load and one XOR a
-/// number.
+/// number. Each replicate needs a shift of its own: under one for all, what the replicates of an
+/// entry are wrong by would go together, and with it the errors of all pixels that take this entry.
 class SobolPool {
  public:
   static constexpr int kDimensions = 4;
@@ -48,12 +49,20 @@ class SobolPool {
   const std::uint32_t* fractions(int entry, int dimension) const {
     return data_.data() + static_cast<std::size_t>(entry * kDimensions + dimension) * stride_;
   }
+  /// For each point of an entry, followed by as many words, a number of its replicate: 0 for the
+  /// first, an odd one for each other. A replicate's shift is first ^ second * number.
+  const std::uint32_t* replicate_numbers() const { return replicate_numbers_.data(); }
+  static std::uint32_t replicate_number(int replicate) {
+    return replicate == 0
+               ? 0
+               : static_cast<std::uint32_t>(mix64(static_cast<std::uint64_t>(replicate))) | 1u;
+  }
 
  private:
   void fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension);
   int entries_, replicates_, points_;
   std::size_t stride_;
-  std::vector<std::uint32_t> data_;
+  std::vector<std::uint32_t> data_, replicate_numbers_;
 };
 
 }  // namespace plenoflame
