@@ -4,7 +4,8 @@
 
 namespace plenoflame {
 
-/// Evenly spread points of the four-dimensional unit cube: Kronecker's sequence with the powers of 1/g, g^5 = g + 1.
+/// Evenly spread points of the four-dimensional unit cube: Kronecker's sequence with the powers of
+/// 1/g, g^5 = g + 1.
 class SpreadPoints {
  public:
   /// @param first how many points are skipped
