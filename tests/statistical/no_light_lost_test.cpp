@@ -85,16 +85,13 @@ PixelWindow window_of(const Case& c) {
 
 /// Whether an aim point is inside the cut for a sensor point at `image` from the micro-image's
 /// centre.
-bool inside(const PixelCut& cut, Vec2 image, Vec2 aim) {
-  if (cut.dark) return false;
-  if (cut.open) return true;
+bool inside(const PixelView& view, Vec2 image, Vec2 aim) {
+  if (view.dark) return false;
+  if (view.open) return true;
   const double d = length(image);
   const Vec2 e = (1 / d) * image;
-  const std::size_t half = d < static_cast<double>(cut.middle) ? 0 : 1;
-  const auto bound = [&](std::size_t k) {
-    return static_cast<double>(cut.value[half][k]) +
-           static_cast<double>(cut.slope[half][k]) * (d - static_cast<double>(cut.middle));
-  };
+  const PupilCut cut = cut_at(*view.column, static_cast<float>(d));
+  const auto bound = [&](std::size_t k) { return static_cast<double>(cut[k]); };
   const double p = dot(aim, e), q = aim.y * e.x - aim.x * e.y;
   const double above = p + bound(0), below = bound(1) - p;
   return above >= 0 && below >= 0 && q * q <= above * (bound(2) - p) &&
@@ -168,16 +165,16 @@ TEST_P(NoLightLost, EveryRayThatPassesIsInsideTheBounds) {
             length(aim - table.discs.far_centre(from)) >= table.discs.radius_at(from) ||
             length(aim - table.discs.near_shift * from) >= table.discs.near_radius;
         const Vec2 image = from - node.centre * out;
-        const PixelCut cut =
-            node.cuts.of_square(middle_of(s.sensor) - place - node.centre * out, 0.5 * p, out);
+        const PixelView view =
+            node.cuts.look(middle_of(s.sensor) - place - node.centre * out, 0.5 * p, out);
         all_light += s.weight;
-        if (!inside(cut, image, aim)) outside_cut += s.weight;
+        if (!inside(view, image, aim)) outside_cut += s.weight;
         outside_bound += length(aim) > table.discs.bound;
         outside_image += length(image) > node.outer_radius;
       });
   EXPECT_GT(passed, kDiscRays / 100);
   EXPECT_EQ(outside_aperture, 0) << "of " << passed;
-  // Cuts are widened until they hold all of half a million traced rays (camera/widen_cuts.h); what
+  // Cuts are widened until they hold all of 0.8 million traced rays (camera/widen_cuts.h); what
   // they may still leave out is far below the tenth of a percent that the total is held to.
   EXPECT_LE(outside_cut, 1e-4 * all_light) << "of " << passed << " rays";
   EXPECT_EQ(outside_bound, 0) << "of " << passed;
@@ -241,7 +238,7 @@ TEST(SmallStop, EveryRayThatPassesIsInsideTheBounds) {
         const auto centred = [p](double x) { return (std::floor(x / p) + 0.5) * p; };
         const Vec2 pixel = Vec2{centred(s.x), centred(s.y)} - place - node.centre * out;
         all += 1;
-        lost += inside(node.cuts.of_square(pixel, 0.5 * p, out), image, aim) ? 0 : 1;
+        lost += inside(node.cuts.look(pixel, 0.5 * p, out), image, aim) ? 0 : 1;
       }
       EXPECT_GT(all, 0.01 * kDiscRays);
       const double expected = 1e-4 * all;  // as above, and three of its standard deviations

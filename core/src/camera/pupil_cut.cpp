@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "plenoflame/base/constants.h"
 
@@ -20,8 +21,7 @@ constexpr std::array<float, kLast> kBorders{0.98078528f,  0.83146961f,  0.555570
 // Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps: half a step to the
 // border, and a pixel that looks from the centre like a disc of one step's radius.
 constexpr double kSector = 1.5;
-constexpr float kSine = 0.38268343f;      ///< of one step
-constexpr float kHalfDiagonal = 1.4143f;  ///< of a square, in halves of its side; a little more
+constexpr float kSine = 0.38268343f;  ///< of one step
 constexpr float kNone = -1e30f;
 
 /// Four numbers that are computed with at once (an extension of GCC and Clang).
@@ -75,6 +75,36 @@ PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
   return wide;
 }
 
+float steps_per_metre(float opens, float closes) {
+  return closes > opens ? static_cast<float>(CutColumn::kSteps) / (closes - opens) : 0.0f;
+}
+
+CutColumn looked_up(const PupilColumn& column) {
+  CutColumn c;
+  c.opens = column.opens;
+  c.closes = column.closes;
+  c.steps_per_metre = steps_per_metre(c.opens, c.closes);
+  for (std::size_t k = 0; k < CutColumn::kSteps; ++k)
+    for (std::size_t side = 0; side < 4; ++side) {
+      c.value[side][k] = column.cuts[k][side];
+      c.rise[side][k] = column.cuts[k + 1][side] - column.cuts[k][side];
+    }
+  return c;
+}
+
+CutColumn mix_columns(const CutColumn& a, const CutColumn& b, float t) {
+  CutColumn c;
+  c.opens = a.opens + t * (b.opens - a.opens);
+  c.closes = a.closes + t * (b.closes - a.closes);
+  c.steps_per_metre = steps_per_metre(c.opens, c.closes);
+  for (std::size_t side = 0; side < 4; ++side)
+    for (std::size_t k = 0; k < CutColumn::kSteps; ++k) {
+      c.value[side][k] = a.value[side][k] + t * (b.value[side][k] - a.value[side][k]);
+      c.rise[side][k] = a.rise[side][k] + t * (b.rise[side][k] - a.rise[side][k]);
+    }
+  return c;
+}
+
 }  // namespace
 
 PupilCut ColumnBetween::at(float step) const {
@@ -126,71 +156,51 @@ PixelCuts::PixelCuts(const PupilCuts& cuts) {
     std::vector<PupilColumn> sector{column_at(j - kSector), column_at(j + kSector)};
     for (int k = std::max(0, j - 1); k <= std::min(kLast, j + 1); ++k)
       sector.push_back(cuts.columns[static_cast<std::size_t>(k)]);
-    columns_[static_cast<std::size_t>(j)] = widest_of(sector);
+    columns_[static_cast<std::size_t>(j)] = looked_up(widest_of(sector));
   }
-  columns_.back() = widest_of({cuts.columns.begin(), cuts.columns.end()});
+  columns_.back() = looked_up(widest_of({cuts.columns.begin(), cuts.columns.end()}));
 }
 
 PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
   PixelCuts c;
   for (std::size_t j = 0; j < c.columns_.size(); ++j)
-    c.columns_[j] = PupilColumn::mix(a.columns_[j], b.columns_[j], t);
+    c.columns_[j] = mix_columns(a.columns_[j], b.columns_[j], t);
   return c;
 }
 
-PixelCut PixelCuts::of_square(Vec2 centre, double half, Vec2 field) const {
+PixelView PixelCuts::look(Vec2 centre, double half, Vec2 field) const& {
   const auto x = static_cast<float>(std::fabs(centre.x)),
              y = static_cast<float>(std::fabs(centre.y)), side_half = static_cast<float>(half);
   const float near_x = std::max(x - side_half, 0.0f), near_y = std::max(y - side_half, 0.0f),
               far_x = x + side_half, far_y = y + side_half;
   const float near = std::sqrt(near_x * near_x + near_y * near_y),
-              distance = std::sqrt(x * x + y * y);
-  float far = std::sqrt(far_x * far_x + far_y * far_y);
+              far = std::sqrt(far_x * far_x + far_y * far_y), distance = std::sqrt(x * x + y * y);
   std::size_t sector = columns_.size() - 1;
   if (0.5f * (far - near) < kSine * distance) {
     const auto along = static_cast<float>(dot(centre, field));
     sector = 0;
     for (const float border : kBorders) sector += along < border * distance ? 1 : 0;
   }
-  const PupilColumn& column = columns_[sector];
-  PixelCut pixel;
-  pixel.dark = near >= column.closes;
-  pixel.open = far <= column.opens;
-  if (pixel.dark || pixel.open) return pixel;
-  far = std::min(far, column.closes);
-  pixel.middle = 0.5f * (near + far);
-  // The same places in steps of the column; before the first one it is flat.
-  const float last = PupilColumn::kSteps, length = column.closes - column.opens,
-              per_metre = length > 0 ? last / length : 0.0f;
-  const float near_step = (near - column.opens) * per_metre,
-              far_step = std::min((far - column.opens) * per_metre, last),
-              half_way = 0.5f * (far_step - near_step), middle_step = near_step + half_way;
-  const Four at_near = value_at(column, std::max(near_step, 0.0f)),
-             at_middle = value_at(column, std::max(middle_step, 0.0f)),
-             at_far = value_at(column, far_step);
-  // Between the ends of a half the column bends at its steps: the straight line is lifted over
-  // them. For every pixel as many are looked at as one may hold, so that the branch can be
-  // foretold; those beyond the end do not count. The last step never lies inside.
-  const int most_steps =
-      static_cast<int>(std::min(kHalfDiagonal * side_half * per_metre, last)) + 1;
-  const float per_half_way = half_way > 0 ? 1 / half_way : 0.0f;
-  const auto lift = [&](float from, Four value, Four slope) {
-    const int first = static_cast<int>(std::max(from + 1, 0.0f));
-    const int after = std::min(first + most_steps, PupilColumn::kSteps);
-    Four most = {0, 0, 0, 0};
-    for (int k = first; k < after; ++k) {
-      const float way = static_cast<float>(k) - from;
-      const Four over = load(column.cuts[static_cast<std::size_t>(k)]) - (value + way * slope);
-      most = widest(most, way < half_way ? over : most);
-    }
-    return most;
-  };
-  const Four rise = at_middle - at_near, next_rise = at_far - at_middle;
-  pixel.value = {stored(at_middle + lift(near_step, at_near, per_half_way * rise)),
-                 stored(at_middle + lift(middle_step, at_middle, per_half_way * next_rise))};
-  const float per_half = 2 / (far - near);
-  pixel.slope = {stored(per_half * rise), stored(per_half * next_rise)};
-  return pixel;
+  const CutColumn& column = columns_[sector];
+  return {near >= column.closes, far <= column.opens, &column};
+}
+
+PupilCut cut_at(const CutColumn& column, float distance) {
+  const float step = std::clamp((distance - column.opens) * column.steps_per_metre, 0.0f,
+                                static_cast<float>(CutColumn::kSteps));
+  const int k = std::min(static_cast<int>(step), CutColumn::kSteps - 1);
+  PupilCut cut;
+  for (std::size_t side = 0; side < 4; ++side)
+    cut[side] = column.value[side][k] + (step - static_cast<float>(k)) * column.rise[side][k];
+  return cut;
+}
+
+CutColumn constant_cut(const PupilCut& cut) {
+  CutColumn column{};
+  column.closes = std::numeric_limits<float>::infinity();
+  for (std::size_t side = 0; side < 4; ++side)
+    std::fill_n(column.value[side], CutColumn::kSteps, cut[side]);
+  return column;
 }
 
 }  // namespace plenoflame

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "camera/camera_kernel.h"
+#include "plenoflame/camera/cut_kernel.h"
 
 namespace plenoflame {
 
@@ -35,10 +36,9 @@ struct KernelPatch {
 /// A pixel that the microlens of a patch may light, and its random numbers.
 template <class Real>
 struct KernelPixel {
-  Real x_low, x_width;  ///< columns inside the outer disc
-  Real y0, y1;          ///< rows
-  /// The cut of the aperture, as of a PixelCut (camera/pupil_cut.h), about the patch's centre.
-  float cut_middle, cut[2][4], slope[2][4];
+  Real x_low, x_width;    ///< columns inside the outer disc
+  Real y0, y1;            ///< rows
+  const CutColumn* cuts;  ///< of the aperture, about the patch's centre
   const std::uint32_t* fractions[4];
   /// Digital shift of each dimension: shift ^ second_shift * number of the replicate (SobolPool).
   std::uint32_t shift[4], second_shift[4];

@@ -30,6 +30,62 @@ PLENOFLAME_INLINE Real sin_turn(Real b) {
                                                                 x2 * Real(1.0 / 6227020800.0)))))));
 }
 
+constexpr int kBlockOfLookups = 16;
+
+/// Cuts (-low, high, low_far, -high_far) of as many rays.
+template <class Real>
+PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* __restrict step,
+                                    const Real* __restrict part, Real* __restrict low,
+                                    Real* __restrict high, Real* __restrict low_far,
+                                    Real* __restrict high_far) {
+#pragma omp simd
+  for (int i = 0; i < kBlockOfLookups; ++i) {
+    const int k = step[i];
+    low[i] = -(Real(c.value[0][k]) + Real(c.rise[0][k]) * part[i]);
+    high[i] = Real(c.value[1][k]) + Real(c.rise[1][k]) * part[i];
+    low_far[i] = Real(c.value[2][k]) + Real(c.rise[2][k]) * part[i];
+    high_far[i] = -(Real(c.value[3][k]) + Real(c.rise[3][k]) * part[i]);
+  }
+}
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX2__)
+// Tables in registers: gathering takes longer than all else here.
+#ifdef __AVX512F__
+typedef float Lanes __attribute__((vector_size(64)));
+typedef int LaneNumbers __attribute__((vector_size(64)));
+#else
+typedef float Lanes __attribute__((vector_size(32)));
+typedef int LaneNumbers __attribute__((vector_size(32)));
+#endif
+constexpr int kLanes = sizeof(Lanes) / sizeof(float);
+// Of arrays of floats, aligned or not.
+typedef Lanes LooseLanes __attribute__((aligned(4), may_alias));
+typedef LaneNumbers LooseLaneNumbers __attribute__((aligned(4), may_alias));
+
+PLENOFLAME_INLINE Lanes look_up(const float* table, LaneNumbers number) {
+  const LooseLanes* parts = reinterpret_cast<const LooseLanes*>(table);
+  if constexpr (kLanes == CutColumn::kSteps) return __builtin_shuffle(Lanes(parts[0]), number);
+  const Lanes first = __builtin_shuffle(Lanes(parts[0]), number),
+              second = __builtin_shuffle(Lanes(parts[1]), number);
+  return number < kLanes ? first : second;
+}
+
+PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const float* part,
+                                    float* low, float* high, float* low_far, float* high_far) {
+  for (int i = 0; i < kBlockOfLookups; i += kLanes) {
+    const LaneNumbers k = *reinterpret_cast<const LooseLaneNumbers*>(step + i);
+    const Lanes t = *reinterpret_cast<const LooseLanes*>(part + i);
+    const auto side = [&](int j) __attribute__((always_inline)) {
+      return look_up(c.value[j], k) + look_up(c.rise[j], k) * t;
+    };
+    *reinterpret_cast<LooseLanes*>(low + i) = -side(0);
+    *reinterpret_cast<LooseLanes*>(high + i) = side(1);
+    *reinterpret_cast<LooseLanes*>(low_far + i) = side(2);
+    *reinterpret_cast<LooseLanes*>(high_far + i) = -side(3);
+  }
+}
+#endif
+
 /// Sensor points of one pixel, the cut of the aperture there, and the numbers that aim the rays.
 ///
 /// The sensor point is drawn from the pixel inside the micro-image: first its column, then its row
@@ -52,15 +108,9 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
                       g2 = pixel.second_shift[2], g3 = pixel.second_shift[3];
   const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
   const Real outer_x = c.outer_x, outer_y = c.outer_y, outer2 = c.outer_radius2;
-  const Real centre_x = c.centre_x, centre_y = c.centre_y, middle = Real(pixel.cut_middle);
-  const float *in = pixel.cut[0], *in_slope = pixel.slope[0];
-  const float *out = pixel.cut[1], *out_slope = pixel.slope[1];
-  const Real in0 = -Real(in[0]), in1 = Real(in[1]), in2 = Real(in[2]), in3 = -Real(in[3]);
-  const Real in_slope0 = -Real(in_slope[0]), in_slope1 = Real(in_slope[1]),
-             in_slope2 = Real(in_slope[2]), in_slope3 = -Real(in_slope[3]);
-  const Real out0 = -Real(out[0]), out1 = Real(out[1]), out2 = Real(out[2]), out3 = -Real(out[3]);
-  const Real out_slope0 = -Real(out_slope[0]), out_slope1 = Real(out_slope[1]),
-             out_slope2 = Real(out_slope[2]), out_slope3 = -Real(out_slope[3]);
+  const Real centre_x = c.centre_x, centre_y = c.centre_y;
+  const CutColumn& cuts = *pixel.cuts;
+  const Real opens = Real(cuts.opens), steps_per_metre = Real(cuts.steps_per_metre);
   const int first = pixel.first;
   Real* __restrict x = block.x + first;
   Real* __restrict y = block.y + first;
@@ -71,27 +121,31 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   Real* __restrict high = block.weight + first;
   Real* __restrict low_far = block.scratch[0] + first;
   Real* __restrict high_far = block.scratch[1] + first;
+  alignas(64) int step[kBlockOfLookups];
+  alignas(64) Real part[kBlockOfLookups];
   const int padded = (pixel.count + 15) & ~15;
+  for (int begin = 0; begin < padded; begin += kBlockOfLookups) {
 #pragma omp simd
-  for (int i = 0; i < padded; ++i) {
-    const std::uint32_t number = numbers[i];
-    const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
-    const Real chord = square_root(greatest(outer2 - (sx - outer_x) * (sx - outer_x), Real(0)));
-    const Real top = greatest(y0, outer_y - chord);
-    const Real height = greatest(least(y1, outer_y + chord) - top, Real(0));
-    const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
-    const Real wx = sx - centre_x, wy = sy - centre_y;
-    const Real d = square_root(wx * wx + wy * wy) - middle;
-    const bool inner = d < Real(0);
-    x[i] = sx;
-    y[i] = sy;
-    area[i] = x_width * height;
-    disc[i] = to_unit(f2[i] ^ h2 ^ g2 * number, Real());
-    turn[i] = to_unit(f3[i] ^ h3 ^ g3 * number, Real()) - Real(0.5);
-    low[i] = (inner ? in0 : out0) + (inner ? in_slope0 : out_slope0) * d;
-    high[i] = (inner ? in1 : out1) + (inner ? in_slope1 : out_slope1) * d;
-    low_far[i] = (inner ? in2 : out2) + (inner ? in_slope2 : out_slope2) * d;
-    high_far[i] = (inner ? in3 : out3) + (inner ? in_slope3 : out_slope3) * d;
+    for (int k = 0; k < kBlockOfLookups; ++k) {
+      const int i = begin + k;
+      const std::uint32_t number = numbers[i];
+      const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
+      const Real chord = square_root(greatest(outer2 - (sx - outer_x) * (sx - outer_x), Real(0)));
+      const Real top = greatest(y0, outer_y - chord);
+      const Real height = greatest(least(y1, outer_y + chord) - top, Real(0));
+      const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
+      const Real wx = sx - centre_x, wy = sy - centre_y;
+      x[i] = sx;
+      y[i] = sy;
+      area[i] = x_width * height;
+      disc[i] = to_unit(f2[i] ^ h2 ^ g2 * number, Real());
+      turn[i] = to_unit(f3[i] ^ h3 ^ g3 * number, Real()) - Real(0.5);
+      const Real d = clamp((square_root(wx * wx + wy * wy) - opens) * steps_per_metre, Real(0),
+                           Real(CutColumn::kSteps));
+      step[k] = least(static_cast<int>(d), CutColumn::kSteps - 1);
+      part[k] = d - static_cast<Real>(step[k]);
+    }
+    look_up_cuts(cuts, step, part, low + begin, high + begin, low_far + begin, high_far + begin);
   }
 }
 

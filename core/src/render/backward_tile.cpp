@@ -126,12 +126,13 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   std::optional<PixelBeam> beam;  // where pixels are looked at one by one
   if (sight == Sight::some && plan_.beams->pixels()) beam = plan_.beams->pixels()->of(type, place);
   const double h = std::sqrt(dot(from_foot, from_foot));
-  const PupilNode node = table.at(h);
+  generate_queued();  // what is queued belongs to the patch before
+  const PupilNode& node = node_ = table.at(h);
   if (node.dark()) return;
   const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
   const Vec2 centre = node.centre * field;
   const double outer = node.outer_radius;
-  generate_queued();  // what is queued belongs to the patch before
+  whole_ = whole_aperture(table.discs.bound);
   patch_ = microlens_patch<Real>(table, node, place, field, camera.ideal_array());
   has_own_lens_ = false;
   if (camera.misaligned()) {
@@ -159,7 +160,6 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
             plan_.settings->seed);
   const WorthLevels::Rings worth = plan_.worths[static_cast<std::size_t>(type)].at(h);
   const int last_level = static_cast<int>(plan_.levels.size()) - 1;
-  const PixelCut whole = whole_aperture(table.discs.bound);
   for (int row = row0; row <= row1; ++row) {
     if (!place_row(camera.sensor_point(0, row + 0.5).y - place.y, centre, outer)) continue;
     for (int column = column0; column <= column1; ++column) {
@@ -181,9 +181,9 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
         counters_.pairs_skipped += 1;
         continue;
       }
-      const PixelCut cut = node.cuts.of_square(v, half_pitch, field);
-      if (cut.dark) continue;
-      set_cut(cut.open ? whole : cut, pixel());
+      const PixelView view = node.cuts.look(v, half_pitch, field);
+      if (view.dark) continue;
+      pixel().cuts = view.open ? &whole_ : view.column;
       add_pair(type, column, row, level, chosen);
     }
   }
@@ -225,7 +225,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.near_radius = patch_.far_radius = static_cast<Real>(node.aim_radius);
   place_row(centre.y, centre, 2 * pitch);  // nothing cuts the pixel
   place_pixel(centre.x, centre.x);
-  set_cut(whole_aperture(node.aim_radius), pixel());  // the aim disc is the pupil itself
+  whole_ = whole_aperture(node.aim_radius);  // the aim disc is the pupil itself
+  pixel().cuts = &whole_;
   set_random(column, row, mix64(plan_.settings->seed));
   add_pair(type, column, row, plan_.levels.front(), kAll);
 }

@@ -148,6 +148,9 @@ class TileTracer {
   int tile_index_ = 0;
   PixelWindow tile_;  ///< that is being rendered
   KernelPatch<Real> patch_{};
+  /// Of the patch: what is queued refers to their cuts.
+  PupilNode node_;
+  CutColumn whole_{};
   double row_y0_ = 0, row_y1_ = 0;    ///< [m] of the row of pixels, from the microlens' centre
   double row_reach_ = 0;              ///< [m] of the outer disc, along the row
   std::uint64_t random_[3] = {};      ///< of pixel, microlens and seed

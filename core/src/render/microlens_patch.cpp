@@ -50,11 +50,9 @@ KernelPatch<Real> microlens_patch(const PupilTable& table, const PupilNode& node
   return patch;
 }
 
-PixelCut whole_aperture(double bound) {
+CutColumn whole_aperture(double bound) {
   const auto b = static_cast<float>(bound);
-  PixelCut cut;
-  cut.value.fill({2 * b, 2 * b, 100 * b, 100 * b});
-  return cut;
+  return constant_cut({2 * b, 2 * b, 100 * b, 100 * b});
 }
 
 template KernelPatch<float> microlens_patch(const PupilTable&, const PupilNode&, Vec2, Vec2, bool);

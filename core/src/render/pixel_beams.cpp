@@ -28,8 +28,9 @@ constexpr double kRounding = 1e-6;      ///< of the distance: rays in single pre
 /// micro-image's centre and across (PupilCut).
 class Opening {
  public:
-  /// @param sensor from the microlens' centre, @param e direction of the line
-  Opening(const PixelCut& cut, const ApertureDiscs& discs, Vec2 sensor, Vec2 e)
+  /// @param distance from the micro-image's centre @param sensor from the microlens' centre
+  /// @param e direction of the line
+  Opening(const PixelView& view, double distance, const ApertureDiscs& discs, Vec2 sensor, Vec2 e)
       : bound_(discs.bound),
         centre_(discs.far_centre(sensor)),
         radius_(discs.radius_at(sensor) + std::fabs(centre_.x * e.y - centre_.y * e.x)),
@@ -39,9 +40,10 @@ class Opening {
         near_along_(discs.near_shift * dot(sensor, e)),
         low_(std::max({-bound_, along_ - radius_, near_along_ - near_radius_})),
         high_(std::min({bound_, along_ + radius_, near_along_ + near_radius_})),
-        is_cut_(!cut.open) {
+        is_cut_(!view.open) {
     if (!is_cut_) return;
-    for (std::size_t k = 0; k < 4; ++k) cut_[k] = static_cast<double>(cut.value[0][k]);
+    const PupilCut cut = cut_at(*view.column, static_cast<float>(distance));
+    for (std::size_t k = 0; k < 4; ++k) cut_[k] = static_cast<double>(cut[k]);
     low_ = std::max(low_, -cut_[0]);
     high_ = std::min(high_, cut_[1]);
   }
@@ -71,9 +73,9 @@ void request_spot(const PupilNode& node, const ApertureDiscs& discs, double pixe
                   std::vector<PupilTracer::Request>& requests) {
   const double d = length(v);
   const Vec2 e = d > 0 ? (1 / d) * v : Vec2{1, 0}, sensor = Vec2{node.centre, 0} + v;
-  const PixelCut cut = node.cuts.of_square(v, kPoint * pixel, {1, 0});
-  const Opening opening(cut, discs, sensor, e);
-  if (cut.dark || opening.empty()) return;
+  const PixelView view = node.cuts.look(v, kPoint * pixel, {1, 0});
+  const Opening opening(view, d, discs, sensor, e);
+  if (view.dark || opening.empty()) return;
   const double middle = 0.5 * (opening.low() + opening.high());
   for (int i = 0; i < kDirections; ++i) {
     const double turn = 2 * constants::pi * i / kDirections;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "plenoflame/base/constants.h"
 #include "support/approx.h"
 
 namespace plenoflame::test {
@@ -37,6 +38,7 @@ double value(const PupilColumn& column, std::size_t side, double distance) {
   return from + (step - static_cast<double>(k)) * (to - from);
 }
 
+/// @param kind 0: open nowhere 1: closes at once 2: soon
 PupilColumn random_column(Numbers& numbers, int kind) {
   PupilColumn column;
   column.opens = static_cast<float>(kind == 0 ? 0.0 : numbers(0, 1e-4));
@@ -47,73 +49,78 @@ PupilColumn random_column(Numbers& numbers, int kind) {
   return column;
 }
 
-// All azimuths alike: every sector is that one column. Pixels end at its ends and at its steps,
-// too.
+// Columns of all azimuths open and close at the same distances, but are not alike otherwise. Points
+// of a pixel: its corners, its middle, and others.
 TEST(PupilCut, PixelsHoldEveryCutWithin) {
   Numbers numbers;
-  int cut_pixels = 0;
+  const Vec2 field{0.6, 0.8};
+  int looked_at = 0, narrow = 0;
   for (int round = 0; round < 4000; ++round) {
     PupilCuts cuts;
     cuts.columns.fill(random_column(numbers, round % 4));
     const PupilColumn& column = cuts.columns.front();
+    for (PupilColumn& other : cuts.columns)
+      for (PupilCut& cut : other.cuts)
+        for (float& side : cut) side = static_cast<float>(numbers(-kLargest, kLargest));
     const PixelCuts pixels(cuts);
     const double half = std::pow(10, numbers(-7.5, -4)), turn = numbers(0, 7);
-    double distance = numbers(0, 2e-4);
-    if (round % 3 == 0)
-      distance = static_cast<double>(column.distance_at(numbers.one_of(PupilColumn::kSteps + 1))) +
-                 half * (numbers.one_of(3) - 1);
+    const double distance = numbers(0, 2e-4);
     const Vec2 centre =
         round % 2 == 0 ? Vec2{distance, 0} : distance * Vec2{std::cos(turn), std::sin(turn)};
-    const PixelCut pixel = pixels.of_square(centre, half, {0.6, 0.8});
-    const double x = std::fabs(centre.x), y = std::fabs(centre.y);
-    const double near = std::hypot(std::max(x - half, 0.0), std::max(y - half, 0.0)),
-                 far = std::hypot(x + half, y + half);
+    const PixelView view = pixels.look(centre, half, field);
     const double closes = static_cast<double>(column.closes),
                  opens = static_cast<double>(column.opens);
     constexpr double kRounding = 1e-6;
-    EXPECT_TRUE(!pixel.dark || near >= closes * (1 - kRounding));
-    EXPECT_TRUE(!pixel.open || far <= opens * (1 + kRounding));
-    if (pixel.dark || pixel.open) continue;
-    ++cut_pixels;
     // Single precision rounds values, and places, where a column may be steep.
     const double steepest = PupilColumn::kSteps * 2 * kLargest / std::max(closes - opens, 1e-300);
-    const double room = kRounding * (kLargest + (closes + far) * steepest);
-    for (int i = 0; i <= 40 + PupilColumn::kSteps; ++i) {
-      const double d = i <= 40 ? near + (std::min(far, closes) - near) * i / 40
-                               : static_cast<double>(column.distance_at(i - 40));
-      if (d < near || d > far || d > closes) continue;
-      const auto middle = static_cast<double>(pixel.middle);
-      const std::size_t part = d < middle ? 0 : 1;
+    for (int i = 0; i < 40; ++i) {
+      const auto part = [&](int bit) { return i < 4 ? (i >> bit & 1) * 2 - 1.0 : numbers(-1, 1); };
+      const Vec2 v = i == 4 ? centre : centre + half * Vec2{part(0), part(1)};
+      const double d = length(v);
+      EXPECT_TRUE(!view.dark || d >= closes * (1 - kRounding));
+      EXPECT_TRUE(!view.open || d <= opens * (1 + kRounding));
+      if (view.dark || view.open || d > closes) continue;
+      ++looked_at;
+      const double way = 8 / constants::pi * std::acos(std::clamp(dot(v, field) / d, -1.0, 1.0));
+      const auto j = static_cast<std::size_t>(std::min(way, 7.0));
+      const double t = way - static_cast<double>(j);
+      const double room = kRounding * (kLargest + (closes + d) * steepest);
+      const PupilCut bound = cut_at(*view.column, static_cast<float>(d));
       for (std::size_t side = 0; side < 4; ++side) {
-        const double bound = static_cast<double>(pixel.value[part][side]) +
-                             static_cast<double>(pixel.slope[part][side]) * (d - middle);
-        EXPECT_GE(bound, value(column, side, d) - room)
-            << "from " << near << " to " << far << " at " << d << ", opens " << opens << ", closes "
-            << closes;
+        const double a = value(cuts.columns[j], side, d), b = value(cuts.columns[j + 1], side, d);
+        EXPECT_GE(static_cast<double>(bound[side]), a + t * (b - a) - room)
+            << "at " << d << ", azimuth " << way << ", opens " << opens << ", closes " << closes;
+        narrow += static_cast<double>(bound[side]) < 0.5 * kLargest ? 1 : 0;
       }
     }
   }
-  EXPECT_GT(cut_pixels, 1500);
+  EXPECT_GT(looked_at, 20000);
+  EXPECT_GT(narrow, 1000);  // not just any wide bound
 }
 
-// A straight column is not lifted: a pixel's cut is the column itself.
-TEST(PupilCut, StraightColumnsAreTakenAsTheyAre) {
-  PupilCuts cuts;
-  PupilColumn& column = cuts.columns.front();
-  column.opens = 1e-5F;
-  column.closes = 9e-5F;
-  for (std::size_t k = 0; k < column.cuts.size(); ++k)
-    column.cuts[k].fill(5e-5F - 2e-6F * static_cast<float>(k));
-  cuts.columns.fill(PupilColumn(column));
-  const PixelCuts pixels(cuts);
-  for (double distance = 2e-5; distance < 8e-5; distance += 3e-6) {
-    const PixelCut pixel = pixels.of_square({0, distance}, 4e-6, {1, 0});
-    for (std::size_t part = 0; part < 2; ++part) {
-      // The step is 5e-6 m long.
-      EXPECT_TRUE(relative(static_cast<double>(pixel.slope[part][0]), -0.4, 1e-4));
-      EXPECT_TRUE(relative(static_cast<double>(pixel.value[part][0]),
-                           value(column, 0, static_cast<double>(pixel.middle)), 1e-5));
-    }
+// Where all azimuths are alike a pixel's cuts are that one column; between tables they are mixed.
+TEST(PupilCut, LikeColumnsAreTakenAsTheyAre) {
+  Numbers numbers;
+  PixelCuts tables[2];
+  PupilColumn columns[2];
+  for (int k = 0; k < 2; ++k) {
+    PupilColumn& column = columns[k] = random_column(numbers, 3);
+    column.opens = 1e-5F;
+    column.closes = 9e-5F;
+    PupilCuts cuts;
+    cuts.columns.fill(column);
+    tables[k] = PixelCuts(cuts);
+  }
+  for (const float t : {0.0F, 0.25F, 1.0F}) {
+    const PixelCuts mixed = PixelCuts::mix(tables[0], tables[1], t);
+    const PixelView view = mixed.look({0, 4e-5}, 4e-6, {1, 0});
+    EXPECT_FALSE(view.dark || view.open);
+    for (double d = 5e-6; d < 9.5e-5; d += 3e-7)
+      for (std::size_t side = 0; side < 4; ++side) {
+        const double a = value(columns[0], side, d), b = value(columns[1], side, d);
+        EXPECT_TRUE(within(static_cast<double>(cut_at(*view.column, static_cast<float>(d))[side]),
+                           a + static_cast<double>(t) * (b - a), 1e-5, kLargest));
+      }
   }
 }
 

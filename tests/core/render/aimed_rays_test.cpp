@@ -1,5 +1,6 @@
 // How far rays are aimed through a microlens: up to where they begin to be stopped, and no less.
 // The reference is the camera's exact trace of single rays.
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -12,10 +13,11 @@
 
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
-#include "render/backward_kernel.h"
+#include "render/backward_tile.h"
 #include "render/microlens_patch.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/isas.h"
 
 namespace plenoflame::test {
 namespace {
@@ -104,21 +106,22 @@ Found look(const CameraSpec& spec, double field) {
     if (node.dark()) continue;
     const Vec2 out = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
     const auto patch = microlens_patch<double>(table, node, place, out, camera.ideal_array());
+    const CutColumn whole = whole_aperture(table.discs.bound);
     const double p = spec.sensor.pixel_pitch, reach = node.outer_radius;
     const int across = static_cast<int>(std::ceil(2 * reach / p));
     const int step = std::max(1, across / kPixels);
     for (int j = 0; j < across; j += step)
       for (int i = 0; i < across; i += step) {
         const Vec2 v{(i + 0.5) * p - reach, (j + 0.5) * p - reach};
-        const PixelCut cut = node.cuts.of_square(v, 0.5 * p, out);
-        if (cut.dark) continue;
+        const PixelView view = node.cuts.look(v, 0.5 * p, out);
+        if (view.dark) continue;
         KernelPixel<double> pixel{};
         const Vec2 middle = v + node.centre * out;
         pixel.x_low = middle.x - 0.5 * p;
         pixel.x_width = p;
         pixel.y0 = middle.y - 0.5 * p;
         pixel.y1 = middle.y + 0.5 * p;
-        set_cut(cut.open ? whole_aperture(table.discs.bound) : cut, pixel);
+        pixel.cuts = view.open ? &whole : view.column;
         shift = shift * 1664525u + 1013904223u;
         for (const PixelAims::Aim& aim : kernels.aims(patch, pixel, distance, shift)) {
           if (!(aim.weight > 0)) continue;
@@ -212,7 +215,8 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
   pixel.x_low = 2;
   pixel.x_width = 3;
   pixel.y1 = 5;
-  set_cut(whole_aperture(1), pixel);
+  const CutColumn whole = whole_aperture(1);
+  pixel.cuts = &whole;
   for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
   pixel.replicate_numbers = numbers.data();
   pixel.shift[0] = 0x9abcdef1u;
@@ -246,6 +250,87 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
     columns.insert(column);
   }
   EXPECT_EQ(columns.size(), static_cast<std::size_t>(kCount));
+}
+
+/// Rays that a kernel makes of one pixel, in double precision: where they are aimed, and weights.
+template <class Real>
+std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts) {
+  const CameraSpec spec = preset_camera("paper-plenoptic2");
+  const Camera camera(spec);
+  const PupilSampling pupils(camera);
+  const PupilTable& table = pupils.tables()[1];
+  const Vec2 place{5e-3, 2e-3};
+  const double h = length(place), pitch = spec.sensor.pixel_pitch;
+  const PupilNode node = table.at(h);
+  const Vec2 out = (1 / h) * place;
+  const auto patch = microlens_patch<Real>(table, node, place, out, false);
+  constexpr int kCount = 48;
+  std::vector<std::uint32_t> fractions(4 * kCount), numbers(kCount);
+  for (std::uint32_t i = 0; i < fractions.size(); ++i) fractions[i] = 2654435769u * (i + 1);
+  constexpr std::size_t kStride = 64 + 16;
+  std::vector<Real> storage(9 * kStride);
+  std::vector<int> codes(kStride);
+  KernelBlock<Real> block{};
+  Real** arrays[] = {&block.x,  &block.y,      &block.z,          &block.dx,        &block.dy,
+                     &block.dz, &block.weight, &block.scratch[0], &block.scratch[1]};
+  for (std::size_t k = 0; k < 9; ++k) *arrays[k] = storage.data() + k * kStride;
+  block.code = codes.data();
+  std::vector<std::array<double, 3>> rays;
+  for (double way = 0.05; way < 1; way += 0.15) {
+    KernelPixel<Real> pixel{};
+    const Vec2 centre = node.centre * out + way * node.outer_radius * Vec2{0.8, 0.6};
+    pixel.x_low = static_cast<Real>(centre.x - 0.5 * pitch);
+    pixel.x_width = static_cast<Real>(pitch);
+    pixel.y0 = static_cast<Real>(centre.y - 0.5 * pitch);
+    pixel.y1 = static_cast<Real>(centre.y + 0.5 * pitch);
+    pixel.cuts = &cuts;
+    for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
+    pixel.replicate_numbers = numbers.data();
+    pixel.count = kCount - 5;
+    backward_kernels<Real>(isa).generate(patch, &pixel, 1, Real(1e-3), block);
+    for (std::size_t i = 0; i < kCount - 5; ++i)
+      rays.push_back({static_cast<double>(block.x[i]), static_cast<double>(block.y[i]),
+                      static_cast<double>(block.weight[i])});
+  }
+  return rays;
+}
+
+// Cuts that go up and down from step to step, over all of the micro-image.
+TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
+  const double outer =
+      PupilSampling(Camera(preset_camera("paper-plenoptic2"))).tables()[1].at(5e-3).outer_radius;
+  const double radius = 0.5 * preset_camera("paper-plenoptic2").array.diameter;
+  PupilCuts shape;
+  PupilColumn column;
+  column.opens = static_cast<float>(0.05 * outer);
+  column.closes = static_cast<float>(0.95 * outer);
+  for (int k = 0; k <= PupilColumn::kSteps; ++k)
+    for (int side = 0; side < 4; ++side) {
+      const double reach = (side < 2 ? 0.5 : 2) + 0.4 * std::sin(5.0 * k + side);
+      column.cuts[static_cast<std::size_t>(k)][static_cast<std::size_t>(side)] =
+          static_cast<float>(reach * radius);
+    }
+  shape.columns.fill(column);
+  const PixelCuts pixels(shape);
+  const CutColumn& cuts = *pixels.look({0.5 * outer, 0}, 1e-9, {1, 0}).column;
+  const auto expected = rays_of<double>(Isa::baseline, cuts);
+  double heaviest = 0;
+  int light = 0;
+  for (const auto& ray : expected) heaviest = std::max(heaviest, ray[2]);
+  for (const auto& ray : expected) light += ray[2] > 0.01 * heaviest ? 1 : 0;
+  EXPECT_GT(light, 200);
+  const auto compare = [&](const std::vector<std::array<double, 3>>& rays, double tolerance) {
+    ASSERT_EQ(rays.size(), expected.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      for (std::size_t k = 0; k < 2; ++k)
+        EXPECT_TRUE(within(rays[i][k], expected[i][k], tolerance, radius)) << i;
+      EXPECT_TRUE(within(rays[i][2], expected[i][2], tolerance, heaviest)) << i;
+    }
+  };
+  for (const Isa isa : supported_isas()) {
+    compare(rays_of<double>(isa, cuts), 1e-9);
+    compare(rays_of<float>(isa, cuts), 2e-4);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <array>
 #include <vector>
 
+#include "plenoflame/camera/cut_kernel.h"
 #include "plenoflame/math/vector.h"
 
 namespace plenoflame {
@@ -17,19 +18,9 @@ namespace plenoflame {
 /// -high_far) [m]: every larger number is a wider bound.
 using PupilCut = std::array<float, 4>;
 
-/// The cuts for the sensor points of one pixel: at distance d [m] from the micro-image's centre
-/// value[k] + slope[k] * (d - middle), k = 0 up to the middle, 1 beyond; at least as wide as every
-/// cut in the pixel.
-struct PixelCut {
-  bool dark = false;  ///< nothing gets from the pixel through the microlens
-  bool open = false;  ///< the stop cuts nothing: no cut is given
-  float middle = 0;   ///< [m]
-  std::array<PupilCut, 2> value{}, slope{};
-};
-
 /// Cuts over the distance from the micro-image's centre: linear between equal steps.
 struct PupilColumn {
-  static constexpr int kSteps = 16;
+  static constexpr int kSteps = CutColumn::kSteps;
   /// Up to `opens` the stop cuts nothing; beyond `closes` all is cut [m].
   float opens = 0, closes = 0;
   alignas(16) std::array<PupilCut, kSteps + 1> cuts{};
@@ -84,21 +75,34 @@ class PupilCuts {
   ColumnBetween at(const Azimuth& azimuth) && = delete;  // it would refer to what is gone
 };
 
-/// Cuts that hold for all of a pixel: columns that are at least as wide as all azimuths of a
-/// sector.
+/// At a distance from the micro-image's centre [m].
+PupilCut cut_at(const CutColumn& column, float distance);
+/// Of which no side is ever wider than `cut`, nor narrower: nothing is open or closed for good.
+CutColumn constant_cut(const PupilCut& cut);
+
+/// What a pixel sees of a microlens' aperture.
+struct PixelView {
+  bool dark = false;                  ///< nothing gets from the pixel through the microlens
+  bool open = false;                  ///< the stop cuts nothing
+  const CutColumn* column = nullptr;  ///< holds for all points of the pixel
+};
+
+/// Columns that are at least as wide as all azimuths of a sector.
 class PixelCuts {
  public:
   PixelCuts() = default;
   explicit PixelCuts(const PupilCuts& cuts);
   static PixelCuts mix(const PixelCuts& a, const PixelCuts& b, float t);
 
+  /// Refers to these cuts.
   /// @param centre of the pixel, from the micro-image's [m] @param half its side [m]
   /// @param field unit vector away from the optical axis, in the axes of the pixel's sides
-  PixelCut of_square(Vec2 centre, double half, Vec2 field) const;
+  PixelView look(Vec2 centre, double half, Vec2 field) const&;
+  PixelView look(Vec2 centre, double half, Vec2 field) && = delete;
 
  private:
   /// One around each azimuth of the table, and one for all.
-  std::array<PupilColumn, PupilCuts::kAzimuths + 1> columns_;
+  std::array<CutColumn, PupilCuts::kAzimuths + 1> columns_;
 };
 
 }  // namespace plenoflame
