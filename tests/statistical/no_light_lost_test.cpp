@@ -174,8 +174,8 @@ TEST_P(NoLightLost, EveryRayThatPassesIsInsideTheBounds) {
       });
   EXPECT_GT(passed, kDiscRays / 100);
   EXPECT_EQ(outside_aperture, 0) << "of " << passed;
-  // Cuts are widened until they hold all of 0.8 million traced rays (camera/widen_cuts.h); what
-  // they may still leave out is far below the tenth of a percent that the total is held to.
+  // Cuts are widened until they hold all of 200 000 traced rays per type (camera/widen_cuts.h);
+  // what they may still leave out is far below the tenth of a percent that the total is held to.
   EXPECT_LE(outside_cut, 1e-4 * all_light) << "of " << passed << " rays";
   EXPECT_EQ(outside_bound, 0) << "of " << passed;
   EXPECT_EQ(outside_image, 0) << "of " << passed;
