@@ -86,9 +86,9 @@ PixelWindow window_of(const Case& c) {
 /// Whether an aim point is inside the cut for a sensor point at `image` from the micro-image's
 /// centre.
 bool inside(const PixelView& view, Vec2 image, Vec2 aim) {
-  if (view.dark) return false;
-  if (view.open) return true;
   const double d = length(image);
+  if (view.dark || d > static_cast<double>(view.column->closes)) return false;
+  if (view.open) return true;
   const Vec2 e = (1 / d) * image;
   const PupilCut cut = cut_at(*view.column, static_cast<float>(d));
   const auto bound = [&](std::size_t k) { return static_cast<double>(cut[k]); };

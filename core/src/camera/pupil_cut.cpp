@@ -15,13 +15,9 @@ constexpr int kLast = PupilCuts::kAzimuths - 1;
 constexpr std::array<float, PupilCuts::kAzimuths> kCosines{1.0f,         0.92387953f,  0.70710678f,
                                                            0.38268343f,  0.0f,         -0.38268343f,
                                                            -0.70710678f, -0.92387953f, -1.0f};
-// cos(pi (k + 1/2) / 8): where the nearest azimuth changes
-constexpr std::array<float, kLast> kBorders{0.98078528f,  0.83146961f,  0.55557023f,  0.19509032f,
-                                            -0.19509032f, -0.55557023f, -0.83146961f, -0.98078528f};
 // Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps: half a step to the
 // border, and a pixel that looks from the centre like a disc of one step's radius.
 constexpr double kSector = 1.5;
-constexpr float kSine = 0.38268343f;  ///< of one step
 constexpr float kNone = -1e30f;
 
 /// Four numbers that are computed with at once (an extension of GCC and Clang).
@@ -169,20 +165,18 @@ PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
 }
 
 PixelView PixelCuts::look(Vec2 centre, double half, Vec2 field) const& {
-  const auto x = static_cast<float>(std::fabs(centre.x)),
-             y = static_cast<float>(std::fabs(centre.y)), side_half = static_cast<float>(half);
-  const float near_x = std::max(x - side_half, 0.0f), near_y = std::max(y - side_half, 0.0f),
-              far_x = x + side_half, far_y = y + side_half;
-  const float near = std::sqrt(near_x * near_x + near_y * near_y),
-              far = std::sqrt(far_x * far_x + far_y * far_y), distance = std::sqrt(x * x + y * y);
-  std::size_t sector = columns_.size() - 1;
-  if (0.5f * (far - near) < kSine * distance) {
-    const auto along = static_cast<float>(dot(centre, field));
+  const double x = std::fabs(centre.x), y = std::fabs(centre.y);
+  const double near = std::hypot(std::max(x - half, 0.0), std::max(y - half, 0.0)),
+               far = std::hypot(x + half, y + half), distance = std::hypot(x, y);
+  int sector = kSectors - 1;
+  if (0.5 * (far - near) < kCutSine * distance) {
+    const double along = dot(centre, field);
     sector = 0;
-    for (const float border : kBorders) sector += along < border * distance ? 1 : 0;
+    for (const double border : kCutBorders) sector += along < border * distance ? 1 : 0;
   }
-  const CutColumn& column = columns_[sector];
-  return {near >= column.closes, far <= column.opens, &column};
+  const CutColumn& column = columns_[static_cast<std::size_t>(sector)];
+  return {near >= static_cast<double>(column.closes), far <= static_cast<double>(column.opens),
+          &column};
 }
 
 PupilCut cut_at(const CutColumn& column, float distance) {

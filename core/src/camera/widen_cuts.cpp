@@ -10,11 +10,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kEdgeBlocks = 4;      ///< of rays between two nodes, near the micro-image's edge
-constexpr int kBlocks = 64;         ///< of rays between two nodes, all over the micro-image
-constexpr int kInsideBlocks = 24;   ///< the same, inside of the cuts: where series must hold
-constexpr double kBeside = 0.02;    ///< of the bound: rays are aimed so far outside of a cut
-constexpr double kRoom = 1.2;       ///< what lacks is added with this factor
+constexpr int kEdgeBlocks = 4;       ///< of rays between two nodes, near the micro-image's edge
+constexpr int kBlocks = 64;          ///< of rays between two nodes, all over the micro-image
+constexpr int kInsideBlocks = 24;    ///< the same, inside of the cuts: where series must hold
+constexpr double kBeside = 0.02;     ///< of the bound: rays are aimed so far outside of a cut
+constexpr double kRoom = 1.2;        ///< what lacks is added with this factor
 constexpr double kMargin = 0.00075;  ///< of the bound: for the rays that were not traced
 
 /// Evenly spread numbers of [-1, 1] drawn towards the ends, where openings have their corners.

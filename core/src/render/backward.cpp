@@ -235,12 +235,12 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
-      return {avx512::generate, avx512::accumulate};
+      return {avx512::generate, avx512::accumulate, avx512::survey_row, avx512::judge_row};
     case Isa::avx2:
-      return {avx2::generate, avx2::accumulate};
+      return {avx2::generate, avx2::accumulate, avx2::survey_row, avx2::judge_row};
 #endif
     default:
-      return {baseline::generate, baseline::accumulate};
+      return {baseline::generate, baseline::accumulate, baseline::survey_row, baseline::judge_row};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);

@@ -18,9 +18,8 @@ struct KernelCrossing {
 /// to its centre (without array: to the optical axis).
 template <class Real>
 struct KernelPatch {
-  Real outer_x, outer_y, outer_radius2;  ///< disc that holds the micro-image
-  Real lens_x, lens_y;                   ///< centre of the microlens
-  Real centre_x, centre_y;               ///< the cuts' axes run through this sensor point
+  Real lens_x, lens_y;      ///< centre of the microlens
+  Real centre_x, centre_y;  ///< of the micro-image: the cuts' axes run through this sensor point
   Real origin_x, origin_y,
       origin_shift;  ///< aim points count from (origin_x, origin_y) + origin_shift * s
   /// The discs of the microlens' own apertures (ApertureDiscs), from the origin.
@@ -36,8 +35,9 @@ struct KernelPatch {
 /// A pixel that the microlens of a patch may light, and its random numbers.
 template <class Real>
 struct KernelPixel {
-  Real x_low, x_width;    ///< columns inside the outer disc
+  Real x_low, x_width;    ///< columns that get light
   Real y0, y1;            ///< rows
+  Real radius2;           ///< squared: no light comes from farther away from the patch's centre
   const CutColumn* cuts;  ///< of the aperture, about the patch's centre
   const std::uint32_t* fractions[4];
   /// Digital shift of each dimension: shift ^ second_shift * number of the replicate (SobolPool).

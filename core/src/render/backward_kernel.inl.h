@@ -107,7 +107,7 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   const std::uint32_t g0 = pixel.second_shift[0], g1 = pixel.second_shift[1],
                       g2 = pixel.second_shift[2], g3 = pixel.second_shift[3];
   const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
-  const Real outer_x = c.outer_x, outer_y = c.outer_y, outer2 = c.outer_radius2;
+  const Real radius2 = pixel.radius2;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
   const CutColumn& cuts = *pixel.cuts;
   const Real opens = Real(cuts.opens), steps_per_metre = Real(cuts.steps_per_metre);
@@ -130,11 +130,12 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
       const int i = begin + k;
       const std::uint32_t number = numbers[i];
       const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
-      const Real chord = square_root(greatest(outer2 - (sx - outer_x) * (sx - outer_x), Real(0)));
-      const Real top = greatest(y0, outer_y - chord);
-      const Real height = greatest(least(y1, outer_y + chord) - top, Real(0));
+      const Real wx = sx - centre_x;
+      const Real chord = square_root(greatest(radius2 - wx * wx, Real(0)));
+      const Real top = greatest(y0, centre_y - chord);
+      const Real height = greatest(least(y1, centre_y + chord) - top, Real(0));
       const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
-      const Real wx = sx - centre_x, wy = sy - centre_y;
+      const Real wy = sy - centre_y;
       x[i] = sx;
       y[i] = sy;
       area[i] = x_width * height;

@@ -16,11 +16,7 @@ namespace {
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
-constexpr std::uint64_t kScatterSeed = 0x73636174u;      ///< apart from what the rays use
-constexpr std::uint64_t kSecondShiftSeed = 0x73686966u;  ///< apart from what chooses entries
-/// Of a pixel: larger parts are worth as much as all of it.
-constexpr double kSmallPart = 0.5;
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
+constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
 constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
@@ -86,109 +82,6 @@ void TileTracer<Real>::render(int tile_index) {
   if (counters_.pairs == pairs_before) counters_.tiles_skipped += 1;
 }
 
-/// What the pixels of a row have in common. @return false when it lies outside of the outer disc
-template <class Real>
-bool TileTracer<Real>::place_row(double y, Vec2 outer_centre, double outer_radius) {
-  const double half = 0.5 * plan_.scene->camera.spec().sensor.pixel_pitch;
-  row_y0_ = y - half;
-  row_y1_ = y + half;
-  const double miss = std::clamp(outer_centre.y, row_y0_, row_y1_) - outer_centre.y;
-  const double reach2 = outer_radius * outer_radius - miss * miss;
-  row_reach_ = reach2 > 0 ? std::sqrt(reach2) : 0;
-  return reach2 > 0;
-}
-
-/// @return false when the pixel of the row lies outside of the outer disc
-template <class Real>
-bool TileTracer<Real>::place_pixel(double x, double outer_x) {
-  const double half = 0.5 * plan_.scene->camera.spec().sensor.pixel_pitch;
-  const double x0 = std::max(x - half, outer_x - row_reach_);
-  const double x1 = std::min(x + half, outer_x + row_reach_);
-  if (!(x1 > x0)) return false;
-  KernelPixel<Real>& made = pixel();
-  made.x_low = static_cast<Real>(x0);
-  made.x_width = static_cast<Real>(x1 - x0);
-  made.y0 = static_cast<Real>(row_y0_);
-  made.y1 = static_cast<Real>(row_y1_);
-  return true;
-}
-
-template <class Real>
-void TileTracer<Real>::add_microlens(LensIndex lens) {
-  const PixelWindow& tile = tile_;
-  const Camera& camera = plan_.scene->camera;
-  const Vec3 lens_place = camera.lens_place(lens);
-  const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
-  const int type = camera.lattice().type(lens);
-  const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
-  const Sight sight = plan_.beams ? plan_.beams->lenses().look(type, lens_place) : Sight::filled;
-  if (sight == Sight::nothing) return;
-  std::optional<PixelBeam> beam;  // where pixels are looked at one by one
-  if (sight == Sight::some && plan_.beams->pixels()) beam = plan_.beams->pixels()->of(type, place);
-  const double h = std::sqrt(dot(from_foot, from_foot));
-  generate_queued();  // what is queued belongs to the patch before
-  const PupilNode& node = node_ = table.at(h);
-  if (node.dark()) return;
-  const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
-  const Vec2 centre = node.centre * field;
-  const double outer = node.outer_radius;
-  whole_ = whole_aperture(table.discs.bound);
-  patch_ = microlens_patch<Real>(table, node, place, field, camera.ideal_array());
-  has_own_lens_ = false;
-  if (camera.misaligned()) {
-    own_lens_ = plan_.microlenses[static_cast<std::size_t>(type)];
-    set_lens(camera, lens, own_lens_);
-    has_own_lens_ = true;
-  }
-  const SensorSpec& sensor = camera.spec().sensor;
-  const double pitch = sensor.pixel_pitch;
-  const double half_pitch = 0.5 * pitch, per_pitch = 1 / pitch;
-  const Vec2 image = place + centre;
-  const auto column_of = [&](double x) {
-    return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
-  };
-  const auto row_of = [&](double y) {
-    return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch));
-  };
-  const int column0 = std::max(tile.x, column_of(image.x + outer));
-  const int column1 = std::min(tile.x + tile.width - 1, column_of(image.x - outer));
-  const int row0 = std::max(tile.y, row_of(image.y + outer));
-  const int row1 = std::min(tile.y + tile.height - 1, row_of(image.y - outer));
-  const std::uint64_t key =
-      mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
-             static_cast<std::uint32_t>(lens.r)) ^
-            plan_.settings->seed);
-  const WorthLevels::Rings worth = plan_.worths[static_cast<std::size_t>(type)].at(h);
-  const int last_level = static_cast<int>(plan_.levels.size()) - 1;
-  for (int row = row0; row <= row1; ++row) {
-    if (!place_row(camera.sensor_point(0, row + 0.5).y - place.y, centre, outer)) continue;
-    for (int column = column0; column <= column1; ++column) {
-      const Vec2 at = camera.sensor_point(column + 0.5, row + 0.5) - place;
-      if (!place_pixel(at.x, centre.x)) continue;
-      const Vec2 v = at - centre;
-      int number = worth.at(dot(v, v));
-      const double part = static_cast<double>(pixel().x_width) * per_pitch;
-      if (part < kSmallPart) number += WorthLevels::of(part);
-      const SampleLevel& level =
-          plan_.levels[static_cast<std::size_t>(std::min(number, last_level))];
-      set_random(column, row, key);
-      const std::uint64_t chosen = level.sparse > 0 ? chosen_replicates(level.sparse) : kAll;
-      if (chosen == 0) {
-        counters_.pairs_left_to_chance += 1;
-        continue;
-      }
-      if (beam && !beam->may_meet(at)) {
-        counters_.pairs_skipped += 1;
-        continue;
-      }
-      const PixelView view = node.cuts.look(v, half_pitch, field);
-      if (view.dark) continue;
-      pixel().cuts = view.open ? &whole_ : view.column;
-      add_pair(type, column, row, level, chosen);
-    }
-  }
-}
-
 template <class Real>
 void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& table,
                                       const BeamBounds* beams, int type) {
@@ -206,9 +99,6 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   const double h = length(from_foot), pitch = camera.spec().sensor.pixel_pitch;
   generate_queued();
   patch_ = {};
-  patch_.outer_x = static_cast<Real>(centre.x);
-  patch_.outer_y = static_cast<Real>(centre.y);
-  patch_.outer_radius2 = static_cast<Real>(4 * pitch * pitch);
   has_own_lens_ = false;
   const Vec2 field = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
   const Vec2 aim = foot + node.aim_centre * field;
@@ -223,12 +113,17 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   patch_.origin_y = static_cast<Real>(aim.y - shift * centre.y);
   patch_.origin_shift = static_cast<Real>(shift);
   patch_.near_radius = patch_.far_radius = static_cast<Real>(node.aim_radius);
-  place_row(centre.y, centre, 2 * pitch);  // nothing cuts the pixel
-  place_pixel(centre.x, centre.x);
-  whole_ = whole_aperture(node.aim_radius);  // the aim disc is the pupil itself
-  pixel().cuts = &whole_;
+  KernelPixel<Real>& made = pixel();
+  made.x_low = static_cast<Real>(centre.x - 0.5 * pitch);
+  made.x_width = static_cast<Real>(pitch);
+  made.y0 = static_cast<Real>(centre.y - 0.5 * pitch);
+  made.y1 = static_cast<Real>(centre.y + 0.5 * pitch);
+  whole_ = whole_aperture(node.aim_radius);              // the aim disc is the pupil itself
+  made.radius2 = std::numeric_limits<Real>::infinity();  // nothing cuts the pixel
+  made.cuts = &whole_;
   set_random(column, row, mix64(plan_.settings->seed));
-  add_pair(type, column, row, plan_.levels.front(), kAll);
+  type_ = type;
+  add_pair(column, row, plan_.levels.front(), kAllReplicates);
 }
 
 template <class Real>
@@ -239,6 +134,8 @@ void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
   random_[0] = mix64(pixel ^ key);
   random_[1] = mix64(random_[0]);
   random_[2] = mix64(random_[1]);
+  random_[3] = mix64(random_[2] + kSecondShiftSeed);
+  random_[4] = mix64(random_[3]);
 }
 
 /// Where less than one ray would be due to each randomisation, chance decides which of them get
@@ -256,24 +153,19 @@ std::uint64_t TileTracer<Real>::chosen_replicates(int sparse) const {
 }
 
 template <class Real>
-void TileTracer<Real>::add_pair(int type, int column, int row, const SampleLevel& level,
+void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level,
                                 std::uint64_t chosen) {
   const SobolPool& pool = *level.pool;
   // The upper half of the product: evenly spread over the entries, without a division.
   const int entry =
       static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
   KernelPixel<Real>& made = pixel();
-  made.shift[0] = static_cast<std::uint32_t>(random_[0]);
-  made.shift[1] = static_cast<std::uint32_t>(random_[0] >> 32);
-  made.shift[2] = static_cast<std::uint32_t>(random_[1]);
-  made.shift[3] = static_cast<std::uint32_t>(random_[1] >> 32);
-  const std::uint64_t first_two = mix64(random_[2] + kSecondShiftSeed), last_two = mix64(first_two);
-  for (std::size_t d = 0; d < 4; ++d)
-    made.second_shift[d] =
-        static_cast<std::uint32_t>((d < 2 ? first_two : last_two) >> (d % 2 * 32));
+  for (std::size_t d = 0; d < 4; ++d) {
+    const std::size_t bits = d % 2 * 32;
+    made.shift[d] = static_cast<std::uint32_t>(random_[d / 2] >> bits);
+    made.second_shift[d] = static_cast<std::uint32_t>(random_[3 + d / 2] >> bits);
+  }
   counters_.pairs += 1;
-  type_ = type;
-  const Pending pair{column, row, 0, 0, 0, level.pool_level, level.scale};
   const int total = pool.replicates() * pool.points();
   if (level.sparse == 0) {
     // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
@@ -281,7 +173,7 @@ void TileTracer<Real>::add_pair(int type, int column, int row, const SampleLevel
     if (count_ + std::min(total, kBlockRays) > kBlockRays) flush_keeping(made);
     for (int offset = 0; offset < total; offset += kBlockRays) {
       if (offset > 0) flush();  // it was alone in the block, and still is the next one
-      queue(pair, pool, entry, offset, std::min(total - offset, kBlockRays));
+      queue(column, row, level, entry, offset, std::min(total - offset, kBlockRays));
     }
   } else {  // one point a replicate
     if (count_ + total > kBlockRays) flush_keeping(made);
@@ -289,28 +181,35 @@ void TileTracer<Real>::add_pair(int type, int column, int row, const SampleLevel
     for (int r = 0; r < total; ++r)
       if (chosen >> r & 1) {
         pixel() = each;
-        queue(pair, pool, entry, r, 1);
+        queue(column, row, level, entry, r, 1);
       }
   }
 }
 
-/// Queues points [offset, offset + count) of an entry of the pool.
+/// Queues points [offset, offset + count) of an entry of the level's pool.
 template <class Real>
-void TileTracer<Real>::queue(Pending pending, const SobolPool& pool, int entry, int offset,
+void TileTracer<Real>::queue(int column, int row, const SampleLevel& level, int entry, int offset,
                              int count) {
   KernelPixel<Real>& made = pixel();
   for (int d = 0; d < SobolPool::kDimensions; ++d) {
-    made.fractions[d] = pool.fractions(entry, d) + offset;
+    made.fractions[d] = level.pool->fractions(entry, d) + offset;
     __builtin_prefetch(made.fractions[d]);
   }
-  made.replicate_numbers = pool.replicate_numbers() + offset;
-  made.first = pending.first = count_;
-  made.count = pending.count = count;
-  pending.offset = offset;
+  made.replicate_numbers = level.pool->replicate_numbers() + offset;
+  made.first = count_;
+  made.count = count;
   ++queued_count_;
-  pending_.push_back(pending);
+  // Filled in where it stays: what is copied while it is still being written has to wait for it.
+  Pending& pending = pending_.emplace_back();
+  pending.column = column;
+  pending.row = row;
+  pending.first = count_;
+  pending.count = count;
+  pending.offset = offset;
+  pending.level = level.pool_level;
+  pending.scale = level.scale;
   if (surfaces_ || scatter_)
-    groups_.push_back({count_, count, offset, pending.level, entry, random_[0]});
+    groups_.push_back({count_, count, offset, level.pool_level, entry, random_[0]});
   count_ += count;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "camera/block_tracing.h"
@@ -10,6 +12,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "render/backward_kernel.h"
 #include "render/backward_surfaces.h"
+#include "render/pixel_row_kernel.h"
 #include "render/point_range.h"
 #include "render/radiance_table.h"
 #include "render/scatter_walk.h"
@@ -24,6 +27,8 @@ struct BackwardKernels {
   void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
                    const KernelBlock<Real>&);
   double (*accumulate)(const Real*, const Real*, int);
+  void (*survey_row)(const KernelRow&, const KernelRowPixels&);
+  void (*judge_row)(const KernelRow&, const KernelBeam&, const KernelRowPixels&);
 };
 
 template <class Real>
@@ -107,6 +112,19 @@ struct TileCounters {
   RadianceTableCounters table;
 };
 
+/// Of the replicates that get a point: for all of them.
+inline constexpr std::uint64_t kAllReplicates = ~std::uint64_t{0};
+
+/// What is found of a row of pixels.
+struct PixelRow {
+  static constexpr std::size_t kLength = kRowPixels + kRowSlack;
+  alignas(64) std::array<double, kLength> x_low, x_width, far;
+  alignas(64) std::array<int, kLength> level, sector, verdict;
+  alignas(64) std::array<std::array<std::uint64_t, kLength>, kRowWords> random;
+
+  KernelRowPixels arrays();
+};
+
 /// Traces the pixels of a tile; one per worker thread.
 template <class Real>
 class TileTracer {
@@ -127,12 +145,12 @@ class TileTracer {
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
   void end_at_microlenses(int first, int count);
-  bool place_row(double y, Vec2 outer_centre, double outer_radius);
-  bool place_pixel(double x, double outer_x);
+  void add_row(int row, KernelRow& survey);
+  bool sees(const KernelRow& row, int i) const;
   void set_random(int column, int row, std::uint64_t key);
   std::uint64_t chosen_replicates(int sparse) const;
-  void add_pair(int type, int column, int row, const SampleLevel& level, std::uint64_t chosen);
-  void queue(Pending pending, const SobolPool& pool, int entry, int offset, int count);
+  void add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen);
+  void queue(int column, int row, const SampleLevel& level, int entry, int offset, int count);
   void generate_queued();
   void flush_keeping(const KernelPixel<Real>& made);
   void flush();
@@ -151,9 +169,12 @@ class TileTracer {
   /// Of the patch: what is queued refers to their cuts.
   PupilNode node_;
   CutColumn whole_{};
-  double row_y0_ = 0, row_y1_ = 0;    ///< [m] of the row of pixels, from the microlens' centre
-  double row_reach_ = 0;              ///< [m] of the outer disc, along the row
-  std::uint64_t random_[3] = {};      ///< of pixel, microlens and seed
+  PixelRow row_;
+  /// Of the microlens, where its pixels are looked at one by one.
+  std::optional<PixelBeam> beam_;
+  KernelBeam kernel_beam_{};
+  /// Random bits of pixel, microlens and seed.
+  std::array<std::uint64_t, kRowWords> random_{};
   int type_ = 0;                      ///< of the patch
   KernelMicrolens<Real> own_lens_{};  ///< of the patch, where lenses of a type differ
   bool has_own_lens_ = false;

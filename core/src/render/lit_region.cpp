@@ -7,9 +7,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kRounding = 1e-9;  ///< of the raster's extent: rays are moved to world axes
-constexpr int kMostParts = 8;       ///< that an oblique beam is looked at in
-constexpr double kSingle = 1e-6;    ///< relative: room for single precision
+constexpr double kRounding = kBeamRounding;
+constexpr int kMostParts = 8;     ///< that an oblique beam is looked at in
+constexpr double kSingle = 1e-6;  ///< relative: room for single precision
 
 constexpr double kC1 = 0.9238795325112867, kC2 = 0.7071067811865476, kC3 = 0.3826834323650898;
 /// Unit vectors, 1/16 of a turn apart.
@@ -254,6 +254,19 @@ bool LitRegion::meets(const Vec2 centre[2], double radius) const {
     if (!is_beyond(centre[0] + ((part + 0.5) / parts) * axis, radius + 0.5 * along / parts))
       return true;
   return false;
+}
+
+void LitRegion::describe(KernelBeam& beam) const {
+  beam.lower_x = lower_.x;
+  beam.lower_y = lower_.y;
+  beam.upper_x = upper_.x;
+  beam.upper_y = upper_.y;
+  beam.scale_x = scale_.x;
+  beam.scale_y = scale_.y;
+  beam.to_lit = to_lit_.data();
+  // From a point to the middle of its place, on to that of the lit one: once less, now once more.
+  beam.lit_room = (2 + 4 * kSingle) * std::hypot(1 / scale_.x, 1 / scale_.y) +
+                  4 * kSingle * length(upper_ - lower_);
 }
 
 bool LitRegion::is_filled(const Vec2 centre[2], double radius) const {

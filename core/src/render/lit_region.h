@@ -6,6 +6,7 @@
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/math/vector.h"
 #include "plenoflame/scene/compile.h"
+#include "render/pixel_row_kernel.h"
 
 namespace plenoflame {
 
@@ -29,6 +30,8 @@ class LitRegion {
   /// between the planes in their hull.
   /// @param centre camera x, y [m]; @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
+  /// Copies the raster's place and refers to it.
+  void describe(KernelBeam& beam) const;
 
   /// Whether there is something, or nearly so, where a line along the axis passes: what goes
   /// through there needs no closer look.
@@ -48,7 +51,7 @@ class LitRegion {
   bool is_filled(const Vec2 centre[2], double radius) const;
 
  private:
-  static constexpr int kSide = 128;
+  static constexpr int kSide = kRasterSide;
   bool is_beyond(Vec2 centre, double radius) const;
   void measure_reach(const std::vector<bool>& lit);
   std::size_t place_of(Vec2 p) const;

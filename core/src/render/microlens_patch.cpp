@@ -18,9 +18,8 @@ KernelPatch<Real> microlens_patch(const PupilTable& table, const PupilNode& node
                                   Vec2 field, bool ideal_array) {
   KernelPatch<Real> patch{};
   const Vec2 centre = node.centre * field;
-  patch.outer_x = patch.centre_x = static_cast<Real>(centre.x);
-  patch.outer_y = patch.centre_y = static_cast<Real>(centre.y);
-  patch.outer_radius2 = static_cast<Real>(node.outer_radius * node.outer_radius);
+  patch.centre_x = static_cast<Real>(centre.x);
+  patch.centre_y = static_cast<Real>(centre.y);
   patch.lens_x = static_cast<Real>(place.x);
   patch.lens_y = static_cast<Real>(place.y);
   const ApertureDiscs& discs = table.discs;

@@ -325,6 +325,30 @@ void PixelBeams::draw_outlines(const std::array<std::vector<Spot>, 3>& fields,
   }
 }
 
+/// Of the rings and cells that pixels of each bin may lie in: the largest disc, and what both discs
+/// and outlines hold for sure.
+void PixelBeams::sum_up(Interval& interval) const {
+  constexpr double kLast = kRings - 1;
+  const auto ring = [kLast](double distance) {
+    return static_cast<std::size_t>(std::clamp(distance * kLast, 0.0, kLast));
+  };
+  const double half = half_diagonal_ / interval.outer;
+  for (std::size_t bin = 0; bin < kBeamBins; ++bin) {
+    const double from = static_cast<double>(bin) / kBeamBins, to = from + 1.0 / kBeamBins;
+    const std::size_t outermost =
+        bin + 1 < kBeamBins ? std::min(ring(to + half) + 1, kRings - 1) : kRings - 1;
+    double largest = 0, least = kInfinity;
+    for (std::size_t r = ring(from - half); r <= outermost; ++r) {
+      largest = std::max(largest, interval.radii[r]);
+      least = std::min(least, interval.radii[r]);
+    }
+    const Outline& outline = interval.outlines[bin * kCells / kBeamBins];
+    for (const double support : outline.support) least = std::min(least, support);
+    interval.largest[bin] = largest;
+    interval.least[bin] = outline.known ? least : -kInfinity;
+  }
+}
+
 PixelBeam PixelBeams::of(int table, Vec2 place) const {
   Table& rows = tables_[static_cast<std::size_t>(table)];
   const double h = length(place);
@@ -333,7 +357,10 @@ PixelBeam PixelBeams::of(int table, Vec2 place) const {
   const std::size_t i = std::min(static_cast<std::size_t>(at), rows.intervals.size() - 1);
   const double t = at - static_cast<double>(i);
   Interval& interval = rows.intervals[i];
-  std::call_once(interval.once, [&] { trace(table, i, interval); });
+  std::call_once(interval.once, [&] {
+    trace(table, i, interval);
+    sum_up(interval);
+  });
   PixelBeam beam;
   beam.region_ = &region_;
   beam.interval_ = &interval;
@@ -355,6 +382,25 @@ PixelBeam PixelBeams::of(int table, Vec2 place) const {
   return beam;
 }
 
+KernelBeam PixelBeam::kernel() const {
+  KernelBeam beam{};
+  const auto set = [](const Seen& seen, double x[3], double y[3]) {
+    const Vec2 parts[3]{seen.foot, seen.by_x, seen.by_y};
+    for (std::size_t k = 0; k < 3; ++k) {
+      x[k] = parts[k].x;
+      y[k] = parts[k].y;
+    }
+  };
+  const auto& [near, far] = planes_;
+  set(between_, beam.middle_x, beam.middle_y);
+  set({far.foot - near.foot, far.by_x - near.by_x, far.by_y - near.by_y}, beam.axis_x, beam.axis_y);
+  beam.bins_per_metre = kBeamBins / interval_->outer;
+  beam.radius = interval_->largest.data();
+  beam.inner = interval_->least.data();
+  region_->describe(beam);
+  return beam;
+}
+
 bool PixelBeam::may_meet(Vec2 pixel) const {
   if (region_->holds(between_.at(pixel))) return true;
   const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)};
@@ -370,10 +416,18 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   for (std::size_t r = ring(d - half_); r <= outermost; ++r)
     radius = std::max(radius, interval_->radii[r]);
   if (!region_->meets(at, radius)) return false;
+  return outline_may_meet(at, v, d);
+}
+
+bool PixelBeam::outline_may_meet(Vec2 pixel) const {
+  const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)}, v = pixel - centre_ * field_;
+  return outline_may_meet(at, v, std::sqrt(dot(v, v)));
+}
+
+bool PixelBeam::outline_may_meet(const Vec2 at[2], Vec2 v, double distance) const {
   const PixelBeams::Outline& outline = interval_->outlines[static_cast<std::size_t>(
-      std::min(d * to_unit * PixelBeams::kCells, PixelBeams::kCells - 1.0))];
-  if (!outline.known) return true;
-  return !region_->is_apart(at, (1 / d) * v, outline.support);
+      std::min(distance * (PixelBeams::kCells / interval_->outer), PixelBeams::kCells - 1.0))];
+  return !outline.known || !region_->is_apart(at, (1 / distance) * v, outline.support);
 }
 
 }  // namespace plenoflame

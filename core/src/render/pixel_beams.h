@@ -59,6 +59,8 @@ class PixelBeams {
     Map ends[2];
     std::array<double, kRings> radii{};  ///< [m] of the discs; infinite: nothing is known
     std::array<Outline, kCells> outlines;
+    /// What kernels know of both, by distance in units of outer / kBeamBins [m].
+    std::array<double, kBeamBins> largest, least;
   };
   struct Table {
     const PupilTable* pupils = nullptr;
@@ -70,6 +72,7 @@ class PixelBeams {
   static std::optional<Map> map_of(const std::vector<Spot>& spots);
   void draw_outlines(const std::array<std::vector<Spot>, 3>& fields, Interval& interval) const;
   void trace(int table, std::size_t i, Interval& interval) const;
+  void sum_up(Interval& interval) const;
 
   const Camera& camera_;
   const LitRegion& region_;
@@ -83,6 +86,10 @@ class PixelBeam {
  public:
   /// @param pixel its centre, from the microlens' centre, camera x, y [m]
   bool may_meet(Vec2 pixel) const;
+  /// For a first look at many of them, which says the same where it is sure; and what is left then
+  /// to find out of those whose discs meet something.
+  KernelBeam kernel() const;
+  bool outline_may_meet(Vec2 pixel) const;
 
  private:
   friend class PixelBeams;
@@ -93,6 +100,7 @@ class PixelBeam {
     Vec2 foot, by_x, by_y;
     Vec2 at(Vec2 pixel) const { return foot + pixel.x * by_x + pixel.y * by_y; }
   };
+  bool outline_may_meet(const Vec2 at[2], Vec2 v, double distance) const;
   Seen planes_[2], between_;
   Vec2 field_;         ///< unit vector away from the axis
   double centre_ = 0;  ///< of the micro-image, along it [m]

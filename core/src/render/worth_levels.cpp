@@ -5,11 +5,15 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::array<double, WorthLevels::kCount> kLimits{
-    0.35355339059327379, 0.125, 0.044194173824159216, 0.015625, 0.0055242717280199030, 0.001953125};
+constexpr std::array<double, WorthLevels::kCount> kLimits{0.25,       0.0625,       0.015625,
+                                                          0.00390625, 0.0009765625, 0.000244140625};
 constexpr int kSteps = 64;  ///< over a micro-image, in which levels are looked for
 
 }  // namespace
+
+double WorthLevels::limit(std::size_t k) {
+  return kLimits[k];
+}
 
 int WorthLevels::of(double worth) {
   int level = 0;

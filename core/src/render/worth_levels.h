@@ -8,14 +8,16 @@ namespace plenoflame {
 
 /// How far out pixels of a micro-image are worth how many rays.
 ///
-/// A pixel's worth is the share of the microlens' aperture that it sees open. The error is least
-/// for a given number of rays when points go as flux^(2 / (1 + 2 a)), where the error falls with
-/// points^-a; with a = 1, as where no edge of the flame is seen, level k, of 2^-k of the points, is
-/// for what is worth less than 2^(-k / (2/3)).
+/// A pixel's worth is the share of the microlens' aperture that it sees open. Points go as its
+/// square root: level k, of 2^-k of the points, is for what is worth less than 4^-k. Were errors in
+/// proportion to flux, and fell with points as 1/n, flux^(2/3) would be best; but pixels that see
+/// slivers scatter more than their flux says (docs/theory.md, "Pupil sampling", has the figures).
 class WorthLevels {
  public:
   static constexpr std::size_t kCount = 6;
   static int of(double worth);
+  /// What is worth no more has a level above k.
+  static double limit(std::size_t k);
 
   /// Levels over the distance from the centre of the micro-image of a microlens.
   struct Rings {

@@ -1,5 +1,6 @@
 // How far rays are aimed through a microlens: up to where they begin to be stopped, and no less.
 // The reference is the camera's exact trace of single rays.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -122,6 +123,8 @@ Found look(const CameraSpec& spec, double field) {
         pixel.y0 = middle.y - 0.5 * p;
         pixel.y1 = middle.y + 0.5 * p;
         pixel.cuts = view.open ? &whole : view.column;
+        const double radius = std::min(reach, static_cast<double>(view.column->closes));
+        pixel.radius2 = radius * radius;
         shift = shift * 1664525u + 1013904223u;
         for (const PixelAims::Aim& aim : kernels.aims(patch, pixel, distance, shift)) {
           if (!(aim.weight > 0)) continue;
@@ -209,7 +212,6 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
   for (int i = 0; i < kCount; ++i)
     numbers[static_cast<std::size_t>(i)] = SobolPool::replicate_number(i / 8);
   KernelPatch<double> patch{};
-  patch.outer_radius2 = 100;
   patch.near_radius = patch.far_radius = 1;
   KernelPixel<double> pixel{};
   pixel.x_low = 2;
@@ -217,6 +219,7 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
   pixel.y1 = 5;
   const CutColumn whole = whole_aperture(1);
   pixel.cuts = &whole;
+  pixel.radius2 = 100;
   for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
   pixel.replicate_numbers = numbers.data();
   pixel.shift[0] = 0x9abcdef1u;
@@ -284,6 +287,7 @@ std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts) {
     pixel.y0 = static_cast<Real>(centre.y - 0.5 * pitch);
     pixel.y1 = static_cast<Real>(centre.y + 0.5 * pitch);
     pixel.cuts = &cuts;
+    pixel.radius2 = static_cast<Real>(node.outer_radius * node.outer_radius);
     for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
     pixel.replicate_numbers = numbers.data();
     pixel.count = kCount - 5;

@@ -9,11 +9,11 @@
 namespace plenoflame::test {
 namespace {
 
-TEST(WorthLevels, LimitsFallByThePowerThreeHalves) {
+TEST(WorthLevels, PointsGoAsTheSquareRoot) {
   EXPECT_EQ(WorthLevels::of(1), 0);
   for (int k = 1; k <= static_cast<int>(WorthLevels::kCount); ++k) {
-    EXPECT_EQ(WorthLevels::of(1.001 * std::exp2(-1.5 * k)), k - 1);
-    EXPECT_EQ(WorthLevels::of(0.999 * std::exp2(-1.5 * k)), k);
+    EXPECT_EQ(WorthLevels::of(1.001 * std::exp2(-2 * k)), k - 1);
+    EXPECT_EQ(WorthLevels::of(0.999 * std::exp2(-2 * k)), k);
   }
   EXPECT_EQ(WorthLevels::of(0), static_cast<int>(WorthLevels::kCount));
 }

@@ -58,7 +58,7 @@ class ColumnBetween {
 /// micro-image's centre, measured from the direction away from the optical axis, a mirror plane.
 class PupilCuts {
  public:
-  static constexpr int kAzimuths = 9;  ///< equally spaced from 0 to pi
+  static constexpr int kAzimuths = kCutAzimuths;
   static float azimuth_cosine(int azimuth);
 
   std::array<PupilColumn, kAzimuths> columns;
@@ -99,10 +99,12 @@ class PixelCuts {
   /// @param field unit vector away from the optical axis, in the axes of the pixel's sides
   PixelView look(Vec2 centre, double half, Vec2 field) const&;
   PixelView look(Vec2 centre, double half, Vec2 field) && = delete;
+  /// One around each azimuth of the table, and one for all.
+  static constexpr int kSectors = PupilCuts::kAzimuths + 1;
+  const CutColumn& sector(int number) const { return columns_[static_cast<std::size_t>(number)]; }
 
  private:
-  /// One around each azimuth of the table, and one for all.
-  std::array<CutColumn, PupilCuts::kAzimuths + 1> columns_;
+  std::array<CutColumn, kSectors> columns_;
 };
 
 }  // namespace plenoflame

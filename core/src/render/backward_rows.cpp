@@ -1,0 +1,162 @@
+// Of a TileTracer: the pixels behind a microlens, row by row.
+#include <algorithm>
+#include <cmath>
+
+#include "render/backward_tile.h"
+#include "render/microlens_patch.h"
+
+namespace plenoflame {
+
+namespace {
+
+/// Of the rows behind a microlens: all but which pixels they are.
+KernelRow survey_of(const Camera& camera, const PupilNode& node, const WorthLevels::Rings& worth,
+                    double lens_x, Vec2 field) {
+  const SensorSpec& sensor = camera.spec().sensor;
+  KernelRow survey{};
+  survey.half_columns = 0.5 * sensor.columns;
+  survey.pitch = sensor.pixel_pitch;
+  survey.lens_x = lens_x;
+  survey.centre_x = node.centre * field.x;
+  survey.centre_y = node.centre * field.y;
+  survey.field_x = field.x;
+  survey.field_y = field.y;
+  for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
+    survey.rings[k] = worth.squares[k];
+    survey.parts[k] = survey.pitch * WorthLevels::limit(k);
+  }
+  for (int k = 0; k < PixelCuts::kSectors; ++k)
+    survey.closes[k] = std::min(node.outer_radius, static_cast<double>(node.cuts.sector(k).closes));
+  return survey;
+}
+
+}  // namespace
+
+KernelRowPixels PixelRow::arrays() {
+  KernelRowPixels pixels{x_low.data(),  x_width.data(), far.data(), level.data(),
+                         sector.data(), verdict.data(), {}};
+  for (std::size_t k = 0; k < random.size(); ++k) pixels.random[k] = random[k].data();
+  return pixels;
+}
+
+template <class Real>
+void TileTracer<Real>::add_microlens(LensIndex lens) {
+  const PixelWindow& tile = tile_;
+  const Camera& camera = plan_.scene->camera;
+  const Vec3 lens_place = camera.lens_place(lens);
+  const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
+  const int type = camera.lattice().type(lens);
+  const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
+  const Sight sight = plan_.beams ? plan_.beams->lenses().look(type, lens_place) : Sight::filled;
+  if (sight == Sight::nothing) return;
+  beam_.reset();
+  if (sight == Sight::some && plan_.beams->pixels()) {
+    beam_ = plan_.beams->pixels()->of(type, place);
+    kernel_beam_ = beam_->kernel();
+  }
+  const double h = std::sqrt(dot(from_foot, from_foot));
+  generate_queued();  // what is queued belongs to the patch before
+  const PupilNode& node = node_ = table.at(h);
+  if (node.dark()) return;
+  const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
+  const Vec2 centre = node.centre * field;
+  const double outer = node.outer_radius;
+  whole_ = whole_aperture(table.discs.bound);
+  patch_ = microlens_patch<Real>(table, node, place, field, camera.ideal_array());
+  has_own_lens_ = false;
+  if (camera.misaligned()) {
+    own_lens_ = plan_.microlenses[static_cast<std::size_t>(type)];
+    set_lens(camera, lens, own_lens_);
+    has_own_lens_ = true;
+  }
+  const SensorSpec& sensor = camera.spec().sensor;
+  const double pitch = sensor.pixel_pitch;
+  const Vec2 image = place + centre;
+  const auto column_of = [&](double x) {
+    return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
+  };
+  const auto row_of = [&](double y) {
+    return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch));
+  };
+  const int column0 = std::max(tile.x, column_of(image.x + outer));
+  const int column1 = std::min(tile.x + tile.width - 1, column_of(image.x - outer));
+  const int row0 = std::max(tile.y, row_of(image.y + outer));
+  const int row1 = std::min(tile.y + tile.height - 1, row_of(image.y - outer));
+  const std::uint64_t key =
+      mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
+             static_cast<std::uint32_t>(lens.r)) ^
+            plan_.settings->seed);
+  if (column1 < column0) return;
+  KernelRow survey =
+      survey_of(camera, node, plan_.worths[static_cast<std::size_t>(type)].at(h), place.x, field);
+  survey.column = static_cast<std::uint32_t>(column0);
+  survey.count = column1 - column0 + 1;
+  survey.key = key;
+  type_ = type;
+  for (int row = row0; row <= row1; ++row) {
+    survey.y = camera.sensor_point(0, row + 0.5).y - place.y;
+    add_row(row, survey);
+  }
+}
+
+/// What the first look at a pixel of the row says, and a closer one where that is not sure.
+template <class Real>
+bool TileTracer<Real>::sees(const KernelRow& row, int i) const {
+  const int verdict = row_.verdict[static_cast<std::size_t>(i)];
+  if (verdict < kNeedsOutline) return verdict == kSeesSomething;
+  const double column = static_cast<double>(row.column) + i;
+  const Vec2 pixel{(row.half_columns - (column + 0.5)) * row.pitch - row.lens_x, row.y};
+  return verdict == kNeedsOutline ? beam_->outline_may_meet(pixel) : beam_->may_meet(pixel);
+}
+
+/// Adds the pixels of a row behind the microlens of the patch.
+template <class Real>
+void TileTracer<Real>::add_row(int row, KernelRow& survey) {
+  static_assert(Film::kTile <= kRowPixels);
+  survey.row = static_cast<std::uint32_t>(row);
+  const KernelRowPixels arrays = row_.arrays();
+  plan_.kernels.survey_row(survey, arrays);
+  if (beam_) plan_.kernels.judge_row(survey, kernel_beam_, arrays);
+  std::array<int, kRowPixels> seen;
+  int count = 0;
+  for (int i = 0; i < survey.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    seen[static_cast<std::size_t>(count)] = i;
+    count += row_.x_width[k] > 0 ? 1 : 0;  // no branch: it could not be foretold
+  }
+  const double half = 0.5 * survey.pitch;
+  const int last_level = static_cast<int>(plan_.levels.size()) - 1;
+  for (int n = 0; n < count; ++n) {
+    const int i = seen[static_cast<std::size_t>(n)];
+    const auto k = static_cast<std::size_t>(i);
+    for (std::size_t word = 0; word < kRowWords; ++word) random_[word] = row_.random[word][k];
+    const SampleLevel& level =
+        plan_.levels[static_cast<std::size_t>(std::min(row_.level[k], last_level))];
+    const std::uint64_t chosen =
+        level.sparse > 0 ? chosen_replicates(level.sparse) : kAllReplicates;
+    if (chosen == 0) {
+      counters_.pairs_left_to_chance += 1;
+      continue;
+    }
+    const int column = static_cast<int>(survey.column) + i;
+    if (beam_ && !sees(survey, i)) {
+      counters_.pairs_skipped += 1;
+      continue;
+    }
+    const CutColumn& cuts = node_.cuts.sector(row_.sector[k]);
+    KernelPixel<Real>& made = pixel();
+    made.x_low = static_cast<Real>(row_.x_low[k]);
+    made.x_width = static_cast<Real>(row_.x_width[k]);
+    made.y0 = static_cast<Real>(survey.y - half);
+    made.y1 = static_cast<Real>(survey.y + half);
+    const double radius = survey.closes[row_.sector[k]];
+    made.radius2 = static_cast<Real>(radius * radius);
+    made.cuts = row_.far[k] <= static_cast<double>(cuts.opens) ? &whole_ : &cuts;
+    add_pair(column, row, level, chosen);
+  }
+}
+
+template void TileTracer<float>::add_microlens(LensIndex);
+template void TileTracer<double>::add_microlens(LensIndex);
+
+}  // namespace plenoflame

@@ -1,0 +1,85 @@
+// What is asked of all pixels of a row behind a microlens before rays are drawn, for every
+// instruction set.
+#pragma once
+#include <cstdint>
+
+#include "plenoflame/camera/cut_kernel.h"
+
+namespace plenoflame {
+
+inline constexpr int kRowPixels = 64;  ///< looked at together, at most
+inline constexpr int kRowSlack = 8;    ///< the arrays are so much longer
+inline constexpr int kWorthRings = 6;
+inline constexpr int kRowWords = 5;  ///< of random bits, for each pixel
+
+/// Apart from what chooses entries of the pool: for the words that the second shifts are made of.
+inline constexpr std::uint64_t kSecondShiftSeed = 0x73686966u;
+
+/// Pixels of a row; all lengths from the microlens' centre [m]. A pixel's own is at
+/// x = (half_columns - (column + 1/2)) pitch - lens_x.
+struct KernelRow {
+  int count;  ///< at most kRowPixels
+  double half_columns, pitch, lens_x;
+  double y;  ///< of the row's middle
+  /// Of each sector: no light comes from farther away than this from the micro-image's centre.
+  double closes[kCutAzimuths + 1];
+  double centre_x, centre_y;  ///< of the micro-image
+  double field_x, field_y;    ///< unit vector away from the optical axis
+  /// Beyond each square of a distance from the micro-image's centre [m^2], and for parts of pixels
+  /// up to each, the level is one more (WorthLevels).
+  double rings[kWorthRings], parts[kWorthRings];
+  std::uint64_t key;          ///< of microlens and seed
+  std::uint32_t row, column;  ///< of the first pixel
+};
+
+inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre
+inline constexpr int kRasterSide = 128;
+/// Of the raster's extent: rays are moved to world axes.
+inline constexpr double kBeamRounding = 1e-9;
+
+/// What pixels behind a microlens see of the region that is lit (PixelBeam, LitRegion): the middle
+/// between the region's two planes, and the way from one to the other, are affine in the pixel's
+/// place, a[0] + a[1] x + a[2] y [m].
+struct KernelBeam {
+  double middle_x[3], middle_y[3], axis_x[3], axis_y[3];
+  double bins_per_metre;
+  /// Of each bin: what the beams' discs reach at most, and what their outlines do at least [m].
+  const double *radius, *inner;
+  double lower_x, lower_y, upper_x, upper_y, scale_x, scale_y;  ///< of the raster
+  const float* to_lit;  ///< at least as far is the nearest lit place from each one [m]
+  double lit_room;      ///< and at most so much farther [m]
+};
+
+/// Of a pixel's beam.
+enum BeamVerdict {
+  kSeesNothing,
+  kSeesSomething,
+  kNeedsOutline,  ///< its disc meets something
+  kNeedsLook      ///< it is longer than wide
+};
+
+/// Arrays of what is found.
+struct KernelRowPixels {
+  double *x_low, *x_width;  ///< columns that get light; a width not above 0: none
+  double* far;              ///< no point is farther from the micro-image's centre
+  int* level;               ///< by worth
+  int* sector;              ///< of the cuts (PixelCuts)
+  int* verdict;             ///< by the beam (BeamVerdict)
+  std::uint64_t* random[kRowWords];
+};
+
+#define PLENOFLAME_PIXEL_ROW_KERNELS                         \
+  void survey_row(const KernelRow&, const KernelRowPixels&); \
+  void judge_row(const KernelRow&, const KernelBeam&, const KernelRowPixels&);
+
+namespace baseline {
+PLENOFLAME_PIXEL_ROW_KERNELS
+}
+namespace avx2 {
+PLENOFLAME_PIXEL_ROW_KERNELS
+}
+namespace avx512 {
+PLENOFLAME_PIXEL_ROW_KERNELS
+}
+
+}  // namespace plenoflame

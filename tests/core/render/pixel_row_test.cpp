@@ -1,0 +1,215 @@
+// What kernels say of rows of pixels, against single looks at each of them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "plenoflame/render/render.h"
+#include "plenoflame/sampling/sobol.h"
+#include "render/backward_tile.h"
+#include "render/lit_region.h"
+#include "render/pixel_beams.h"
+#include "render/worth_levels.h"
+#include "support/approx.h"
+#include "support/cameras.h"
+#include "support/isas.h"
+
+namespace plenoflame::test {
+namespace {
+
+/// Rows of pixels behind one microlens of a camera.
+class Rows {
+ public:
+  Rows(const Camera& camera, const PupilTable& table, Vec2 place)
+      : camera_(camera), place_(place), node_(table.at(length(place))) {
+    const SensorSpec& sensor = camera.spec().sensor;
+    const Vec2 field = length(place) > 0 ? (1 / length(place)) * place : Vec2{1, 0};
+    const Vec2 centre = node_.centre * field;
+    row.half_columns = 0.5 * sensor.columns;
+    row.pitch = sensor.pixel_pitch;
+    row.lens_x = place.x;
+    row.centre_x = centre.x;
+    row.centre_y = centre.y;
+    row.field_x = field.x;
+    row.field_y = field.y;
+    const WorthLevels::Rings worth = WorthLevels(table, 0.5 * row.pitch).at(length(place));
+    for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
+      row.rings[k] = worth.squares[k];
+      row.parts[k] = row.pitch * WorthLevels::limit(k);
+    }
+    for (int k = 0; k < PixelCuts::kSectors; ++k)
+      row.closes[k] =
+          std::min(node_.outer_radius, static_cast<double>(node_.cuts.sector(k).closes));
+    row.key = 0x1234567890abcdefu;
+    // Around the micro-image, and a little more.
+    const double reach = node_.outer_radius + 3 * row.pitch;
+    const Vec2 image = place + centre;
+    const int first = static_cast<int>(row.half_columns - (image.x + reach) / row.pitch);
+    const int last = static_cast<int>(row.half_columns - (image.x - reach) / row.pitch);
+    row.column = static_cast<std::uint32_t>(first);
+    row.count = std::min(last - first, kRowPixels);
+    first_row = static_cast<int>(0.5 * sensor.rows - (image.y + reach) / row.pitch);
+    last_row = static_cast<int>(0.5 * sensor.rows - (image.y - reach) / row.pitch);
+  }
+  void go_to(int number) {
+    row.row = static_cast<std::uint32_t>(number);
+    row.y = camera_.sensor_point(0, number + 0.5).y - place_.y;
+  }
+  /// A pixel's centre, from that of the microlens.
+  Vec2 pixel(int i) const {
+    return camera_.sensor_point(static_cast<double>(row.column) + i + 0.5,
+                                static_cast<double>(row.row) + 0.5) -
+           place_;
+  }
+  const PupilNode& node() const { return node_; }
+
+  KernelRow row{};
+  int first_row = 0, last_row = 0;
+
+ private:
+  const Camera& camera_;
+  Vec2 place_;
+  PupilNode node_;
+};
+
+constexpr Vec2 kPlaces[]{{0, 0}, {1e-3, -2e-3}, {-6e-3, 4e-3}, {0, 7e-3}};
+
+TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
+  for (const char* name : {"paper-plenoptic2", "paper-previous-60x60", "raytrix-r29"}) {
+    const Camera camera(preset_camera(name));
+    const PupilSampling pupils(camera);
+    for (const Vec2 place : kPlaces) {
+      Rows rows(camera, pupils.tables().back(), place);
+      const KernelRow& row = rows.row;
+      const Vec2 centre{row.centre_x, row.centre_y}, field{row.field_x, row.field_y};
+      const double half = 0.5 * row.pitch;
+      int lit = 0, dark = 0, cut = 0, edges = 0;
+      for (const Isa isa : supported_isas()) {
+        std::vector<bool> levels(WorthLevels::kCount + 1);
+        PixelRow found;
+        for (int number = rows.first_row; number < rows.last_row; ++number) {
+          rows.go_to(number);
+          backward_kernels<float>(isa).survey_row(row, found.arrays());
+          for (int i = 0; i < row.count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            const Vec2 v = rows.pixel(i) - centre;
+            const PixelView view = rows.node().cuts.look(v, half, field);
+            const double near = std::hypot(std::max(std::fabs(v.x) - half, 0.0),
+                                           std::max(std::fabs(v.y) - half, 0.0));
+            const double far = std::hypot(std::fabs(v.x) + half, std::fabs(v.y) + half);
+            const double radius =
+                std::min(rows.node().outer_radius, static_cast<double>(view.column->closes));
+            ASSERT_TRUE(near > radius * (1 - 1e-9) || found.x_width[k] > 0);
+            ASSERT_TRUE(near < radius * (1 + 1e-9) || !(found.x_width[k] > 0));
+            ASSERT_EQ(&rows.node().cuts.sector(found.sector[k]), view.column);
+            if (!(found.x_width[k] > 0)) {
+              ++dark;
+              continue;
+            }
+            ++lit;
+            EXPECT_TRUE(relative(found.far[k], far, 1e-9));
+            const double y_off = std::max(std::fabs(v.y) - half, 0.0);
+            const double reach = std::sqrt(radius * radius - y_off * y_off);
+            const double low = std::max(v.x - half, -reach), high = std::min(v.x + half, reach);
+            EXPECT_TRUE(within(found.x_low[k], centre.x + low, 1e-9, radius));
+            EXPECT_TRUE(within(found.x_width[k], high - low, 1e-9, radius));
+            cut += high - low < 0.99 * row.pitch;
+            // Next to a ring, or to a limit, either level will do.
+            const auto level = [&](double by) {
+              int sum = WorthLevels::of((high - low) / row.pitch * (1 - by));
+              for (const double ring : row.rings) sum += dot(v, v) * (1 + by) > ring ? 1 : 0;
+              return sum;
+            };
+            EXPECT_GE(found.level[k], level(-1e-9));
+            EXPECT_LE(found.level[k], level(1e-9));
+            edges += level(1e-9) != level(-1e-9);
+            levels[static_cast<std::size_t>(
+                std::min(found.level[k], static_cast<int>(WorthLevels::kCount)))] = true;
+            std::uint64_t word =
+                mix64(((static_cast<std::uint64_t>(row.column) + k) << 32 | row.row) ^ row.key);
+            EXPECT_EQ(found.random[0][k], word);
+            EXPECT_EQ(found.random[1][k], word = mix64(word));
+            EXPECT_EQ(found.random[2][k], word = mix64(word));
+            EXPECT_EQ(found.random[3][k], word = mix64(word + kSecondShiftSeed));
+            EXPECT_EQ(found.random[4][k], mix64(word));
+          }
+        }
+        EXPECT_GT(std::count(levels.begin(), levels.end(), true), 2) << name;
+      }
+      EXPECT_GT(lit, 100) << name;
+      EXPECT_GT(dark, 50) << name;
+      EXPECT_GT(cut, 0) << name;
+      EXPECT_LT(edges, 0.01 * lit) << name;
+    }
+  }
+}
+
+// Flat and deep regions: beams are short or long between their planes. Verdicts that are sure are
+// those of a single look at the pixel; where only the outline is left to be looked at, what that
+// lets go would have been let go.
+TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
+  const Camera camera(preset_camera("paper-plenoptic2"));
+  const PupilSampling pupils(camera);
+  std::mt19937_64 generator(5);
+  const auto uniform = [&](double a, double b) {
+    return a + (b - a) * (static_cast<double>(generator() >> 11) * 0x1p-53);
+  };
+  for (const Isa isa : supported_isas()) {
+    std::array<int, 4> verdicts{};
+    int outside = 0;
+    for (int round = 0; round < 120; ++round) {
+      const int type = round % 3;
+      const Vec2 place{uniform(-7e-3, 7e-3), uniform(-7e-3, 7e-3)};
+      Rows rows(camera, pupils.tables()[static_cast<std::size_t>(type)], place);
+      // Boxes near where the microlens looks.
+      const double z = uniform(0.7, 1.3), scale = z / std::fabs(camera.sensor());
+      std::vector<Box> boxes;
+      for (int box = 0; box < 1 + round % 3; ++box) {
+        const double size = std::pow(10, uniform(-4, -2)), deep = round % 2 == 0 ? 1e-3 : 0.2;
+        const Vec3 at{-scale * place.x + uniform(-6e-3, 6e-3),
+                      -scale * place.y + uniform(-6e-3, 6e-3), z + uniform(-0.5, 0.5) * deep};
+        const Vec3 half{size, uniform(0.3, 3) * size, deep * uniform(0.1, 0.5)};
+        Box ahead;
+        const Vec3 a = camera.to_world().point(at - half), b = camera.to_world().point(at + half);
+        ahead.lower = {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+        ahead.upper = {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+        boxes.push_back(ahead);
+      }
+      const LitRegion region(camera, boxes);
+      const auto beams = PixelBeams::make(camera, pupils.tables(), region);
+      ASSERT_TRUE(beams);
+      const PixelBeam beam = beams->of(type, place);
+      const KernelBeam kernel = beam.kernel();
+      PixelRow found;
+      for (int number = rows.first_row; number < rows.last_row; ++number) {
+        rows.go_to(number);
+        backward_kernels<float>(isa).judge_row(rows.row, kernel, found.arrays());
+        for (int i = 0; i < rows.row.count; ++i) {
+          const Vec2 pixel = rows.pixel(i);
+          const int verdict = found.verdict[static_cast<std::size_t>(i)];
+          ++verdicts[static_cast<std::size_t>(verdict)];
+          const bool sees = beam.may_meet(pixel);
+          if (verdict == kSeesNothing) {
+            EXPECT_FALSE(sees);
+          }
+          if (verdict == kSeesSomething) {
+            EXPECT_TRUE(sees);
+          }
+          if (verdict == kNeedsOutline) {
+            EXPECT_TRUE(!sees || beam.outline_may_meet(pixel));
+            outside += beam.outline_may_meet(pixel) ? 0 : 1;
+          }
+        }
+      }
+    }
+    for (const int count : verdicts) EXPECT_GT(count, 100);
+    EXPECT_GT(outside, 100);
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame::test
