@@ -26,7 +26,7 @@ struct Outline {
 
 /// @param turn the azimuth of the field, for a camera that is not alike all around
 Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
-  Outline outline;
+  Outline outline{};  // no cuts: zeros
   const auto turned = [turn](Vec2 v) {
     return Vec2{turn.x * v.x - turn.y * v.y, turn.y * v.x + turn.x * v.y};
   };

@@ -164,12 +164,16 @@ PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
   return c;
 }
 
+double PixelCuts::clear_of_centre(double half) {
+  return std::sqrt(2.0) * half / kCutSine;  // its disc looks as large as one step
+}
+
 PixelView PixelCuts::look(Vec2 centre, double half, Vec2 field) const& {
   const double x = std::fabs(centre.x), y = std::fabs(centre.y);
   const double near = std::hypot(std::max(x - half, 0.0), std::max(y - half, 0.0)),
                far = std::hypot(x + half, y + half), distance = std::hypot(x, y);
   int sector = kSectors - 1;
-  if (0.5 * (far - near) < kCutSine * distance) {
+  if (distance > clear_of_centre(half)) {
     const double along = dot(centre, field);
     sector = 0;
     for (const double border : kCutBorders) sector += along < border * distance ? 1 : 0;

@@ -88,9 +88,10 @@ PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const f
 
 /// Sensor points of one pixel, the cut of the aperture there, and the numbers that aim the rays.
 ///
-/// The sensor point is drawn from the pixel inside the micro-image: first its column, then its row
-/// in the chord. What a pixel needs is spread over the arrays of the block here, so that
-/// aim_rays(), which is the larger part, has no half empty vectors:
+/// The sensor point is drawn from where the pixel gets light, inside a disc about the micro-image's
+/// centre: first its column, then its row in the chord. What a pixel needs is spread over the
+/// arrays of the block here, so that aim_rays(), which is the larger part, has no half empty
+/// vectors:
 ///   x, y   sensor point          z        area that it stands for
 ///   dx     share of the disc     dy       turn in it
 ///   dz, weight, scratch[0], [1]  the cut

@@ -21,6 +21,9 @@ KernelRow survey_of(const Camera& camera, const PupilNode& node, const WorthLeve
   survey.centre_y = node.centre * field.y;
   survey.field_x = field.x;
   survey.field_y = field.y;
+  const double clear = PixelCuts::clear_of_centre(0.5 * survey.pitch);
+  survey.clear2 = clear * clear;
+  static_assert(WorthLevels::kCount == kWorthRings);
   for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
     survey.rings[k] = worth.squares[k];
     survey.parts[k] = survey.pitch * WorthLevels::limit(k);
@@ -33,8 +36,8 @@ KernelRow survey_of(const Camera& camera, const PupilNode& node, const WorthLeve
 }  // namespace
 
 KernelRowPixels PixelRow::arrays() {
-  KernelRowPixels pixels{x_low.data(),  x_width.data(), far.data(), level.data(),
-                         sector.data(), verdict.data(), {}};
+  KernelRowPixels pixels{x.data(),     x_low.data(),  x_width.data(), far2.data(),
+                         level.data(), sector.data(), verdict.data(), {}};
   for (std::size_t k = 0; k < random.size(); ++k) pixels.random[k] = random[k].data();
   return pixels;
 }
@@ -102,10 +105,10 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
 /// What the first look at a pixel of the row says, and a closer one where that is not sure.
 template <class Real>
 bool TileTracer<Real>::sees(const KernelRow& row, int i) const {
-  const int verdict = row_.verdict[static_cast<std::size_t>(i)];
+  const auto k = static_cast<std::size_t>(i);
+  const int verdict = row_.verdict[k];
   if (verdict < kNeedsOutline) return verdict == kSeesSomething;
-  const double column = static_cast<double>(row.column) + i;
-  const Vec2 pixel{(row.half_columns - (column + 0.5)) * row.pitch - row.lens_x, row.y};
+  const Vec2 pixel{row_.x[k], row.y};
   return verdict == kNeedsOutline ? beam_->outline_may_meet(pixel) : beam_->may_meet(pixel);
 }
 
@@ -151,7 +154,8 @@ void TileTracer<Real>::add_row(int row, KernelRow& survey) {
     made.y1 = static_cast<Real>(survey.y + half);
     const double radius = survey.closes[row_.sector[k]];
     made.radius2 = static_cast<Real>(radius * radius);
-    made.cuts = row_.far[k] <= static_cast<double>(cuts.opens) ? &whole_ : &cuts;
+    const auto opens = static_cast<double>(cuts.opens);
+    made.cuts = row_.far2[k] <= opens * opens ? &whole_ : &cuts;
     add_pair(column, row, level, chosen);
   }
 }

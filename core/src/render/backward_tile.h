@@ -115,10 +115,10 @@ struct TileCounters {
 /// Of the replicates that get a point: for all of them.
 inline constexpr std::uint64_t kAllReplicates = ~std::uint64_t{0};
 
-/// What is found of a row of pixels.
+/// What is found of a row of pixels (KernelRowPixels).
 struct PixelRow {
   static constexpr std::size_t kLength = kRowPixels + kRowSlack;
-  alignas(64) std::array<double, kLength> x_low, x_width, far;
+  alignas(64) std::array<double, kLength> x, x_low, x_width, far2;
   alignas(64) std::array<int, kLength> level, sector, verdict;
   alignas(64) std::array<std::array<std::uint64_t, kLength>, kRowWords> random;
 

@@ -342,6 +342,7 @@ void PixelBeams::sum_up(Interval& interval) const {
       largest = std::max(largest, interval.radii[r]);
       least = std::min(least, interval.radii[r]);
     }
+    static_assert(kBeamBins % kCells == 0);
     const Outline& outline = interval.outlines[bin * kCells / kBeamBins];
     for (const double support : outline.support) least = std::min(least, support);
     interval.largest[bin] = largest;

@@ -25,6 +25,7 @@ struct KernelRow {
   double closes[kCutAzimuths + 1];
   double centre_x, centre_y;  ///< of the micro-image
   double field_x, field_y;    ///< unit vector away from the optical axis
+  double clear2;              ///< squared distance beyond which pixels have a sector of their own
   /// Beyond each square of a distance from the micro-image's centre [m^2], and for parts of pixels
   /// up to each, the level is one more (WorthLevels).
   double rings[kWorthRings], parts[kWorthRings];
@@ -60,8 +61,9 @@ enum BeamVerdict {
 
 /// Arrays of what is found.
 struct KernelRowPixels {
+  double* x;                ///< of the pixel's centre
   double *x_low, *x_width;  ///< columns that get light; a width not above 0: none
-  double* far;              ///< no point is farther from the micro-image's centre
+  double* far2;             ///< squared: no point is farther from the micro-image's centre
   int* level;               ///< by worth
   int* sector;              ///< of the cuts (PixelCuts)
   int* verdict;             ///< by the beam (BeamVerdict)

@@ -14,12 +14,6 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31);
 }
 
-/// Of a pixel's middle.
-PLENOFLAME_INLINE double x_of(const KernelRow& r, int i) {
-  const double column = static_cast<double>(static_cast<int>(r.column) + i);
-  return (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
-}
-
 PLENOFLAME_INLINE int place_at(double at) {
   return static_cast<int>(clamp(at, 0.0, kRasterSide - 1.0));
 }
@@ -32,27 +26,29 @@ void survey_row(const KernelRow& row, const KernelRowPixels& pixels) {
   const double y_off = magnitude(y), near_y = greatest(y_off - half, 0.0), far_y = y_off + half;
   // No remainder: what is found must not depend on how many pixels there are.
   const int padded = (r.count + 7) & ~7;
+  double* __restrict at_x = pixels.x;
   double* __restrict x_low = pixels.x_low;
   double* __restrict x_width = pixels.x_width;
-  double* __restrict far = pixels.far;
+  double* __restrict far2 = pixels.far2;
   int* __restrict level = pixels.level;
   int* __restrict sector = pixels.sector;
   const double* closes = r.closes;
-#pragma omp simd
+#pragma omp simd simdlen(8)
   for (int i = 0; i < padded; ++i) {
-    const double vx = x_of(r, i) - r.centre_x, x_off = magnitude(vx);
-    const double near_x = greatest(x_off - half, 0.0), far_x = x_off + half;
-    const double nearest = square_root(near_x * near_x + near_y * near_y),
-                 farthest = square_root(far_x * far_x + far_y * far_y);
-    far[i] = farthest;
-    const double distance2 = vx * vx + y * y, distance = square_root(distance2);
-    const double along = vx * r.field_x + y * r.field_y;
+    const double column = static_cast<double>(static_cast<int>(r.column) + i);
+    const double x = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
+    at_x[i] = x;
+    const double vx = x - r.centre_x, x_off = magnitude(vx);
+    const double far_x = x_off + half;
+    far2[i] = far_x * far_x + far_y * far_y;
+    const double distance2 = vx * vx + y * y;
+    // Squares with their signs: in the order of the numbers, without a root.
+    const double along = vx * r.field_x + y * r.field_y, along2 = along * magnitude(along);
     double of_direction = 0;
 #pragma GCC unroll 8
     for (int k = 0; k < kCutAzimuths - 1; ++k)
-      of_direction += along < kCutBorders[k] * distance ? 1.0 : 0.0;
-    const int number = static_cast<int>(
-        0.5 * (farthest - nearest) < kCutSine * distance ? of_direction : kCutAzimuths);
+      of_direction += along2 < kCutBorders[k] * magnitude(kCutBorders[k]) * distance2 ? 1.0 : 0.0;
+    const int number = static_cast<int>(distance2 > r.clear2 ? of_direction : kCutAzimuths);
     sector[i] = number;
     // Columns inside of the disc that the sector's light comes from.
     const double radius = closes[number];
@@ -73,7 +69,7 @@ void survey_row(const KernelRow& row, const KernelRowPixels& pixels) {
   std::uint64_t* __restrict c = pixels.random[2];
   std::uint64_t* __restrict d = pixels.random[3];
   std::uint64_t* __restrict e = pixels.random[4];
-#pragma omp simd
+#pragma omp simd simdlen(8)
   for (int i = 0; i < padded; ++i) {
     const std::uint64_t column = r.column + static_cast<std::uint64_t>(i);
     const std::uint64_t first = mixed((column << 32 | r.row) ^ r.key), second = mixed(first),
@@ -92,12 +88,13 @@ void judge_row(const KernelRow& row, const KernelBeam& of_beam, const KernelRowP
   const double* radii = b.radius;
   const double* inners = b.inner;
   const float* raster = b.to_lit;
+  const double* __restrict at_x = pixels.x;
   int* __restrict verdict = pixels.verdict;
   const int padded = (r.count + 7) & ~7;
   const double y = r.y, vy = y - r.centre_y;
-#pragma omp simd
+#pragma omp simd simdlen(8)
   for (int i = 0; i < padded; ++i) {
-    const double x = x_of(r, i), vx = x - r.centre_x;
+    const double x = at_x[i], vx = x - r.centre_x;
     const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
     const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
     const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;

@@ -57,14 +57,15 @@ TEST(PupilCut, PixelsHoldEveryCutWithin) {
   int looked_at = 0, narrow = 0;
   for (int round = 0; round < 4000; ++round) {
     PupilCuts cuts;
-    cuts.columns.fill(random_column(numbers, round % 4));
+    cuts.columns.fill(random_column(numbers, round / 4 % 4));
     const PupilColumn& column = cuts.columns.front();
     for (PupilColumn& other : cuts.columns)
       for (PupilCut& cut : other.cuts)
         for (float& side : cut) side = static_cast<float>(numbers(-kLargest, kLargest));
     const PixelCuts pixels(cuts);
     const double half = std::pow(10, numbers(-7.5, -4)), turn = numbers(0, 7);
-    const double distance = numbers(0, 2e-4);
+    // Some of them next to the size from which on pixels have a sector of their own.
+    const double distance = round % 4 == 3 ? half * numbers(2.5, 4.5) : numbers(0, 2e-4);
     const Vec2 centre =
         round % 2 == 0 ? Vec2{distance, 0} : distance * Vec2{std::cos(turn), std::sin(turn)};
     const PixelView view = pixels.look(centre, half, field);

@@ -36,6 +36,8 @@ class Rows {
     row.centre_y = centre.y;
     row.field_x = field.x;
     row.field_y = field.y;
+    const double clear = PixelCuts::clear_of_centre(0.5 * row.pitch);
+    row.clear2 = clear * clear;
     const WorthLevels::Rings worth = WorthLevels(table, 0.5 * row.pitch).at(length(place));
     for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
       row.rings[k] = worth.squares[k];
@@ -111,7 +113,7 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
               continue;
             }
             ++lit;
-            EXPECT_TRUE(relative(found.far[k], far, 1e-9));
+            EXPECT_TRUE(relative(found.far2[k], far * far, 1e-9));
             const double y_off = std::max(std::fabs(v.y) - half, 0.0);
             const double reach = std::sqrt(radius * radius - y_off * y_off);
             const double low = std::max(v.x - half, -reach), high = std::min(v.x + half, reach);
@@ -146,6 +148,47 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
       EXPECT_LT(edges, 0.01 * lit) << name;
     }
   }
+}
+
+// What is found of a pixel does not depend on which others are looked at with it, as it must not
+// depend on the window.
+TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
+  const Camera camera(preset_camera("paper-plenoptic2"));
+  const PupilSampling pupils(camera);
+  const LitRegion region(camera, {{{0.99, -4e-3, -3e-3}, {1.01, 2e-3, 5e-3}}});
+  const auto beams = PixelBeams::make(camera, pupils.tables(), region);
+  for (const Isa isa : supported_isas())
+    for (const Vec2 place : kPlaces) {
+      Rows rows(camera, pupils.tables().front(), place);
+      const KernelBeam beam = beams->of(0, place).kernel();
+      const auto kernels = backward_kernels<float>(isa);
+      for (int number = rows.first_row; number < rows.last_row; ++number) {
+        rows.go_to(number);
+        PixelRow all, some;
+        kernels.survey_row(rows.row, all.arrays());
+        kernels.judge_row(rows.row, beam, all.arrays());
+        for (const int skipped : {1, 3, 8}) {
+          KernelRow part = rows.row;
+          part.column += static_cast<std::uint32_t>(skipped);
+          part.count -= skipped;
+          kernels.survey_row(part, some.arrays());
+          kernels.judge_row(part, beam, some.arrays());
+          for (int i = 0; i < part.count; ++i) {
+            const auto k = static_cast<std::size_t>(i),
+                       of_all = k + static_cast<std::size_t>(skipped);
+            ASSERT_EQ(some.x[k], all.x[of_all]);
+            ASSERT_EQ(some.x_low[k], all.x_low[of_all]);
+            ASSERT_EQ(some.x_width[k], all.x_width[of_all]);
+            ASSERT_EQ(some.far2[k], all.far2[of_all]);
+            ASSERT_EQ(some.level[k], all.level[of_all]);
+            ASSERT_EQ(some.sector[k], all.sector[of_all]);
+            ASSERT_EQ(some.verdict[k], all.verdict[of_all]);
+            for (std::size_t word = 0; word < kRowWords; ++word)
+              ASSERT_EQ(some.random[word][k], all.random[word][of_all]);
+          }
+        }
+      }
+    }
 }
 
 // Flat and deep regions: beams are short or long between their planes. Verdicts that are sure are
@@ -187,6 +230,7 @@ TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
       PixelRow found;
       for (int number = rows.first_row; number < rows.last_row; ++number) {
         rows.go_to(number);
+        backward_kernels<float>(isa).survey_row(rows.row, found.arrays());
         backward_kernels<float>(isa).judge_row(rows.row, kernel, found.arrays());
         for (int i = 0; i < rows.row.count; ++i) {
           const Vec2 pixel = rows.pixel(i);

@@ -77,7 +77,7 @@ class PupilCuts {
 
 /// At a distance from the micro-image's centre [m].
 PupilCut cut_at(const CutColumn& column, float distance);
-/// Of which no side is ever wider than `cut`, nor narrower: nothing is open or closed for good.
+/// The same cut at every distance.
 CutColumn constant_cut(const PupilCut& cut);
 
 /// What a pixel sees of a microlens' aperture.
@@ -99,6 +99,9 @@ class PixelCuts {
   /// @param field unit vector away from the optical axis, in the axes of the pixel's sides
   PixelView look(Vec2 centre, double half, Vec2 field) const&;
   PixelView look(Vec2 centre, double half, Vec2 field) && = delete;
+  /// Pixels farther than this from the micro-image's centre [m] have a sector of their own; others
+  /// take the column for all. @param half half their side [m]
+  static double clear_of_centre(double half);
   /// One around each azimuth of the table, and one for all.
   static constexpr int kSectors = PupilCuts::kAzimuths + 1;
   const CutColumn& sector(int number) const { return columns_[static_cast<std::size_t>(number)]; }
