@@ -185,9 +185,16 @@ std::vector<int> plan_round(const Film& film, const RenderSettings& settings,
   const double goal_squared =
       settings.target_error > 0 ? kGoalMargin * goal * goal : 0.25 * squares / lit;
   std::vector<TileNeed> needs;
-  for (int t = 0; t < film.tile_count(); ++t)
-    needs.push_back({errors.lit[static_cast<std::size_t>(t)], film.tile_samples(t),
-                     deciding_difficulty(film, errors, t, mean)});
+  double foreseen = 0;
+  for (int t = 0; t < film.tile_count(); ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    const double difficulty = deciding_difficulty(film, errors, t, mean);
+    needs.push_back({errors.lit[i], film.tile_samples(t), difficulty});
+    foreseen += errors.lit[i] * difficulty * std::pow(film.tile_samples(t), -2 * kErrorSlope);
+  }
+  // Neighbours' errors decide where samples go; how many are needed, all of the image's.
+  if (foreseen > 0)
+    for (TileNeed& need : needs) need.difficulty *= squares / foreseen;
   return plan_samples(needs, goal_squared, limit);
 }
 
