@@ -2,10 +2,13 @@
 
 import json
 import math
+import signal
+import subprocess
+import time
 
 import numpy
 from fields import mesh, soot, temperature, voxels
-from package import PackageTest, main
+from package import COMMAND, PackageTest, main
 from vtkmodules.vtkCommonDataModel import VTK_TETRA, vtkPolyData, vtkUnstructuredGrid
 from vtkmodules.vtkIOLegacy import vtkUnstructuredGridWriter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
@@ -77,6 +80,23 @@ class Import(PackageTest):
         files = self.figures("flame", "import", "s0.vtu", "s1.vtu", "s2.vtu", "--constant", "9 1/m", "--voxel-size",
                              "5 mm", "-o", "s.vdb")["files"]
         self.assertEqual([entry["file"] for entry in files], ["s_0000.vdb", "s_0001.vdb", "s_0002.vdb"])
+
+    def test_an_interrupted_series_leaves_whole_files(self):
+        self.written(mesh(2))
+        process = subprocess.Popen([COMMAND, "flame", "import", *["a.vtu"] * 2000, "--constant", "9 1/m", "--voxel-size",
+                                    "1 mm", "-o", "s.vdb"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        while process.poll() is None and not (self.folder / "s_0002.vdb").exists():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate()
+        self.assertEqual(process.returncode, 1, errors)
+        self.assertIn("stopped before there was a result", errors)
+        files = sorted(path.name for path in self.folder.iterdir() if path.name != "a.vtu")
+        self.assertLess(len(files), 2000)
+        self.assertEqual(files, [f"s_{number:04d}.vdb" for number in range(len(files))])
+        for name in files:
+            self.figures("info", name)
 
     def test_time_steps_of_ensight(self):
         """A cube of one hexahedron at two times, written by hand."""

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "interrupt.h"
 #include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -68,7 +69,9 @@ int run_import(const Settings& settings) {
   Report report;
   nlohmann::json files = nlohmann::json::array();
   ProgressBar bar(false);
+  const InterruptHandler interrupt;
   Execution execution;
+  execution.stop = interrupt.token();
   bar.connect(execution);
   const std::vector<ImportedFlame> imported = import_flames(request, execution);
   bar.finish();
