@@ -235,12 +235,13 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
-      return {avx512::generate, avx512::accumulate, avx512::survey_row, avx512::judge_row};
+      return {avx512::generate, avx512::accumulate, avx512::survey_rows, avx512::judge_rows};
     case Isa::avx2:
-      return {avx2::generate, avx2::accumulate, avx2::survey_row, avx2::judge_row};
+      return {avx2::generate, avx2::accumulate, avx2::survey_rows, avx2::judge_rows};
 #endif
     default:
-      return {baseline::generate, baseline::accumulate, baseline::survey_row, baseline::judge_row};
+      return {baseline::generate, baseline::accumulate, baseline::survey_rows,
+              baseline::judge_rows};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);

@@ -10,10 +10,10 @@ namespace plenoflame {
 namespace {
 
 /// Of the rows behind a microlens: all but which pixels they are.
-KernelRow survey_of(const Camera& camera, const PupilNode& node, const WorthLevels::Rings& worth,
-                    double lens_x, Vec2 field) {
+KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLevels::Rings& worth,
+                     double lens_x, Vec2 field) {
   const SensorSpec& sensor = camera.spec().sensor;
-  KernelRow survey{};
+  KernelRows survey{};
   survey.half_columns = 0.5 * sensor.columns;
   survey.pitch = sensor.pixel_pitch;
   survey.lens_x = lens_x;
@@ -35,7 +35,7 @@ KernelRow survey_of(const Camera& camera, const PupilNode& node, const WorthLeve
 
 }  // namespace
 
-KernelRowPixels PixelRow::arrays() {
+KernelRowPixels PixelRows::arrays() {
   KernelRowPixels pixels{x.data(),     x_low.data(),  x_width.data(), far2.data(),
                          level.data(), sector.data(), verdict.data(), {}};
   for (std::size_t k = 0; k < random.size(); ++k) pixels.random[k] = random[k].data();
@@ -90,73 +90,77 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
              static_cast<std::uint32_t>(lens.r)) ^
             plan_.settings->seed);
   if (column1 < column0) return;
-  KernelRow survey =
+  KernelRows survey =
       survey_of(camera, node, plan_.worths[static_cast<std::size_t>(type)].at(h), place.x, field);
   survey.column = static_cast<std::uint32_t>(column0);
   survey.count = column1 - column0 + 1;
   survey.key = key;
   type_ = type;
-  for (int row = row0; row <= row1; ++row) {
-    survey.y = camera.sensor_point(0, row + 0.5).y - place.y;
-    add_row(row, survey);
+  static_assert(Film::kTile <= kRowsPixels);
+  const int together = kRowsPixels / survey.stride();
+  std::array<double, kRowsPixels / kRowLanes> y;
+  survey.y = y.data();
+  const KernelRowPixels arrays = rows_.arrays();
+  for (int first = row0; first <= row1; first += together) {
+    survey.row = static_cast<std::uint32_t>(first);
+    survey.rows = std::min(together, row1 - first + 1);
+    for (int row = 0; row < survey.rows; ++row)
+      y[static_cast<std::size_t>(row)] = camera.sensor_point(0, first + row + 0.5).y - place.y;
+    plan_.kernels.survey_rows(survey, arrays);
+    if (beam_) plan_.kernels.judge_rows(survey, kernel_beam_, arrays);
+    for (int row = 0; row < survey.rows; ++row) add_row(survey, row);
   }
 }
 
-/// What the first look at a pixel of the row says, and a closer one where that is not sure.
+/// What the first look at pixel k of the arrays says, and a closer one where that is not sure.
 template <class Real>
-bool TileTracer<Real>::sees(const KernelRow& row, int i) const {
-  const auto k = static_cast<std::size_t>(i);
-  const int verdict = row_.verdict[k];
+bool TileTracer<Real>::sees(double y, std::size_t k) const {
+  const int verdict = rows_.verdict[k];
   if (verdict < kNeedsOutline) return verdict == kSeesSomething;
-  const Vec2 pixel{row_.x[k], row.y};
+  const Vec2 pixel{rows_.x[k], y};
   return verdict == kNeedsOutline ? beam_->outline_may_meet(pixel) : beam_->may_meet(pixel);
 }
 
-/// Adds the pixels of a row behind the microlens of the patch.
+/// Adds the pixels of one of the rows behind the microlens of the patch.
 template <class Real>
-void TileTracer<Real>::add_row(int row, KernelRow& survey) {
-  static_assert(Film::kTile <= kRowPixels);
-  survey.row = static_cast<std::uint32_t>(row);
-  const KernelRowPixels arrays = row_.arrays();
-  plan_.kernels.survey_row(survey, arrays);
-  if (beam_) plan_.kernels.judge_row(survey, kernel_beam_, arrays);
-  std::array<int, kRowPixels> seen;
+void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
+  const auto begin = static_cast<std::size_t>(row * rows.stride());
+  std::array<int, Film::kTile> seen;
   int count = 0;
-  for (int i = 0; i < survey.count; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+  for (int i = 0; i < rows.count; ++i) {
     seen[static_cast<std::size_t>(count)] = i;
-    count += row_.x_width[k] > 0 ? 1 : 0;  // no branch: it could not be foretold
+    // No branch: it could not be foretold.
+    count += rows_.x_width[begin + static_cast<std::size_t>(i)] > 0 ? 1 : 0;
   }
-  const double half = 0.5 * survey.pitch;
+  const double half = 0.5 * rows.pitch, y = rows.y[row];
   const int last_level = static_cast<int>(plan_.levels.size()) - 1;
   for (int n = 0; n < count; ++n) {
     const int i = seen[static_cast<std::size_t>(n)];
-    const auto k = static_cast<std::size_t>(i);
-    for (std::size_t word = 0; word < kRowWords; ++word) random_[word] = row_.random[word][k];
+    const std::size_t k = begin + static_cast<std::size_t>(i);
+    for (std::size_t word = 0; word < kRowWords; ++word) random_[word] = rows_.random[word][k];
     const SampleLevel& level =
-        plan_.levels[static_cast<std::size_t>(std::min(row_.level[k], last_level))];
+        plan_.levels[static_cast<std::size_t>(std::min(rows_.level[k], last_level))];
     const std::uint64_t chosen =
         level.sparse > 0 ? chosen_replicates(level.sparse) : kAllReplicates;
     if (chosen == 0) {
       counters_.pairs_left_to_chance += 1;
       continue;
     }
-    const int column = static_cast<int>(survey.column) + i;
-    if (beam_ && !sees(survey, i)) {
+    if (beam_ && !sees(y, k)) {
       counters_.pairs_skipped += 1;
       continue;
     }
-    const CutColumn& cuts = node_.cuts.sector(row_.sector[k]);
+    const CutColumn& cuts = node_.cuts.sector(rows_.sector[k]);
     KernelPixel<Real>& made = pixel();
-    made.x_low = static_cast<Real>(row_.x_low[k]);
-    made.x_width = static_cast<Real>(row_.x_width[k]);
-    made.y0 = static_cast<Real>(survey.y - half);
-    made.y1 = static_cast<Real>(survey.y + half);
-    const double radius = survey.closes[row_.sector[k]];
+    made.x_low = static_cast<Real>(rows_.x_low[k]);
+    made.x_width = static_cast<Real>(rows_.x_width[k]);
+    made.y0 = static_cast<Real>(y - half);
+    made.y1 = static_cast<Real>(y + half);
+    const double radius = rows.closes[rows_.sector[k]];
     made.radius2 = static_cast<Real>(radius * radius);
     const auto opens = static_cast<double>(cuts.opens);
-    made.cuts = row_.far2[k] <= opens * opens ? &whole_ : &cuts;
-    add_pair(column, row, level, chosen);
+    made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;
+    add_pair(static_cast<int>(rows.column) + i, static_cast<int>(rows.row) + row, level, chosen);
   }
 }
 

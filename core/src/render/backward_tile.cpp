@@ -132,10 +132,7 @@ void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
       (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
       static_cast<std::uint32_t>(row);
   random_[0] = mix64(pixel ^ key);
-  random_[1] = mix64(random_[0]);
-  random_[2] = mix64(random_[1]);
-  random_[3] = mix64(random_[2] + kSecondShiftSeed);
-  random_[4] = mix64(random_[3]);
+  for (std::size_t word = 1; word < kRowWords; ++word) random_[word] = mix64(random_[0] + word);
 }
 
 /// Where less than one ray would be due to each randomisation, chance decides which of them get

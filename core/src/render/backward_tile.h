@@ -27,8 +27,8 @@ struct BackwardKernels {
   void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
                    const KernelBlock<Real>&);
   double (*accumulate)(const Real*, const Real*, int);
-  void (*survey_row)(const KernelRow&, const KernelRowPixels&);
-  void (*judge_row)(const KernelRow&, const KernelBeam&, const KernelRowPixels&);
+  void (*survey_rows)(const KernelRows&, const KernelRowPixels&);
+  void (*judge_rows)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 };
 
 template <class Real>
@@ -115,12 +115,11 @@ struct TileCounters {
 /// Of the replicates that get a point: for all of them.
 inline constexpr std::uint64_t kAllReplicates = ~std::uint64_t{0};
 
-/// What is found of a row of pixels (KernelRowPixels).
-struct PixelRow {
-  static constexpr std::size_t kLength = kRowPixels + kRowSlack;
-  alignas(64) std::array<double, kLength> x, x_low, x_width, far2;
-  alignas(64) std::array<int, kLength> level, sector, verdict;
-  alignas(64) std::array<std::array<std::uint64_t, kLength>, kRowWords> random;
+/// What is found of rows of pixels (KernelRowPixels).
+struct PixelRows {
+  alignas(64) std::array<double, kRowsPixels> x, x_low, x_width, far2;
+  alignas(64) std::array<int, kRowsPixels> level, sector, verdict;
+  alignas(64) std::array<std::array<std::uint64_t, kRowsPixels>, kRowWords> random;
 
   KernelRowPixels arrays();
 };
@@ -145,8 +144,8 @@ class TileTracer {
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
   void end_at_microlenses(int first, int count);
-  void add_row(int row, KernelRow& survey);
-  bool sees(const KernelRow& row, int i) const;
+  void add_row(const KernelRows& rows, int row);
+  bool sees(double y, std::size_t k) const;
   void set_random(int column, int row, std::uint64_t key);
   std::uint64_t chosen_replicates(int sparse) const;
   void add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen);
@@ -169,7 +168,7 @@ class TileTracer {
   /// Of the patch: what is queued refers to their cuts.
   PupilNode node_;
   CutColumn whole_{};
-  PixelRow row_;
+  PixelRows rows_;
   /// Of the microlens, where its pixels are looked at one by one.
   std::optional<PixelBeam> beam_;
   KernelBeam kernel_beam_{};

@@ -1,5 +1,5 @@
-// What is asked of all pixels of a row behind a microlens before rays are drawn, for every
-// instruction set.
+// What is asked of rows of pixels behind a microlens before rays are drawn, for every instruction
+// set.
 #pragma once
 #include <cstdint>
 
@@ -7,20 +7,18 @@
 
 namespace plenoflame {
 
-inline constexpr int kRowPixels = 64;  ///< looked at together, at most
-inline constexpr int kRowSlack = 8;    ///< the arrays are so much longer
+/// Looked at together, at most; rows take up multiples of kRowLanes.
+inline constexpr int kRowsPixels = 256, kRowLanes = 8;
 inline constexpr int kWorthRings = 6;
-inline constexpr int kRowWords = 5;  ///< of random bits, for each pixel
+/// Of random bits, for each pixel: one of pixel and microlens, and n-th ones of that.
+inline constexpr int kRowWords = 5;
 
-/// Apart from what chooses entries of the pool: for the words that the second shifts are made of.
-inline constexpr std::uint64_t kSecondShiftSeed = 0x73686966u;
-
-/// Pixels of a row; all lengths from the microlens' centre [m]. A pixel's own is at
+/// Rows of pixels; all lengths from the microlens' centre [m]. A pixel's own is at
 /// x = (half_columns - (column + 1/2)) pitch - lens_x.
-struct KernelRow {
-  int count;  ///< at most kRowPixels
+struct KernelRows {
+  int rows, count;  ///< of columns; rows * stride() is at most kRowsPixels
   double half_columns, pitch, lens_x;
-  double y;  ///< of the row's middle
+  const double* y;  ///< of the middle of each row
   /// Of each sector: no light comes from farther away than this from the micro-image's centre.
   double closes[kCutAzimuths + 1];
   double centre_x, centre_y;  ///< of the micro-image
@@ -31,6 +29,9 @@ struct KernelRow {
   double rings[kWorthRings], parts[kWorthRings];
   std::uint64_t key;          ///< of microlens and seed
   std::uint32_t row, column;  ///< of the first pixel
+
+  /// From a pixel to the one of the next row, in the arrays.
+  int stride() const { return (count + kRowLanes - 1) & -kRowLanes; }
 };
 
 inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre
@@ -59,7 +60,7 @@ enum BeamVerdict {
   kNeedsLook      ///< it is longer than wide
 };
 
-/// Arrays of what is found.
+/// Arrays of what is found, with room for kRowsPixels.
 struct KernelRowPixels {
   double* x;                ///< of the pixel's centre
   double *x_low, *x_width;  ///< columns that get light; a width not above 0: none
@@ -70,9 +71,9 @@ struct KernelRowPixels {
   std::uint64_t* random[kRowWords];
 };
 
-#define PLENOFLAME_PIXEL_ROW_KERNELS                         \
-  void survey_row(const KernelRow&, const KernelRowPixels&); \
-  void judge_row(const KernelRow&, const KernelBeam&, const KernelRowPixels&);
+#define PLENOFLAME_PIXEL_ROW_KERNELS                           \
+  void survey_rows(const KernelRows&, const KernelRowPixels&); \
+  void judge_rows(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 
 namespace baseline {
 PLENOFLAME_PIXEL_ROW_KERNELS

@@ -14,110 +14,151 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31);
 }
 
+// In an int's place: loops that hold ints are made of narrower vectors.
+constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+
 PLENOFLAME_INLINE int place_at(double at) {
   return static_cast<int>(clamp(at, 0.0, kRasterSide - 1.0));
 }
 
 }  // namespace
 
-void survey_row(const KernelRow& row, const KernelRowPixels& pixels) {
-  const KernelRow r = row;
-  const double half = 0.5 * r.pitch, y = r.y - r.centre_y;
-  const double y_off = magnitude(y), near_y = greatest(y_off - half, 0.0), far_y = y_off + half;
-  // No remainder: what is found must not depend on how many pixels there are.
-  const int padded = (r.count + 7) & ~7;
+// In steps, each a loop over all pixels: a row alone is too short for a processor to have several
+// vectors under way. Rows are whole vectors: what is found must not depend on how many pixels there
+// are.
+void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
+  const KernelRows r = rows;
+  const int stride = r.stride(), padded = r.rows * stride;
+  const double half = 0.5 * r.pitch;
   double* __restrict at_x = pixels.x;
   double* __restrict x_low = pixels.x_low;
   double* __restrict x_width = pixels.x_width;
   double* __restrict far2 = pixels.far2;
   int* __restrict level = pixels.level;
   int* __restrict sector = pixels.sector;
-  const double* closes = r.closes;
+  const double* closes = rows.closes;
+  alignas(64) double from_centre2[kRowsPixels], sector_found[kRowsPixels], level_found[kRowsPixels];
+  for (int row = 0; row < r.rows; ++row) {
+    const double y = r.y[row] - r.centre_y, far_y = magnitude(y) + half;
+    for (int first = 0; first < stride; first += kRowLanes) {
+      const int k = row * stride + first;
+      const double start = static_cast<double>(static_cast<int>(r.column) + first);
 #pragma omp simd simdlen(8)
-  for (int i = 0; i < padded; ++i) {
-    const double column = static_cast<double>(static_cast<int>(r.column) + i);
-    const double x = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
-    at_x[i] = x;
-    const double vx = x - r.centre_x, x_off = magnitude(vx);
-    const double far_x = x_off + half;
-    far2[i] = far_x * far_x + far_y * far_y;
-    const double distance2 = vx * vx + y * y;
-    // Squares with their signs: in the order of the numbers, without a root.
-    const double along = vx * r.field_x + y * r.field_y, along2 = along * magnitude(along);
-    double of_direction = 0;
+      for (int i = 0; i < kRowLanes; ++i) {
+        const double column = start + kLanes[i];
+        const double x = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
+        at_x[k + i] = x;
+        const double vx = x - r.centre_x, far_x = magnitude(vx) + half;
+        far2[k + i] = far_x * far_x + far_y * far_y;
+        const double distance2 = vx * vx + y * y;
+        from_centre2[k + i] = distance2;
+        // Squares with their signs: in the order of the numbers, without a root.
+        const double along = vx * r.field_x + y * r.field_y, along2 = along * magnitude(along);
+        double of_direction = 0;
 #pragma GCC unroll 8
-    for (int k = 0; k < kCutAzimuths - 1; ++k)
-      of_direction += along2 < kCutBorders[k] * magnitude(kCutBorders[k]) * distance2 ? 1.0 : 0.0;
-    const int number = static_cast<int>(distance2 > r.clear2 ? of_direction : kCutAzimuths);
-    sector[i] = number;
-    // Columns inside of the disc that the sector's light comes from.
-    const double radius = closes[number];
-    const double reach = square_root(greatest(radius * radius - near_y * near_y, 0.0));
-    const double low = greatest(vx - half, -reach), width = least(vx + half, reach) - low;
-    x_low[i] = r.centre_x + low;
-    x_width[i] = width;
-    double of_worth = 0;
+        for (int n = 0; n < kCutAzimuths - 1; ++n)
+          of_direction +=
+              along2 < kCutBorders[n] * magnitude(kCutBorders[n]) * distance2 ? 1.0 : 0.0;
+        sector_found[k + i] = distance2 > r.clear2 ? of_direction : double(kCutAzimuths);
+      }
+    }
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) sector[i] = static_cast<int>(sector_found[i]);
+  // Columns inside of the disc that the sector's light comes from.
+  for (int row = 0; row < r.rows; ++row) {
+    const double near_y = greatest(magnitude(r.y[row] - r.centre_y) - half, 0.0);
+    const double near_y2 = near_y * near_y;
+    for (int first = 0; first < stride; first += kRowLanes) {
+      const int k = row * stride + first;
+#pragma omp simd simdlen(8)
+      for (int i = 0; i < kRowLanes; ++i) {
+        const double radius = closes[sector[k + i]];
+        const double vx = at_x[k + i] - r.centre_x;
+        const double reach = square_root(greatest(radius * radius - near_y2, 0.0));
+        const double low = greatest(vx - half, -reach);
+        x_low[k + i] = r.centre_x + low;
+        x_width[k + i] = least(vx + half, reach) - low;
+      }
+    }
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const double distance2 = from_centre2[i], width = x_width[i];
+    double of_rings = 0, of_parts = 0;
 #pragma GCC unroll 8
     for (int k = 0; k < kWorthRings; ++k) {
-      of_worth += distance2 > r.rings[k] ? 1.0 : 0.0;
-      of_worth += width <= r.parts[k] ? 1.0 : 0.0;
+      of_rings += distance2 > r.rings[k] ? 1.0 : 0.0;
+      of_parts += width <= r.parts[k] ? 1.0 : 0.0;
     }
-    level[i] = static_cast<int>(of_worth);
+    level_found[i] = of_rings + of_parts;
   }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) level[i] = static_cast<int>(level_found[i]);
   std::uint64_t* __restrict a = pixels.random[0];
   std::uint64_t* __restrict b = pixels.random[1];
   std::uint64_t* __restrict c = pixels.random[2];
   std::uint64_t* __restrict d = pixels.random[3];
   std::uint64_t* __restrict e = pixels.random[4];
+  for (int row = 0; row < r.rows; ++row) {
+    const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);
+    for (int first = 0; first < stride; first += kRowLanes) {
+      const int k = row * stride + first;
+      const std::uint64_t start = r.column + static_cast<std::uint64_t>(first);
 #pragma omp simd simdlen(8)
-  for (int i = 0; i < padded; ++i) {
-    const std::uint64_t column = r.column + static_cast<std::uint64_t>(i);
-    const std::uint64_t first = mixed((column << 32 | r.row) ^ r.key), second = mixed(first),
-                        third = mixed(second), fourth = mixed(third + kSecondShiftSeed);
-    a[i] = first;
-    b[i] = second;
-    c[i] = third;
-    d[i] = fourth;
-    e[i] = mixed(fourth);
+      for (int i = 0; i < kRowLanes; ++i) {
+        const std::uint64_t column = start + kLaneNumbers[i];
+        const std::uint64_t one = mixed((column << 32 | number) ^ r.key);
+        a[k + i] = one;
+        b[k + i] = mixed(one + 1);
+        c[k + i] = mixed(one + 2);
+        d[k + i] = mixed(one + 3);
+        e[k + i] = mixed(one + 4);
+      }
+    }
   }
 }
 
-void judge_row(const KernelRow& row, const KernelBeam& of_beam, const KernelRowPixels& pixels) {
-  const KernelRow r = row;
+void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelRowPixels& pixels) {
+  const KernelRows r = rows;
   const KernelBeam b = of_beam;
   const double* radii = b.radius;
   const double* inners = b.inner;
   const float* raster = b.to_lit;
   const double* __restrict at_x = pixels.x;
   int* __restrict verdict = pixels.verdict;
-  const int padded = (r.count + 7) & ~7;
-  const double y = r.y, vy = y - r.centre_y;
+  const int stride = r.stride();
+  for (int row = 0; row < r.rows; ++row) {
+    const double y = r.y[row], vy = y - r.centre_y;
 #pragma omp simd simdlen(8)
-  for (int i = 0; i < padded; ++i) {
-    const double x = at_x[i], vx = x - r.centre_x;
-    const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
-    const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
-    const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
-    const double axis_y = b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y;
-    const double half_way = 0.5 * square_root(axis_x * axis_x + axis_y * axis_y);
-    const int bin =
-        static_cast<int>(least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 1.0));
-    const double radius = radii[bin], inner = inners[bin];
-    const double near_x = clamp(px, b.lower_x, b.upper_x), near_y = clamp(py, b.lower_y, b.upper_y);
-    const int place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
-                      place_at((near_x - b.lower_x) * b.scale_x);
-    const double in = static_cast<double>(raster[place]);
-    const double out_x = px - near_x, out_y = py - near_y;
-    const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
-    // No && here: what branches is not vectorised. Beams that are longer than wide, between the
-    // planes, are looked at in parts: not here.
-    const bool is_short = half_way <= 0.25 * radius;
-    const bool beyond = out2 + in * in > reach * reach * (1 + kBeamRounding);
-    const bool within = square_root(out2) + in + b.lit_room <= inner;
-    const bool holds =
-        (px > b.lower_x) & (px < b.upper_x) & (py > b.lower_y) & (py < b.upper_y) & !(in > 0);
-    const int of_disc = is_short ? (beyond ? kSeesNothing : kNeedsOutline) : kNeedsLook;
-    verdict[i] = holds | within ? kSeesSomething : of_disc;
+    for (int i = row * stride; i < (row + 1) * stride; ++i) {
+      const double x = at_x[i], vx = x - r.centre_x;
+      const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
+      const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
+      const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
+      const double axis_y = b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y;
+      const double half_way = 0.5 * square_root(axis_x * axis_x + axis_y * axis_y);
+      const int bin = static_cast<int>(
+          least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 1.0));
+      const double radius = radii[bin], inner = inners[bin];
+      const double near_x = clamp(px, b.lower_x, b.upper_x),
+                   near_y = clamp(py, b.lower_y, b.upper_y);
+      const int place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
+                        place_at((near_x - b.lower_x) * b.scale_x);
+      const double in = static_cast<double>(raster[place]);
+      const double out_x = px - near_x, out_y = py - near_y;
+      const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
+      // No && here: what branches is not vectorised. Beams that are longer than wide, between the
+      // planes, are looked at in parts: not here.
+      const bool is_short = half_way <= 0.25 * radius;
+      const bool beyond = out2 + in * in > reach * reach * (1 + kBeamRounding);
+      const bool within = square_root(out2) + in + b.lit_room <= inner;
+      const bool holds =
+          (px > b.lower_x) & (px < b.upper_x) & (py > b.lower_y) & (py < b.upper_y) & !(in > 0);
+      const int of_disc = is_short ? (beyond ? kSeesNothing : kNeedsOutline) : kNeedsLook;
+      verdict[i] = holds | within ? kSeesSomething : of_disc;
+    }
   }
 }
 

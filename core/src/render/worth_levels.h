@@ -15,7 +15,7 @@ namespace plenoflame {
 class WorthLevels {
  public:
   static constexpr std::size_t kCount = 6;
-  /// As survey_row() finds it (render/pixel_row_kernel.h).
+  /// As survey_rows() finds it (render/pixel_row_kernel.h).
   static int of(double worth);
   /// What is worth no more has a level above k.
   static double limit(std::size_t k);

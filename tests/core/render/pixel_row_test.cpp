@@ -29,53 +29,60 @@ class Rows {
     const SensorSpec& sensor = camera.spec().sensor;
     const Vec2 field = length(place) > 0 ? (1 / length(place)) * place : Vec2{1, 0};
     const Vec2 centre = node_.centre * field;
-    row.half_columns = 0.5 * sensor.columns;
-    row.pitch = sensor.pixel_pitch;
-    row.lens_x = place.x;
-    row.centre_x = centre.x;
-    row.centre_y = centre.y;
-    row.field_x = field.x;
-    row.field_y = field.y;
-    const double clear = PixelCuts::clear_of_centre(0.5 * row.pitch);
-    row.clear2 = clear * clear;
-    const WorthLevels::Rings worth = WorthLevels(table, 0.5 * row.pitch).at(length(place));
+    survey.half_columns = 0.5 * sensor.columns;
+    survey.pitch = sensor.pixel_pitch;
+    survey.lens_x = place.x;
+    survey.centre_x = centre.x;
+    survey.centre_y = centre.y;
+    survey.field_x = field.x;
+    survey.field_y = field.y;
+    const double clear = PixelCuts::clear_of_centre(0.5 * survey.pitch);
+    survey.clear2 = clear * clear;
+    const WorthLevels::Rings worth = WorthLevels(table, 0.5 * survey.pitch).at(length(place));
     for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
-      row.rings[k] = worth.squares[k];
-      row.parts[k] = row.pitch * WorthLevels::limit(k);
+      survey.rings[k] = worth.squares[k];
+      survey.parts[k] = survey.pitch * WorthLevels::limit(k);
     }
     for (int k = 0; k < PixelCuts::kSectors; ++k)
-      row.closes[k] =
+      survey.closes[k] =
           std::min(node_.outer_radius, static_cast<double>(node_.cuts.sector(k).closes));
-    row.key = 0x1234567890abcdefu;
+    survey.key = 0x1234567890abcdefu;
     // Around the micro-image, and a little more.
-    const double reach = node_.outer_radius + 3 * row.pitch;
+    const double reach = node_.outer_radius + 3 * survey.pitch;
     const Vec2 image = place + centre;
-    const int first = static_cast<int>(row.half_columns - (image.x + reach) / row.pitch);
-    const int last = static_cast<int>(row.half_columns - (image.x - reach) / row.pitch);
-    row.column = static_cast<std::uint32_t>(first);
-    row.count = std::min(last - first, kRowPixels);
-    first_row = static_cast<int>(0.5 * sensor.rows - (image.y + reach) / row.pitch);
-    last_row = static_cast<int>(0.5 * sensor.rows - (image.y - reach) / row.pitch);
+    const int first = static_cast<int>(survey.half_columns - (image.x + reach) / survey.pitch);
+    const int last = static_cast<int>(survey.half_columns - (image.x - reach) / survey.pitch);
+    survey.column = static_cast<std::uint32_t>(first);
+    survey.count = std::min(last - first, kRowsPixels);
+    first_row = static_cast<int>(0.5 * sensor.rows - (image.y + reach) / survey.pitch);
+    last_row = static_cast<int>(0.5 * sensor.rows - (image.y - reach) / survey.pitch);
   }
-  void go_to(int number) {
-    row.row = static_cast<std::uint32_t>(number);
-    row.y = camera_.sensor_point(0, number + 0.5).y - place_.y;
+  /// Rows from `first` on, as many as are looked at together, at most `most` of them.
+  void take(int first, int most) {
+    survey.row = static_cast<std::uint32_t>(first);
+    survey.rows = std::min({most, last_row - first, kRowsPixels / survey.stride()});
+    y_.clear();
+    for (int row = 0; row < survey.rows; ++row)
+      y_.push_back(camera_.sensor_point(0, first + row + 0.5).y - place_.y);
+    survey.y = y_.data();
   }
+  void take(int first) { take(first, kRowsPixels); }
   /// A pixel's centre, from that of the microlens.
-  Vec2 pixel(int i) const {
-    return camera_.sensor_point(static_cast<double>(row.column) + i + 0.5,
-                                static_cast<double>(row.row) + 0.5) -
+  Vec2 pixel(int row, int i) const {
+    return camera_.sensor_point(static_cast<double>(survey.column) + i + 0.5,
+                                static_cast<double>(survey.row) + row + 0.5) -
            place_;
   }
   const PupilNode& node() const { return node_; }
 
-  KernelRow row{};
+  KernelRows survey{};
   int first_row = 0, last_row = 0;
 
  private:
   const Camera& camera_;
   Vec2 place_;
   PupilNode node_;
+  std::vector<double> y_;
 };
 
 constexpr Vec2 kPlaces[]{{0, 0}, {1e-3, -2e-3}, {-6e-3, 4e-3}, {0, 7e-3}};
@@ -86,19 +93,20 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
     const PupilSampling pupils(camera);
     for (const Vec2 place : kPlaces) {
       Rows rows(camera, pupils.tables().back(), place);
-      const KernelRow& row = rows.row;
-      const Vec2 centre{row.centre_x, row.centre_y}, field{row.field_x, row.field_y};
-      const double half = 0.5 * row.pitch;
+      const KernelRows& survey = rows.survey;
+      const Vec2 centre{survey.centre_x, survey.centre_y}, field{survey.field_x, survey.field_y};
+      const double half = 0.5 * survey.pitch;
       int lit = 0, dark = 0, cut = 0, edges = 0;
       for (const Isa isa : supported_isas()) {
         std::vector<bool> levels(WorthLevels::kCount + 1);
-        PixelRow found;
-        for (int number = rows.first_row; number < rows.last_row; ++number) {
-          rows.go_to(number);
-          backward_kernels<float>(isa).survey_row(row, found.arrays());
-          for (int i = 0; i < row.count; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            const Vec2 v = rows.pixel(i) - centre;
+        PixelRows found;
+        for (int first = rows.first_row; first < rows.last_row; first += survey.rows) {
+          rows.take(first);
+          backward_kernels<float>(isa).survey_rows(survey, found.arrays());
+          for (int pixel = 0; pixel < survey.rows * survey.count; ++pixel) {
+            const int row = pixel / survey.count, i = pixel % survey.count;
+            const auto k = static_cast<std::size_t>(row * survey.stride() + i);
+            const Vec2 v = rows.pixel(row, i) - centre;
             const PixelView view = rows.node().cuts.look(v, half, field);
             const double near = std::hypot(std::max(std::fabs(v.x) - half, 0.0),
                                            std::max(std::fabs(v.y) - half, 0.0));
@@ -119,11 +127,11 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
             const double low = std::max(v.x - half, -reach), high = std::min(v.x + half, reach);
             EXPECT_TRUE(within(found.x_low[k], centre.x + low, 1e-9, radius));
             EXPECT_TRUE(within(found.x_width[k], high - low, 1e-9, radius));
-            cut += high - low < 0.99 * row.pitch;
+            cut += high - low < 0.99 * survey.pitch;
             // Next to a ring, or to a limit, either level will do.
             const auto level = [&](double by) {
-              int sum = WorthLevels::of((high - low) / row.pitch * (1 - by));
-              for (const double ring : row.rings) sum += dot(v, v) * (1 + by) > ring ? 1 : 0;
+              int sum = WorthLevels::of((high - low) / survey.pitch * (1 - by));
+              for (const double ring : survey.rings) sum += dot(v, v) * (1 + by) > ring ? 1 : 0;
               return sum;
             };
             EXPECT_GE(found.level[k], level(-1e-9));
@@ -131,13 +139,13 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
             edges += level(1e-9) != level(-1e-9);
             levels[static_cast<std::size_t>(
                 std::min(found.level[k], static_cast<int>(WorthLevels::kCount)))] = true;
-            std::uint64_t word =
-                mix64(((static_cast<std::uint64_t>(row.column) + k) << 32 | row.row) ^ row.key);
+            const std::uint64_t word = mix64(
+                (static_cast<std::uint64_t>(survey.column + static_cast<std::uint32_t>(i)) << 32 |
+                 (survey.row + static_cast<std::uint32_t>(row))) ^
+                survey.key);
             EXPECT_EQ(found.random[0][k], word);
-            EXPECT_EQ(found.random[1][k], word = mix64(word));
-            EXPECT_EQ(found.random[2][k], word = mix64(word));
-            EXPECT_EQ(found.random[3][k], word = mix64(word + kSecondShiftSeed));
-            EXPECT_EQ(found.random[4][k], mix64(word));
+            for (std::size_t n = 1; n < kRowWords; ++n)
+              EXPECT_EQ(found.random[n][k], mix64(word + n));
           }
         }
         EXPECT_GT(std::count(levels.begin(), levels.end(), true), 2) << name;
@@ -162,20 +170,25 @@ TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
       Rows rows(camera, pupils.tables().front(), place);
       const KernelBeam beam = beams->of(0, place).kernel();
       const auto kernels = backward_kernels<float>(isa);
-      for (int number = rows.first_row; number < rows.last_row; ++number) {
-        rows.go_to(number);
-        PixelRow all, some;
-        kernels.survey_row(rows.row, all.arrays());
-        kernels.judge_row(rows.row, beam, all.arrays());
-        for (const int skipped : {1, 3, 8}) {
-          KernelRow part = rows.row;
+      const int stride = rows.survey.stride();
+      for (int first = rows.first_row; first < rows.last_row; first += kRowsPixels / stride) {
+        rows.take(first);
+        const int together = rows.survey.rows;
+        PixelRows all, some;
+        kernels.survey_rows(rows.survey, all.arrays());
+        kernels.judge_rows(rows.survey, beam, all.arrays());
+        for (int pixel = 0; pixel < 3 * together; ++pixel) {
+          const int row = pixel / 3,
+                    skipped = std::array{1, 3, 8}[static_cast<std::size_t>(pixel % 3)];
+          rows.take(first + row, 1 + pixel % 2);
+          KernelRows part = rows.survey;
           part.column += static_cast<std::uint32_t>(skipped);
           part.count -= skipped;
-          kernels.survey_row(part, some.arrays());
-          kernels.judge_row(part, beam, some.arrays());
+          kernels.survey_rows(part, some.arrays());
+          kernels.judge_rows(part, beam, some.arrays());
           for (int i = 0; i < part.count; ++i) {
             const auto k = static_cast<std::size_t>(i),
-                       of_all = k + static_cast<std::size_t>(skipped);
+                       of_all = static_cast<std::size_t>(row * stride + skipped + i);
             ASSERT_EQ(some.x[k], all.x[of_all]);
             ASSERT_EQ(some.x_low[k], all.x_low[of_all]);
             ASSERT_EQ(some.x_width[k], all.x_width[of_all]);
@@ -227,14 +240,16 @@ TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
       ASSERT_TRUE(beams);
       const PixelBeam beam = beams->of(type, place);
       const KernelBeam kernel = beam.kernel();
-      PixelRow found;
-      for (int number = rows.first_row; number < rows.last_row; ++number) {
-        rows.go_to(number);
-        backward_kernels<float>(isa).survey_row(rows.row, found.arrays());
-        backward_kernels<float>(isa).judge_row(rows.row, kernel, found.arrays());
-        for (int i = 0; i < rows.row.count; ++i) {
-          const Vec2 pixel = rows.pixel(i);
-          const int verdict = found.verdict[static_cast<std::size_t>(i)];
+      PixelRows found;
+      const KernelRows& survey = rows.survey;
+      for (int first = rows.first_row; first < rows.last_row; first += survey.rows) {
+        rows.take(first);
+        backward_kernels<float>(isa).survey_rows(survey, found.arrays());
+        backward_kernels<float>(isa).judge_rows(survey, kernel, found.arrays());
+        for (int number = 0; number < survey.rows * survey.count; ++number) {
+          const int row = number / survey.count, i = number % survey.count;
+          const Vec2 pixel = rows.pixel(row, i);
+          const int verdict = found.verdict[static_cast<std::size_t>(row * survey.stride() + i)];
           ++verdicts[static_cast<std::size_t>(verdict)];
           const bool sees = beam.may_meet(pixel);
           if (verdict == kSeesNothing) {
