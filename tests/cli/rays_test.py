@@ -48,7 +48,7 @@ class Rays(CommandTest):
 
     def test_formats_hold_the_same(self):
         for ending in ("vtp", "csv", "json"):
-            self.succeeds("rays", "a.toml", *PIXELS, "--rays", "8", "--flame-samples", "3", "-o", "r." + ending)
+            self.succeeds("rays", "a.toml", *PIXELS, "--rays", "128", "--flame-samples", "3", "-o", "r." + ending)
         self.assertEqual(self.files(), ["a.toml", "r.csv", "r.json", "r.vtp"])
         rays = json.loads(self.read("r.json"))["rays"]
         counts, vtp = read_vtp(self.read("r.vtp"))
@@ -80,7 +80,7 @@ class Rays(CommandTest):
     def test_info_says_what_rays_said(self):
         for ending in ("csv", "json"):
             name = "r." + ending
-            figures = self.json_of("rays", "a.toml", *PIXELS, "--rays", "8", "--flame-samples", "3", "-o", name)
+            figures = self.json_of("rays", "a.toml", *PIXELS, "--rays", "128", "--flame-samples", "3", "-o", name)
             self.assertGreater(figures["vignetted"], 0)
             info = self.json_of("info", name)
             self.assertEqual((info.pop("file"), info.pop("type")), (name, "ray paths"))
@@ -147,11 +147,11 @@ class Rays(CommandTest):
         self.assertLess(sorted(rows)[len(rows) // 2], 1450)
 
     def test_selection(self):
-        everything = self.rays_of(*PIXELS, "--rays", "32")
-        kept = self.rays_of(*PIXELS, "--rays", "32", "--status", "vignetted")
+        everything = self.rays_of(*PIXELS, "--rays", "256")
+        kept = self.rays_of(*PIXELS, "--rays", "256", "--status", "vignetted")
         self.assertEqual(kept, [ray for ray in everything if ray["status"] == "vignetted"])
         self.assertGreater(len(kept), 0)
-        kept = self.rays_of(*PIXELS, "--rays", "32", "--type", "1", "--type", "2", "--status", "reached")
+        kept = self.rays_of(*PIXELS, "--rays", "256", "--type", "1", "--type", "2", "--status", "reached")
         self.assertEqual(kept, [ray for ray in everything if ray["type"] in (1, 2) and ray["status"] == "reached"])
         self.assertEqual(len(self.rays_of(*PIXELS, "--rays", "32", "--most", "9")), 9)
 

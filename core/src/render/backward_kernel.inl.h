@@ -6,8 +6,8 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// Steps of Newton's method are believed up to so much of the way: of the first to the stop's edge,
-/// to the far face's rim; of the second to the stop's edge, as a part of the first.
+/// Steps are believed up to so much of the way: of the first to the stop's edge, to the far face's
+/// rim; of the second to the stop's edge, as a part of the first.
 constexpr float kStopStep = 0.6F, kFarStep = 0.15F, kSecondStep = 0.5F;
 
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
@@ -151,12 +151,20 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   }
 }
 
-/// How far the discs of a bound reach from an inner point: for the point at (p, q) from the disc's
-/// middle, in the direction whose square is `square` and whose product with (p, q) is `product`.
-/// @param room radius squared less p^2 + q^2, not negative
+/// A disc, seen from an inner point that lies at (p, q) from its middle, in the direction v: it
+/// reaches as far as the positive solution r of v^2 r^2 + 2 product r = room.
+/// Keeps `product` and `squares`, product^2 + v^2 room, where that is less far than what they say;
+/// by roots to 6.5e-4: what is kept is hardly farther than the nearest of the discs, never less
+/// far.
 template <class Real>
-PLENOFLAME_INLINE Real reach_of_disc(Real product, Real room, Real square, Real inverse_square) {
-  return (square_root(product * product + square * room) - product) * inverse_square;
+PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& product, Real& squares,
+                                    Real& rough_reach) {
+  const Real these = of_this * of_this + v2 * room;
+  const Real rough = near_square_root(these) - of_this;
+  const bool nearer = rough < rough_reach;
+  product = nearer ? of_this : product;
+  squares = nearer ? these : squares;
+  rough_reach = nearer ? rough : rough_reach;
 }
 
 /// Aims the rays that place_rays() has placed: from a point inside that part of the aperture that
@@ -192,7 +200,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real sx = x[i], sy = y[i];
     const Real wx = sx - centre_x, wy = sy - centre_y;
     const Real w2 = wx * wx + wy * wy;
-    const Real inverse_w = Real(1) / square_root(greatest(w2, Real(1e-30)));
+    const Real inverse_w = inverse_square_root(greatest(w2, Real(1e-30)));
     const Real ex = w2 > Real(1e-30) ? wx * inverse_w : Real(1);
     const Real ey = w2 > Real(1e-30) ? wy * inverse_w : Real(0);
 
@@ -212,9 +220,10 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real p = Real(0.5) * (low + high), least_room = Real(1e-4) * near * near;
     const Real from_near = p - near_p, from_far = p - far_p;
     const Real cut2 = least((p - cut_low) * (cut_low_far - p), (cut_high - p) * (p - cut_high_far));
-    const Real cut_half = square_root(greatest(cut2, least_room));
-    const Real near_half = square_root(greatest(near * near - from_near * from_near, least_room));
-    const Real far_half = square_root(greatest(far * far - from_far * from_far, least_room));
+    const Real cut_half = rough_square_root(greatest(cut2, least_room));
+    const Real near_half =
+        rough_square_root(greatest(near * near - from_near * from_near, least_room));
+    const Real far_half = rough_square_root(greatest(far * far - from_far * from_far, least_room));
     const Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
     const Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
     const Real q = Real(0.5) * (top + bottom);
@@ -223,76 +232,80 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real t = dy[i], share = dx[i];
     const Real folded = t > Real(0.25) ? Real(0.5) - t : (t < Real(-0.25) ? Real(-0.5) - t : t);
     const Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
-    const Real v2 = vp * vp + vq * vq, inverse_v2 = Real(1) / greatest(v2, Real(1e-30));
+    const Real v2 = vp * vp + vq * vq;
     const Real near_dq = q - near_q, far_dq = q - far_q;
-    const Real to_near =
-        reach_of_disc(from_near * vp + near_dq * vq,
-                      greatest(near * near - from_near * from_near - near_dq * near_dq, least_room),
-                      v2, inverse_v2);
-    const Real to_far = reach_of_disc(
-        from_far * vp + far_dq * vq,
-        greatest(far * far - from_far * from_far - far_dq * far_dq, least_room), v2, inverse_v2);
     const Real low_middle = p - Real(0.5) * (cut_low + cut_low_far),
                high_middle = p - Real(0.5) * (cut_high + cut_high_far);
-    const Real to_low = reach_of_disc(
-        low_middle * vp + q * vq, greatest((p - cut_low) * (cut_low_far - p) - q * q, least_room),
-        v2, inverse_v2);
-    const Real to_high = reach_of_disc(
-        high_middle * vp + q * vq,
-        greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, inverse_v2);
+    const Real inverse_v2 = Real(1) / greatest(v2, Real(1e-30));
+    const Real of_near = from_near * vp + near_dq * vq;
+    const Real near_squares =
+        of_near * of_near +
+        v2 * greatest(near * near - from_near * from_near - near_dq * near_dq, least_room);
+    Real product = from_far * vp + far_dq * vq;
+    Real squares = product * product +
+                   v2 * greatest(far * far - from_far * from_far - far_dq * far_dq, least_room);
+    Real rough_reach = near_square_root(squares) - product;
+    keep_nearest(low_middle * vp + q * vq,
+                 greatest((p - cut_low) * (cut_low_far - p) - q * q, least_room), v2, product,
+                 squares, rough_reach);
+    keep_nearest(high_middle * vp + q * vq,
+                 greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, product,
+                 squares, rough_reach);
 
     z[i] = half > Real(0) ? Real(3.141592653589793238) * half * width * z[i] : Real(0);
     dx[i] = origin_x + origin_shift * sx + ex * p - ey * q;
     dy[i] = origin_y + origin_shift * sy + ey * p + ex * q;
     dz[i] = ex * vp - ey * vq;
     weight[i] = ey * vp + ex * vq;
-    reach[i] = least(least(to_near, to_far), least(to_low, to_high));
+    reach[i] =
+        least(square_root(squares) - product, square_root(near_squares) - of_near) * inverse_v2;
     part[i] = square_root(share);
   }
 }
 
-/// Where a ray from s to u crosses, and how that changes with u along v; all in the crossing's
-/// units. (By reference: loops with structs of them were not vectorised.)
+/// Where a ray from s to u crosses: at of_s * s + of_u * u.
 template <class Real>
 PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux, Real uy,
-                             Real vx, Real vy, Real& x, Real& y, Real& change_x, Real& change_y) {
+                             Real& of_s, Real& of_u) {
+  const Real* p = c.of_sensor;
+  const Real* q = c.of_aim;
+  const Real ss = sx * sx + sy * sy, su = sx * ux + sy * uy, uu = ux * ux + uy * uy;
+  of_s = p[0] + ss * (p[1] + ss * p[4]) + su * (p[2] + ss * p[5] + uu * p[8] + su * p[7]) +
+         uu * (p[3] + ss * p[6] + uu * p[9]);
+  of_u = q[0] + ss * (q[1] + ss * q[4]) + su * (q[2] + ss * q[5] + uu * q[8] + su * q[7]) +
+         uu * (q[3] + ss * q[6] + uu * q[9]);
+}
+
+/// How those factors change with u along v.
+template <class Real>
+PLENOFLAME_INLINE void crossing_changes(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux,
+                                        Real uy, Real vx, Real vy, Real& of_s, Real& of_u) {
   const Real* p = c.of_sensor;
   const Real* q = c.of_aim;
   const Real ss = sx * sx + sy * sy, sv = sx * vx + sy * vy;
   const Real su = sx * ux + sy * uy, uu = ux * ux + uy * uy;
   const Real uv = Real(2) * (ux * vx + uy * vy);  // the change of uu
-  const Real p_su = p[2] + ss * p[5] + uu * p[8], p_uu = p[3] + ss * p[6];
-  const Real q_su = q[2] + ss * q[5] + uu * q[8], q_uu = q[3] + ss * q[6];
-  const Real of_s =
-      p[0] + ss * (p[1] + ss * p[4]) + su * (p_su + su * p[7]) + uu * (p_uu + uu * p[9]);
-  const Real of_u =
-      q[0] + ss * (q[1] + ss * q[4]) + su * (q_su + su * q[7]) + uu * (q_uu + uu * q[9]);
-  const Real change_s =
-      sv * (p_su + Real(2) * p[7] * su) + uv * (p_uu + p[8] * su + Real(2) * p[9] * uu);
-  const Real change_u =
-      sv * (q_su + Real(2) * q[7] * su) + uv * (q_uu + q[8] * su + Real(2) * q[9] * uu);
-  x = of_s * sx + of_u * ux;
-  y = of_s * sy + of_u * uy;
-  change_x = change_s * sx + change_u * ux + of_u * vx;
-  change_y = change_s * sy + change_u * uy + of_u * vy;
+  of_s = sv * (p[2] + ss * p[5] + uu * p[8] + Real(2) * p[7] * su) +
+         uv * (p[3] + ss * p[6] + p[8] * su + Real(2) * p[9] * uu);
+  of_u = sv * (q[2] + ss * q[5] + uu * q[8] + Real(2) * q[7] * su) +
+         uv * (q[3] + ss * q[6] + q[8] * su + Real(2) * q[9] * uu);
 }
 
-/// How far a step of Newton's method goes from r back to where a line leaves a disc of that radius.
-/// Where the line does not lead outwards: far beyond, which nobody believes.
+/// A step of Newton's method back to a circle from a place beyond it. The height less the radius,
+/// times the height, as their series in the difference of the squares: no root.
+/// @param beyond the difference @param curvature the radius to the power of -2
+/// @param slope half of how the square changes
 template <class Real>
-PLENOFLAME_INLINE Real step_to_rim(Real x, Real y, Real change_x, Real change_y, Real radius) {
-  const Real height2 = x * x + y * y;
-  const Real beyond = height2 - radius * square_root(height2);
-  const Real slope = x * change_x + y * change_y;
-  return slope > Real(0) ? beyond / slope : Real(-1e30);
+PLENOFLAME_INLINE Real step_to_rim(Real beyond, Real curvature, Real slope) {
+  const Real part = beyond * curvature;
+  return beyond * (Real(0.5) + part * (Real(0.125) - Real(0.0625) * part)) / slope;
 }
 
-/// Draws the bounds in to where `found` finds an edge, from how far they reach, between
-///   (sx, sy)  the sensor point    (cx, cy)  the inner point    (vx, vy)  where the direction leads
-/// in the series' unit. (Numbers by value: loops with structs of them were not vectorised.)
-template <class Real, class Found>
-PLENOFLAME_INLINE void draw_in(Real unit, int first, int count, const KernelBlock<Real>& block,
-                               Found found) {
+/// Draws the bounds in to the rim of the microlens' far face, by a step of Newton's method. The
+/// square of the step, which is more than the next one would be, is left.
+template <class Real>
+PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int count,
+                                    const KernelBlock<Real>& block) {
   const Real* __restrict x = block.x + first;
   const Real* __restrict y = block.y + first;
   const Real* __restrict dx = block.dx + first;
@@ -300,80 +313,100 @@ PLENOFLAME_INLINE void draw_in(Real unit, int first, int count, const KernelBloc
   const Real* __restrict dz = block.dz + first;
   const Real* __restrict weight = block.weight + first;
   Real* __restrict reach = block.scratch[0] + first;
+  const Real unit = c.per_unit;
+  const Real radius2 = c.far_reach * c.far_reach, curvature = Real(1) / radius2;
+  const KernelCrossing<Real> crossing = c.at_far;
   const int padded = (count + 15) & ~15;
 #pragma omp simd
-  for (int i = 0; i < padded; ++i)
-    reach[i] = least(found(unit * x[i], unit * y[i], unit * dx[i], unit * dy[i], unit * dz[i],
-                           unit * weight[i], reach[i]),
-                     reach[i]);
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * dz[i], vy = unit * weight[i];
+    const Real bound = reach[i];
+    const Real ux = unit * dx[i] + bound * vx, uy = unit * dy[i] + bound * vy;
+    Real of_s, of_u, change_s, change_u;
+    cross(crossing, sx, sy, ux, uy, of_s, of_u);
+    crossing_changes(crossing, sx, sy, ux, uy, vx, vy, change_s, change_u);
+    const Real at_x = of_s * sx + of_u * ux, at_y = of_s * sy + of_u * uy;
+    const Real slope = at_x * (change_s * sx + change_u * ux + of_u * vx) +
+                       at_y * (change_s * sy + change_u * uy + of_u * vy);
+    const Real by = step_to_rim(at_x * at_x + at_y * at_y - radius2, curvature, slope);
+    const bool trusted = (slope > Real(0)) & (by < Real(kFarStep) * bound);
+    reach[i] = bound - (trusted ? greatest(by - by * by, Real(0)) : Real(0));
+  }
 }
 
-/// Draws the bounds in to the rim of the microlens' far face. The square of the last step, which is
-/// more than the next one would be, is left.
-template <class Real>
-PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int count,
-                                    const KernelBlock<Real>& block) {
-  const Real radius = c.far_reach;
-  const KernelCrossing<Real> crossing = c.at_far;
-  draw_in(
-      c.per_unit, first, count, block,
-      [=](Real sx, Real sy, Real cx, Real cy, Real vx, Real vy, Real bound)
-          __attribute__((always_inline)) {
-            Real at_x, at_y, change_x, change_y;
-            cross(crossing, sx, sy, cx + bound * vx, cy + bound * vy, vx, vy, at_x, at_y, change_x,
-                  change_y);
-            const Real by = step_to_rim(at_x, at_y, change_x, change_y, radius);
-            return bound - (by < Real(kFarStep) * bound ? by - by * by : Real(0));
-          });
-}
-
-/// The same for the stop.
+/// The same for the stop, by a step of Newton's method and one along the parabola through what is
+/// known: distance from the edge and its slope before the first step, and distance after it.
+/// (In two loops: one is too long for a processor to look ahead to the next rays.)
 template <class Real>
 PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int count,
                                  const KernelBlock<Real>& block) {
-  const Real fx = c.field_x, fy = c.field_y, radius = c.stop_reach;
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
+  const Real* __restrict dx = block.dx + first;
+  const Real* __restrict dy = block.dy + first;
+  const Real* __restrict dz = block.dz + first;
+  const Real* __restrict weight = block.weight + first;
+  Real* __restrict reach = block.scratch[0] + first;
+  const Real unit = c.per_unit;
+  const Real fx = c.field_x, fy = c.field_y;
+  const Real radius2 = c.stop_reach * c.stop_reach, curvature = Real(1) / radius2;
   const KernelCrossing<Real> crossing = c.at_pupil;
   const Real l0 = c.along[0], l1 = c.along[1], l2 = c.along[2], l3 = c.along[3], l4 = c.along[4],
              l5 = c.along[5];
   const Real m0 = c.across[0], m1 = c.across[1], m2 = c.across[2], m3 = c.across[3];
-  draw_in(
-      c.per_unit, first, count, block,
-      [=](Real sx, Real sy, Real cx, Real cy, Real vx, Real vy,
-          Real bound) __attribute__((always_inline)) {
-        Real first_step = Real(0), second_step = Real(0);
-#pragma GCC unroll 2
-        for (int step = 0; step < 2; ++step) {
-          const Real r = bound - first_step;
-          Real at_x, at_y, change_x, change_y;
-          cross(crossing, sx, sy, cx + r * vx, cy + r * vy, vx, vy, at_x, at_y, change_x, change_y);
-          const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
-          const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
-          const Real aa = a * a, bb = b * b;
-          const Real by = step_to_rim(
-              l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
-              b * (m0 + m1 * a + m2 * aa + m3 * bb),
-              da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
-                  db * Real(2) * b * (l3 + l5 * a),
-              db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) + da * b * (m1 + Real(2) * m2 * a),
-              radius);
-          if (step == 0)
-            first_step = by > Real(0) ? least(by, bound) : Real(0);
-          else
-            second_step = by;
-        }
-        // Where the bounds lie well outside of the edge there may be another one between; and
-        // where the second step is no small one, there was no edge in sight.
-        const Real second2 = second_step * second_step;
-        // What the next step would be, as the edge bends: by the two that were made, or as a
-        // circle.
-        const Real bend = greatest(Real(1), Real(2) * magnitude(second_step) /
-                                                greatest(first_step * first_step, Real(1e-12)));
-        const Real found = first_step + second_step - bend * second2;
-        const bool near_edge = first_step < Real(kStopStep) * bound;
-        const Real trusted = near_edge ? found : Real(0);
-        const Real limit = Real(kSecondStep) * first_step;
-        return second2 <= limit * limit ? bound - trusted : bound;
-      });
+  const int padded = (count + 15) & ~15;
+  // How far beyond the edge the places are, less what the slope says that the step changes.
+  alignas(64) Real steps[kBlockRays + kBlockSlack], beyond_line[kBlockRays + kBlockSlack];
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * dz[i], vy = unit * weight[i];
+    const Real bound = reach[i];
+    const Real ux = unit * dx[i] + bound * vx, uy = unit * dy[i] + bound * vy;
+    Real of_s, of_u, change_s, change_u;
+    cross(crossing, sx, sy, ux, uy, of_s, of_u);
+    crossing_changes(crossing, sx, sy, ux, uy, vx, vy, change_s, change_u);
+    const Real at_x = of_s * sx + of_u * ux, at_y = of_s * sy + of_u * uy;
+    const Real change_x = change_s * sx + change_u * ux + of_u * vx,
+               change_y = change_s * sy + change_u * uy + of_u * vy;
+    const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
+    const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
+    const Real aa = a * a, bb = b * b;
+    const Real along = l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
+               across = b * (m0 + m1 * a + m2 * aa + m3 * bb);
+    const Real slope = along * (da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
+                                db * Real(2) * b * (l3 + l5 * a)) +
+                       across * (db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) +
+                                 da * b * (m1 + Real(2) * m2 * a));
+    const Real beyond = along * along + across * across - radius2;
+    const Real by = step_to_rim(beyond, curvature, slope);
+    // Where the line does not lead outwards, or the edge is not ahead, none is in sight; and
+    // where the bounds lie well outside of the edge there may be another one between.
+    const bool in_sight = (slope > Real(0)) & (by > Real(0)) & (by < Real(kStopStep) * bound);
+    steps[i] = in_sight ? by : Real(0);
+    beyond_line[i] = beyond - by * slope;
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i];
+    const Real bound = reach[i], step = steps[i], to = unit * (bound - step);
+    const Real ux = unit * dx[i] + to * dz[i], uy = unit * dy[i] + to * weight[i];
+    Real of_s, of_u;
+    cross(crossing, sx, sy, ux, uy, of_s, of_u);
+    const Real at_x = of_s * sx + of_u * ux, at_y = of_s * sy + of_u * uy;
+    const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
+    const Real aa = a * a, bb = b * b;
+    const Real along = l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
+               across = b * (m0 + m1 * a + m2 * aa + m3 * bb);
+    const Real beyond = along * along + across * across - radius2;
+    const Real part = beyond / (Real(2) * (beyond_line[i] - beyond));
+    const Real second = magnitude(part) * step;
+    // What the next step would be, as the edge bends: by the two that were made, or as a
+    // circle; and by as much as the parabola may miss the slope.
+    const Real left = second * (greatest(second, Real(2) * part * part) + Real(0.5) * step * step);
+    // Where the second step is no small one, there was no edge.
+    const bool trusted = (step > Real(0)) & (magnitude(part) <= Real(kSecondStep));
+    reach[i] = bound - (trusted ? greatest(step + step * part - left, Real(0)) : Real(0));
+  }
 }
 
 /// The rays, from what aim_rays() has left. All weights are exact Jacobians: a bound that is too
@@ -398,7 +431,7 @@ PLENOFLAME_INLINE void finish_rays(int first, int count, Real distance,
     const Real r = reach[i], along = r * part[i];
     const Real ux = dx[i] + along * dz[i], uy = dy[i] + along * weight[i];
     const Real vx = ux - x[i], vy = uy - y[i];
-    const Real inverse = Real(1) / square_root(vx * vx + vy * vy + g2);
+    const Real inverse = inverse_square_root(vx * vx + vy * vy + g2);
     const Real inverse2 = inverse * inverse;
     // cos(theta) dOmega = cos^2 / r^2 dA' on parallel planes.
     weight[i] = r * r * z[i] * (g2 * inverse2 * inverse2);
