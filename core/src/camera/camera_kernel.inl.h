@@ -101,34 +101,14 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
   int* __restrict code = block.code + first;
   const int padded = (count + 15) & ~15;
   const KernelMicrolens<Real> c = lens;
-  if (c.kind == 1 && c.fresnel) {
+  if (c.kind == 1) {
     Directions<Real> before;
-    for (int s = 0; s < 2; ++s) {
-      const int number = 4 * c.surface_number[s];
-      const Real to_x = s == 1 ? lens_x : Real(0), to_y = s == 1 ? lens_y : Real(0);
-      const KernelSurface<Real> surface = c.surfaces[s];
-      before.keep(first, padded, block);
-#pragma omp simd
-      for (int i = 0; i < padded; ++i) {
-        Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
-        int status = code[i];
-        refract_at(surface, number, px, py, pz, vx, vy, vz, status);
-        x[i] = px + to_x;
-        y[i] = py + to_y;
-        z[i] = pz;
-        dx[i] = vx;
-        dy[i] = vy;
-        dz[i] = vz;
-        code[i] = status;
-      }
-      lose_reflected(c.coatings[s], before, first, padded, block);
-    }
-  } else if (c.kind == 1) {
     // A loop for each surface: both in one are too long for a processor to look ahead.
     for (int s = 0; s < 2; ++s) {
       const int number = 4 * c.surface_number[s];
       const Real to_x = s == 1 ? lens_x : Real(0), to_y = s == 1 ? lens_y : Real(0);
       const KernelSurface<Real> surface = c.surfaces[s];
+      if (c.fresnel) before.keep(first, padded, block);
 #pragma omp simd
       for (int i = 0; i < padded; ++i) {
         Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
@@ -142,6 +122,7 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
         dz[i] = vz;
         code[i] = status;
       }
+      if (c.fresnel) lose_reflected(c.coatings[s], before, first, padded, block);
     }
   } else if (c.kind == 2) {
     const int number = 4 * c.surface_number[0];

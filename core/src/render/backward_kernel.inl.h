@@ -154,8 +154,9 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
 /// A disc, seen from an inner point that lies at (p, q) from its middle, in the direction v: it
 /// reaches as far as the positive solution r of v^2 r^2 + 2 product r = room.
 /// Keeps `product` and `squares`, product^2 + v^2 room, where that is less far than what they say;
-/// by roots to 6.5e-4: what is kept is hardly farther than the nearest of the discs, never less
-/// far.
+/// by roots to 6.5e-4. What is kept is never less far than the nearest of the discs; farther by
+/// about as much, by up to some percent where a disc is so large that root and product nearly
+/// cancel.
 template <class Real>
 PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& product, Real& squares,
                                     Real& rough_reach) {
@@ -354,8 +355,16 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
   const Real l0 = c.along[0], l1 = c.along[1], l2 = c.along[2], l3 = c.along[3], l4 = c.along[4],
              l5 = c.along[5];
   const Real m0 = c.across[0], m1 = c.across[1], m2 = c.across[2], m3 = c.across[3];
+  // From the exit pupil to the stop, along the field and across it.
+  const auto along_field = [=](Real a, Real aa, Real bb) __attribute__((always_inline)) {
+    return l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb;
+  };
+  const auto across_field = [=](Real a, Real b, Real aa, Real bb) __attribute__((always_inline)) {
+    return b * (m0 + m1 * a + m2 * aa + m3 * bb);
+  };
   const int padded = (count + 15) & ~15;
-  // How far beyond the edge the places are, less what the slope says that the step changes.
+  // The first step, and how far beyond the edge the place before it is, in squares, less half of
+  // what the slope there says that the step changes.
   alignas(64) Real steps[kBlockRays + kBlockSlack], beyond_line[kBlockRays + kBlockSlack];
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
@@ -371,8 +380,7 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
     const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
     const Real aa = a * a, bb = b * b;
-    const Real along = l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
-               across = b * (m0 + m1 * a + m2 * aa + m3 * bb);
+    const Real along = along_field(a, aa, bb), across = across_field(a, b, aa, bb);
     const Real slope = along * (da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
                                 db * Real(2) * b * (l3 + l5 * a)) +
                        across * (db * (m0 + m1 * a + m2 * aa + Real(3) * m3 * bb) +
@@ -395,8 +403,7 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     const Real at_x = of_s * sx + of_u * ux, at_y = of_s * sy + of_u * uy;
     const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
     const Real aa = a * a, bb = b * b;
-    const Real along = l0 + a * (l1 + l2 * a + l4 * aa + l5 * bb) + l3 * bb,
-               across = b * (m0 + m1 * a + m2 * aa + m3 * bb);
+    const Real along = along_field(a, aa, bb), across = across_field(a, b, aa, bb);
     const Real beyond = along * along + across * across - radius2;
     const Real part = beyond / (Real(2) * (beyond_line[i] - beyond));
     const Real second = magnitude(part) * step;

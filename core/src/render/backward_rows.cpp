@@ -94,10 +94,11 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
       survey_of(camera, node, plan_.worths[static_cast<std::size_t>(type)].at(h), place.x, field);
   survey.column = static_cast<std::uint32_t>(column0);
   survey.count = column1 - column0 + 1;
+  survey.stride = (survey.count + kRowLanes - 1) / kRowLanes * kRowLanes;
   survey.key = key;
   type_ = type;
   static_assert(Film::kTile <= kRowsPixels);
-  const int together = kRowsPixels / survey.stride();
+  const int together = kRowsPixels / survey.stride;
   std::array<double, kRowsPixels / kRowLanes> y;
   survey.y = y.data();
   const KernelRowPixels arrays = rows_.arrays();
@@ -124,7 +125,7 @@ bool TileTracer<Real>::sees(double y, std::size_t k) const {
 /// Adds the pixels of one of the rows behind the microlens of the patch.
 template <class Real>
 void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
-  const auto begin = static_cast<std::size_t>(row * rows.stride());
+  const auto begin = static_cast<std::size_t>(row * rows.stride);
   std::array<int, Film::kTile> seen;
   int count = 0;
   for (int i = 0; i < rows.count; ++i) {

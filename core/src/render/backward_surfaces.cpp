@@ -9,7 +9,8 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::uint64_t kLightSeed = 0x6c69676874u;  ///< apart from what the camera's rays use
+/// Apart from what the camera's rays use, and from each other.
+constexpr std::uint64_t kLightSeed = 0x6c69676874u, kFirstLightSeed = 0x6669727374u;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
@@ -58,7 +59,7 @@ SurfaceLight::First SurfaceBlock<Real>::random_of(const RayGroup& group, int poi
   const SobolPool& pool = plan_.pools[static_cast<std::size_t>(group.level)];
   // A shift for each replicate (SobolPool).
   const auto replicate = static_cast<std::uint64_t>(point / pool.points());
-  const std::uint64_t h0 = mix64(group.key + 1 + (replicate << 32)), h1 = mix64(h0);
+  const std::uint64_t h0 = mix64(group.key + kFirstLightSeed + (replicate << 32)), h1 = mix64(h0);
   const std::uint32_t shift[4] = {
       static_cast<std::uint32_t>(h0), static_cast<std::uint32_t>(h0 >> 32),
       static_cast<std::uint32_t>(h1), static_cast<std::uint32_t>(h1 >> 32)};

@@ -10,13 +10,17 @@ namespace plenoflame {
 /// Looked at together, at most; rows take up multiples of kRowLanes.
 inline constexpr int kRowsPixels = 256, kRowLanes = 8;
 inline constexpr int kWorthRings = 6;
-/// Of random bits, for each pixel: one of pixel and microlens, and n-th ones of that.
+/// Of random bits, for each pixel: one of pixel and microlens, and those of its successors, from
+/// one to four more. Whatever else is made of the first one adds a number of its own, far from
+/// these.
 inline constexpr int kRowWords = 5;
 
 /// Rows of pixels; all lengths from the microlens' centre [m]. A pixel's own is at
 /// x = (half_columns - (column + 1/2)) pitch - lens_x.
 struct KernelRows {
-  int rows, count;  ///< of columns; rows * stride() is at most kRowsPixels
+  /// Columns, and from a pixel to that of the next row in the arrays: as many, up to a multiple of
+  /// kRowLanes; rows * stride is at most kRowsPixels.
+  int rows, count, stride;
   double half_columns, pitch, lens_x;
   const double* y;  ///< of the middle of each row
   /// Of each sector: no light comes from farther away than this from the micro-image's centre.
@@ -29,9 +33,6 @@ struct KernelRows {
   double rings[kWorthRings], parts[kWorthRings];
   std::uint64_t key;          ///< of microlens and seed
   std::uint32_t row, column;  ///< of the first pixel
-
-  /// From a pixel to the one of the next row, in the arrays.
-  int stride() const { return (count + kRowLanes - 1) & -kRowLanes; }
 };
 
 inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre

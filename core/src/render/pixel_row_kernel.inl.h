@@ -29,7 +29,7 @@ PLENOFLAME_INLINE int place_at(double at) {
 // are.
 void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   const KernelRows r = rows;
-  const int stride = r.stride(), padded = r.rows * stride;
+  const int stride = r.stride, padded = r.rows * stride;
   const double half = 0.5 * r.pitch;
   double* __restrict at_x = pixels.x;
   double* __restrict x_low = pixels.x_low;
@@ -128,7 +128,7 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
   const float* raster = b.to_lit;
   const double* __restrict at_x = pixels.x;
   int* __restrict verdict = pixels.verdict;
-  const int stride = r.stride();
+  const int stride = r.stride;
   for (int row = 0; row < r.rows; ++row) {
     const double y = r.y[row], vy = y - r.centre_y;
 #pragma omp simd simdlen(8)

@@ -19,12 +19,14 @@ namespace plenoflame {
 namespace baseline {
 PLENOFLAME_ROOT_PROBES
 }
+#if defined(__x86_64__)
 namespace avx2 {
 PLENOFLAME_ROOT_PROBES
 }
 namespace avx512 {
 PLENOFLAME_ROOT_PROBES
 }
+#endif
 
 namespace test {
 namespace {
@@ -35,20 +37,21 @@ struct Roots {
 };
 
 template <class Real>
-Roots<Real> roots_of(Isa isa, const std::vector<Real>& in) {
+Roots<Real> roots_of([[maybe_unused]] Isa isa, const std::vector<Real>& in) {
   Roots<Real> out;
   for (std::vector<Real>* values : {&out.inverse, &out.near, &out.rough}) values->resize(in.size());
   const int size = static_cast<int>(in.size());
-  if (isa == Isa::avx512)
-    avx512::probe_roots(in.data(), size, out.inverse.data(), out.near.data(), out.rough.data());
-  else if (isa == Isa::avx2)
-    avx2::probe_roots(in.data(), size, out.inverse.data(), out.near.data(), out.rough.data());
-  else
-    baseline::probe_roots(in.data(), size, out.inverse.data(), out.near.data(), out.rough.data());
+  using Kernel = void (*)(const Real*, int, Real*, Real*, Real*);
+  Kernel kernel = baseline::probe_roots;
+#if defined(__x86_64__)
+  if (isa == Isa::avx512) kernel = avx512::probe_roots;
+  if (isa == Isa::avx2) kernel = avx2::probe_roots;
+#endif
+  kernel(in.data(), size, out.inverse.data(), out.near.data(), out.rough.data());
   return out;
 }
 
-/// All of two octaves, which is what the errors repeat in, and steps through all of the range.
+/// Steps through two octaves, which is what the errors repeat in, and through all of the range.
 template <class Real>
 std::vector<Real> places() {
   std::vector<Real> x;

@@ -53,14 +53,18 @@ class Rows {
     const int first = static_cast<int>(survey.half_columns - (image.x + reach) / survey.pitch);
     const int last = static_cast<int>(survey.half_columns - (image.x - reach) / survey.pitch);
     survey.column = static_cast<std::uint32_t>(first);
-    survey.count = std::min(last - first, kRowsPixels);
+    set_count(last - first);
     first_row = static_cast<int>(0.5 * sensor.rows - (image.y + reach) / survey.pitch);
     last_row = static_cast<int>(0.5 * sensor.rows - (image.y - reach) / survey.pitch);
+  }
+  void set_count(int count) {
+    survey.count = count;
+    survey.stride = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
   }
   /// Rows from `first` on, as many as are looked at together, at most `most` of them.
   void take(int first, int most) {
     survey.row = static_cast<std::uint32_t>(first);
-    survey.rows = std::min({most, last_row - first, kRowsPixels / survey.stride()});
+    survey.rows = std::min({most, last_row - first, kRowsPixels / survey.stride});
     y_.clear();
     for (int row = 0; row < survey.rows; ++row)
       y_.push_back(camera_.sensor_point(0, first + row + 0.5).y - place_.y);
@@ -105,7 +109,7 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
           backward_kernels<float>(isa).survey_rows(survey, found.arrays());
           for (int pixel = 0; pixel < survey.rows * survey.count; ++pixel) {
             const int row = pixel / survey.count, i = pixel % survey.count;
-            const auto k = static_cast<std::size_t>(row * survey.stride() + i);
+            const auto k = static_cast<std::size_t>(row * survey.stride + i);
             const Vec2 v = rows.pixel(row, i) - centre;
             const PixelView view = rows.node().cuts.look(v, half, field);
             const double near = std::hypot(std::max(std::fabs(v.x) - half, 0.0),
@@ -165,30 +169,35 @@ TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
   const PupilSampling pupils(camera);
   const LitRegion region(camera, {{{0.99, -4e-3, -3e-3}, {1.01, 2e-3, 5e-3}}});
   const auto beams = PixelBeams::make(camera, pupils.tables(), region);
+  int several = 0;
   for (const Isa isa : supported_isas())
     for (const Vec2 place : kPlaces) {
       Rows rows(camera, pupils.tables().front(), place);
       const KernelBeam beam = beams->of(0, place).kernel();
       const auto kernels = backward_kernels<float>(isa);
-      const int stride = rows.survey.stride();
+      const int count = rows.survey.count, stride = rows.survey.stride;
       for (int first = rows.first_row; first < rows.last_row; first += kRowsPixels / stride) {
+        rows.set_count(count);
         rows.take(first);
         const int together = rows.survey.rows;
+        several += together > 1 ? 1 : 0;
         PixelRows all, some;
         kernels.survey_rows(rows.survey, all.arrays());
         kernels.judge_rows(rows.survey, beam, all.arrays());
-        for (int pixel = 0; pixel < 3 * together; ++pixel) {
-          const int row = pixel / 3,
-                    skipped = std::array{1, 3, 8}[static_cast<std::size_t>(pixel % 3)];
-          rows.take(first + row, 1 + pixel % 2);
-          KernelRows part = rows.survey;
-          part.column += static_cast<std::uint32_t>(skipped);
-          part.count -= skipped;
-          kernels.survey_rows(part, some.arrays());
-          kernels.judge_rows(part, beam, some.arrays());
-          for (int i = 0; i < part.count; ++i) {
-            const auto k = static_cast<std::size_t>(i),
-                       of_all = static_cast<std::size_t>(row * stride + skipped + i);
+        for (int part = 0; part < 6 * together; ++part) {
+          const int row = part / 6,
+                    skipped = std::array{0, 1, 3, 8, 9, 12}[static_cast<std::size_t>(part % 6)];
+          rows.set_count(std::min(std::array{1, 7, 8, count}[static_cast<std::size_t>(part % 4)],
+                                  count - skipped));
+          rows.take(first + row, std::min(together - row, 1 + part % 5));
+          KernelRows survey = rows.survey;
+          survey.column += static_cast<std::uint32_t>(skipped);
+          kernels.survey_rows(survey, some.arrays());
+          kernels.judge_rows(survey, beam, some.arrays());
+          for (int pixel = 0; pixel < survey.rows * survey.count; ++pixel) {
+            const int i = pixel % survey.count, of_row = pixel / survey.count;
+            const auto k = static_cast<std::size_t>(of_row * survey.stride + i),
+                       of_all = static_cast<std::size_t>((row + of_row) * stride + skipped + i);
             ASSERT_EQ(some.x[k], all.x[of_all]);
             ASSERT_EQ(some.x_low[k], all.x_low[of_all]);
             ASSERT_EQ(some.x_width[k], all.x_width[of_all]);
@@ -202,6 +211,7 @@ TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
         }
       }
     }
+  EXPECT_GT(several, 10);
 }
 
 // Flat and deep regions: beams are short or long between their planes. Verdicts that are sure are
@@ -249,7 +259,7 @@ TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
         for (int number = 0; number < survey.rows * survey.count; ++number) {
           const int row = number / survey.count, i = number % survey.count;
           const Vec2 pixel = rows.pixel(row, i);
-          const int verdict = found.verdict[static_cast<std::size_t>(row * survey.stride() + i)];
+          const int verdict = found.verdict[static_cast<std::size_t>(row * survey.stride + i)];
           ++verdicts[static_cast<std::size_t>(verdict)];
           const bool sees = beam.may_meet(pixel);
           if (verdict == kSeesNothing) {
