@@ -126,10 +126,10 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
     : entries_(entries > 0 ? entries : automatic_entries(replicates, points)),
       replicates_(replicates),
       points_(points),
-      stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points) + 16) {
-  data_.resize(static_cast<std::size_t>(entries_) * kDimensions * stride_);
+      stride_(static_cast<std::size_t>(replicates) * static_cast<std::size_t>(points)) {
+  data_.resize((static_cast<std::size_t>(entries_) * kDimensions * stride_ + 15) / 16 + 1);
   for (int entry = 0; entry < entries_; ++entry) fill(entry, first, seed, first_dimension);
-  replicate_numbers_.resize(stride_);
+  replicate_numbers_.resize(stride_ + 16);
   for (int r = 0; r < replicates_; ++r)
     std::fill_n(replicate_numbers_.begin() + std::ptrdiff_t{r} * points_, points_,
                 replicate_number(r));
@@ -138,7 +138,8 @@ SobolPool::SobolPool(int replicates, int points, std::uint32_t first, std::uint6
 void SobolPool::fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension) {
   for (int d = 0; d < kDimensions; ++d) {
     const auto& steps = kSteps[static_cast<std::size_t>(first_dimension + d)];
-    std::uint32_t* out = data_.data() + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
+    std::uint32_t* out =
+        data_.data()->words + static_cast<std::size_t>(entry * kDimensions + d) * stride_;
     for (int r = 0; r < replicates_; ++r) {
       const std::uint64_t key = mix64(
           seed + mix64(static_cast<std::uint64_t>((entry * replicates_ + r) * kDimensions + d)));

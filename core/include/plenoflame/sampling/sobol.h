@@ -45,9 +45,10 @@ class SobolPool {
   int replicates() const { return replicates_; }
   int points() const { return points_; }
   /// replicates * points fractions of one dimension, one replicate after the other, followed by at
-  /// least 16 readable words.
+  /// least 16 readable words (not zeros: those of the next dimension).
   const std::uint32_t* fractions(int entry, int dimension) const {
-    return data_.data() + static_cast<std::size_t>(entry * kDimensions + dimension) * stride_;
+    return data_.data()->words +
+           static_cast<std::size_t>(entry * kDimensions + dimension) * stride_;
   }
   /// For each point of an entry, followed by as many words, a number of its replicate: 0 for the
   /// first, an odd one for each other. A replicate's shift is first ^ second * number.
@@ -61,8 +62,13 @@ class SobolPool {
  private:
   void fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension);
   int entries_, replicates_, points_;
+  /// An entry of a few points must not lie across more lines of a cache than it needs.
+  struct alignas(64) CacheLine {
+    std::uint32_t words[16];
+  };
   std::size_t stride_;
-  std::vector<std::uint32_t> data_, replicate_numbers_;
+  std::vector<CacheLine> data_;
+  std::vector<std::uint32_t> replicate_numbers_;
 };
 
 }  // namespace plenoflame
