@@ -77,7 +77,7 @@ struct Truth {
   double own_error() const { return estimated_relative_rmse(image.flux, image.standard_error); }
   /// Relative RMSE over the pixels that are truly lit.
   double rmse_of(const Image& flux) const {
-    const std::vector<float>& exact = image.flux.pixels;
+    const PixelValues& exact = image.flux.pixels;
     const float limit =
         static_cast<float>(kLitShare) * *std::max_element(exact.begin(), exact.end());
     double squares = 0, own = 0, total = 0, lit = 0;

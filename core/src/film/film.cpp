@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/large_pages.h"
 #include "film/image_sums.h"
 
 namespace plenoflame {
@@ -89,30 +88,13 @@ std::vector<PixelWindow> Film::lit_parts() const {
   return parts;
 }
 
-namespace {
-
-/// Most of what a dark picture costs is to get its memory.
-Image dark_image(int width, int height) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  image.pixels.reserve(count);
-  prefer_large_pages(image.pixels.data(), count * sizeof(float));
-  image.pixels.resize(count);
-  return image;
-}
-
-}  // namespace
-
 FilmImages Film::images(int channel, const Execution& execution) const {
   FilmImages images;
   // What has been gathered is wanted also after a stop.
   Execution inner;
   inner.threads = execution.threads;
-  parallel_for(inner, replicates_ > 1 ? 2 : 1, [&](std::size_t which, int) {
-    (which == 0 ? images.flux : images.standard_error) = dark_image(window_.width, window_.height);
-  });
+  images.flux = Image(window_.width, window_.height);
+  if (replicates_ > 1) images.standard_error = Image(window_.width, window_.height);
   parallel_for(inner, static_cast<std::size_t>(tile_count()),
                [&](std::size_t tile, int) { develop(static_cast<int>(tile), channel, images); });
   return images;

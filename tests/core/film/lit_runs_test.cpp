@@ -65,7 +65,7 @@ TEST(LitRuns, SumsOverPartsAreThoseOverAllAndTheSameOnAnyNumberOfThreads) {
   const ImageParts parts = film.lit_parts();
   ASSERT_EQ(parts.size(), 3u);
   // One by one, in the order of the pixels.
-  const std::vector<float>&flux = images.flux.pixels, &error = images.standard_error.pixels;
+  const PixelValues &flux = images.flux.pixels, &error = images.standard_error.pixels;
   const float largest = *std::max_element(flux.begin(), flux.end());
   double sum = 0, lit = 0, may_be = 0, squares = 0, total = 0;
   for (std::size_t i = 0; i < flux.size(); ++i) {

@@ -51,10 +51,10 @@ TEST(TwoColour, HasNoTemperatureForEveryRatio) {
 LightFieldChannel channel_of(const std::vector<float>& flux, const std::vector<float>& error) {
   LightFieldChannel channel;
   channel.flux = Image(static_cast<int>(flux.size()), 1);
-  channel.flux.pixels = flux;
+  channel.flux.pixels.assign(flux.begin(), flux.end());
   if (error.empty()) return channel;
   channel.standard_error = Image(static_cast<int>(error.size()), 1);
-  channel.standard_error.pixels = error;
+  channel.standard_error.pixels.assign(error.begin(), error.end());
   return channel;
 }
 

@@ -315,7 +315,7 @@ Pair render_both(const CompiledScene& scene, RenderSettings settings) {
 }
 
 double lit(const RenderResult& result) {
-  const std::vector<float>& p = result.light_field.channels[0].flux.pixels;
+  const PixelValues& p = result.light_field.channels[0].flux.pixels;
   return static_cast<double>(std::count_if(p.begin(), p.end(), [](float f) { return f > 0; }));
 }
 

@@ -27,7 +27,7 @@ inline void expect_dim_pixels_right(const CompiledScene& scene, const SparseCase
   const RenderResult exact = render(scene, settings, threads(2));
   EXPECT_EQ(exact.statistics.pairs_left_to_chance, 0);
   const LightFieldChannel& reference = exact.light_field.channels[0];
-  const std::vector<float>& truth = reference.flux.pixels;
+  const PixelValues& truth = reference.flux.pixels;
   double brightest = 0;
   for (const float f : truth) brightest = std::max(brightest, static_cast<double>(f));
   std::vector<std::size_t> dim;

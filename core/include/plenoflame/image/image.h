@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/image/pixel_values.h"
+
 namespace plenoflame {
 
 /// Part of a sensor: columns [x, x + width), rows [y, y + height) of the upright image.
@@ -16,10 +18,13 @@ struct PixelWindow {
 struct Image {
   int width = 0;
   int height = 0;
-  std::vector<float> pixels;
+  PixelValues pixels;
 
   Image() = default;
-  Image(int w, int h, float value = 0)
+  /// All 0.
+  Image(int w, int h)
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
+  Image(int w, int h, float value)
       : width(w),
         height(h),
         pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}

@@ -5,6 +5,8 @@
 #include <variant>
 #include <vector>
 
+#include "plenoflame/image/image.h"
+
 namespace plenoflame {
 
 /// Numbers with a name, unit and shape, last axis fastest.
@@ -13,7 +15,7 @@ struct NamedArray {
   std::string unit;                ///< attribute `units` (HDF5)
   std::string axes;                ///< attribute `axes` (HDF5); empty: none
   std::vector<std::size_t> shape;  ///< empty: a scalar
-  std::variant<std::vector<float>, std::vector<double>, std::vector<std::int32_t>> values;
+  std::variant<PixelValues, std::vector<double>, std::vector<std::int32_t>> values;
 };
 
 /// A numpy .npz file: an uncompressed ZIP archive (PKWARE APPNOTE 6.3.10) of .npy files (format

@@ -24,7 +24,7 @@ NamedArray views_array(const Views& views) {
   const Image& first = views.views.front().image;
   NamedArray array{"views", views.unit, "v:u:t:s", {}, {}};
   array.shape = {grid, grid, size(first.height), size(first.width)};
-  std::vector<float> values;
+  PixelValues values;
   values.reserve(views.views.size() * first.pixels.size());
   for (const View& view : views.views)
     values.insert(values.end(), view.image.pixels.begin(), view.image.pixels.end());

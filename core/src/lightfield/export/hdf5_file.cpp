@@ -29,14 +29,14 @@ void check(herr_t status, const char* what) {
 }
 
 hid_t memory_type(const NamedArray& array) {
-  if (std::holds_alternative<std::vector<float>>(array.values)) return H5T_NATIVE_FLOAT;
+  if (std::holds_alternative<PixelValues>(array.values)) return H5T_NATIVE_FLOAT;
   if (std::holds_alternative<std::vector<double>>(array.values)) return H5T_NATIVE_DOUBLE;
   return H5T_NATIVE_INT32;
 }
 
 /// The same in the file: little endian everywhere.
 hid_t file_type(const NamedArray& array) {
-  if (std::holds_alternative<std::vector<float>>(array.values)) return H5T_IEEE_F32LE;
+  if (std::holds_alternative<PixelValues>(array.values)) return H5T_IEEE_F32LE;
   if (std::holds_alternative<std::vector<double>>(array.values)) return H5T_IEEE_F64LE;
   return H5T_STD_I32LE;
 }

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <utility>
+#include <vector>
+
+namespace plenoflame {
+
+/// Memory of numbers that is all zeros when it is got, and is not written to for them to be zeros.
+template <class T>
+struct ZeroedAllocator {
+  using value_type = T;
+
+  ZeroedAllocator() = default;
+  template <class U>
+  ZeroedAllocator(const ZeroedAllocator<U>&) {}
+
+  T* allocate(std::size_t count) {
+    void* const memory = std::calloc(count, sizeof(T));
+    if (!memory) throw std::bad_alloc();
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t) { std::free(memory); }
+
+  /// A number that nothing is said of is what is there: 0, in memory that is new.
+  template <class U>
+  void construct(U*) {}
+  template <class U, class... Values>
+  void construct(U* place, Values&&... values) {
+    ::new (static_cast<void*>(place)) U(std::forward<Values>(values)...);
+  }
+
+  friend bool operator==(const ZeroedAllocator&, const ZeroedAllocator&) { return true; }
+};
+
+/// The numbers of a picture. Of a large one that is mostly dark the system gives only the pages
+/// that hold light.
+struct PixelValues : std::vector<float, ZeroedAllocator<float>> {
+  using vector::vector;
+  /// What is new is 0, also where the memory is not.
+  void resize(std::size_t count) { vector::resize(count, 0.0F); }
+};
+
+}  // namespace plenoflame
