@@ -88,8 +88,7 @@ CutColumn looked_up(const PupilColumn& column) {
   return c;
 }
 
-CutColumn mix_columns(const CutColumn& a, const CutColumn& b, float t) {
-  CutColumn c;
+void set_mix_of(const CutColumn& a, const CutColumn& b, float t, CutColumn& c) {
   c.opens = a.opens + t * (b.opens - a.opens);
   c.closes = a.closes + t * (b.closes - a.closes);
   c.steps_per_metre = steps_per_metre(c.opens, c.closes);
@@ -98,7 +97,6 @@ CutColumn mix_columns(const CutColumn& a, const CutColumn& b, float t) {
       c.value[side][k] = a.value[side][k] + t * (b.value[side][k] - a.value[side][k]);
       c.rise[side][k] = a.rise[side][k] + t * (b.rise[side][k] - a.rise[side][k]);
     }
-  return c;
 }
 
 }  // namespace
@@ -157,11 +155,9 @@ PixelCuts::PixelCuts(const PupilCuts& cuts) {
   columns_.back() = looked_up(widest_of({cuts.columns.begin(), cuts.columns.end()}));
 }
 
-PixelCuts PixelCuts::mix(const PixelCuts& a, const PixelCuts& b, float t) {
-  PixelCuts c;
-  for (std::size_t j = 0; j < c.columns_.size(); ++j)
-    c.columns_[j] = mix_columns(a.columns_[j], b.columns_[j], t);
-  return c;
+void PixelCuts::set_mix(const PixelCuts& a, const PixelCuts& b, float t) {
+  for (std::size_t j = 0; j < columns_.size(); ++j)
+    set_mix_of(a.columns_[j], b.columns_[j], t, columns_[j]);
 }
 
 double PixelCuts::clear_of_centre(double half) {

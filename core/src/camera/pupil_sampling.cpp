@@ -399,15 +399,23 @@ double OpenShare::mean(double distance) const {
 }
 
 PupilNode PupilTable::at(double h) const {
+  PupilNode node;
+  look_up(h, node);
+  return node;
+}
+
+void PupilTable::look_up(double h, PupilNode& node) const {
   const double place = h / field_step;
   const auto last = nodes.size() - 1;
-  if (!(place < static_cast<double>(last))) return nodes[last];
+  if (!(place < static_cast<double>(last))) {
+    node = nodes[last];
+    return;
+  }
   const auto i = static_cast<std::size_t>(place);
   const double t = place - static_cast<double>(i);
   const PupilNode& a = nodes[i];
   const PupilNode& b = nodes[i + 1];
   const auto mix = [t](double x, double y) { return x == y ? x : x + t * (y - x); };
-  PupilNode node;
   node.centre = mix(a.centre, b.centre);
   node.image_radius = mix(a.image_radius, b.image_radius);
   node.aim_centre = mix(a.aim_centre, b.aim_centre);
@@ -416,10 +424,9 @@ PupilNode PupilTable::at(double h) const {
   for (std::size_t k = 0; k < node.opened.size(); ++k)
     node.opened[k] = mix(a.opened[k], b.opened[k]);
   node.opened_radius = mix(a.opened_radius, b.opened_radius);
-  node.cuts = PixelCuts::mix(a.cuts, b.cuts, static_cast<float>(t));
+  node.cuts.set_mix(a.cuts, b.cuts, static_cast<float>(t));
   node.stop = StopMap::mix(a.stop, b.stop, t);
   node.far_reach = std::min(a.far_reach, b.far_reach) > 0 ? std::max(a.far_reach, b.far_reach) : 0;
-  return node;
 }
 
 PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {

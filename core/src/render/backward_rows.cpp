@@ -59,7 +59,8 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   }
   const double h = std::sqrt(dot(from_foot, from_foot));
   generate_queued();  // what is queued belongs to the patch before
-  const PupilNode& node = node_ = table.at(h);
+  table.look_up(h, node_);
+  const PupilNode& node = node_;
   if (node.dark()) return;
   const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
   const Vec2 centre = node.centre * field;
@@ -117,9 +118,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
 template <class Real>
 bool TileTracer<Real>::sees(double y, std::size_t k) const {
   const int verdict = rows_.verdict[k];
-  if (verdict < kNeedsOutline) return verdict == kSeesSomething;
-  const Vec2 pixel{rows_.x[k], y};
-  return verdict == kNeedsOutline ? beam_->outline_may_meet(pixel) : beam_->may_meet(pixel);
+  return verdict == kNeedsLook ? beam_->disc_may_meet({rows_.x[k], y}) : verdict == kSeesSomething;
 }
 
 /// Adds the pixels of one of the rows behind the microlens of the patch.

@@ -146,9 +146,9 @@ LitRegion::LitRegion(const Camera& camera, const std::vector<Box>& world) {
   // From any point of a place to any of another: less by a half diagonal at either end.
   const double diagonal = std::hypot(size.x, size.y);
   const auto at_least = [&](const std::vector<bool>& marked) {
-    std::vector<float> least;
+    std::vector<double> least;
     for (const double d : distances(marked, kSide, size))
-      least.push_back(static_cast<float>(std::max(0.0, (1 - kSingle) * d - diagonal)));
+      least.push_back(std::max(0.0, (1 - kSingle) * d - diagonal));
     return least;
   };
   to_lit_ = at_least(lit);
@@ -238,7 +238,7 @@ bool LitRegion::is_beyond(Vec2 centre, double radius) const {
   const Vec2 nearest{std::clamp(centre.x, lower_.x, upper_.x),
                      std::clamp(centre.y, lower_.y, upper_.y)};
   const Vec2 out = centre - nearest;
-  const auto in = static_cast<double>(to_lit_[place_of(nearest)]);
+  const double in = to_lit_[place_of(nearest)];
   return dot(out, out) + in * in > radius * radius * (1 + kRounding);
 }
 
@@ -267,6 +267,11 @@ void LitRegion::describe(KernelBeam& beam) const {
   // From a point to the middle of its place, on to that of the lit one: once less, now once more.
   beam.lit_room = (2 + 4 * kSingle) * std::hypot(1 / scale_.x, 1 / scale_.y) +
                   4 * kSingle * length(upper_ - lower_);
+  beam.region_x = middle_.x;
+  beam.region_y = middle_.y;
+  beam.region_half_x = upper_.x - middle_.x;
+  beam.region_half_y = upper_.y - middle_.y;
+  beam.reach = reach_.data();
 }
 
 bool LitRegion::is_filled(const Vec2 centre[2], double radius) const {
@@ -274,7 +279,7 @@ bool LitRegion::is_filled(const Vec2 centre[2], double radius) const {
   for (int k = 0; k < 2; ++k) {
     const Vec2 p = centre[k];
     if (p.x - radius < lower_.x || p.x + radius > upper_.x || p.y - radius < lower_.y ||
-        p.y + radius > upper_.y || static_cast<double>(to_dark_[place_of(p)]) < radius)
+        p.y + radius > upper_.y || to_dark_[place_of(p)] < radius)
       return false;
   }
   return true;

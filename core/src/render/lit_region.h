@@ -38,7 +38,7 @@ class LitRegion {
   /// @param p camera x, y [m]
   bool holds(Vec2 p) const;
 
-  static constexpr int kSides = 16;  ///< of the outline that is_apart() takes
+  static constexpr int kSides = kBeamSides;  ///< of the outline that is_apart() takes
   /// Whether a straight line is found that parts all that there is from a beam whose outline is not
   /// round.
   /// @param centre as in meets() @param axis unit vector
@@ -57,7 +57,7 @@ class LitRegion {
   std::size_t place_of(Vec2 p) const;
   bool bounded_ = false;
   double planes_[2] = {0, 0};
-  static constexpr int kDirections = 512;
+  static constexpr int kDirections = kReachDirections;
   static std::size_t number_of(Vec2 direction);
   std::vector<double> reach_;  ///< of all that is lit, from the raster's middle, all around [m]
   Vec2 middle_;
@@ -65,7 +65,7 @@ class LitRegion {
   Vec2 scale_;          ///< places per metre
   /// Of kSide^2 places: how far, at least, any point of each is from the nearest lit one, and from
   /// the nearest dark one [m].
-  std::vector<float> to_lit_, to_dark_;
+  std::vector<double> to_lit_, to_dark_;
 };
 
 }  // namespace plenoflame

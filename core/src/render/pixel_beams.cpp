@@ -348,6 +348,11 @@ void PixelBeams::sum_up(Interval& interval) const {
     interval.largest[bin] = largest;
     interval.least[bin] = outline.known ? least : -kInfinity;
   }
+  for (std::size_t cell = 0; cell < kCells; ++cell)
+    for (std::size_t i = 0; i < kSides; ++i) {
+      const Outline& outline = interval.outlines[cell];
+      interval.supports[cell * kSides + i] = outline.known ? outline.support[i] : kInfinity;
+    }
 }
 
 PixelBeam PixelBeams::of(int table, Vec2 place) const {
@@ -398,11 +403,13 @@ KernelBeam PixelBeam::kernel() const {
   beam.bins_per_metre = kBeamBins / interval_->outer;
   beam.radius = interval_->largest.data();
   beam.inner = interval_->least.data();
+  beam.cells_per_metre = kBeamCells / interval_->outer;
+  beam.support = interval_->supports.data();
   region_->describe(beam);
   return beam;
 }
 
-bool PixelBeam::may_meet(Vec2 pixel) const {
+bool PixelBeam::disc_may_meet(Vec2 pixel) const {
   if (region_->holds(between_.at(pixel))) return true;
   const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)};
   const Vec2 v = pixel - centre_ * field_;
@@ -416,16 +423,13 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   const std::size_t outermost = std::min(ring(d + half_) + 1, interval_->radii.size() - 1);
   for (std::size_t r = ring(d - half_); r <= outermost; ++r)
     radius = std::max(radius, interval_->radii[r]);
-  if (!region_->meets(at, radius)) return false;
-  return outline_may_meet(at, v, d);
+  return region_->meets(at, radius);
 }
 
 bool PixelBeam::outline_may_meet(Vec2 pixel) const {
+  if (region_->holds(between_.at(pixel))) return true;
   const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)}, v = pixel - centre_ * field_;
-  return outline_may_meet(at, v, std::sqrt(dot(v, v)));
-}
-
-bool PixelBeam::outline_may_meet(const Vec2 at[2], Vec2 v, double distance) const {
+  const double distance = std::sqrt(dot(v, v));
   const PixelBeams::Outline& outline = interval_->outlines[static_cast<std::size_t>(
       std::min(distance * (PixelBeams::kCells / interval_->outer), PixelBeams::kCells - 1.0))];
   return !outline.known || !region_->is_apart(at, (1 / distance) * v, outline.support);

@@ -45,7 +45,7 @@ class PixelBeams {
     }
     Map mixed(const Map& other, double t) const;
   };
-  static constexpr std::size_t kCells = 8;  ///< rings of pixels
+  static constexpr std::size_t kCells = kBeamCells;  ///< rings of pixels
   /// How far what pixels of a ring see reaches beyond where the Map says, on both planes [m]:
   /// directions count from that away from the micro-image's centre (LitRegion::is_apart()).
   struct Outline {
@@ -61,6 +61,7 @@ class PixelBeams {
     std::array<Outline, kCells> outlines;
     /// What kernels know of both, by distance in units of outer / kBeamBins [m].
     std::array<double, kBeamBins> largest, least;
+    std::array<double, kCells * LitRegion::kSides> supports;  ///< infinite: nothing is known
   };
   struct Table {
     const PupilTable* pupils = nullptr;
@@ -85,11 +86,13 @@ class PixelBeams {
 class PixelBeam {
  public:
   /// @param pixel its centre, from the microlens' centre, camera x, y [m]
-  bool may_meet(Vec2 pixel) const;
-  /// For a first look at many of them, which says the same where it is sure; and what is left then
-  /// to find out of those whose discs meet something.
-  KernelBeam kernel() const;
+  bool may_meet(Vec2 pixel) const { return disc_may_meet(pixel) && outline_may_meet(pixel); }
+  /// Both parts of it: by a disc, which is looked at in parts where the beam is longer than wide,
+  /// and by an outline.
+  bool disc_may_meet(Vec2 pixel) const;
   bool outline_may_meet(Vec2 pixel) const;
+  /// For a look at many of them at once, which says the same but for the discs of long beams.
+  KernelBeam kernel() const;
 
  private:
   friend class PixelBeams;
@@ -100,7 +103,6 @@ class PixelBeam {
     Vec2 foot, by_x, by_y;
     Vec2 at(Vec2 pixel) const { return foot + pixel.x * by_x + pixel.y * by_y; }
   };
-  bool outline_may_meet(const Vec2 at[2], Vec2 v, double distance) const;
   Seen planes_[2], between_;
   Vec2 field_;         ///< unit vector away from the axis
   double centre_ = 0;  ///< of the micro-image, along it [m]

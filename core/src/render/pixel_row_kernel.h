@@ -35,7 +35,10 @@ struct KernelRows {
   std::uint32_t row, column;  ///< of the first pixel
 };
 
-inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre
+inline constexpr int kBeamBins = 64;   ///< of distances from the micro-image's centre
+inline constexpr int kBeamCells = 8;   ///< of those distances, for outlines
+inline constexpr int kBeamSides = 16;  ///< of an outline
+inline constexpr int kReachDirections = 512;
 inline constexpr int kRasterSide = 128;
 /// Of the raster's extent: rays are moved to world axes.
 inline constexpr double kBeamRounding = 1e-9;
@@ -49,16 +52,22 @@ struct KernelBeam {
   /// Of each bin: what the beams' discs reach at most, and what their outlines do at least [m].
   const double *radius, *inner;
   double lower_x, lower_y, upper_x, upper_y, scale_x, scale_y;  ///< of the raster
-  const float* to_lit;  ///< at least as far is the nearest lit place from each one [m]
-  double lit_room;      ///< and at most so much farther [m]
+  const double* to_lit;  ///< at least as far is the nearest lit place from each one [m]
+  double lit_room;       ///< and at most so much farther [m]
+  double cells_per_metre;
+  /// Of each cell: how far beams reach beyond their middle in directions turned from that away from
+  /// the micro-image's centre, as to LitRegion::is_apart(); infinite where that is not known [m].
+  const double* support;
+  double region_x, region_y, region_half_x, region_half_y;  ///< the raster's middle, and its extent
+  const double* reach;  ///< of all that is lit, from that middle (LitRegion::number_of()) [m]
 };
 
 /// Of a pixel's beam.
 enum BeamVerdict {
   kSeesNothing,
   kSeesSomething,
-  kNeedsOutline,  ///< its disc meets something
-  kNeedsLook      ///< it is longer than wide
+  kNeedsLook  ///< longer than wide: its outline meets something, its disc is to be looked at in
+              ///< parts
 };
 
 /// Arrays of what is found, with room for kRowsPixels.

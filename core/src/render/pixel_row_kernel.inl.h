@@ -18,8 +18,74 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
 constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 
-PLENOFLAME_INLINE int place_at(double at) {
-  return static_cast<int>(clamp(at, 0.0, kRasterSide - 1.0));
+/// The whole part of x, from 0 to 2^51; or one less where x is whole. As long as a double: loops
+/// that hold ints are made of narrower vectors.
+PLENOFLAME_INLINE std::int64_t whole_part(double x) {
+  return __builtin_bit_cast(std::int64_t, greatest(x - 0.5, 0.0) + 0x1p52) & 0xffffffff;
+}
+
+PLENOFLAME_INLINE std::int64_t place_at(double at) {
+  return whole_part(least(at, kRasterSide - 0.5));
+}
+
+/// Until its outline has been looked at: its disc meets something.
+constexpr int kNeedsOutline = kNeedsLook + 1;
+
+constexpr double kC1 = 0.9238795325112867, kC2 = 0.7071067811865476, kC3 = 0.3826834323650898;
+/// Cosine and sine of an outline's directions.
+constexpr double kCosine[kBeamSides] = {1,  kC1,  kC2,  kC3,  0, -kC3, -kC2, -kC1,
+                                        -1, -kC1, -kC2, -kC3, 0, kC3,  kC2,  kC1};
+constexpr double kSine[kBeamSides] = {0, kC3,  kC2,  kC1,  1,  kC1,  kC2,  kC3,
+                                      0, -kC3, -kC2, -kC1, -1, -kC1, -kC2, -kC3};
+/// Tangents of 1/32, 3/32, ... of a turn.
+constexpr double kTangents[4] = {0.1989123673796580, 0.6681786379192989, 1.4966057626654890,
+                                 5.0273394921258481};
+
+/// LitRegion::is_apart() for the beams' outlines of `count` pixels, a multiple of kRowLanes.
+/// @param x, y from the microlens' centre @param apart 1 where it is so, else 0
+PLENOFLAME_INLINE void look_apart(const KernelRows& r, const KernelBeam& b, int count,
+                                  const double* __restrict at_x, const double* __restrict at_y,
+                                  double* __restrict apart) {
+  const double* support = b.support;
+  const double* reach = b.reach;
+  const double wide = 1 / (b.region_half_x * b.region_half_x),
+               high = 1 / (b.region_half_y * b.region_half_y);
+#pragma omp simd simdlen(8)
+  for (int i = 0; i < count; ++i) {
+    const double x = at_x[i], y = at_y[i], vx = x - r.centre_x, vy = y - r.centre_y;
+    const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y - b.region_x;
+    const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y - b.region_y;
+    const double half_x = 0.5 * (b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y);
+    const double half_y = 0.5 * (b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y);
+    const double d = square_root(vx * vx + vy * vy), inverse_d = 1 / d;
+    const std::int64_t cell = whole_part(least(d * b.cells_per_metre, kBeamCells - 0.5));
+    const double ex = vx * inverse_d, ey = vy * inverse_d;
+    // Away from an ellipse as long and as wide as all there is: of the directions that the beam's
+    // outline is known in the nearest, and those next to it.
+    const double out_x = px * wide, out_y = py * high;
+    const double along = out_x * ex + out_y * ey, across = out_y * ex - out_x * ey;
+    const double steep = magnitude(across), flat = magnitude(along);
+    std::int64_t eighth = 0;
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) eighth += steep > kTangents[k] * flat ? 1 : 0;
+    const std::int64_t upper = along < 0 ? kBeamSides / 2 - eighth : eighth;
+    const std::int64_t nearest = across < 0 ? kBeamSides - upper : upper;
+    double found = 0;
+#pragma GCC unroll 3
+    for (int off = kBeamSides - 1; off <= kBeamSides + 1; ++off) {
+      const std::int64_t n = (nearest + off) & (kBeamSides - 1);
+      const double nx = kCosine[n] * ex - kSine[n] * ey, ny = kCosine[n] * ey + kSine[n] * ex;
+      const double share = nx / (magnitude(nx) + magnitude(ny));
+      const double way = ny < 0 ? share - 1 : 1 - share;
+      const std::int64_t number =
+          whole_part(least((way + 2) * (0.25 * kReachDirections), kReachDirections - 0.5));
+      const double nearer = px * nx + py * ny - magnitude(half_x * nx + half_y * ny);
+      const double room =
+          nearer - support[kBeamSides * cell + ((n + kBeamSides / 2) & (kBeamSides - 1))];
+      found = room > reach[number] ? 1.0 : found;
+    }
+    apart[i] = found;
+  }
 }
 
 }  // namespace
@@ -125,7 +191,8 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
   const KernelBeam b = of_beam;
   const double* radii = b.radius;
   const double* inners = b.inner;
-  const float* raster = b.to_lit;
+  const double* raster = b.to_lit;
+  alignas(64) double found[kRowsPixels];
   const double* __restrict at_x = pixels.x;
   int* __restrict verdict = pixels.verdict;
   const int stride = r.stride;
@@ -139,14 +206,14 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
       const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
       const double axis_y = b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y;
       const double half_way = 0.5 * square_root(axis_x * axis_x + axis_y * axis_y);
-      const int bin = static_cast<int>(
-          least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 1.0));
+      const std::int64_t bin =
+          whole_part(least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 0.5));
       const double radius = radii[bin], inner = inners[bin];
       const double near_x = clamp(px, b.lower_x, b.upper_x),
                    near_y = clamp(py, b.lower_y, b.upper_y);
-      const int place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
-                        place_at((near_x - b.lower_x) * b.scale_x);
-      const double in = static_cast<double>(raster[place]);
+      const std::int64_t place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
+                                 place_at((near_x - b.lower_x) * b.scale_x);
+      const double in = raster[place];
       const double out_x = px - near_x, out_y = py - near_y;
       const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
       // No && here: what branches is not vectorised. Beams that are longer than wide, between the
@@ -156,9 +223,36 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
       const bool within = square_root(out2) + in + b.lit_room <= inner;
       const bool holds =
           (px > b.lower_x) & (px < b.upper_x) & (py > b.lower_y) & (py < b.upper_y) & !(in > 0);
-      const int of_disc = is_short ? (beyond ? kSeesNothing : kNeedsOutline) : kNeedsLook;
-      verdict[i] = holds | within ? kSeesSomething : of_disc;
+      const double of_disc =
+          is_short ? (beyond ? double(kSeesNothing) : double(kNeedsOutline)) : double(kNeedsLook);
+      found[i] = holds | within ? double(kSeesSomething) : of_disc;
     }
+  }
+#pragma omp simd
+  for (int i = 0; i < r.rows * stride; ++i) verdict[i] = static_cast<int>(found[i]);
+  // Those whose outline is left to look at, closed up.
+  alignas(64) double x[kRowsPixels + kRowLanes], y[kRowsPixels + kRowLanes];
+  alignas(64) double apart[kRowsPixels + kRowLanes];
+  int numbers[kRowsPixels + kRowLanes];
+  int count = 0;
+  for (int row = 0; row < r.rows; ++row)
+    for (int i = row * stride; i < row * stride + r.count; ++i) {
+      numbers[count] = i;
+      x[count] = at_x[i];
+      y[count] = r.y[row];
+      count += verdict[i] >= kNeedsLook ? 1 : 0;  // no branch: it could not be foretold
+    }
+  if (count == 0) return;
+  const int padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
+  for (int i = count; i < padded; ++i) {
+    x[i] = x[0];
+    y[i] = y[0];
+  }
+  look_apart(r, b, padded, x, y, apart);
+  for (int n = 0; n < count; ++n) {
+    int& of_pixel = verdict[numbers[n]];
+    const int meets = of_pixel == kNeedsOutline ? kSeesSomething : kNeedsLook;
+    of_pixel = apart[n] > 0 ? kSeesNothing : meets;
   }
 }
 

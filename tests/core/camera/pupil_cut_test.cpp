@@ -113,7 +113,8 @@ TEST(PupilCut, LikeColumnsAreTakenAsTheyAre) {
     tables[k] = PixelCuts(cuts);
   }
   for (const float t : {0.0F, 0.25F, 1.0F}) {
-    const PixelCuts mixed = PixelCuts::mix(tables[0], tables[1], t);
+    PixelCuts mixed;
+    mixed.set_mix(tables[0], tables[1], t);
     const PixelView view = mixed.look({0, 4e-5}, 4e-6, {1, 0});
     EXPECT_FALSE(view.dark || view.open);
     for (double d = 5e-6; d < 9.5e-5; d += 3e-7)

@@ -92,7 +92,8 @@ class PixelCuts {
  public:
   PixelCuts() = default;
   explicit PixelCuts(const PupilCuts& cuts);
-  static PixelCuts mix(const PixelCuts& a, const PixelCuts& b, float t);
+  /// Between two others; in place, as they are large.
+  void set_mix(const PixelCuts& a, const PixelCuts& b, float t);
 
   /// Refers to these cuts.
   /// @param centre of the pixel, from the micro-image's [m] @param half its side [m]

@@ -81,6 +81,7 @@ class PupilTable {
 
   /// Linear interpolation; h beyond the table takes the last node.
   PupilNode at(double h) const;
+  void look_up(double h, PupilNode& node) const;  ///< the same in place, as it is large
 };
 
 /// Tables for all microlens types, or one for the camera without array.
