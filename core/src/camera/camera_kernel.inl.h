@@ -89,6 +89,67 @@ PLENOFLAME_INLINE void pass_cover(Real index, int first, int count,
   }
 }
 
+/// In two loops: both in one are too long for a processor to look ahead to the next rays.
+template <class Real>
+PLENOFLAME_INLINE void pass_sphere(const KernelSurface<Real>& surface, int number, int first,
+                                   int count, const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x + first;
+  Real* __restrict y = block.y + first;
+  Real* __restrict z = block.z + first;
+  Real* __restrict dx = block.dx + first;
+  Real* __restrict dy = block.dy + first;
+  Real* __restrict dz = block.dz + first;
+  int* __restrict code = block.code + first;
+  const KernelSurface<Real> c = surface;
+  const int base = 4 * number;
+  alignas(64) Real cosines[kBlockRays + kBlockSlack];
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real px = x[i], py = y[i], pz = z[i], cos_in;
+    int status = code[i];
+    go_to_surface(c, base, px, py, pz, dx[i], dy[i], dz[i], cos_in, status);
+    x[i] = px;
+    y[i] = py;
+    z[i] = pz;
+    cosines[i] = cos_in;
+    code[i] = status;
+  }
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real vx = dx[i], vy = dy[i], vz = dz[i];
+    int status = code[i];
+    refract(c, base, x[i], y[i], z[i], cosines[i], vx, vy, vz, status);
+    dx[i] = vx;
+    dy[i] = vy;
+    dz[i] = vz;
+    code[i] = status;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void pass_stop(const KernelSurface<Real>& surface, int number, int count,
+                                 const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  const Real* __restrict dx = block.dx;
+  const Real* __restrict dy = block.dy;
+  const Real* __restrict dz = block.dz;
+  int* __restrict code = block.code;
+  const KernelSurface<Real> c = surface;
+  const int base = 4 * number;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    Real px = x[i], py = y[i], pz = z[i];
+    int status = code[i];
+    pass_plane(c, base, px, py, pz, dx[i], dy[i], dz[i], status);
+    x[i] = px;
+    y[i] = py;
+    z[i] = pz;
+    code[i] = status;
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y, int first,
                             int count, const KernelBlock<Real>& block) {
@@ -103,26 +164,15 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
   const KernelMicrolens<Real> c = lens;
   if (c.kind == 1) {
     Directions<Real> before;
-    // A loop for each surface: both in one are too long for a processor to look ahead.
     for (int s = 0; s < 2; ++s) {
-      const int number = 4 * c.surface_number[s];
-      const Real to_x = s == 1 ? lens_x : Real(0), to_y = s == 1 ? lens_y : Real(0);
-      const KernelSurface<Real> surface = c.surfaces[s];
       if (c.fresnel) before.keep(first, padded, block);
-#pragma omp simd
-      for (int i = 0; i < padded; ++i) {
-        Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
-        int status = code[i];
-        refract_at(surface, number, px, py, pz, vx, vy, vz, status);
-        x[i] = px + to_x;
-        y[i] = py + to_y;
-        z[i] = pz;
-        dx[i] = vx;
-        dy[i] = vy;
-        dz[i] = vz;
-        code[i] = status;
-      }
+      pass_sphere(c.surfaces[s], c.surface_number[s], first, padded, block);
       if (c.fresnel) lose_reflected(c.coatings[s], before, first, padded, block);
+    }
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      x[i] += lens_x;
+      y[i] += lens_y;
     }
   } else if (c.kind == 2) {
     const int number = 4 * c.surface_number[0];
@@ -159,37 +209,6 @@ PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_
   const Real front = lens.front;
   for (int i = 0; i < padded; ++i) z[i] += front;
   turn_rays(lens.turn, true, lens_x, lens_y, lens.depth, padded, block, first);
-}
-
-template <class Real, bool kRefracts>
-PLENOFLAME_INLINE void pass_surface(const KernelSurface<Real>& surface, int number, int count,
-                                    const KernelBlock<Real>& block) {
-  Real* __restrict x = block.x;
-  Real* __restrict y = block.y;
-  Real* __restrict z = block.z;
-  Real* __restrict dx = block.dx;
-  Real* __restrict dy = block.dy;
-  Real* __restrict dz = block.dz;
-  int* __restrict code = block.code;
-  const KernelSurface<Real> c = surface;
-  const int base = 4 * number;
-#pragma omp simd
-  for (int i = 0; i < count; ++i) {
-    Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
-    int status = code[i];
-    if constexpr (kRefracts) {
-      refract_at(c, base, px, py, pz, vx, vy, vz, status);
-      dx[i] = vx;
-      dy[i] = vy;
-      dz[i] = vz;
-    } else {
-      pass_plane(c, base, px, py, pz, vx, vy, vz, status);
-    }
-    x[i] = px;
-    y[i] = py;
-    z[i] = pz;
-    code[i] = status;
-  }
 }
 
 /// The same for an asphere: all rays take one step of Newton's method after the other.
@@ -268,9 +287,9 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
         pass_asphere(camera.surfaces[s], camera.aspheres[s], camera.surface_number[s], count,
                      block);
       else if (camera.refracts[s])
-        pass_surface<Real, true>(camera.surfaces[s], camera.surface_number[s], count, block);
+        pass_sphere(camera.surfaces[s], camera.surface_number[s], 0, count, block);
       else
-        pass_surface<Real, false>(camera.surfaces[s], camera.surface_number[s], count, block);
+        pass_stop(camera.surfaces[s], camera.surface_number[s], count, block);
       if (camera.fresnel) lose_reflected(camera.coatings[s], before, 0, count, block);
     }
   }

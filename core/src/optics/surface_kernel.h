@@ -7,16 +7,17 @@
 
 namespace plenoflame::PLENOFLAME_ISA {
 
-/// Moves the ray from the previous reference plane (z = 0 there) to the surface, tests aperture and
-/// refracts. Afterwards z is relative to this surface's vertex.
+/// Moves the ray from the previous reference plane (z = 0 there) to the surface and tests the
+/// aperture. Afterwards z is relative to this surface's vertex.
 ///
 /// Closest-approach form (Feder 1951; Welford, Aberrations of Optical Systems, 1986, ch. 4):
 /// from the vertex plane t = F / (G + sqrt(G^2 - c F)), which is exact for planes (c = 0) and keeps
-/// its digits for every radius. sqrt(G^2 - c F) is also the cosine of incidence, and
-/// cos t' - mu cos t = (1 - mu^2) / (cos t' + mu cos t) keeps them for small index steps.
+/// its digits for every radius.
+/// @param cos_in sqrt(G^2 - c F), which is the cosine of incidence; 0 where the sphere is missed
 template <class Real>
-PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_base, Real& x,
-                                  Real& y, Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+PLENOFLAME_INLINE void go_to_surface(const KernelSurface<Real>& surface, int code_base, Real& x,
+                                     Real& y, Real& z, Real dx, Real dy, Real dz, Real& cos_in,
+                                     int& code) {
   const Real c = surface.curvature;
   const Real to_plane = (surface.gap - z) / dz;
   x += to_plane * dx;
@@ -24,22 +25,40 @@ PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_b
   const Real f = c * (x * x + y * y);
   const Real g = dz - c * (x * dx + y * dy);
   const Real discriminant = g * g - c * f;
-  const Real cos_in = square_root(greatest(discriminant, Real(0)));
+  cos_in = square_root(magnitude(discriminant));
   const Real t = f / (g + cos_in);
   x += t * dx;
   y += t * dy;
   z = t * dz;
+  int failure = x * x + y * y <= surface.aperture2 ? 0 : code_base + kCauseVignetted;
+  failure = discriminant > Real(0) ? failure : code_base + kCauseMissed;
+  code = code != 0 ? code : failure;
+}
+
+/// Refracts a ray that has arrived. cos t' - mu cos t = (1 - mu^2) / (cos t' + mu cos t) keeps its
+/// digits for small index steps. The geometric cause of a failure comes first: a ray that misses
+/// the sphere has no angle of incidence.
+template <class Real>
+PLENOFLAME_INLINE void refract(const KernelSurface<Real>& surface, int code_base, Real x, Real y,
+                               Real z, Real cos_in, Real& dx, Real& dy, Real& dz, int& code) {
+  const Real c = surface.curvature;
   const Real cos_out2 = surface.one_minus_mu2 + surface.mu * surface.mu * (cos_in * cos_in);
-  const Real cos_out = square_root(greatest(cos_out2, Real(0)));
+  const Real cos_out = square_root(magnitude(cos_out2));
   const Real along_normal = surface.one_minus_mu2 / (cos_out + surface.mu * cos_in);
   dx = surface.mu * dx - along_normal * (c * x);
   dy = surface.mu * dy - along_normal * (c * y);
   dz = surface.mu * dz + along_normal * (Real(1) - c * z);
-  // The geometric cause wins: a ray that misses the sphere has no angle of incidence.
-  int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
-  failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
-  failure = discriminant > Real(0) ? failure : code_base + kCauseMissed;
+  const int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
   code = code != 0 ? code : failure;
+}
+
+/// Both of them.
+template <class Real>
+PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_base, Real& x,
+                                  Real& y, Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+  Real cos_in;
+  go_to_surface(surface, code_base, x, y, z, dx, dy, dz, cos_in, code);
+  refract(surface, code_base, x, y, z, cos_in, dx, dy, dz, code);
 }
 
 /// Sag of a conic with even aspheric terms at the height sqrt(h2), rotationally symmetric, along
@@ -95,7 +114,7 @@ PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
   const Real normal = Real(1) / square_root(nx * nx + ny * ny + Real(1));
   const Real cos_in = (nx * dx + ny * dy + dz) * normal;
   const Real cos_out2 = surface.one_minus_mu2 + surface.mu * surface.mu * (cos_in * cos_in);
-  const Real cos_out = square_root(greatest(cos_out2, Real(0)));
+  const Real cos_out = square_root(magnitude(cos_out2));
   const Real along_normal = surface.one_minus_mu2 / (cos_out + surface.mu * cos_in) * normal;
   dx = surface.mu * dx + along_normal * nx;
   dy = surface.mu * dy + along_normal * ny;

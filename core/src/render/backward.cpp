@@ -235,13 +235,15 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
-      return {avx512::generate, avx512::accumulate, avx512::survey_rows, avx512::judge_rows};
+      return {avx512::generate, avx512::multiply,    avx512::add_neighbours,
+              avx512::sum,      avx512::survey_rows, avx512::judge_rows};
     case Isa::avx2:
-      return {avx2::generate, avx2::accumulate, avx2::survey_rows, avx2::judge_rows};
+      return {avx2::generate, avx2::multiply,    avx2::add_neighbours,
+              avx2::sum,      avx2::survey_rows, avx2::judge_rows};
 #endif
     default:
-      return {baseline::generate, baseline::accumulate, baseline::survey_rows,
-              baseline::judge_rows};
+      return {baseline::generate, baseline::multiply,    baseline::add_neighbours,
+              baseline::sum,      baseline::survey_rows, baseline::judge_rows};
   }
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);

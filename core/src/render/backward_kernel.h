@@ -53,9 +53,12 @@ struct KernelPixel {
                 const KernelBlock<float>&);                                                        \
   void generate(const KernelPatch<double>&, const KernelPixel<double>*, int pixels,                \
                 double distance, const KernelBlock<double>&);                                      \
-  /* Sum of weight * radiance, in double. */                                                       \
-  double accumulate(const float* weight, const float* radiance, int count);                        \
-  double accumulate(const double* weight, const double* radiance, int count);
+  /* weight * radiance, in double. */                                                              \
+  void multiply(const float* weight, const float* radiance, int count, double* products);          \
+  void multiply(const double* weight, const double* radiance, int count, double* products);        \
+  /* sums[i] = values[i] + values[i + distance]. */                                                \
+  void add_neighbours(const double* values, int distance, int count, double* sums);                \
+  double sum(const double* values, int count);
 
 namespace baseline {
 PLENOFLAME_BACKWARD_KERNELS

@@ -86,7 +86,7 @@ PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const f
 }
 #endif
 
-/// Sensor points of one pixel, the cut of the aperture there, and the numbers that aim the rays.
+/// Sensor points of one pixel, and the numbers that aim the rays.
 ///
 /// The sensor point is drawn from where the pixel gets light, inside a disc about the micro-image's
 /// centre: first its column, then its row in the chord. What a pixel needs is spread over the
@@ -94,10 +94,10 @@ PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const f
 /// vectors:
 ///   x, y   sensor point          z        area that it stands for
 ///   dx     share of the disc     dy       turn in it
-///   dz, weight, scratch[0], [1]  the cut
+/// @param steps where the point lies in the pixel's cuts
 template <class Real>
 PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<Real>& pixel,
-                                  const KernelBlock<Real>& block) {
+                                  const KernelBlock<Real>& block, Real* __restrict steps) {
   const std::uint32_t* f0 = pixel.fractions[0];
   const std::uint32_t* f1 = pixel.fractions[1];
   const std::uint32_t* f2 = pixel.fractions[2];
@@ -110,29 +110,21 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
   const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
   const Real radius2 = pixel.radius2;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
-  const CutColumn& cuts = *pixel.cuts;
-  const Real opens = Real(cuts.opens), steps_per_metre = Real(cuts.steps_per_metre);
+  const Real opens = Real(pixel.cuts->opens), per_metre = Real(pixel.cuts->steps_per_metre);
   const int first = pixel.first;
   Real* __restrict x = block.x + first;
   Real* __restrict y = block.y + first;
   Real* __restrict area = block.z + first;
   Real* __restrict disc = block.dx + first;
   Real* __restrict turn = block.dy + first;
-  Real* __restrict low = block.dz + first;
-  Real* __restrict high = block.weight + first;
-  Real* __restrict low_far = block.scratch[0] + first;
-  Real* __restrict high_far = block.scratch[1] + first;
-  alignas(64) int step[kBlockOfLookups];
-  alignas(64) Real part[kBlockOfLookups];
-  const int padded = (pixel.count + 15) & ~15;
-  for (int begin = 0; begin < padded; begin += kBlockOfLookups) {
+  Real* __restrict step = steps + first;
+  const auto place = [&](int begin) __attribute__((always_inline)) {
 #pragma omp simd
-    for (int k = 0; k < kBlockOfLookups; ++k) {
-      const int i = begin + k;
+    for (int i = begin; i < begin + kBlockOfLookups; ++i) {
       const std::uint32_t number = numbers[i];
       const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
       const Real wx = sx - centre_x;
-      const Real chord = square_root(greatest(radius2 - wx * wx, Real(0)));
+      const Real chord = square_root(magnitude(radius2 - wx * wx));
       const Real top = greatest(y0, centre_y - chord);
       const Real height = greatest(least(y1, centre_y + chord) - top, Real(0));
       const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
@@ -142,8 +134,33 @@ PLENOFLAME_INLINE void place_rays(const KernelPatch<Real>& c, const KernelPixel<
       area[i] = x_width * height;
       disc[i] = to_unit(f2[i] ^ h2 ^ g2 * number, Real());
       turn[i] = to_unit(f3[i] ^ h3 ^ g3 * number, Real()) - Real(0.5);
-      const Real d = clamp((square_root(wx * wx + wy * wy) - opens) * steps_per_metre, Real(0),
-                           Real(CutColumn::kSteps));
+      step[i] = (square_root(wx * wx + wy * wy) - opens) * per_metre;
+    }
+  };
+  if (pixel.count <= kBlockOfLookups) {
+    place(0);  // no loop, whose set-up takes as long as its body
+  } else {
+    for (int begin = 0; begin < pixel.count; begin += kBlockOfLookups) place(begin);
+  }
+}
+
+/// The cut of the aperture for each of them: dz, weight, scratch[0], [1].
+template <class Real>
+PLENOFLAME_INLINE void cut_rays(const KernelPixel<Real>& pixel, const KernelBlock<Real>& block,
+                                const Real* __restrict steps) {
+  const int first = pixel.first;
+  Real* __restrict low = block.dz + first;
+  Real* __restrict high = block.weight + first;
+  Real* __restrict low_far = block.scratch[0] + first;
+  Real* __restrict high_far = block.scratch[1] + first;
+  const Real* __restrict at = steps + first;
+  const CutColumn& cuts = *pixel.cuts;
+  alignas(64) int step[kBlockOfLookups];
+  alignas(64) Real part[kBlockOfLookups];
+  for (int begin = 0; begin < pixel.count; begin += kBlockOfLookups) {
+#pragma omp simd
+    for (int k = 0; k < kBlockOfLookups; ++k) {
+      const Real d = clamp(at[begin + k], Real(0), Real(CutColumn::kSteps));
       step[k] = least(static_cast<int>(d), CutColumn::kSteps - 1);
       part[k] = d - static_cast<Real>(step[k]);
     }
@@ -168,12 +185,27 @@ PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& prod
   rough_reach = nearer ? rough : rough_reach;
 }
 
+/// The discs of the microlens' own apertures as seen from s, along a direction e and across it.
+template <class Real>
+PLENOFLAME_INLINE void place_own_discs(const KernelPatch<Real>& c, Real sx, Real sy, Real ex,
+                                       Real ey, Real& near_p, Real& near_q, Real& far, Real& far_p,
+                                       Real& far_q) {
+  const Real along = sx * ex + sy * ey, beside = sy * ex - sx * ey, s2 = sx * sx + sy * sy;
+  const Real shift = c.far_shift + c.far_bend * s2;
+  near_p = c.near_shift * along;
+  near_q = c.near_shift * beside;
+  far = c.far_radius + c.far_growth * s2;
+  far_p = shift * along;
+  far_q = shift * beside;
+}
+
 /// Aims the rays that place_rays() has placed: from a point inside that part of the aperture that
 /// sees the scene from there, in all directions, as far as its bounds.
 ///
 /// The bounds are four discs: those of the two apertures of the microlens, and two through the ends
 /// `low` and `high` of the part's extent along the line through the patch's centre, centred on that
 /// line. Directions are those of a unit disc that is stretched to the part's length and width.
+/// (In two loops: one is too long for a processor to look ahead to the next rays.)
 /// Leaves for finish_rays():
 ///   dx, dy       the inner point       dz, weight   where the direction leads to, from there
 ///   scratch[0]   how far along it the bounds are     scratch[1]   how far along it up to them
@@ -192,24 +224,21 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
   Real* __restrict part = block.scratch[1] + first;
   const Real centre_x = c.centre_x, centre_y = c.centre_y;
   const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
-  const Real near_radius = c.near_radius, near_shift = c.near_shift;
-  const Real far_radius = c.far_radius, far_growth = c.far_growth;
-  const Real far_shift = c.far_shift, far_bend = c.far_bend;
+  const Real near = c.near_radius, least_room = Real(1e-4) * near * near;
   const int padded = (count + 15) & ~15;
+  alignas(64) Real away_x[kBlockRays + kBlockSlack], away_y[kBlockRays + kBlockSlack];
+  alignas(64) Real inner_p[kBlockRays + kBlockSlack], inner_q[kBlockRays + kBlockSlack];
+  alignas(64) Real half_length[kBlockRays + kBlockSlack], half_width[kBlockRays + kBlockSlack];
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const Real sx = x[i], sy = y[i];
-    const Real wx = sx - centre_x, wy = sy - centre_y;
-    const Real w2 = wx * wx + wy * wy;
-    const Real inverse_w = inverse_square_root(greatest(w2, Real(1e-30)));
-    const Real ex = w2 > Real(1e-30) ? wx * inverse_w : Real(1);
-    const Real ey = w2 > Real(1e-30) ? wy * inverse_w : Real(0);
+    // From the centre itself some direction, too.
+    const Real wx = sx - centre_x + Real(1e-15), wy = sy - centre_y;
+    const Real inverse_w = inverse_square_root(wx * wx + wy * wy);
+    const Real ex = wx * inverse_w, ey = wy * inverse_w;
 
-    const Real s_along = sx * ex + sy * ey, s_beside = sy * ex - sx * ey;
-    const Real s2 = sx * sx + sy * sy;
-    const Real near = near_radius, near_p = near_shift * s_along, near_q = near_shift * s_beside;
-    const Real far = far_radius + far_growth * s2, shift = far_shift + far_bend * s2;
-    const Real far_p = shift * s_along, far_q = shift * s_beside;
+    Real near_p, near_q, far, far_p, far_q;
+    place_own_discs(c, sx, sy, ex, ey, near_p, near_q, far, far_p, far_q);
     const Real cut_low = dz[i], cut_high = weight[i];
     const Real cut_low_far = reach[i], cut_high_far = part[i];
     const Real low = greatest(cut_low, greatest(near_p - near, far_p - far));
@@ -218,7 +247,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     // The inner point (p, q), and half the length and the width there. Bounds that do not hold it
     // are taken to reach up to it: all of them lie near the line.
     const Real half = greatest(Real(0.5) * (high - low), Real(0));
-    const Real p = Real(0.5) * (low + high), least_room = Real(1e-4) * near * near;
+    const Real p = Real(0.5) * (low + high);
     const Real from_near = p - near_p, from_far = p - far_p;
     const Real cut2 = least((p - cut_low) * (cut_low_far - p), (cut_high - p) * (p - cut_high_far));
     const Real cut_half = rough_square_root(greatest(cut2, least_room));
@@ -227,17 +256,30 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
     const Real far_half = rough_square_root(greatest(far * far - from_far * from_far, least_room));
     const Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
     const Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
-    const Real q = Real(0.5) * (top + bottom);
-    const Real width = greatest(Real(0.5) * (top - bottom), Real(0.01) * near);
-
+    away_x[i] = ex;
+    away_y[i] = ey;
+    inner_p[i] = p;
+    inner_q[i] = Real(0.5) * (top + bottom);
+    half_length[i] = half;
+    half_width[i] = greatest(Real(0.5) * (top - bottom), Real(0.01) * near);
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = x[i], sy = y[i], ex = away_x[i], ey = away_y[i];
+    Real near_p, near_q, far, far_p, far_q;
+    place_own_discs(c, sx, sy, ex, ey, near_p, near_q, far, far_p, far_q);
+    const Real cut_low = dz[i], cut_high = weight[i];
+    const Real cut_low_far = reach[i], cut_high_far = part[i];
+    const Real p = inner_p[i], q = inner_q[i], half = half_length[i], width = half_width[i];
+    const Real from_near = p - near_p, from_far = p - far_p;
     const Real t = dy[i], share = dx[i];
-    const Real folded = t > Real(0.25) ? Real(0.5) - t : (t < Real(-0.25) ? Real(-0.5) - t : t);
+    const Real folded = least(greatest(t, Real(-0.5) - t), Real(0.5) - t);
     const Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
     const Real v2 = vp * vp + vq * vq;
     const Real near_dq = q - near_q, far_dq = q - far_q;
     const Real low_middle = p - Real(0.5) * (cut_low + cut_low_far),
                high_middle = p - Real(0.5) * (cut_high + cut_high_far);
-    const Real inverse_v2 = Real(1) / greatest(v2, Real(1e-30));
+    const Real inverse_v2 = Real(1) / (v2 + Real(1e-30));
     const Real of_near = from_near * vp + near_dq * vq;
     const Real near_squares =
         of_near * of_near +
@@ -253,7 +295,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelPatch<Real>& c, int first, int count
                  greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, product,
                  squares, rough_reach);
 
-    z[i] = half > Real(0) ? Real(3.141592653589793238) * half * width * z[i] : Real(0);
+    z[i] = Real(3.141592653589793238) * half * width * z[i];
     dx[i] = origin_x + origin_shift * sx + ex * p - ey * q;
     dy[i] = origin_y + origin_shift * sy + ey * p + ex * q;
     dz[i] = ex * vp - ey * vq;
@@ -337,7 +379,6 @@ PLENOFLAME_INLINE void find_far_rim(const KernelPatch<Real>& c, int first, int c
 
 /// The same for the stop, by a step of Newton's method and one along the parabola through what is
 /// known: distance from the edge and its slope before the first step, and distance after it.
-/// (In two loops: one is too long for a processor to look ahead to the next rays.)
 template <class Real>
 PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int count,
                                  const KernelBlock<Real>& block) {
@@ -363,9 +404,11 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     return b * (m0 + m1 * a + m2 * aa + m3 * bb);
   };
   const int padded = (count + 15) & ~15;
-  // The first step, and how far beyond the edge the place before it is, in squares, less half of
-  // what the slope there says that the step changes.
+  // Where the ray crosses the exit pupil, along the field and across it. Of the other two first how
+  // that changes; then the first step, and how far beyond the edge the place before it is, in
+  // squares, less half of what the slope there says that the step changes.
   alignas(64) Real steps[kBlockRays + kBlockSlack], beyond_line[kBlockRays + kBlockSlack];
+  alignas(64) Real seen_along[kBlockRays + kBlockSlack], seen_across[kBlockRays + kBlockSlack];
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const Real sx = unit * x[i], sy = unit * y[i], vx = unit * dz[i], vy = unit * weight[i];
@@ -377,8 +420,15 @@ PLENOFLAME_INLINE void find_stop(const KernelPatch<Real>& c, int first, int coun
     const Real at_x = of_s * sx + of_u * ux, at_y = of_s * sy + of_u * uy;
     const Real change_x = change_s * sx + change_u * ux + of_u * vx,
                change_y = change_s * sy + change_u * uy + of_u * vy;
-    const Real a = fx * at_x + fy * at_y, b = fx * at_y - fy * at_x;
-    const Real da = fx * change_x + fy * change_y, db = fx * change_y - fy * change_x;
+    seen_along[i] = fx * at_x + fy * at_y;
+    seen_across[i] = fx * at_y - fy * at_x;
+    steps[i] = fx * change_x + fy * change_y;
+    beyond_line[i] = fx * change_y - fy * change_x;
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real a = seen_along[i], b = seen_across[i], da = steps[i], db = beyond_line[i];
+    const Real bound = reach[i];
     const Real aa = a * a, bb = b * b;
     const Real along = along_field(a, aa, bb), across = across_field(a, b, aa, bb);
     const Real slope = along * (da * (l1 + Real(2) * l2 * a + Real(3) * l4 * aa + l5 * bb) +
@@ -456,7 +506,9 @@ template <class Real>
 PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const KernelPixel<Real>* pixels,
                                     int count, Real distance, const KernelBlock<Real>& block) {
   const KernelPatch<Real> c = patch;
-  for (int i = 0; i < count; ++i) place_rays(c, pixels[i], block);
+  alignas(64) Real steps[kBlockRays + kBlockSlack];
+  for (int i = 0; i < count; ++i) place_rays(c, pixels[i], block, steps);
+  for (int i = 0; i < count; ++i) cut_rays(pixels[i], block, steps);
   const int first = pixels[0].first;
   const int rays = pixels[count - 1].first + pixels[count - 1].count - first;
   aim_rays(c, first, rays, block);
@@ -466,13 +518,11 @@ PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const Kernel
 }
 
 template <class Real>
-PLENOFLAME_INLINE double sum_products(const Real* __restrict weight,
-                                      const Real* __restrict radiance, int count) {
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
+PLENOFLAME_INLINE void multiply_all(const Real* __restrict weight, const Real* __restrict radiance,
+                                    int count, double* __restrict products) {
+#pragma omp simd
   for (int i = 0; i < count; ++i)
-    sum += static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
-  return sum;
+    products[i] = static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
 }
 
 }  // namespace
@@ -487,12 +537,27 @@ void generate(const KernelPatch<double>& patch, const KernelPixel<double>* pixel
   generate_all(patch, pixels, count, distance, block);
 }
 
-double accumulate(const float* weight, const float* radiance, int count) {
-  return sum_products(weight, radiance, count);
+void multiply(const float* weight, const float* radiance, int count, double* products) {
+  multiply_all(weight, radiance, count, products);
 }
 
-double accumulate(const double* weight, const double* radiance, int count) {
-  return sum_products(weight, radiance, count);
+void multiply(const double* weight, const double* radiance, int count, double* products) {
+  multiply_all(weight, radiance, count, products);
+}
+
+void add_neighbours(const double* values, int distance, int count, double* sums) {
+  const double* __restrict near = values;
+  const double* __restrict far = values + distance;
+  double* __restrict out = sums;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) out[i] = near[i] + far[i];
+}
+
+double sum(const double* values, int count) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int i = 0; i < count; ++i) sum += values[i];
+  return sum;
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

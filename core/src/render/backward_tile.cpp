@@ -1,10 +1,12 @@
 #include "render/backward_tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "render/channel_sum.h"
 #include "render/microlens_patch.h"
@@ -17,8 +19,16 @@ constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray 
 /// Of so many points one corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
-constexpr int kVectorSum = 16;                          ///< shorter sums are made here
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
+
+constexpr int kDoublings = 3;
+/// Of points of a replicate: 1, 2, 4 or 8.
+bool are_few(int points) {
+  return points <= 1 << kDoublings && std::has_single_bit(static_cast<unsigned>(points));
+}
+int doublings_of(int points) {
+  return std::countr_zero(static_cast<unsigned>(points));
+}
 
 }  // namespace
 
@@ -31,6 +41,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((11 + nodes + (passes > 1 ? passes : 0)) * kPadding + alignment);
   codes_.resize(kPadding);
+  sums_of_rays_.resize(kDoublings + 1, std::vector<double>(kPadding));
   queued_.resize(kBlockRays + 1);  // a pixel has a ray at least
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -203,7 +214,8 @@ void TileTracer<Real>::queue(int column, int row, const SampleLevel& level, int 
   pending.first = count_;
   pending.count = count;
   pending.offset = offset;
-  pending.level = level.pool_level;
+  pending.points = level.pool->points();
+  if (are_few(pending.points)) doublings_ = std::max(doublings_, doublings_of(pending.points));
   pending.scale = level.scale;
   if (surfaces_ || scatter_)
     groups_.push_back({count_, count, offset, level.pool_level, entry, random_[0]});
@@ -319,7 +331,7 @@ bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
     const auto set = [&](float* factors, int per_correction) {
       std::fill_n(factors, padded, 0.F);
       for (const Pending& pending : pending_) {
-        const int points = plan_.pools()[static_cast<std::size_t>(pending.level)].points();
+        const int points = pending.points;
         const int corrected =
             points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
         const float factor = static_cast<float>(points) / static_cast<float>(corrected);
@@ -365,20 +377,23 @@ void TileTracer<Real>::flush() {
     block_.weight[i] = 0;
     block_.code[i] = 1;
   }
-  auto start = std::chrono::steady_clock::now();
+  auto last = std::chrono::steady_clock::now();
+  // Since it was asked before: a clock takes long beside a block of rays.
+  const auto lap = [&last] {
+    const auto before = std::exchange(last, std::chrono::steady_clock::now());
+    return std::chrono::duration<double>(last - before).count();
+  };
   plan_.optics.trace_lens(plan_.camera, padded, block_);
   counters_.rays += count_;
   counters_.rays_reached += plan_.optics.count_alive(block_.code, block_.weight, count_);
-  counters_.seconds_optics += seconds_since(start);
-  start = std::chrono::steady_clock::now();
+  counters_.seconds_optics += lap();
   if (surfaces_) {
     surfaces_->trace(block_, groups_, padded, counters_.medium);
-    counters_.seconds_surfaces += seconds_since(start);
-    start = std::chrono::steady_clock::now();
+    counters_.seconds_surfaces += lap();
   }
   if (!integrate_by_table(padded)) integrate(padded);
   groups_.clear();
-  counters_.seconds_medium += seconds_since(start);
+  counters_.seconds_medium += lap();
   const auto channels = static_cast<int>(plan_.scene->scene.channels.size());
   for (int channel = 0; channel < channels; ++channel) add_to_film(channel);
   if (sink_)
@@ -386,6 +401,7 @@ void TileTracer<Real>::flush() {
       sink_->finished(pending.column, pending.row, pending.first, pending.count, pending.scale,
                       radiance_, kPadding, transmittance_);
   pending_.clear();
+  doublings_ = 0;
   count_ = 0;
 }
 
@@ -403,6 +419,18 @@ double TileTracer<Real>::not_negative(double sum, double scale) {
   return sum;
 }
 
+/// Of few points: which are how many could not be foretold, if every ray were added on its own.
+template <class Real>
+void TileTracer<Real>::sum_rays(const Real* radiance) {
+  double* sums = sums_of_rays_[0].data();
+  plan_.kernels.multiply(block_.weight, radiance, count_, sums);
+  for (std::size_t k = 1; k <= static_cast<std::size_t>(doublings_); ++k) {
+    double* const more = sums_of_rays_[k].data();
+    plan_.kernels.add_neighbours(sums, 1 << (k - 1), count_, more);
+    sums = more;
+  }
+}
+
 template <class Real>
 void TileTracer<Real>::add_to_film(int channel) {
   const Real* radiance = radiance_ + channel * kPadding;
@@ -412,27 +440,30 @@ void TileTracer<Real>::add_to_film(int channel) {
   const int of_film = place.empty() ? channel : place[static_cast<std::size_t>(channel)];
   double* const sums =
       film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
+  sum_rays(radiance);
   for (const Pending& pending : pending_) {
-    const int points = plan_.pools()[static_cast<std::size_t>(pending.level)].points();
+    const int points = pending.points;
     const double scale = pending.scale;
     double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *
                                       static_cast<std::size_t>(tile_.width) +
                                   static_cast<std::size_t>(pending.column - tile_.x)) *
                                      stride;
-    int replicate = 0, left = points;  // of the replicate
-    if (pending.offset > 0) {
-      replicate = pending.offset / points;
-      left = points - pending.offset % points;
+    // Nearly always: all replicates, of 1, 2, 4 or 8 points.
+    const bool few = are_few(points);
+    const double* const sums_from =
+        sums_of_rays_[few ? static_cast<std::size_t>(doublings_of(points)) : 0].data();
+    if (few && pending.count == points * film_.replicates() && !plan_.table) {
+      for (std::size_t r = 0; r < replicates; ++r)
+        pixel[r] += scale * sums_from[pending.first + static_cast<int>(r) * points];
+      continue;
     }
+    int replicate = pending.offset / points, left = points - pending.offset % points;
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
-      double sum = 0;
-      if (end - i < kVectorSum) {
-        for (int k = i; k < end; ++k)
-          sum += static_cast<double>(block_.weight[k]) * static_cast<double>(radiance[k]);
-      } else {
-        sum = plan_.kernels.accumulate(block_.weight + i, radiance + i, end - i);
-      }
+      // Which of the two must not depend on other pixels.
+      double sum = few && end - i == points
+                       ? sums_from[i]
+                       : plan_.kernels.sum(sums_of_rays_[0].data() + i, end - i);
       i = end;
       if (plan_.table) sum = not_negative(sum, scale);
       pixel[replicate] += scale * sum;

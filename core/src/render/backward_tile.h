@@ -26,7 +26,9 @@ template <class Real>
 struct BackwardKernels {
   void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
                    const KernelBlock<Real>&);
-  double (*accumulate)(const Real*, const Real*, int);
+  void (*multiply)(const Real*, const Real*, int, double*);
+  void (*add_neighbours)(const double*, int, int, double*);
+  double (*sum)(const double*, int);
   void (*survey_rows)(const KernelRows&, const KernelRowPixels&);
   void (*judge_rows)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 };
@@ -137,8 +139,9 @@ class TileTracer {
 
  private:
   struct Pending {
-    int column, row, first, count, offset, level;  ///< offset: first number of the replicates
-    double scale;                                  ///< what its rays count for
+    /// points: of a replicate; offset: first number of the replicates
+    int column, row, first, count, offset, points;
+    double scale;  ///< what its rays count for
   };
   void add_microlens(LensIndex lens);
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
@@ -157,6 +160,7 @@ class TileTracer {
   bool integrate_by_table(int padded);
   void add_scattered();
   double not_negative(double sum, double scale);
+  void sum_rays(const Real* radiance);
   void add_to_film(int channel);
 
   const BackwardPlan<Real>& plan_;
@@ -185,6 +189,9 @@ class TileTracer {
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
   std::vector<int> codes_;
+  /// Of the block's rays what each adds, and the sums of 2, 4 and 8 from each on.
+  std::vector<std::vector<double>> sums_of_rays_;
+  int doublings_ = 0;  ///< so many of them are needed
   KernelBlock<Real> block_{};
   std::unique_ptr<ScatterWalk> scatter_;          ///< nullptr: nothing scatters
   std::unique_ptr<SurfaceBlock<Real>> surfaces_;  ///< nullptr as in the plan

@@ -1,0 +1,97 @@
+// What becomes of the rays of a block in the film: each is added once, to its own randomisation.
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "plenoflame/scene/compile.h"
+#include "render/backward_tile.h"
+#include "render/scene_medium.h"
+#include "support/approx.h"
+#include "support/flame_scenes.h"
+
+namespace plenoflame::test {
+namespace {
+
+/// Adds up, one after the other, what a tracer shows of its rays.
+class Adder : public RaySink<double> {
+ public:
+  explicit Adder(int replicates) : replicates_(replicates) {}
+  void drawn(const KernelPatch<double>&, int, const KernelBlock<double>& block, int, int) override {
+    weight_ = block.weight;
+  }
+  void finished(int column, int row, int first, int count, double scale, const double* radiance,
+                int, const double*) override {
+    Pixel& pixel = pixels[{column, row}];
+    pixel.sums.resize(static_cast<std::size_t>(replicates_));
+    pixel.whole = pixel.whole && count % replicates_ == 0;
+    ++counts[count];
+    for (int i = 0; i < count; ++i) {
+      const long double term = static_cast<long double>(scale) * weight_[first + i] *
+                               static_cast<long double>(radiance[first + i]);
+      pixel.total += term;
+      if (pixel.whole) pixel.sums[static_cast<std::size_t>(i / (count / replicates_))] += term;
+    }
+  }
+
+  struct Pixel {
+    long double total = 0;
+    bool whole = true;  ///< all randomisations came together, one after the other
+    std::vector<long double> sums;
+  };
+  std::map<std::pair<int, int>, Pixel> pixels;
+  std::map<int, int> counts;  ///< of rays that came together
+
+ private:
+  int replicates_;
+  const double* weight_ = nullptr;
+};
+
+/// @return how many rays came together, how often
+std::map<int, int> expect_film_holds_rays(const CompiledScene& scene, int samples, int replicates) {
+  RenderSettings settings;
+  settings.samples = samples;
+  settings.replicates = replicates;
+  const SceneMedium medium(scene);
+  const PointRange range{0, samples / replicates};
+  const BackwardPlan<double> plan =
+      make_double_plan(scene, medium.get(), settings, range, nullptr, nullptr);
+  Film film({20, 24, 24, 20}, 1, replicates);
+  TileTracer<double> tracer(plan, film);
+  Adder adder(replicates);
+  tracer.show_rays_to(&adder);
+  tracer.render(0);
+  int lit = 0;
+  for (const auto& [place, pixel] : adder.pixels) {
+    long double total = 0;
+    for (int r = 0; r < replicates; ++r) {
+      const double sum = film.sum(0, r, place.first, place.second);
+      total += static_cast<long double>(sum);
+      if (pixel.whole && samples <= kBlockRays) {
+        EXPECT_TRUE(within(sum, static_cast<double>(pixel.sums[static_cast<std::size_t>(r)]), 1e-13,
+                           static_cast<double>(pixel.total)))
+            << samples << " samples";
+      }
+    }
+    EXPECT_TRUE(relative(static_cast<double>(total), static_cast<double>(pixel.total), 1e-13))
+        << samples << " samples";
+    lit += pixel.total > 0 ? 1 : 0;
+  }
+  EXPECT_GT(lit, 200);
+  return adder.counts;
+}
+
+// Randomisations of 1, 2, 4, 8 and 16 points, of numbers that are no powers of two, of one where
+// others have none, and pixels that no block holds.
+TEST(FilmSums, EachRayIsAddedOnce) {
+  const CompiledScene scene = compile(paper_flame(64, 64, 0.001));
+  EXPECT_GT(expect_film_holds_rays(scene, 16, 4)[1], 0);
+  for (const int samples : {4, 8, 32, 64, 12, 20, 44})
+    EXPECT_GT(expect_film_holds_rays(scene, samples, 4)[samples], 50);
+  EXPECT_GT(expect_film_holds_rays(scene, 24, 8)[24], 50);
+  EXPECT_GT(expect_film_holds_rays(scene, 520, 4)[520 - kBlockRays], 50);
+}
+
+}  // namespace
+}  // namespace plenoflame::test
