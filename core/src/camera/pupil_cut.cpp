@@ -117,6 +117,12 @@ PupilColumn PupilColumn::mix(const PupilColumn& a, const PupilColumn& b, float t
   return column;
 }
 
+PupilColumn PupilColumn::reaching(float farther) const {
+  PupilColumn column = *this;
+  column.closes = farther;
+  return widest_of({*this, column});  // steps lie elsewhere now
+}
+
 float PupilCuts::azimuth_cosine(int azimuth) {
   return kCosines[static_cast<std::size_t>(azimuth)];
 }

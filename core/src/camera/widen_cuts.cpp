@@ -16,6 +16,8 @@ constexpr int kInsideBlocks = 24;    ///< the same, inside of the cuts: where se
 constexpr double kBeside = 0.02;     ///< of the bound: rays are aimed so far outside of a cut
 constexpr double kRoom = 1.2;        ///< what lacks is added with this factor
 constexpr double kMargin = 0.00075;  ///< of the bound: for the rays that were not traced
+/// Of where a micro-image closes: what is open last is small, and hardly ever met.
+constexpr float kEdgeMargin = 0.0025F;
 
 /// Evenly spread numbers of [-1, 1] drawn towards the ends, where openings have their corners.
 double signed_root(double x) {
@@ -210,7 +212,7 @@ void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts) {
   const auto margin = static_cast<float>(kMargin * table.discs.bound);
   for (PupilCuts& node : cuts)
     for (PupilColumn& column : node.columns) {
-      column.closes += margin;
+      column = column.reaching(column.closes + std::max(margin, kEdgeMargin * column.closes));
       for (PupilCut& cut : column.cuts)
         for (float& side : cut) side += margin;
     }

@@ -24,7 +24,7 @@ constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of th
 constexpr int kDoublings = 3;
 /// Of points of a replicate: 1, 2, 4 or 8.
 bool are_few(int points) {
-  return points <= 1 << kDoublings && std::has_single_bit(static_cast<unsigned>(points));
+  return points <= 1 << kDoublings && (points & (points - 1)) == 0;
 }
 int doublings_of(int points) {
   return std::countr_zero(static_cast<unsigned>(points));

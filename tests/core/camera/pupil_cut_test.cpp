@@ -126,5 +126,28 @@ TEST(PupilCut, LikeColumnsAreTakenAsTheyAre) {
   }
 }
 
+// Open farther out, and no narrower anywhere, though its steps lie elsewhere: nor much wider.
+TEST(PupilCut, ReachesFartherWithoutBecomingNarrower) {
+  Numbers numbers;
+  int alike = 0, all = 0;
+  for (int round = 0; round < 200; ++round) {
+    PupilColumn column = random_column(numbers, 3);
+    column.opens = 2e-5F;
+    column.closes = 9e-5F;
+    const float farther = column.closes * static_cast<float>(numbers(1, 1.01));
+    const PupilColumn reaching = column.reaching(farther);
+    EXPECT_EQ(reaching.opens, column.opens);
+    EXPECT_EQ(reaching.closes, farther);
+    for (double d = 1e-5; d < 9.2e-5; d += 3e-7)
+      for (std::size_t side = 0; side < 4; ++side) {
+        const double before = value(column, side, d), now = value(reaching, side, d);
+        EXPECT_GE(now, before - 1e-5 * kLargest) << d;
+        alike += now < before + 0.2 * kLargest ? 1 : 0;
+        ++all;
+      }
+  }
+  EXPECT_GT(alike, 0.8 * all);
+}
+
 }  // namespace
 }  // namespace plenoflame::test

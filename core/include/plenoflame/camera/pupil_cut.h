@@ -36,6 +36,8 @@ struct PupilColumn {
     return opens + static_cast<float>(step) * ((closes - opens) / kSteps);
   }
   static PupilColumn mix(const PupilColumn& a, const PupilColumn& b, float t);
+  /// Nowhere narrower, and open as far as `farther`, which is not less than `closes` [m].
+  PupilColumn reaching(float farther) const;
 };
 
 /// A column between two others, of which only what is asked for is mixed: refers to both.
