@@ -324,6 +324,7 @@ class TableMaker {
       node.stop.reach = node.stop.known() ? reach_of(crossed_[i].stop) : 0;
     }
     if (given_.misaligned()) widen_to_misaligned(given_, type_, table_, cuts_);
+    add_edge_margin(cuts_);
     for (std::size_t i = 0; i < table_.nodes.size(); ++i) {
       summarise(cuts_[i], table_.nodes[i]);
       table_.nodes[i].cuts = PixelCuts(cuts_[i]);

@@ -10,14 +10,13 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kEdgeBlocks = 4;       ///< of rays between two nodes, near the micro-image's edge
-constexpr int kBlocks = 64;          ///< of rays between two nodes, all over the micro-image
-constexpr int kInsideBlocks = 24;    ///< the same, inside of the cuts: where series must hold
-constexpr double kBeside = 0.02;     ///< of the bound: rays are aimed so far outside of a cut
-constexpr double kRoom = 1.2;        ///< what lacks is added with this factor
-constexpr double kMargin = 0.00075;  ///< of the bound: for the rays that were not traced
-/// Of where a micro-image closes: what is open last is small, and hardly ever met.
-constexpr float kEdgeMargin = 0.0025F;
+constexpr int kEdgeBlocks = 4;         ///< of rays between two nodes, near the micro-image's edge
+constexpr int kBlocks = 64;            ///< of rays between two nodes, all over the micro-image
+constexpr int kInsideBlocks = 24;      ///< the same, inside of the cuts: where series must hold
+constexpr double kBeside = 0.02;       ///< of the bound: rays are aimed so far outside of a cut
+constexpr double kRoom = 1.2;          ///< what lacks is added with this factor
+constexpr double kMargin = 0.00075;    ///< of the bound: for the rays that were not traced
+constexpr float kEdgeMargin = 0.002F;  ///< of where a micro-image closes
 
 /// Evenly spread numbers of [-1, 1] drawn towards the ends, where openings have their corners.
 double signed_root(double x) {
@@ -212,10 +211,16 @@ void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts) {
   const auto margin = static_cast<float>(kMargin * table.discs.bound);
   for (PupilCuts& node : cuts)
     for (PupilColumn& column : node.columns) {
-      column = column.reaching(column.closes + std::max(margin, kEdgeMargin * column.closes));
+      column.closes += margin;
       for (PupilCut& cut : column.cuts)
         for (float& side : cut) side += margin;
     }
+}
+
+void add_edge_margin(std::vector<PupilCuts>& cuts) {
+  for (PupilCuts& node : cuts)
+    for (PupilColumn& column : node.columns)
+      column = column.reaching((1 + kEdgeMargin) * column.closes);
 }
 
 }  // namespace plenoflame

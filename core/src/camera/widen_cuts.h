@@ -23,5 +23,7 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
 
 /// Makes room in the cuts for the rays that were not traced.
 void add_margin(const PupilTable& table, std::vector<PupilCuts>& cuts);
+/// Moves the edges of micro-images outwards: what is open last is small, and hardly ever met.
+void add_edge_margin(std::vector<PupilCuts>& cuts);
 
 }  // namespace plenoflame

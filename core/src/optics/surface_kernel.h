@@ -13,7 +13,8 @@ namespace plenoflame::PLENOFLAME_ISA {
 /// Closest-approach form (Feder 1951; Welford, Aberrations of Optical Systems, 1986, ch. 4):
 /// from the vertex plane t = F / (G + sqrt(G^2 - c F)), which is exact for planes (c = 0) and keeps
 /// its digits for every radius.
-/// @param cos_in sqrt(G^2 - c F), which is the cosine of incidence; 0 where the sphere is missed
+/// @param cos_in sqrt(G^2 - c F), which is the cosine of incidence; of no meaning where the sphere
+/// is missed
 template <class Real>
 PLENOFLAME_INLINE void go_to_surface(const KernelSurface<Real>& surface, int code_base, Real& x,
                                      Real& y, Real& z, Real dx, Real dy, Real dz, Real& cos_in,

@@ -208,7 +208,7 @@ void TileTracer<Real>::queue(int column, int row, const SampleLevel& level, int 
   made.count = count;
   ++queued_count_;
   // Filled in where it stays: what is copied while it is still being written has to wait for it.
-  Pending& pending = pending_.emplace_back();
+  RaysOfPixel& pending = pending_.emplace_back();
   pending.column = column;
   pending.row = row;
   pending.first = count_;
@@ -330,7 +330,7 @@ bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
     if (!table_worker_) table_worker_ = std::make_unique<RadianceTable::Worker>(*plan_.table);
     const auto set = [&](float* factors, int per_correction) {
       std::fill_n(factors, padded, 0.F);
-      for (const Pending& pending : pending_) {
+      for (const RaysOfPixel& pending : pending_) {
         const int points = pending.points;
         const int corrected =
             points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
@@ -397,9 +397,8 @@ void TileTracer<Real>::flush() {
   const auto channels = static_cast<int>(plan_.scene->scene.channels.size());
   for (int channel = 0; channel < channels; ++channel) add_to_film(channel);
   if (sink_)
-    for (const Pending& pending : pending_)
-      sink_->finished(pending.column, pending.row, pending.first, pending.count, pending.scale,
-                      radiance_, kPadding, transmittance_);
+    for (const RaysOfPixel& pending : pending_)
+      sink_->finished(pending, radiance_, kPadding, transmittance_);
   pending_.clear();
   doublings_ = 0;
   count_ = 0;
@@ -441,7 +440,7 @@ void TileTracer<Real>::add_to_film(int channel) {
   double* const sums =
       film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
   sum_rays(radiance);
-  for (const Pending& pending : pending_) {
+  for (const RaysOfPixel& pending : pending_) {
     const int points = pending.points;
     const double scale = pending.scale;
     double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *

@@ -88,6 +88,14 @@ BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& 
                                       const RenderSettings& settings, const PointRange& range,
                                       const SurfaceLightPlan* light, const ScatterPlan* scatter);
 
+/// Rays of one pixel that lie together in a block.
+struct RaysOfPixel {
+  int column, row, first, count;
+  int offset;    ///< number of the first one among those of pixel and microlens
+  int points;    ///< so many of those numbers belong to one randomisation, then to the next
+  double scale;  ///< what they count for
+};
+
 /// Receives the rays of a tracer, for those who want more of them than their sum.
 template <class Real>
 class RaySink {
@@ -101,8 +109,8 @@ class RaySink {
   /// The same entries, behind optics and medium: all are rays of one pixel. Each adds scale *
   /// weight
   /// * radiance to it. Channel c of entry i is radiance[c * stride + i].
-  virtual void finished(int column, int row, int first, int count, double scale,
-                        const Real* radiance, int stride, const Real* transmittance) = 0;
+  virtual void finished(const RaysOfPixel& rays, const Real* radiance, int stride,
+                        const Real* transmittance) = 0;
 };
 
 /// Numbers counted by one worker.
@@ -138,11 +146,6 @@ class TileTracer {
   const TileCounters& counters() const { return counters_; }
 
  private:
-  struct Pending {
-    /// points: of a replicate; offset: first number of the replicates
-    int column, row, first, count, offset, points;
-    double scale;  ///< what its rays count for
-  };
   void add_microlens(LensIndex lens);
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
@@ -185,7 +188,7 @@ class TileTracer {
   std::vector<KernelPixel<Real>> queued_;
   int queued_count_ = 0;
   KernelPixel<Real>& pixel() { return queued_[static_cast<std::size_t>(queued_count_)]; }
-  std::vector<Pending> pending_;
+  std::vector<RaysOfPixel> pending_;
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
   std::vector<int> codes_;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kRounding = kBeamRounding;
 constexpr int kMostParts = 8;     ///< that an oblique beam is looked at in
-constexpr double kSingle = 1e-6;  ///< relative: room for single precision
+constexpr double kSingle = 1e-6;  ///< relative: room for rounding
 
 constexpr double kC1 = 0.9238795325112867, kC2 = 0.7071067811865476, kC3 = 0.3826834323650898;
 /// Unit vectors, 1/16 of a turn apart.

@@ -77,7 +77,7 @@ struct KernelRowPixels {
   double* far2;             ///< squared: no point is farther from the micro-image's centre
   int* level;               ///< by worth
   int* sector;              ///< of the cuts (PixelCuts)
-  int* verdict;             ///< by the beam (BeamVerdict)
+  int* verdict;             ///< by the beam (BeamVerdict), of pixels that get light
   std::uint64_t* random[kRowWords];
 };
 

@@ -18,8 +18,8 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
 constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 
-/// The whole part of x, from 0 to 2^51; or one less where x is whole. As long as a double: loops
-/// that hold ints are made of narrower vectors.
+/// The whole part of x, from 0 to 2^32; of odd whole numbers one less (halves are rounded to even).
+/// As long as a double: loops that hold ints are made of narrower vectors.
 PLENOFLAME_INLINE std::int64_t whole_part(double x) {
   return __builtin_bit_cast(std::int64_t, greatest(x - 0.5, 0.0) + 0x1p52) & 0xffffffff;
 }
@@ -230,7 +230,7 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
   }
 #pragma omp simd
   for (int i = 0; i < r.rows * stride; ++i) verdict[i] = static_cast<int>(found[i]);
-  // Those whose outline is left to look at, closed up.
+  // Those that get light and whose outline is left to look at, closed up.
   alignas(64) double x[kRowsPixels + kRowLanes], y[kRowsPixels + kRowLanes];
   alignas(64) double apart[kRowsPixels + kRowLanes];
   int numbers[kRowsPixels + kRowLanes];
@@ -240,7 +240,8 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
       numbers[count] = i;
       x[count] = at_x[i];
       y[count] = r.y[row];
-      count += verdict[i] >= kNeedsLook ? 1 : 0;  // no branch: it could not be foretold
+      // No branch: it could not be foretold.
+      count += (verdict[i] >= kNeedsLook) & (pixels.x_width[i] > 0) ? 1 : 0;
     }
   if (count == 0) return;
   const int padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;

@@ -51,8 +51,9 @@ class PathSink : public RaySink<double> {
     }
   }
 
-  void finished(int column, int row, int first, int count, double scale, const double* radiance,
-                int stride, const double* transmittance) override {
+  void finished(const RaysOfPixel& rays, const double* radiance, int stride,
+                const double* transmittance) override {
+    const auto& [column, row, first, count, offset, points, scale] = rays;
     for (int i = first; i < first + count; ++i) {
       const Drawn& drawn = drawn_[static_cast<std::size_t>(i)];
       RayPath ray;

@@ -257,6 +257,7 @@ TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
         backward_kernels<float>(isa).judge_rows(survey, kernel, found.arrays());
         for (int number = 0; number < survey.rows * survey.count; ++number) {
           const int row = number / survey.count, i = number % survey.count;
+          if (!(found.x_width[static_cast<std::size_t>(row * survey.stride + i)] > 0)) continue;
           const Vec2 pixel = rows.pixel(row, i);
           const int verdict = found.verdict[static_cast<std::size_t>(row * survey.stride + i)];
           ++verdicts[static_cast<std::size_t>(verdict)];

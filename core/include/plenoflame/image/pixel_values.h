@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@ namespace plenoflame {
 /// Memory of numbers that is all zeros when it is got, and is not written to for them to be zeros.
 template <class T>
 struct ZeroedAllocator {
+  static_assert(std::is_trivial_v<T>);
   using value_type = T;
 
   ZeroedAllocator() = default;

@@ -62,7 +62,7 @@ class SobolPool {
  private:
   void fill(int entry, std::uint32_t first, std::uint64_t seed, int first_dimension);
   int entries_, replicates_, points_;
-  /// An entry of a few points must not lie across more lines of a cache than it needs.
+  /// An entry of 2^n points begins with a line of a cache, or shares one.
   struct alignas(64) CacheLine {
     std::uint32_t words[16];
   };
