@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <string_view>
+#include <vector>
 
 #include "base/fnv.h"
 #include "plenoflame/base/error.h"
@@ -12,7 +14,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 4\n";
+constexpr std::string_view kMagic = "plenoflame film 5\n";
 
 template <class T>
 std::string_view bytes_of(const T* data, std::size_t count) {
@@ -42,6 +44,26 @@ class Reader {
   std::string_view rest_;
 };
 
+/// Of a tile.
+constexpr char kNothing = 0, kSums = 1, kFinished = 2;
+
+char contents_of(const Film& film, int tile) {
+  if (film.is_finished(tile)) return kFinished;
+  return film.tile_sums(tile).empty() ? kNothing : kSums;
+}
+
+/// Calls `take` with the bytes of each tile that holds anything.
+template <class Take>
+void for_tiles(const Film& film, const Take& take) {
+  for (int tile = 0; tile < film.tile_count(); ++tile) {
+    const char contents = contents_of(film, tile);
+    if (contents == kSums) take(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
+    if (contents != kFinished) continue;
+    const std::vector<float> values = film.finished_values(tile);
+    take(bytes_of(values.data(), values.size()));
+  }
+}
+
 }  // namespace
 
 void write_checkpoint(const std::string& path, const Film& film, const std::string& key) {
@@ -52,17 +74,15 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   const std::uint64_t key_size = key.size();
   const std::string_view tiles =
       bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
-  // Which tiles hold anything: only those follow.
+  // What the tiles hold: only those with anything follow.
   std::string present;
-  for (int tile = 0; tile < film.tile_count(); ++tile)
-    present += film.tile_sums(tile).empty() ? '\0' : '\1';
+  for (int tile = 0; tile < film.tile_count(); ++tile) present += contents_of(film, tile);
   const std::uint64_t goal_count = film.tile_goals().size();
   const std::string_view goals = bytes_of(film.tile_goals().data(), film.tile_goals().size());
   Fnv sum;
   for (const std::string_view part : {std::string_view(tiles), goals, std::string_view(present)})
     sum.add(part);
-  for (int tile = 0; tile < film.tile_count(); ++tile)
-    sum.add(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
+  for_tiles(film, [&](std::string_view bytes) { sum.add(bytes); });
   file.write(kMagic);
   file.write(bytes_of(&key_size, 1));
   file.write(key);
@@ -73,8 +93,7 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   file.write(bytes_of(&goal_count, 1));
   file.write(goals);
   file.write(present);
-  for (int tile = 0; tile < film.tile_count(); ++tile)
-    file.write(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
+  for_tiles(film, [&](std::string_view bytes) { file.write(bytes); });
   file.commit();
 }
 
@@ -114,8 +133,21 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
   if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
   std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
   for (std::size_t i = 0; i < count; ++i) {
-    if (present[i] == 0) continue;
     const int tile = static_cast<int>(i);
+    if (present[i] == kNothing) continue;
+    if (present[i] == kFinished) {
+      std::vector<float> values(film.finished_count(tile));
+      const std::string_view bytes = reader.take(values.size() * sizeof(float));
+      found.add(bytes);
+      std::memcpy(values.data(), bytes.data(), bytes.size());
+      try {
+        film.set_finished(tile, values);
+      } catch (const std::bad_alloc&) {  // a window that there is no memory for
+        throw damaged();
+      }
+      continue;
+    }
+    if (present[i] != kSums) throw damaged();
     const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
     found.add(sums);
     std::memcpy(film.tile_sums(tile).data(), sums.data(), sums.size());

@@ -172,6 +172,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   const std::size_t parts = plans.size() / std::max<std::size_t>(ranges.size(), 1);
   std::vector<Tracer<Real>> tracers;
   for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
+  std::vector<std::vector<double>> memory(static_cast<std::size_t>(workers));  // of tiles' sums
   const auto start = std::chrono::steady_clock::now();
   std::mutex mutex;
   std::size_t done = 0;
@@ -179,6 +180,8 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   const bool complete = parallel_for(execution, jobs.size(), [&](std::size_t index, int worker) {
     const TileJob job = jobs[index];
     double new_rays = 0;
+    if (film.allows_finishing())
+      film.lend(job.tile, std::move(memory[static_cast<std::size_t>(worker)]));
     for (std::size_t part = 0; part < parts; ++part) {
       TileTracer<Real>& tracer =
           tracers[static_cast<std::size_t>(worker)].of(job.range * parts + part, film);
@@ -187,6 +190,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
       new_rays += tracer.counters().rays;
     }
     film.add_samples(job.tile, ranges[job.range].points);
+    if (film.allows_finishing()) memory[static_cast<std::size_t>(worker)] = film.finish(job.tile);
     const std::lock_guard lock(mutex);
     ++done;
     if (!execution.progress) return;

@@ -434,29 +434,29 @@ template <class Real>
 void TileTracer<Real>::add_to_film(int channel) {
   const Real* radiance = radiance_ + channel * kPadding;
   const auto replicates = static_cast<std::size_t>(film_.replicates());
-  const std::size_t stride = static_cast<std::size_t>(film_.channels()) * replicates;
+  const auto width = static_cast<std::size_t>(tile_.width);
+  const std::size_t stride = width * static_cast<std::size_t>(tile_.height);
   const std::vector<int>& place = plan_.scene->film_channel;
-  const int of_film = place.empty() ? channel : place[static_cast<std::size_t>(channel)];
-  double* const sums =
-      film_.tile_sums(tile_index_).data() + static_cast<std::size_t>(of_film) * replicates;
+  const auto of_film =
+      static_cast<std::size_t>(place.empty() ? channel : place[static_cast<std::size_t>(channel)]);
+  double* const sums = film_.tile_sums(tile_index_).data() + of_film * replicates * stride;
   sum_rays(radiance);
   for (const RaysOfPixel& pending : pending_) {
     const int points = pending.points;
     const double scale = pending.scale;
-    double* const pixel = sums + (static_cast<std::size_t>(pending.row - tile_.y) *
-                                      static_cast<std::size_t>(tile_.width) +
-                                  static_cast<std::size_t>(pending.column - tile_.x)) *
-                                     stride;
+    double* const pixel = sums + static_cast<std::size_t>(pending.row - tile_.y) * width +
+                          static_cast<std::size_t>(pending.column - tile_.x);
     // Nearly always: all replicates, of 1, 2, 4 or 8 points.
     const bool few = are_few(points);
     const double* const sums_from =
         sums_of_rays_[few ? static_cast<std::size_t>(doublings_of(points)) : 0].data();
     if (few && pending.count == points * film_.replicates() && !plan_.table) {
       for (std::size_t r = 0; r < replicates; ++r)
-        pixel[r] += scale * sums_from[pending.first + static_cast<int>(r) * points];
+        pixel[r * stride] += scale * sums_from[pending.first + static_cast<int>(r) * points];
       continue;
     }
-    int replicate = pending.offset / points, left = points - pending.offset % points;
+    std::size_t replicate = static_cast<std::size_t>(pending.offset / points);
+    int left = points - pending.offset % points;
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
       // Which of the two must not depend on other pixels.
@@ -465,7 +465,7 @@ void TileTracer<Real>::add_to_film(int channel) {
                        : plan_.kernels.sum(sums_of_rays_[0].data() + i, end - i);
       i = end;
       if (plan_.table) sum = not_negative(sum, scale);
-      pixel[replicate] += scale * sum;
+      pixel[replicate * stride] += scale * sum;
     }
   }
 }

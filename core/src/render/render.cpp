@@ -89,6 +89,11 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
         settings.resume->replicates() != settings.replicates)
       throw UsageError("the film to go on from has another window, channels or replicates");
+    if (settings.resume->is_taken())
+      throw UsageError("the film to go on from is that of a picture that is complete");
+    if (settings.resume->has_finished_tiles() && (forward || is_progressive(settings)))
+      throw UsageError(
+          "the film to go on from is one of a fixed number of samples: parts of it are finished");
     film = *settings.resume;
   }
   if (has_content(scene)) {
@@ -113,7 +118,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   for (int c = 0; c < channels; ++c) {
     LightFieldChannel channel;
     channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
-    FilmImages images = film.images(c, execution);
+    // A film that is gone on with keeps them.
+    FilmImages images =
+        statistics.complete ? film.take_images(c, execution) : film.images(c, execution);
     channel.flux = std::move(images.flux);
     if (settings.standard_error) channel.standard_error = std::move(images.standard_error);
     field.channels.push_back(std::move(channel));

@@ -92,6 +92,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
   for (int t = 0; t < film.tile_count(); ++t)
     if (film.tile_samples(t) == 0) tiles.push_back({t});
   Checkpoints checkpoints(settings);
+  if (!settings.keep_sums) film.allow_finishing();
   const BackwardPass pass(scene, settings, {{0, points}}, shared, execution.threads);
   statistics.complete =
       run_in_batches(pass, tiles, settings, execution, film, statistics, checkpoints);
@@ -252,6 +253,10 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
 
 }  // namespace
 
+bool is_progressive(const RenderSettings& settings) {
+  return settings.target_error > 0 || settings.time_limit > 0;
+}
+
 void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
                    const Execution& execution, Film& film, RenderStatistics& statistics,
                    int most_points) {
@@ -260,7 +265,7 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
-  if (settings.target_error > 0 || settings.time_limit > 0)
+  if (is_progressive(settings))
     render_progressive(scene, settings, points, most_points, deadline, execution, film, statistics,
                        shared);
   else

@@ -2,6 +2,9 @@
 #include <optional>
 #include <stop_token>
 
+#include "plenoflame/base/error.h"
+#include "plenoflame/film/checkpoint.h"
+#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
 #include "render/backward.h"
@@ -9,6 +12,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
+#include "support/temporary_folder.h"
 
 namespace plenoflame::test {
 namespace {
@@ -43,13 +47,72 @@ void expect_same(const CompiledScene& scene, const RenderSettings& settings, int
   EXPECT_LT(parts.statistics.rays, whole.statistics.rays) << "nothing was taken over";
   EXPECT_EQ(parts.light_field.samples, whole.light_field.samples);
   EXPECT_TRUE(parts.film == whole.film);
-  EXPECT_EQ(parts.light_field.channels[0].flux.pixels, whole.light_field.channels[0].flux.pixels);
+  for (std::size_t c = 0; c < whole.light_field.channels.size(); ++c) {
+    EXPECT_TRUE(parts.light_field.channels[c].flux == whole.light_field.channels[c].flux);
+    EXPECT_TRUE(parts.light_field.channels[c].standard_error ==
+                whole.light_field.channels[c].standard_error);
+  }
 }
 
 TEST(Continued, BackwardWithFixedSamples) {
+  const CompiledScene scene = compile(paper_flame(560, 500, 0.004));
   RenderSettings settings;
   settings.samples = 8;
-  expect_same(compile(paper_flame(560, 500, 0.004)), settings, 2);
+  expect_same(scene, settings, 2);
+  settings.keep_sums = true;
+  expect_same(scene, settings, 2);
+  // Whether sums are kept is not seen in the picture.
+  const RenderResult kept = render(scene, settings, one_thread());
+  EXPECT_FALSE(kept.film.has_finished_tiles());
+  settings.keep_sums = false;
+  const RenderResult result = render(scene, settings, one_thread());
+  EXPECT_TRUE(result.film.is_taken());
+  EXPECT_TRUE(result.light_field.channels[0].flux == kept.light_field.channels[0].flux);
+  EXPECT_TRUE(result.light_field.channels[0].standard_error ==
+              kept.light_field.channels[0].standard_error);
+  // Nothing can go on from what is no more there.
+  settings.resume = &result.film;
+  EXPECT_THROW(render(scene, settings), UsageError);
+}
+
+// Through a file, which holds what is finished and what is not.
+TEST(Continued, FromAFileOfFinishedTiles) {
+  const CompiledScene scene = compile(paper_flame(260, 200, 0.004));
+  RenderSettings settings;
+  settings.samples = 8;
+  settings.checkpoint_seconds = 0;
+  std::stop_source stop;
+  Execution execution = threads(2);
+  execution.stop = stop.get_token();
+  settings.checkpoint = [&](const Film&) { stop.request_stop(); };
+  const RenderResult part = render(scene, settings, execution);
+  ASSERT_FALSE(part.statistics.complete);
+  ASSERT_TRUE(part.film.has_finished_tiles());
+  const TemporaryFolder folder;
+  const std::string path = folder.file("state");
+  write_checkpoint(path, part.film, "key");
+  const Film film = read_checkpoint(path, "key");
+  EXPECT_TRUE(film == part.film);
+  EXPECT_THROW(read_checkpoint(path, "another key"), InputError);
+  const std::string good = read_file(path);
+  for (std::size_t at = 100; at < good.size(); at += good.size() / 7) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    write_file(path, bad);
+    EXPECT_THROW(read_checkpoint(path, "key"), FileError) << at;
+    write_file(path, good.substr(0, at));
+    EXPECT_THROW(read_checkpoint(path, "key"), FileError) << at;
+  }
+  settings.checkpoint = {};
+  settings.resume = &film;
+  const RenderResult rest = render(scene, settings, one_thread());
+  settings.resume = nullptr;
+  const RenderResult whole = render(scene, settings, one_thread());
+  EXPECT_LT(rest.statistics.rays, whole.statistics.rays);
+  EXPECT_TRUE(rest.light_field.channels[0].flux == whole.light_field.channels[0].flux);
+  settings.resume = &film;
+  settings.target_error = 0.1;
+  EXPECT_THROW(render(scene, settings), UsageError) << "finished tiles get no more samples";
 }
 
 TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {

@@ -11,11 +11,14 @@ namespace plenoflame {
 struct FilmImages {
   Image flux;            ///< [W]
   Image standard_error;  ///< [W] by the scatter of the replicates; empty with one replicate
+
+  friend bool operator==(const FilmImages&, const FilmImages&) = default;
 };
 
 /// What an estimator has gathered: per pixel and channel one sum for each independent
 /// randomisation (replicate), in double precision. The mean over replicates is the estimate, their
-/// scatter its standard error. Tiles that receive nothing take no memory.
+/// scatter its standard error. Tiles that receive nothing take no memory. Of tiles that are
+/// finished only the estimate and its standard error are kept, which take less.
 class Film {
  public:
   Film() = default;
@@ -38,8 +41,9 @@ class Film {
     tile_samples_[static_cast<std::size_t>(tile)] += samples;
   }
 
-  /// Sums of a tile, row by row; of each pixel all channels, of each channel all replicates. Made
+  /// Sums of a tile: of each channel all replicates, of each replicate the pixels row by row. Made
   /// of zeros when first asked for; empty as long as nothing was.
+  /// @throws std::logic_error when the tile is finished
   std::vector<double>& tile_sums(int tile);
   const std::vector<double>& tile_sums(int tile) const {
     return sums_[static_cast<std::size_t>(tile)];
@@ -52,6 +56,29 @@ class Film {
 
   /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
   FilmImages images(int channel, const Execution& execution = {}) const;
+
+  /// From now on tiles can be finished: takes the room for what is kept of them. Not while others
+  /// work on the film.
+  void allow_finishing();
+  bool allows_finishing() const { return !finished_.empty(); }
+  /// All samples of the tile have come: keeps what images() makes of its sums instead of them.
+  /// @return their memory, for another tile (lend()): the system takes time to give new one
+  std::vector<double> finish(int tile);
+  /// Memory for the sums of a tile that has none.
+  void lend(int tile, std::vector<double> memory);
+  bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
+  bool has_finished_tiles() const;
+  /// Whether what was kept of finished tiles is gone (take_images()).
+  bool is_taken() const;
+  /// What is kept of a finished tile: of each channel the flux, row by row, then (with more than
+  /// one replicate) its standard error.
+  std::vector<float> finished_values(int tile) const;
+  /// Makes of an empty tile a finished one. @param values as many as finished_values() gives
+  void set_finished(int tile, const std::vector<float>& values);
+  std::size_t finished_count(int tile) const;  ///< how many that are
+
+  /// images(), without a copy: the film is left without the channel's finished tiles.
+  FilmImages take_images(int channel, const Execution& execution = {});
 
   /// The tiles, from the corner of such an image, outside of which it is 0 for every channel.
   std::vector<PixelWindow> lit_parts() const;
@@ -72,13 +99,18 @@ class Film {
     return (row - window_.y) / kTile * tiles_across() + (column - window_.x) / kTile;
   }
   std::size_t index_in_tile(int tile, int channel, int replicate, int column, int row) const;
-  bool is_lit(int tile) const { return !tile_sums(tile).empty() && tile_samples(tile) > 0; }
+  bool is_lit(int tile) const {
+    return is_finished(tile) || (!tile_sums(tile).empty() && tile_samples(tile) > 0);
+  }
+  FilmImages make_images() const;
   void develop(int tile, int channel, FilmImages& images) const;
 
   PixelWindow window_;
   int channels_ = 0, replicates_ = 0;
   std::vector<std::vector<double>> sums_;
   std::vector<double> tile_samples_, tile_goals_;
+  std::vector<FilmImages> finished_;          ///< of each channel; empty: no tile can be finished
+  std::vector<unsigned char> tile_finished_;  ///< 1: it is (no bits: threads write side by side)
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors

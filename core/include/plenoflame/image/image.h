@@ -37,6 +37,8 @@ struct Image {
     return pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                   static_cast<std::size_t>(column)];
   }
+
+  friend bool operator==(const Image&, const Image&) = default;
 };
 
 }  // namespace plenoflame

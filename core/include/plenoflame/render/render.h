@@ -44,6 +44,9 @@ struct RenderSettings {
   /// unbiased; false: every ray is integrated.
   bool control_variate = true;
   bool standard_error = true;
+  /// Of a fixed number of samples: tiles that have theirs are finished (Film::finish()) as they
+  /// come, which takes less memory; true: their sums are kept, too.
+  bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
   /// A film of the same scene and settings to go on from; its sums are continued as if there had
@@ -97,7 +100,9 @@ struct RenderStatistics {
 
 struct RenderResult {
   LightField light_field;
-  Film film;  ///< what light_field was made from; to continue it
+  /// What light_field was made from; to continue it. Where all is done, without what was kept of
+  /// finished tiles.
+  Film film;
   RenderStatistics statistics;
 };
 
