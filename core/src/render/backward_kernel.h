@@ -53,11 +53,14 @@ struct KernelPixel {
                 const KernelBlock<float>&);                                                        \
   void generate(const KernelPatch<double>&, const KernelPixel<double>*, int pixels,                \
                 double distance, const KernelBlock<double>&);                                      \
-  /* weight * radiance, in double. */                                                              \
-  void multiply(const float* weight, const float* radiance, int count, double* products);          \
+  /* weight * radiance. */                                                                         \
+  void multiply(const float* weight, const float* radiance, int count, float* products);           \
   void multiply(const double* weight, const double* radiance, int count, double* products);        \
   /* sums[i] = values[i] + values[i + distance]. */                                                \
+  void add_neighbours(const float* values, int distance, int count, float* sums);                  \
   void add_neighbours(const double* values, int distance, int count, double* sums);                \
+  /* In double precision. */                                                                       \
+  double sum(const float* values, int count);                                                      \
   double sum(const double* values, int count);
 
 namespace baseline {

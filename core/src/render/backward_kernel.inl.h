@@ -519,10 +519,24 @@ PLENOFLAME_INLINE void generate_all(const KernelPatch<Real>& patch, const Kernel
 
 template <class Real>
 PLENOFLAME_INLINE void multiply_all(const Real* __restrict weight, const Real* __restrict radiance,
-                                    int count, double* __restrict products) {
+                                    int count, Real* __restrict products) {
 #pragma omp simd
-  for (int i = 0; i < count; ++i)
-    products[i] = static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
+  for (int i = 0; i < count; ++i) products[i] = weight[i] * radiance[i];
+}
+
+template <class Real>
+PLENOFLAME_INLINE void add_all_neighbours(const Real* __restrict near, const Real* __restrict far,
+                                          int count, Real* __restrict sums) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) sums[i] = near[i] + far[i];
+}
+
+template <class Real>
+PLENOFLAME_INLINE double sum_all(const Real* values, int count) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int i = 0; i < count; ++i) sum += static_cast<double>(values[i]);
+  return sum;
 }
 
 }  // namespace
@@ -537,7 +551,7 @@ void generate(const KernelPatch<double>& patch, const KernelPixel<double>* pixel
   generate_all(patch, pixels, count, distance, block);
 }
 
-void multiply(const float* weight, const float* radiance, int count, double* products) {
+void multiply(const float* weight, const float* radiance, int count, float* products) {
   multiply_all(weight, radiance, count, products);
 }
 
@@ -545,19 +559,20 @@ void multiply(const double* weight, const double* radiance, int count, double* p
   multiply_all(weight, radiance, count, products);
 }
 
+void add_neighbours(const float* values, int distance, int count, float* sums) {
+  add_all_neighbours(values, values + distance, count, sums);
+}
+
 void add_neighbours(const double* values, int distance, int count, double* sums) {
-  const double* __restrict near = values;
-  const double* __restrict far = values + distance;
-  double* __restrict out = sums;
-#pragma omp simd
-  for (int i = 0; i < count; ++i) out[i] = near[i] + far[i];
+  add_all_neighbours(values, values + distance, count, sums);
+}
+
+double sum(const float* values, int count) {
+  return sum_all(values, count);
 }
 
 double sum(const double* values, int count) {
-  double sum = 0;
-#pragma omp simd reduction(+ : sum)
-  for (int i = 0; i < count; ++i) sum += values[i];
-  return sum;
+  return sum_all(values, count);
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

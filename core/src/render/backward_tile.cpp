@@ -41,7 +41,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((11 + nodes + (passes > 1 ? passes : 0)) * kPadding + alignment);
   codes_.resize(kPadding);
-  sums_of_rays_.resize(kDoublings + 1, std::vector<double>(kPadding));
+  sums_of_rays_.resize(kDoublings + 1, std::vector<Real>(kPadding));
   queued_.resize(kBlockRays + 1);  // a pixel has a ray at least
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
@@ -421,10 +421,10 @@ double TileTracer<Real>::not_negative(double sum, double scale) {
 /// Of few points: which are how many could not be foretold, if every ray were added on its own.
 template <class Real>
 void TileTracer<Real>::sum_rays(const Real* radiance) {
-  double* sums = sums_of_rays_[0].data();
+  Real* sums = sums_of_rays_[0].data();
   plan_.kernels.multiply(block_.weight, radiance, count_, sums);
   for (std::size_t k = 1; k <= static_cast<std::size_t>(doublings_); ++k) {
-    double* const more = sums_of_rays_[k].data();
+    Real* const more = sums_of_rays_[k].data();
     plan_.kernels.add_neighbours(sums, 1 << (k - 1), count_, more);
     sums = more;
   }
@@ -448,11 +448,12 @@ void TileTracer<Real>::add_to_film(int channel) {
                           static_cast<std::size_t>(pending.column - tile_.x);
     // Nearly always: all replicates, of 1, 2, 4 or 8 points.
     const bool few = are_few(points);
-    const double* const sums_from =
+    const Real* const sums_from =
         sums_of_rays_[few ? static_cast<std::size_t>(doublings_of(points)) : 0].data();
     if (few && pending.count == points * film_.replicates() && !plan_.table) {
       for (std::size_t r = 0; r < replicates; ++r)
-        pixel[r * stride] += scale * sums_from[pending.first + static_cast<int>(r) * points];
+        pixel[r * stride] +=
+            scale * static_cast<double>(sums_from[pending.first + static_cast<int>(r) * points]);
       continue;
     }
     std::size_t replicate = static_cast<std::size_t>(pending.offset / points);
@@ -461,7 +462,7 @@ void TileTracer<Real>::add_to_film(int channel) {
       const int end = std::min(pending.first + pending.count, i + left);
       // Which of the two must not depend on other pixels.
       double sum = few && end - i == points
-                       ? sums_from[i]
+                       ? static_cast<double>(sums_from[i])
                        : plan_.kernels.sum(sums_of_rays_[0].data() + i, end - i);
       i = end;
       if (plan_.table) sum = not_negative(sum, scale);

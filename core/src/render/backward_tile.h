@@ -26,9 +26,9 @@ template <class Real>
 struct BackwardKernels {
   void (*generate)(const KernelPatch<Real>&, const KernelPixel<Real>*, int, Real,
                    const KernelBlock<Real>&);
-  void (*multiply)(const Real*, const Real*, int, double*);
-  void (*add_neighbours)(const double*, int, int, double*);
-  double (*sum)(const double*, int);
+  void (*multiply)(const Real*, const Real*, int, Real*);
+  void (*add_neighbours)(const Real*, int, int, Real*);
+  double (*sum)(const Real*, int);
   void (*survey_rows)(const KernelRows&, const KernelRowPixels&);
   void (*judge_rows)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 };
@@ -193,7 +193,7 @@ class TileTracer {
   std::vector<Real> storage_;
   std::vector<int> codes_;
   /// Of the block's rays what each adds, and the sums of 2, 4 and 8 from each on.
-  std::vector<std::vector<double>> sums_of_rays_;
+  std::vector<std::vector<Real>> sums_of_rays_;
   int doublings_ = 0;  ///< so many of them are needed
   KernelBlock<Real> block_{};
   std::unique_ptr<ScatterWalk> scatter_;          ///< nullptr: nothing scatters
