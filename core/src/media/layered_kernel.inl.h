@@ -66,6 +66,7 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
     dz[i] = c;
     shift[i] = t;
   }
+  if (!task.t_near && !task.t_far) return;
   Real* __restrict near = s.near, * __restrict far = s.far;
   const Real infinity = Real(__builtin_inff());
   if (task.t_near) {
@@ -86,10 +87,11 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
   }
 }
 
-/// Where the rays enter and leave one layer, clamped to [low, high]. In the space where the
-/// ellipsoid is the unit sphere, from the point q nearest to its centre: half chord
-/// sqrt((1 - q.q) / (v.v)), which loses no digits to the distance. A miss gives an empty interval.
-template <class Real>
+/// Where the rays enter and leave one layer. In the space where the ellipsoid is the unit sphere,
+/// from the point q nearest to its centre: half chord sqrt((1 - q.q) / (v.v)), which loses no
+/// digits to the distance. A miss gives an empty interval.
+/// @param low, high what the interval is clamped to, if kClamped
+template <bool kClamped, class Real>
 PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int count,
                                  const LayeredScratch<Real>& s, const Real* __restrict low,
                                  const Real* __restrict high) {
@@ -108,8 +110,8 @@ PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int c
     const Real qx = ux + t * vx, qy = uy + t * vy, qz = uz + t * vz;
     const Real inside = Real(1) - (qx * qx + qy * qy + qz * qz);
     const Real half = square_root(greatest(inside, Real(0)) * inverse);
-    entry[i] = clamp(t - half, low[i], high[i]);
-    exit[i] = clamp(t + half, low[i], high[i]);
+    entry[i] = kClamped ? clamp(t - half, low[i], high[i]) : t - half;
+    exit[i] = kClamped ? clamp(t + half, low[i], high[i]) : t + half;
   }
 }
 
@@ -129,31 +131,45 @@ PLENOFLAME_INLINE int count_positive(int count, const Real* __restrict values) {
   return positive;
 }
 
-/// One homogeneous interval [from, to] of a layer, behind what has been passed so far.
-template <class Real>
-PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
+/// One homogeneous interval [from, to] of a layer, behind what has been passed so far (nothing, if
+/// kFirst). What comes out of it, times `factor`, is added to `sum`, or is it, if kNew.
+template <bool kFirst, bool kNew, class Real>
+PLENOFLAME_INLINE void pass(int count, Real kappa, Real factor, const Real* __restrict from,
                             const Real* __restrict to, Real* __restrict transmittance,
-                            Real* __restrict weight) {
+                            Real* __restrict sum) {
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
     const Attenuation<Real> a = attenuation(kappa * (to[i] - from[i]));
-    weight[i] += transmittance[i] * a.emissivity;
-    transmittance[i] *= a.transmittance;
+    const Real emitted = factor * a.emissivity;
+    const Real arrives = kFirst ? emitted : transmittance[i] * emitted;
+    sum[i] = kNew ? arrives : sum[i] + arrives;
+    transmittance[i] = kFirst ? a.transmittance : transmittance[i] * a.transmittance;
   }
 }
 
 /// Layers of which each lies inside the next: from the outermost inwards, and out again.
-template <class Real>
-PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, const Real* absorption, int count,
-                                   const LayeredScratch<Real>& s, Real* transmittance) {
+/// @param sum where the weights of each layer go; with kOne, all layers' radiance, by `sources`
+template <bool kOne, class Real>
+PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, const Real* absorption,
+                                   const Real* sources, int count, const LayeredScratch<Real>& s,
+                                   Real* transmittance, Real* sum) {
   constexpr int n = kLayeredBlock;
-  for (int k = task.layers - 1; k > 0; --k)
-    pass(count, absorption[k], s.entry + k * n, s.entry + (k - 1) * n, transmittance,
-         s.weight + k * n);
-  pass(count, absorption[0], s.entry, s.exit, transmittance, s.weight);
-  for (int k = 1; k < task.layers; ++k)
-    pass(count, absorption[k], s.exit + (k - 1) * n, s.exit + k * n, transmittance,
-         s.weight + k * n);
+  const int last = task.layers - 1;
+  const auto factor = [&](int k) { return kOne ? sources[k] : Real(1); };
+  const auto sum_of = [&](int k) { return kOne ? sum : sum + k * n; };
+  if (last == 0) {
+    pass<true, true>(count, absorption[0], factor(0), s.entry, s.exit, transmittance, sum);
+    return;
+  }
+  pass<true, true>(count, absorption[last], factor(last), s.entry + last * n,
+                   s.entry + (last - 1) * n, transmittance, sum_of(last));
+  for (int k = last - 1; k > 0; --k)
+    pass<false, !kOne>(count, absorption[k], factor(k), s.entry + k * n, s.entry + (k - 1) * n,
+                       transmittance, sum_of(k));
+  pass<false, !kOne>(count, absorption[0], factor(0), s.entry, s.exit, transmittance, sum_of(0));
+  for (int k = 1; k <= last; ++k)
+    pass<false, false>(count, absorption[k], factor(k), s.exit + (k - 1) * n, s.exit + k * n,
+                       transmittance, sum_of(k));
 }
 
 template <class Real>
@@ -267,28 +283,43 @@ PLENOFLAME_INLINE void fill(Real* __restrict out, int count, Real value) {
   for (int i = 0; i < count; ++i) out[i] = value;
 }
 
+/// Intersects all layers. @return how many rays meet one; 0 before all have been looked at
+template <class Real>
+PLENOFLAME_INLINE int intersect_all(const LayeredTask<Real>& task, int count,
+                                    const LayeredScratch<Real>& s) {
+  constexpr int n = kLayeredBlock;
+  const bool clamped = task.t_near || task.t_far;
+  const int last = task.layers - 1;
+  Real* longest = s.kappa;
+  fill(longest, count, Real(0));
+  int hits = 0;
+  for (int k = last; k >= 0; --k) {
+    const bool within_next = task.nested && k < last;
+    if (within_next) {
+      intersect<true>(task, k, count, s, s.entry + (k + 1) * n, s.exit + (k + 1) * n);
+      continue;
+    }
+    if (clamped)
+      intersect<true>(task, k, count, s, s.near, s.far);
+    else
+      intersect<false>(task, k, count, s, s.near, s.far);
+    lengthen(count, s.entry + k * n, s.exit + k * n, longest);
+    if (!task.nested && k > 0) continue;
+    hits = count_positive(count, longest);
+    if (hits == 0 && task.skip) return 0;  // what misses the outermost layer misses those within
+  }
+  return hits;
+}
+
 template <class Real>
 PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int count) {
   constexpr int n = kLayeredBlock;
   const LayeredScratch<Real> s = make_scratch(task.scratch, task.layers);
   Real* transmittance = task.transmittance + first;
   localise(task, first, count, s);
-  Real* longest = s.kappa;
-  fill(longest, count, Real(0));
-  const int last = task.layers - 1;
-  int hits = 0;
-  for (int k = last; k >= 0; --k) {
-    const bool within_next = task.nested && k < last;
-    intersect(task, k, count, s, within_next ? s.entry + (k + 1) * n : s.near,
-              within_next ? s.exit + (k + 1) * n : s.far);
-    if (within_next) continue;
-    lengthen(count, s.entry + k * n, s.exit + k * n, longest);
-    if (!task.nested && k > 0) continue;
-    hits = count_positive(count, longest);
-    if (hits == 0 && task.skip) break;  // what misses the outermost layer misses those within
-  }
-  fill(transmittance, count, Real(1));
+  const int hits = intersect_all(task, count, s);
   if (hits == 0 && task.skip) {
+    fill(transmittance, count, Real(1));
     for (int c = 0; c < task.channels; ++c) {
       fill(task.radiance + c * task.stride + first, count, Real(0));
       if (task.transmittance_stride)
@@ -298,18 +329,25 @@ PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int c
   }
   if (!task.nested) sort_ends(task.layers, count, s);
   const int passes = task.grey ? 1 : task.channels;
+  const bool one = task.nested && (!task.grey || task.channels == 1);  // channel of each pass
   for (int c = 0; c < passes; ++c) {
     Real* passed = transmittance;
-    if (c > 0) {
+    if (c > 0)
       passed = task.transmittance_stride ? transmittance + c * task.transmittance_stride : s.passed;
-      fill(passed, count, Real(1));
-    }
     const Real* absorption = task.absorption + c * task.layers;
-    for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
-    if (task.nested)
-      pass_nested(task, absorption, count, s, passed);
-    else
+    const Real* sources = task.sources + c * task.layers;
+    if (one) {
+      pass_nested<true>(task, absorption, sources, count, s, passed,
+                        task.radiance + c * task.stride + first);
+      continue;
+    }
+    if (task.nested) {
+      pass_nested<false>(task, absorption, sources, count, s, passed, s.weight);
+    } else {
+      fill(passed, count, Real(1));
+      for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
       pass_overlapping(task, absorption, count, s, passed);
+    }
     emit(task, c, task.grey ? task.channels : c + 1, first, count, s);
   }
   if (task.grey && task.transmittance_stride)

@@ -102,7 +102,8 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     const int sparse = level - of_pool;
     plan.levels.push_back({&pool, of_pool, sparse,
                            static_cast<double>(plan.pools().front().points() << sparse) /
-                               static_cast<double>(pool.points())});
+                               static_cast<double>(pool.points()),
+                           doublings_of(pool.points())});
   }
   if (camera.has_array())
     for (const PupilTable& table : scene.pupils.tables())

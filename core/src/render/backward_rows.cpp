@@ -114,56 +114,6 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   }
 }
 
-/// What the first look at pixel k of the arrays says, and a closer one where that is not sure.
-template <class Real>
-bool TileTracer<Real>::sees(double y, std::size_t k) const {
-  const int verdict = rows_.verdict[k];
-  return verdict == kNeedsLook ? beam_->disc_may_meet({rows_.x[k], y}) : verdict == kSeesSomething;
-}
-
-/// Adds the pixels of one of the rows behind the microlens of the patch.
-template <class Real>
-void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
-  const auto begin = static_cast<std::size_t>(row * rows.stride);
-  std::array<int, Film::kTile> seen;
-  int count = 0;
-  for (int i = 0; i < rows.count; ++i) {
-    seen[static_cast<std::size_t>(count)] = i;
-    // No branch: it could not be foretold.
-    count += rows_.x_width[begin + static_cast<std::size_t>(i)] > 0 ? 1 : 0;
-  }
-  const double half = 0.5 * rows.pitch, y = rows.y[row];
-  const int last_level = static_cast<int>(plan_.levels.size()) - 1;
-  for (int n = 0; n < count; ++n) {
-    const int i = seen[static_cast<std::size_t>(n)];
-    const std::size_t k = begin + static_cast<std::size_t>(i);
-    for (std::size_t word = 0; word < kRowWords; ++word) random_[word] = rows_.random[word][k];
-    const SampleLevel& level =
-        plan_.levels[static_cast<std::size_t>(std::min(rows_.level[k], last_level))];
-    const std::uint64_t chosen =
-        level.sparse > 0 ? chosen_replicates(level.sparse) : kAllReplicates;
-    if (chosen == 0) {
-      counters_.pairs_left_to_chance += 1;
-      continue;
-    }
-    if (beam_ && !sees(y, k)) {
-      counters_.pairs_skipped += 1;
-      continue;
-    }
-    const CutColumn& cuts = node_.cuts.sector(rows_.sector[k]);
-    KernelPixel<Real>& made = pixel();
-    made.x_low = static_cast<Real>(rows_.x_low[k]);
-    made.x_width = static_cast<Real>(rows_.x_width[k]);
-    made.y0 = static_cast<Real>(y - half);
-    made.y1 = static_cast<Real>(y + half);
-    const double radius = rows.closes[rows_.sector[k]];
-    made.radius2 = static_cast<Real>(radius * radius);
-    const auto opens = static_cast<double>(cuts.opens);
-    made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;
-    add_pair(static_cast<int>(rows.column) + i, static_cast<int>(rows.row) + row, level, chosen);
-  }
-}
-
 template void TileTracer<float>::add_microlens(LensIndex);
 template void TileTracer<double>::add_microlens(LensIndex);
 

@@ -1,7 +1,6 @@
 #include "render/backward_tile.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -21,15 +20,6 @@ constexpr int kSmoothPoints = 16, kFairPoints = 4;
 constexpr std::uint64_t kScatterSeed = 0x73636174u;     ///< apart from what the rays use
 constexpr int kPadding = kBlockRays + 2 * kBlockSlack;  ///< of each array of the block
 
-constexpr int kDoublings = 3;
-/// Of points of a replicate: 1, 2, 4 or 8.
-bool are_few(int points) {
-  return points <= 1 << kDoublings && (points & (points - 1)) == 0;
-}
-int doublings_of(int points) {
-  return std::countr_zero(static_cast<unsigned>(points));
-}
-
 }  // namespace
 
 template <class Real>
@@ -41,8 +31,9 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   constexpr std::size_t alignment = 64 / sizeof(Real);
   storage_.resize((11 + nodes + (passes > 1 ? passes : 0)) * kPadding + alignment);
   codes_.resize(kPadding);
-  sums_of_rays_.resize(kDoublings + 1, std::vector<Real>(kPadding));
+  sums_of_rays_.resize(kMostDoublings + 1, std::vector<Real>(kPadding));
   queued_.resize(kBlockRays + 1);  // a pixel has a ray at least
+  pending_.resize(kBlockRays + 1);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
   Real** arrays[] = {&block_.x,  &block_.y,      &block_.z,          &block_.dx,        &block_.dy,
@@ -132,94 +123,13 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   whole_ = whole_aperture(node.aim_radius);              // the aim disc is the pupil itself
   made.radius2 = std::numeric_limits<Real>::infinity();  // nothing cuts the pixel
   made.cuts = &whole_;
-  set_random(column, row, mix64(plan_.settings->seed));
+  PairRandom random;
+  random[0] = mix64(((static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
+                     static_cast<std::uint32_t>(row)) ^
+                    mix64(plan_.settings->seed));
+  for (std::size_t word = 1; word < kRowWords; ++word) random[word] = mix64(random[0] + word);
   type_ = type;
-  add_pair(column, row, plan_.levels.front(), kAllReplicates);
-}
-
-template <class Real>
-void TileTracer<Real>::set_random(int column, int row, std::uint64_t key) {
-  const std::uint64_t pixel =
-      (static_cast<std::uint64_t>(static_cast<std::uint32_t>(column)) << 32) |
-      static_cast<std::uint32_t>(row);
-  random_[0] = mix64(pixel ^ key);
-  for (std::size_t word = 1; word < kRowWords; ++word) random_[word] = mix64(random_[0] + word);
-}
-
-/// Where less than one ray would be due to each randomisation, chance decides which of them get
-/// one, which then counts for the others. @return the mask of them
-template <class Real>
-std::uint64_t TileTracer<Real>::chosen_replicates(int sparse) const {
-  std::uint64_t chosen = 0;
-  std::uint64_t bits = mix64(random_[2] + plan_.first);
-  for (int r = 0; r < plan_.settings->replicates; ++r, bits >>= kMostSparseLevels) {
-    if (r > 0 && r % (64 / kMostSparseLevels) == 0)
-      bits = mix64(random_[2] + plan_.first + (static_cast<std::uint64_t>(r) << 32));
-    if ((bits & ((std::uint64_t{1} << sparse) - 1)) == 0) chosen |= std::uint64_t{1} << r;
-  }
-  return chosen;
-}
-
-template <class Real>
-void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level,
-                                std::uint64_t chosen) {
-  const SobolPool& pool = *level.pool;
-  // The upper half of the product: evenly spread over the entries, without a division.
-  const int entry =
-      static_cast<int>(((random_[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
-  KernelPixel<Real>& made = pixel();
-  for (std::size_t d = 0; d < 4; ++d) {
-    const std::size_t bits = d % 2 * 32;
-    made.shift[d] = static_cast<std::uint32_t>(random_[d / 2] >> bits);
-    made.second_shift[d] = static_cast<std::uint32_t>(random_[3 + d / 2] >> bits);
-  }
-  counters_.pairs += 1;
-  const int total = pool.replicates() * pool.points();
-  if (level.sparse == 0) {
-    // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
-    // not depend on the neighbours, or results would depend on the window.
-    if (count_ + std::min(total, kBlockRays) > kBlockRays) flush_keeping(made);
-    for (int offset = 0; offset < total; offset += kBlockRays) {
-      if (offset > 0) flush();  // it was alone in the block, and still is the next one
-      queue(column, row, level, entry, offset, std::min(total - offset, kBlockRays));
-    }
-  } else {  // one point a replicate
-    if (count_ + total > kBlockRays) flush_keeping(made);
-    const KernelPixel<Real> each = pixel();
-    for (int r = 0; r < total; ++r)
-      if (chosen >> r & 1) {
-        pixel() = each;
-        queue(column, row, level, entry, r, 1);
-      }
-  }
-}
-
-/// Queues points [offset, offset + count) of an entry of the level's pool.
-template <class Real>
-void TileTracer<Real>::queue(int column, int row, const SampleLevel& level, int entry, int offset,
-                             int count) {
-  KernelPixel<Real>& made = pixel();
-  for (int d = 0; d < SobolPool::kDimensions; ++d) {
-    made.fractions[d] = level.pool->fractions(entry, d) + offset;
-    __builtin_prefetch(made.fractions[d]);
-  }
-  made.replicate_numbers = level.pool->replicate_numbers() + offset;
-  made.first = count_;
-  made.count = count;
-  ++queued_count_;
-  // Filled in where it stays: what is copied while it is still being written has to wait for it.
-  RaysOfPixel& pending = pending_.emplace_back();
-  pending.column = column;
-  pending.row = row;
-  pending.first = count_;
-  pending.count = count;
-  pending.offset = offset;
-  pending.points = level.pool->points();
-  if (are_few(pending.points)) doublings_ = std::max(doublings_, doublings_of(pending.points));
-  pending.scale = level.scale;
-  if (surfaces_ || scatter_)
-    groups_.push_back({count_, count, offset, level.pool_level, entry, random_[0]});
-  count_ += count;
+  add_pair(column, row, plan_.levels.front(), kAllReplicates, random);
 }
 
 template <class Real>
@@ -330,7 +240,7 @@ bool TileTracer<Real>::integrate_by_table([[maybe_unused]] int padded) {
     if (!table_worker_) table_worker_ = std::make_unique<RadianceTable::Worker>(*plan_.table);
     const auto set = [&](float* factors, int per_correction) {
       std::fill_n(factors, padded, 0.F);
-      for (const RaysOfPixel& pending : pending_) {
+      for (const RaysOfPixel& pending : pending()) {
         const int points = pending.points;
         const int corrected =
             points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
@@ -397,9 +307,9 @@ void TileTracer<Real>::flush() {
   const auto channels = static_cast<int>(plan_.scene->scene.channels.size());
   for (int channel = 0; channel < channels; ++channel) add_to_film(channel);
   if (sink_)
-    for (const RaysOfPixel& pending : pending_)
-      sink_->finished(pending, radiance_, kPadding, transmittance_);
-  pending_.clear();
+    for (const RaysOfPixel& rays : pending())
+      sink_->finished(rays, radiance_, kPadding, transmittance_);
+  pending_count_ = 0;
   doublings_ = 0;
   count_ = 0;
 }
@@ -441,15 +351,15 @@ void TileTracer<Real>::add_to_film(int channel) {
       static_cast<std::size_t>(place.empty() ? channel : place[static_cast<std::size_t>(channel)]);
   double* const sums = film_.tile_sums(tile_index_).data() + of_film * replicates * stride;
   sum_rays(radiance);
-  for (const RaysOfPixel& pending : pending_) {
+  for (const RaysOfPixel& pending : pending()) {
     const int points = pending.points;
     const double scale = pending.scale;
     double* const pixel = sums + static_cast<std::size_t>(pending.row - tile_.y) * width +
                           static_cast<std::size_t>(pending.column - tile_.x);
     // Nearly always: all replicates, of 1, 2, 4 or 8 points.
-    const bool few = are_few(points);
+    const bool few = pending.doublings >= 0;
     const Real* const sums_from =
-        sums_of_rays_[few ? static_cast<std::size_t>(doublings_of(points)) : 0].data();
+        sums_of_rays_[static_cast<std::size_t>(few ? pending.doublings : 0)].data();
     if (few && pending.count == points * film_.replicates() && !plan_.table) {
       for (std::size_t r = 0; r < replicates; ++r)
         pixel[r * stride] +=

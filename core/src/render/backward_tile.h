@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "camera/block_tracing.h"
@@ -47,7 +48,8 @@ struct SampleLevel {
   int pool_level = 0;
   /// Only one of 2^so many randomisations gets a point; each counts for the others.
   int sparse = 0;
-  double scale = 1;  ///< what a sum counts, compared with one over all points
+  double scale = 1;    ///< what a sum counts, compared with one over all points
+  int doublings = -1;  ///< of the pool's points, as in RaysOfPixel
 };
 
 /// Everything that is the same for all tiles; immutable.
@@ -91,10 +93,19 @@ BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& 
 /// Rays of one pixel that lie together in a block.
 struct RaysOfPixel {
   int column, row, first, count;
-  int offset;    ///< number of the first one among those of pixel and microlens
-  int points;    ///< so many of those numbers belong to one randomisation, then to the next
-  double scale;  ///< what they count for
+  int offset;     ///< number of the first one among those of pixel and microlens
+  int points;     ///< so many of those numbers belong to one randomisation, then to the next
+  int doublings;  ///< points are 2^this, where that is 1, 2, 4 or 8; else -1
+  double scale;   ///< what they count for
 };
+
+inline constexpr int kMostDoublings = 3;
+/// RaysOfPixel::doublings of so many points.
+constexpr int doublings_of(int points) {
+  for (int k = 0; k <= kMostDoublings; ++k)
+    if (points == 1 << k) return k;
+  return -1;
+}
 
 /// Receives the rays of a tracer, for those who want more of them than their sum.
 template <class Real>
@@ -125,6 +136,9 @@ struct TileCounters {
 /// Of the replicates that get a point: for all of them.
 inline constexpr std::uint64_t kAllReplicates = ~std::uint64_t{0};
 
+/// Random bits of pixel, microlens and seed.
+using PairRandom = std::array<std::uint64_t, kRowWords>;
+
 /// What is found of rows of pixels (KernelRowPixels).
 struct PixelRows {
   alignas(64) std::array<double, kRowsPixels> x, x_low, x_width, far2;
@@ -152,10 +166,13 @@ class TileTracer {
   void end_at_microlenses(int first, int count);
   void add_row(const KernelRows& rows, int row);
   bool sees(double y, std::size_t k) const;
-  void set_random(int column, int row, std::uint64_t key);
-  std::uint64_t chosen_replicates(int sparse) const;
-  void add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen);
-  void queue(int column, int row, const SampleLevel& level, int entry, int offset, int count);
+  std::uint64_t chosen_replicates(std::uint64_t random, int sparse) const;
+  void add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen,
+                const PairRandom& random);
+  void place_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen,
+                  const PairRandom& random);
+  void queue(int column, int row, const SampleLevel& level, int entry, int offset, int count,
+             std::uint64_t key);
   void generate_queued();
   void flush_keeping(const KernelPixel<Real>& made);
   void flush();
@@ -179,8 +196,6 @@ class TileTracer {
   /// Of the microlens, where its pixels are looked at one by one.
   std::optional<PixelBeam> beam_;
   KernelBeam kernel_beam_{};
-  /// Random bits of pixel, microlens and seed.
-  std::array<std::uint64_t, kRowWords> random_{};
   int type_ = 0;                      ///< of the patch
   KernelMicrolens<Real> own_lens_{};  ///< of the patch, where lenses of a type differ
   bool has_own_lens_ = false;
@@ -188,7 +203,12 @@ class TileTracer {
   std::vector<KernelPixel<Real>> queued_;
   int queued_count_ = 0;
   KernelPixel<Real>& pixel() { return queued_[static_cast<std::size_t>(queued_count_)]; }
+  /// Pixels whose rays are in the block, so many.
   std::vector<RaysOfPixel> pending_;
+  int pending_count_ = 0;
+  std::span<const RaysOfPixel> pending() const {
+    return {pending_.data(), static_cast<std::size_t>(pending_count_)};
+  }
   int count_ = 0;  ///< rays in the block
   std::vector<Real> storage_;
   std::vector<int> codes_;

@@ -53,15 +53,14 @@ class PathSink : public RaySink<double> {
 
   void finished(const RaysOfPixel& rays, const double* radiance, int stride,
                 const double* transmittance) override {
-    const auto& [column, row, first, count, offset, points, scale] = rays;
-    for (int i = first; i < first + count; ++i) {
+    for (int i = rays.first; i < rays.first + rays.count; ++i) {
       const Drawn& drawn = drawn_[static_cast<std::size_t>(i)];
       RayPath ray;
-      ray.column = column;
-      ray.row = row;
+      ray.column = rays.column;
+      ray.row = rays.row;
       ray.lens = drawn.lens;
       ray.type = drawn.type;
-      ray.weight = scale * drawn.weight / samples_;
+      ray.weight = rays.scale * drawn.weight / samples_;
       const std::optional<LensIndex> lens =
           drawn.type >= 0 ? std::optional(drawn.lens) : std::nullopt;
       tracer_.add(drawn.start, lens, drawn.aim, ray, paths_);

@@ -1,6 +1,6 @@
 list(APPEND core_kernels src/render/backward_kernel.inl.h src/render/pixel_row_kernel.inl.h
   src/render/radiance_table_kernel.inl.h)
-list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp src/render/backward_rows.cpp src/render/render.cpp
+list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp src/render/backward_rows.cpp src/render/backward_pairs.cpp src/render/render.cpp
   src/render/beam_bounds.cpp src/render/channel_sum.cpp src/render/bundle_collisions.cpp src/render/phase_function.cpp src/render/scatter_walk.cpp src/render/lit_region.cpp
   src/render/pixel_beams.cpp src/render/microlens_patch.cpp
   src/render/scene_beams.cpp src/render/radiance_table.cpp src/render/rounds.cpp src/render/sample_plan.cpp src/render/run_control.cpp src/render/aperture_cone.cpp

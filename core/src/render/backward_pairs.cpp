@@ -1,0 +1,164 @@
+// Of a TileTracer: pairs of a pixel and a microlens, whose rays are queued. Between two of them
+// there is little to do and much to keep, which is why all of it is one function for the compiler.
+#include <algorithm>
+
+#include "render/backward_tile.h"
+
+namespace plenoflame {
+
+/// What the first look at pixel k of the arrays says, and a closer one where that is not sure.
+template <class Real>
+bool TileTracer<Real>::sees(double y, std::size_t k) const {
+  const int verdict = rows_.verdict[k];
+  return verdict == kNeedsLook ? beam_->disc_may_meet({rows_.x[k], y}) : verdict == kSeesSomething;
+}
+
+/// Where less than one ray would be due to each randomisation, chance decides which of them get
+/// one, which then counts for the others. @return the mask of them
+template <class Real>
+std::uint64_t TileTracer<Real>::chosen_replicates(std::uint64_t random, int sparse) const {
+  std::uint64_t chosen = 0;
+  std::uint64_t bits = mix64(random + plan_.first);
+  for (int r = 0; r < plan_.settings->replicates; ++r, bits >>= kMostSparseLevels) {
+    if (r > 0 && r % (64 / kMostSparseLevels) == 0)
+      bits = mix64(random + plan_.first + (static_cast<std::uint64_t>(r) << 32));
+    if ((bits & ((std::uint64_t{1} << sparse) - 1)) == 0) chosen |= std::uint64_t{1} << r;
+  }
+  return chosen;
+}
+
+/// Queues points [offset, offset + count) of an entry of the level's pool for pixel().
+template <class Real>
+[[gnu::always_inline]] inline void TileTracer<Real>::queue(int column, int row,
+                                                           const SampleLevel& level, int entry,
+                                                           int offset, int count,
+                                                           std::uint64_t key) {
+  const SobolPool& pool = *level.pool;
+  KernelPixel<Real>& made = pixel();
+  for (int d = 0; d < SobolPool::kDimensions; ++d) {
+    made.fractions[d] = pool.fractions(entry, d) + offset;
+    __builtin_prefetch(made.fractions[d]);
+  }
+  made.replicate_numbers = pool.replicate_numbers() + offset;
+  made.first = count_;
+  made.count = count;
+  ++queued_count_;
+  // Filled in where it stays: what is copied while it is still being written has to wait for it.
+  RaysOfPixel& pending = pending_[static_cast<std::size_t>(pending_count_++)];
+  pending.column = column;
+  pending.row = row;
+  pending.first = count_;
+  pending.count = count;
+  pending.offset = offset;
+  pending.points = pool.points();
+  pending.doublings = level.doublings;
+  pending.scale = level.scale;
+  doublings_ = std::max(doublings_, level.doublings);
+  if (surfaces_ || scatter_) [[unlikely]]
+    groups_.push_back({count_, count, offset, level.pool_level, entry, key});
+  count_ += count;
+}
+
+/// Queues the rays of pixel(), of which all but the points is known. @param chosen replicates
+template <class Real>
+[[gnu::always_inline]] inline void TileTracer<Real>::place_pair(int column, int row,
+                                                                const SampleLevel& level,
+                                                                std::uint64_t chosen,
+                                                                const PairRandom& random) {
+  const SobolPool& pool = *level.pool;
+  // The upper half of the product: evenly spread over the entries, without a division.
+  const int entry =
+      static_cast<int>(((random[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
+  const int total = pool.replicates() * pool.points();
+  {
+    KernelPixel<Real>& made = pixel();
+    for (std::size_t d = 0; d < 4; ++d) {
+      const std::size_t bits = d % 2 * 32;
+      made.shift[d] = static_cast<std::uint32_t>(random[d / 2] >> bits);
+      made.second_shift[d] = static_cast<std::uint32_t>(random[3 + d / 2] >> bits);
+    }
+  }
+  counters_.pairs += 1;
+  // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
+  // not depend on the neighbours, or results would depend on the window.
+  if (count_ + std::min(total, kBlockRays) > kBlockRays) [[unlikely]]
+    flush_keeping(pixel());
+  if (level.sparse == 0) {
+    queue(column, row, level, entry, 0, std::min(total, kBlockRays), random[0]);
+    for (int offset = kBlockRays; offset < total; offset += kBlockRays) {
+      const KernelPixel<Real> each = queued_.front();
+      flush();  // it was alone in the block, and is so in the next one
+      pixel() = each;
+      queue(column, row, level, entry, offset, std::min(total - offset, kBlockRays), random[0]);
+    }
+    return;
+  }
+  for (int r = 0; r < total; ++r) {  // one point a replicate
+    if ((chosen >> r & 1) == 0) continue;
+    // What comes next may be another ray of this pixel.
+    queued_[static_cast<std::size_t>(queued_count_) + 1] = pixel();
+    queue(column, row, level, entry, r, 1, random[0]);
+  }
+}
+
+template <class Real>
+void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen,
+                                const PairRandom& random) {
+  place_pair(column, row, level, chosen, random);
+}
+
+/// Adds the pixels of one of the rows behind the microlens of the patch.
+template <class Real>
+void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
+  const auto begin = static_cast<std::size_t>(row * rows.stride);
+  std::array<int, Film::kTile> seen;
+  int count = 0;
+  for (int i = 0; i < rows.count; ++i) {
+    seen[static_cast<std::size_t>(count)] = i;
+    // No branch: it could not be foretold.
+    count += rows_.x_width[begin + static_cast<std::size_t>(i)] > 0 ? 1 : 0;
+  }
+  const double half = 0.5 * rows.pitch, y = rows.y[row];
+  const Real y0 = static_cast<Real>(y - half), y1 = static_cast<Real>(y + half);
+  const int last_level = static_cast<int>(plan_.levels.size()) - 1;
+  for (int n = 0; n < count; ++n) {
+    const int i = seen[static_cast<std::size_t>(n)];
+    const std::size_t k = begin + static_cast<std::size_t>(i);
+    const SampleLevel& level =
+        plan_.levels[static_cast<std::size_t>(std::min(rows_.level[k], last_level))];
+    const std::uint64_t chosen =
+        level.sparse > 0 ? chosen_replicates(rows_.random[2][k], level.sparse) : kAllReplicates;
+    if (chosen == 0) {
+      counters_.pairs_left_to_chance += 1;
+      continue;
+    }
+    if (beam_ && !sees(y, k)) {
+      counters_.pairs_skipped += 1;
+      continue;
+    }
+    const int sector = rows_.sector[k];
+    const CutColumn& cuts = node_.cuts.sector(sector);
+    KernelPixel<Real>& made = pixel();
+    made.x_low = static_cast<Real>(rows_.x_low[k]);
+    made.x_width = static_cast<Real>(rows_.x_width[k]);
+    made.y0 = y0;
+    made.y1 = y1;
+    const double radius = rows.closes[sector];
+    made.radius2 = static_cast<Real>(radius * radius);
+    const auto opens = static_cast<double>(cuts.opens);
+    made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;
+    PairRandom random;
+    for (std::size_t word = 0; word < kRowWords; ++word) random[word] = rows_.random[word][k];
+    place_pair(static_cast<int>(rows.column) + i, static_cast<int>(rows.row) + row, level, chosen,
+               random);
+  }
+}
+
+template void TileTracer<float>::add_row(const KernelRows&, int);
+template void TileTracer<double>::add_row(const KernelRows&, int);
+template void TileTracer<float>::add_pair(int, int, const SampleLevel&, std::uint64_t,
+                                          const PairRandom&);
+template void TileTracer<double>::add_pair(int, int, const SampleLevel&, std::uint64_t,
+                                           const PairRandom&);
+
+}  // namespace plenoflame
