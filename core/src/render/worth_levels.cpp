@@ -5,8 +5,15 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::array<double, WorthLevels::kCount> kLimits{0.25,       0.0625,       0.015625,
-                                                          0.00390625, 0.0009765625, 0.000244140625};
+/// kWorthOfFew * 2^(-3 (k + 1) / 2).
+constexpr double kRootHalf = 0.70710678118654752;
+constexpr double limit_after(int k) {
+  double limit = WorthLevels::kWorthOfFew;
+  for (int i = 0; i <= k; ++i) limit *= 0.5 * kRootHalf;
+  return limit;
+}
+constexpr std::array<double, WorthLevels::kCount> kLimits{
+    limit_after(0), limit_after(1), limit_after(2), limit_after(3), limit_after(4), limit_after(5)};
 constexpr int kSteps = 64;  ///< over a micro-image, in which levels are looked for
 
 }  // namespace

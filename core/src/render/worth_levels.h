@@ -8,13 +8,15 @@ namespace plenoflame {
 
 /// How far out pixels of a micro-image are worth how many rays.
 ///
-/// A pixel's worth is the share of the microlens' aperture that it sees open. Points go as its
-/// square root: level k, of 2^-k of the points, is for what is worth less than 4^-k. Were errors in
-/// proportion to flux, and fell with points as 1/n, flux^(2/3) would be best; but pixels that see
-/// slivers scatter more than their flux says (docs/theory.md, "Pupil sampling", has the figures).
+/// A pixel's worth is the share of the microlens' aperture that it sees open. All points go to what
+/// is worth kWorthOfFew or more; below, points go as the power 2/3 of the worth: level k, of 2^-k
+/// of the points, is for what is worth less than kWorthOfFew 2^(-3k/2). That power is best where
+/// errors are in proportion to flux and fall with points as 1/n; but pixels that see slivers
+/// scatter more than their flux says (docs/theory.md, "Pupil sampling", has the figures).
 class WorthLevels {
  public:
   static constexpr std::size_t kCount = 6;
+  static constexpr double kWorthOfFew = 0.35;
   /// As survey_rows() finds it (render/pixel_row_kernel.h).
   static int of(double worth);
   /// What is worth no more has a level above k.

@@ -9,11 +9,13 @@
 namespace plenoflame::test {
 namespace {
 
-TEST(WorthLevels, PointsGoAsTheSquareRoot) {
+TEST(WorthLevels, PointsGoAsAPowerOfWhatIsWorthLittle) {
   EXPECT_EQ(WorthLevels::of(1), 0);
+  EXPECT_EQ(WorthLevels::of(0.125), 0);
   for (int k = 1; k <= static_cast<int>(WorthLevels::kCount); ++k) {
-    EXPECT_EQ(WorthLevels::of(1.001 * std::exp2(-2 * k)), k - 1);
-    EXPECT_EQ(WorthLevels::of(0.999 * std::exp2(-2 * k)), k);
+    const double limit = 0.35 * std::pow(std::exp2(-k), 1.5);
+    EXPECT_EQ(WorthLevels::of(1.001 * limit), k - 1);
+    EXPECT_EQ(WorthLevels::of(0.999 * limit), k);
   }
   EXPECT_EQ(WorthLevels::of(0), static_cast<int>(WorthLevels::kCount));
 }
