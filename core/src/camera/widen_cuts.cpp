@@ -13,6 +13,7 @@ namespace {
 constexpr int kEdgeBlocks = 4;         ///< of rays between two nodes, near the micro-image's edge
 constexpr int kBlocks = 64;            ///< of rays between two nodes, all over the micro-image
 constexpr int kInsideBlocks = 24;      ///< the same, inside of the cuts: where series must hold
+constexpr int kRaysTogether = 512;     ///< of one of these blocks
 constexpr double kBeside = 0.02;       ///< of the bound: rays are aimed so far outside of a cut
 constexpr double kRoom = 1.2;          ///< what lacks is added with this factor
 constexpr double kMargin = 0.00075;    ///< of the bound: for the rays that were not traced
@@ -132,8 +133,8 @@ void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::
 Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
                    std::vector<PupilCuts>& cuts) {
   const Circle circle;
-  SpreadPoints spread(i * (kEdgeBlocks + kBlocks) * kBlockRays);
-  std::vector<PupilTracer::Request> requests(kBlockRays);
+  SpreadPoints spread(i * (kEdgeBlocks + kBlocks) * kRaysTogether);
+  std::vector<PupilTracer::Request> requests(kRaysTogether);
   const PupilNode &a = table.nodes[i], &b = table.nodes[i + 1];
   if (a.dark() || b.dark()) return {};
   double stop2 = 0, far2 = 0;
