@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "film/error_bound.h"
+#include "film/picture_sums_kernel.h"
+#include "plenoflame/base/isa.h"
 
 namespace plenoflame {
 namespace {
@@ -25,33 +27,41 @@ std::vector<Result> of_parts(const ImageParts& parts, const Execution& execution
   return results;
 }
 
-/// Sums go on side by side: one alone would wait for each of its additions.
-constexpr std::size_t kLanes = 8;
-static_assert(kRun % kLanes == 0);
-using Lanes = std::array<double, kLanes>;
+using Lanes = std::array<double, kSumLanes>;
 
-double total(const Lanes& lanes) {
+template <class Numbers>
+double total(const Numbers& lanes) {
   double sum = 0;
   for (const double lane : lanes) sum += lane;
   return sum;
 }
 
-/// Calls `take` with a lane and a pixel's number, for all pixels of lit runs.
-template <class Take>
-void for_lit_lanes(const Image& image, const PixelWindow& part, const Take& take) {
-  for_lit_runs(image, part, [&](std::size_t first, std::size_t end) {
-    for (; first + kLanes <= end; first += kLanes)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, first + lane);
-    for (std::size_t lane = 0; first < end; ++lane, ++first) take(lane, first);
-  });
+struct PictureSumsKernels {
+  void (*add_lit)(const float*, const float*, int, double, LitSums&);
+  void (*add_pixels)(const float*, int, double*);
+  void (*keep_largest)(const float*, int, float*);
+};
+
+PictureSumsKernels kernels() {
+  switch (best_isa()) {
+#if defined(__x86_64__)
+    case Isa::avx512:
+      return {avx512::add_lit, avx512::add_pixels, avx512::keep_largest};
+    case Isa::avx2:
+      return {avx2::add_lit, avx2::add_pixels, avx2::keep_largest};
+#endif
+    default:
+      return {baseline::add_lit, baseline::add_pixels, baseline::keep_largest};
+  }
 }
 
-/// Over the lit pixels of a part.
-struct LitSums {
-  Lanes squares{}, fourth{};  ///< of the standard errors
-  Lanes total{};              ///< of the flux
-  Lanes pixels{}, may_be{};   ///< that are lit, and that may be
-};
+/// Calls `take` with numbers of pixels and how many they are, for all lit runs.
+template <class Take>
+void for_runs(const Image& image, const PixelWindow& part, const Take& take) {
+  for_lit_runs(image, part, [&](std::size_t first, std::size_t end) {
+    take(first, static_cast<int>(end - first));
+  });
+}
 
 }  // namespace
 
@@ -63,12 +73,12 @@ ImageParts whole_of(const Image& image) {
 }
 
 float largest_of(const Image& image, const ImageParts& parts, const Execution& execution) {
+  const auto keep_largest = kernels().keep_largest;
   float largest = 0;
   for (const float of_part : of_parts<float>(parts, execution, [&](const PixelWindow& part) {
-         std::array<float, kLanes> most{};
-         const float* pixels = image.pixels.data();
-         for_lit_lanes(image, part, [&](std::size_t lane, std::size_t i) {
-           most[lane] = pixels[i] > most[lane] ? pixels[i] : most[lane];
+         std::array<float, kSumLanes> most{};
+         for_runs(image, part, [&](std::size_t first, int count) {
+           keep_largest(image.pixels.data() + first, count, most.data());
          });
          return *std::max_element(most.begin(), most.end());
        }))
@@ -77,12 +87,12 @@ float largest_of(const Image& image, const ImageParts& parts, const Execution& e
 }
 
 double sum_of(const Image& image, const ImageParts& parts, const Execution& execution) {
+  const auto add_pixels = kernels().add_pixels;
   double sum = 0;
   for (const double of_part : of_parts<double>(parts, execution, [&](const PixelWindow& part) {
          Lanes sums{};
-         const float* pixels = image.pixels.data();
-         for_lit_lanes(image, part, [&](std::size_t lane, std::size_t i) {
-           sums[lane] += static_cast<double>(pixels[i]);
+         for_runs(image, part, [&](std::size_t first, int count) {
+           add_pixels(image.pixels.data() + first, count, sums.data());
          });
          return total(sums);
        }))
@@ -102,20 +112,14 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   struct {
     double squares = 0, fourth = 0, total = 0, pixels = 0, may_be = 0;
   } sums;
+  const auto add_lit = kernels().add_lit;
   const float* of_flux = flux.pixels.data();
   const float* of_error = standard_error.pixels.data();
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {
-         LitSums of_part;
+         LitSums of_part{};
          // Where there is no flux there is no scatter.
-         for_lit_lanes(flux, window, [&](std::size_t lane, std::size_t i) {
-           const double f = static_cast<double>(of_flux[i]), e = static_cast<double>(of_error[i]);
-           const bool is_lit = f > limit;
-           const double e2 = is_lit ? e * e : 0;
-           of_part.squares[lane] += e2;
-           of_part.fourth[lane] += e2 * e2;
-           of_part.total[lane] += is_lit ? f : 0;
-           of_part.pixels[lane] += is_lit ? 1 : 0;
-           of_part.may_be[lane] += f + 2 * e > limit ? 1 : 0;
+         for_runs(flux, window, [&](std::size_t first, int count) {
+           add_lit(of_flux + first, of_error + first, count, limit, of_part);
          });
          return of_part;
        })) {

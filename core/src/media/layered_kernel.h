@@ -13,6 +13,7 @@ struct LayeredTask {
   int channels = 0;
   bool nested = false;    ///< each layer lies inside the next one: intervals nest, no sorting
   bool skip = true;       ///< blocks of rays that miss everything end early
+  bool rotated = true;    ///< false: `rotation` is the identity
   Real rotation[9] = {};  ///< world to local, row major
   const Real* geometry = nullptr;    ///< per layer centre/semi-axis x, y, z, 1/semi-axis [1/m]
   const Real* absorption = nullptr;  ///< per layer [1/m]; not grey: [channel * layers + layer]

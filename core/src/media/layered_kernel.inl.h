@@ -49,14 +49,8 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
   const Real r3 = task.rotation[3], r4 = task.rotation[4], r5 = task.rotation[5];
   const Real r6 = task.rotation[6], r7 = task.rotation[7], r8 = task.rotation[8];
   const Real ax = task.anchor[0], ay = task.anchor[1], az = task.anchor[2];
-#pragma omp simd
-  for (int i = 0; i < count; ++i) {
-    const Real a = r0 * u[i] + r1 * v[i] + r2 * w[i];
-    const Real b = r3 * u[i] + r4 * v[i] + r5 * w[i];
-    const Real c = r6 * u[i] + r7 * v[i] + r8 * w[i];
-    const Real lx = r0 * x[i] + r1 * y[i] + r2 * z[i] + ax;
-    const Real ly = r3 * x[i] + r4 * y[i] + r5 * z[i] + ay;
-    const Real lz = r6 * x[i] + r7 * y[i] + r8 * z[i] + az;
+  const auto nearest = [&](int i, Real lx, Real ly, Real lz, Real a, Real b, Real c)
+      __attribute__((always_inline)) {
     const Real t = -(lx * a + ly * b + lz * c);
     px[i] = lx + t * a;
     py[i] = ly + t * b;
@@ -65,6 +59,16 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
     dy[i] = b;
     dz[i] = c;
     shift[i] = t;
+  };
+  if (task.rotated) {
+#pragma omp simd
+    for (int i = 0; i < count; ++i)
+      nearest(i, r0 * x[i] + r1 * y[i] + r2 * z[i] + ax, r3 * x[i] + r4 * y[i] + r5 * z[i] + ay,
+              r6 * x[i] + r7 * y[i] + r8 * z[i] + az, r0 * u[i] + r1 * v[i] + r2 * w[i],
+              r3 * u[i] + r4 * v[i] + r5 * w[i], r6 * u[i] + r7 * v[i] + r8 * w[i]);
+  } else {
+#pragma omp simd
+    for (int i = 0; i < count; ++i) nearest(i, x[i] + ax, y[i] + ay, z[i] + az, u[i], v[i], w[i]);
   }
   if (!task.t_near && !task.t_far) return;
   Real* __restrict near = s.near, * __restrict far = s.far;

@@ -276,6 +276,7 @@ void LayeredMedium::run(const CompiledLayers<Real>& compiled, const RayBatch<Rea
   task.skip = options.skip;
   task.grey = factors_.empty();
   task.transmittance_stride = out.transmittance_stride;
+  task.rotated = !(to_local_.rotation == Mat3{});
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 row = to_local_.rotation.rows[i];
     task.rotation[3 * i] = static_cast<Real>(row.x);
