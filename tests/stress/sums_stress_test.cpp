@@ -10,6 +10,7 @@
 #include "stress/stress_table.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
+#include "support/isas.h"
 
 namespace plenoflame {
 namespace {
@@ -37,11 +38,8 @@ TEST(SumsStress, ABillionSamples) {
   for (const Isa isa : {Isa::baseline, best_isa()}) {
     const auto kernels = backward_kernels<float>(isa);
     Film film({0, 0, 1, 1}, 1, 1);
-    std::vector<double> products(kBlock);
-    for (double b = 0; b < kBlocks; ++b) {
-      kernels.multiply(weight.data(), radiance.data(), kBlock, products.data());
-      film.sum(0, 0, 0, 0) += kernels.sum(products.data(), kBlock);
-    }
+    for (double b = 0; b < kBlocks; ++b)
+      film.sum(0, 0, 0, 0) += kernels.sum(weight.data(), radiance.data(), kBlock);
     sum.add(static_cast<double>(film.sum(0, 0, 0, 0) / (block * kBlocks) - 1),
             std::string(name(isa)));
     // And as the picture says it, in single precision: half a unit in the last place.
@@ -50,6 +48,31 @@ TEST(SumsStress, ABillionSamples) {
     StressCase picture(kArea, "1e9 samples, mean as a picture says it [relative]",
                        "long double, block times count", 6.1e-8);
     picture.add(static_cast<double>(mean / (block / kBlock) - 1), std::string(name(isa)));
+  }
+}
+
+// Of a pixel that gets few rays: up to 8 products are added in single precision, pairs first.
+TEST(SumsStress, FewSamples) {
+  StressCase sum(kArea, "sum of 8 samples in single precision [2^-24 relative]", "long double", 4);
+  constexpr int kCount = 1 << 16;
+  std::vector<float> weight(kCount + 8), radiance(kCount + 8);
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    weight[i] = 1 + static_cast<float>(i * 37 % 1021) / 1021;
+    radiance[i] = std::pow(10.f, 8 * static_cast<float>(i * 101 % 1021) / 1021 - 4);
+  }
+  for (const Isa isa : test::supported_isas()) {
+    const auto kernels = backward_kernels<float>(isa);
+    std::vector<std::vector<float>> sums(4, std::vector<float>(kCount + 8));
+    kernels.multiply(weight.data(), radiance.data(), kCount, sums[0].data());
+    for (std::size_t k = 1; k <= kMostDoublings; ++k)
+      kernels.add_neighbours(sums[k - 1].data(), 1 << (k - 1), kCount, sums[k].data());
+    for (std::size_t i = 0; i + 8 <= kCount; ++i) {
+      long double exact = 0;
+      for (std::size_t j = i; j < i + 8; ++j)
+        exact += static_cast<long double>(weight[j]) * static_cast<long double>(radiance[j]);
+      sum.add(static_cast<double>((sums[kMostDoublings][i] / exact - 1) * 0x1p24L),
+              std::string(name(isa)));
+    }
   }
 }
 

@@ -13,6 +13,8 @@ namespace plenoflame {
   namespace isa {                                                                                  \
   void probe_exp_float(const float*, int, float*, float*, float*, float*, float*, float*);         \
   void probe_exp_double(const double*, int, double*, double*, double*, double*, double*, double*); \
+  void probe_halvings_float(const float*, int, float*, float*);                                    \
+  void probe_halvings_double(const double*, int, double*, double*);                                \
   void probe_source_float(const float*, const float*, int, const float*, float*, int);             \
   void probe_source_double(const double*, const double*, int, const double*, double*, int);        \
   }
@@ -35,9 +37,10 @@ template <class Real>
 class KernelProbe {
  public:
   using Exp = void (*)(const Real*, int, Real*, Real*, Real*, Real*, Real*, Real*);
+  using Halvings = void (*)(const Real*, int, Real*, Real*);
   using Source = void (*)(const Real*, const Real*, int, const Real*, Real*, int);
-  KernelProbe(Isa isa, Exp exp_of, Source source_of)
-      : isa_(isa), exp_(exp_of), source_(source_of) {}
+  KernelProbe(Isa isa, Exp exp_of, Halvings halvings_of, Source source_of)
+      : isa_(isa), exp_(exp_of), halvings_(halvings_of), source_(source_of) {}
 
   Isa instruction_set() const { return isa_; }
   Exponentials<Real> exponentials(const std::vector<Real>& in) const {
@@ -45,6 +48,13 @@ class KernelProbe {
     Exponentials<Real> r{zero, zero, zero, zero, zero, zero};
     exp_(in.data(), static_cast<int>(in.size()), r.exp.data(), r.expm1.data(),
          r.transmittance.data(), r.emissivity.data(), r.far_weight.data(), r.near_weight.data());
+    return r;
+  }
+  /// Transmittance and emissivity of optical thicknesses in units of ln 2; nothing else.
+  Exponentials<Real> of_halvings(const std::vector<Real>& in) const {
+    const std::vector<Real> zero(in.size());
+    Exponentials<Real> r{{}, {}, zero, zero, {}, {}};
+    halvings_(in.data(), static_cast<int>(in.size()), r.transmittance.data(), r.emissivity.data());
     return r;
   }
   /// Sum over the terms of weight / (e^(exponent / t) - 1); without terms sigma t^4 / pi.
@@ -59,6 +69,7 @@ class KernelProbe {
  private:
   Isa isa_;
   Exp exp_;
+  Halvings halvings_;
   Source source_;
 };
 
@@ -66,16 +77,16 @@ class KernelProbe {
 template <class Real>
 std::vector<KernelProbe<Real>> kernel_probes() {
   std::vector<KernelProbe<Real>> list;
-  const auto add = [&](Isa isa, auto ef, auto ed, auto sf, auto sd) {
+  const auto add = [&](Isa isa, auto ef, auto ed, auto hf, auto hd, auto sf, auto sd) {
     if (!is_supported(isa)) return;
     if constexpr (std::is_same_v<Real, float>)
-      list.emplace_back(isa, ef, sf);
+      list.emplace_back(isa, ef, hf, sf);
     else
-      list.emplace_back(isa, ed, sd);
+      list.emplace_back(isa, ed, hd, sd);
   };
-#define PLENOFLAME_ADD(name)                                                              \
-  add(Isa::name, name::probe_exp_float, name::probe_exp_double, name::probe_source_float, \
-      name::probe_source_double)
+#define PLENOFLAME_ADD(name)                                                                \
+  add(Isa::name, name::probe_exp_float, name::probe_exp_double, name::probe_halvings_float, \
+      name::probe_halvings_double, name::probe_source_float, name::probe_source_double)
   PLENOFLAME_ADD(baseline);
 #if defined(__x86_64__)
   PLENOFLAME_ADD(avx2);

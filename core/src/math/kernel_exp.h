@@ -59,6 +59,27 @@ PLENOFLAME_INLINE double far_series(double t) {
                                              t * (-0.000022045851307760905 + t * high)))))));
 }
 
+// 2^f - 1 on |f| <= 1/2: f ln 2 + (f ln 2)^2 q(f ln 2).
+PLENOFLAME_INLINE float power_minus_one(float f) {
+  return f * (0.693147181f +
+              f * (0.240226507f +
+                   f * (0.0555041087f +
+                        f * (0.00961808254f +
+                             f * (0.00133335223f + f * (0.000154531729f + f * 1.52909562e-5f))))));
+}
+PLENOFLAME_INLINE double power_minus_one(double f) {
+  const double r = f * 0.69314718055994530942;
+  return r + r * r * quotient(r);
+}
+
+// So many make 2^-n what power_of_two() gives as 0.
+PLENOFLAME_INLINE float most_halvings(float) {
+  return 127.0f;
+}
+PLENOFLAME_INLINE double most_halvings(double) {
+  return 1023.0;
+}
+
 // 2^n for whole n, given as n + kRound: the low bits of that sum are n in two's complement.
 PLENOFLAME_INLINE float power_of_two(float shifted) {
   return __builtin_bit_cast(float, (__builtin_bit_cast(unsigned, shifted) << 23) + 0x3F800000u);
@@ -148,16 +169,30 @@ struct Attenuation {
   Real emissivity;     ///< 1 - e^-tau, without cancellation
 };
 
+/// What of the reduced exponent comes out.
+template <class Real>
+PLENOFLAME_INLINE Attenuation<Real> attenuation(const exp_detail::Reduced<Real>& reduced) {
+  const Real scale = exp_detail::power_of_two(reduced.shifted);
+  const Real scaled = scale * reduced.minus_one;
+  return {scale + scaled, (Real(1) - scale) - scaled};
+}
+
 /// @param tau >= 0; negative and NaN count as 0, infinity gives {0, 1}.
 template <class Real>
 PLENOFLAME_INLINE Attenuation<Real> attenuation(Real tau) {
-  // As reduce(-t), with t clamped to where e^-t is a normal number.
-  const Real thickest = -exp_detail::lowest_exponent(Real());
-  const Real t = least(greatest(tau, Real(0)), thickest);
-  const auto reduced = exp_detail::reduce(-t);
-  const Real scale = exp_detail::power_of_two(reduced.shifted);
-  const Real scaled = scale * reduced.minus_one;
-  return {tau > thickest ? Real(0) : scale + scaled, (Real(1) - scale) - scaled};
+  const Real t = least(greatest(tau, Real(0)),
+                       exp_detail::most_halvings(Real()) * Real(0.69314718055994530942));
+  return attenuation(exp_detail::reduce(-t));
+}
+
+/// The same of an optical thickness in units of ln 2, which spares part of the reduction.
+template <class Real>
+PLENOFLAME_INLINE Attenuation<Real> attenuation_of_halvings(Real halvings) {
+  const Real t = least(greatest(halvings, Real(0)), exp_detail::most_halvings(Real()));
+  const Real shift = exp_detail::round_shift(Real());
+  const Real shifted = shift - t;
+  return attenuation(
+      exp_detail::Reduced<Real>{shifted, exp_detail::power_minus_one((shift - shifted) - t)});
 }
 
 /// One interval whose source function is linear in optical thickness:

@@ -6,6 +6,8 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
+constexpr double kHalvings = 1.44269504088896340736;  ///< in a unit of optical thickness
+
 /// Views into the scratch memory: arrays of kLayeredBlock values.
 template <class Real>
 struct LayeredScratch {
@@ -141,9 +143,10 @@ template <bool kFirst, bool kNew, class Real>
 PLENOFLAME_INLINE void pass(int count, Real kappa, Real factor, const Real* __restrict from,
                             const Real* __restrict to, Real* __restrict transmittance,
                             Real* __restrict sum) {
+  const Real halvings = kappa * Real(kHalvings);
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
-    const Attenuation<Real> a = attenuation(kappa * (to[i] - from[i]));
+    const Attenuation<Real> a = attenuation_of_halvings(halvings * (to[i] - from[i]));
     const Real emitted = factor * a.emissivity;
     const Real arrives = kFirst ? emitted : transmittance[i] * emitted;
     sum[i] = kNew ? arrives : sum[i] + arrives;
@@ -245,7 +248,8 @@ PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, const Rea
     for (int k = task.layers - 2; k >= 0; --k) choose<false>(absorption, k, count, s, from, to);
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
-      const Attenuation<Real> a = attenuation(kappa[i] * (to[i] - from[i]));
+      const Attenuation<Real> a =
+          attenuation_of_halvings(kappa[i] * Real(kHalvings) * (to[i] - from[i]));
       kappa[i] = transmittance[i] * a.emissivity;
       transmittance[i] *= a.transmittance;
     }

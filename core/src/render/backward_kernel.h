@@ -59,9 +59,9 @@ struct KernelPixel {
   /* sums[i] = values[i] + values[i + distance]. */                                                \
   void add_neighbours(const float* values, int distance, int count, float* sums);                  \
   void add_neighbours(const double* values, int distance, int count, double* sums);                \
-  /* In double precision. */                                                                       \
-  double sum(const float* values, int count);                                                      \
-  double sum(const double* values, int count);
+  /* Of weight * radiance, in double precision. */                                                 \
+  double sum(const float* weight, const float* radiance, int count);                               \
+  double sum(const double* weight, const double* radiance, int count);
 
 namespace baseline {
 PLENOFLAME_BACKWARD_KERNELS

@@ -532,10 +532,11 @@ PLENOFLAME_INLINE void add_all_neighbours(const Real* __restrict near, const Rea
 }
 
 template <class Real>
-PLENOFLAME_INLINE double sum_all(const Real* values, int count) {
+PLENOFLAME_INLINE double sum_all(const Real* weight, const Real* radiance, int count) {
   double sum = 0;
 #pragma omp simd reduction(+ : sum)
-  for (int i = 0; i < count; ++i) sum += static_cast<double>(values[i]);
+  for (int i = 0; i < count; ++i)
+    sum += static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
   return sum;
 }
 
@@ -567,12 +568,12 @@ void add_neighbours(const double* values, int distance, int count, double* sums)
   add_all_neighbours(values, values + distance, count, sums);
 }
 
-double sum(const float* values, int count) {
-  return sum_all(values, count);
+double sum(const float* weight, const float* radiance, int count) {
+  return sum_all(weight, radiance, count);
 }
 
-double sum(const double* values, int count) {
-  return sum_all(values, count);
+double sum(const double* weight, const double* radiance, int count) {
+  return sum_all(weight, radiance, count);
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

@@ -373,7 +373,7 @@ void TileTracer<Real>::add_to_film(int channel) {
       // Which of the two must not depend on other pixels.
       double sum = few && end - i == points
                        ? static_cast<double>(sums_from[i])
-                       : plan_.kernels.sum(sums_of_rays_[0].data() + i, end - i);
+                       : plan_.kernels.sum(block_.weight + i, radiance + i, end - i);
       i = end;
       if (plan_.table) sum = not_negative(sum, scale);
       pixel[replicate * stride] += scale * sum;

@@ -29,7 +29,7 @@ struct BackwardKernels {
                    const KernelBlock<Real>&);
   void (*multiply)(const Real*, const Real*, int, Real*);
   void (*add_neighbours)(const Real*, int, int, Real*);
-  double (*sum)(const Real*, int);
+  double (*sum)(const Real*, const Real*, int);
   void (*survey_rows)(const KernelRows&, const KernelRowPixels&);
   void (*judge_rows)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 };

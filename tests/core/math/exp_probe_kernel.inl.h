@@ -29,6 +29,21 @@ void probe_exp_double(const double* in, int size, double* a, double* b, double* 
                       double* e, double* f) {
   probe(in, size, a, b, c, d, e, f);
 }
+template <class Real>
+PLENOFLAME_INLINE void probe_halvings(const Real* in, int size, Real* transmittance,
+                                      Real* emissivity) {
+  for (int i = 0; i < size; ++i) {
+    const Attenuation<Real> a = attenuation_of_halvings(in[i]);
+    transmittance[i] = a.transmittance;
+    emissivity[i] = a.emissivity;
+  }
+}
+void probe_halvings_float(const float* in, int size, float* a, float* b) {
+  probe_halvings(in, size, a, b);
+}
+void probe_halvings_double(const double* in, int size, double* a, double* b) {
+  probe_halvings(in, size, a, b);
+}
 // Parts of it alone, for the benchmarks.
 void bench_exp(const float* __restrict in, int size, float* __restrict out) {
   for (int i = 0; i < size; ++i) out[i] = exponential(in[i]);

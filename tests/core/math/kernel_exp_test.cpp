@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "plenoflame/base/constants.h"
@@ -67,6 +68,37 @@ void check_special(Isa isa) {
 TEST_P(KernelExp, SpecialValues) {
   check_special<float>(GetParam());
   check_special<double>(GetParam());
+}
+
+// Optical thickness in units of ln 2, against long double.
+template <class Real>
+void check_halvings(Isa isa, double ulps) {
+  const Real inf = std::numeric_limits<Real>::infinity();
+  const Real most = std::is_same_v<Real, float> ? 126 : 1022;
+  std::vector<Real> h{0, -1, -inf, std::numeric_limits<Real>::quiet_NaN(), inf, most + 2};
+  const std::size_t special = h.size();
+  for (double x = 1e-30; x < 1.0; x *= 1.003) h.push_back(static_cast<Real>(x));
+  for (Real x = 1; x < most; x += Real(0.00713)) h.push_back(x);
+  const auto p = probe<Real>(isa).of_halvings(h);
+  for (std::size_t i = 0; i < special; ++i) {
+    EXPECT_EQ(p.transmittance[i], i < 4 ? 1 : 0) << h[i];
+    EXPECT_EQ(p.emissivity[i], i < 4 ? 0 : 1) << h[i];
+  }
+  const double ulp = ulps * static_cast<double>(std::numeric_limits<Real>::epsilon());
+  for (std::size_t i = special; i < h.size(); ++i) {
+    const long double x = h[i];
+    ASSERT_TRUE(test::relative(static_cast<double>(p.transmittance[i]),
+                               static_cast<double>(std::exp2(-x)), ulp))
+        << h[i];
+    ASSERT_TRUE(test::relative(static_cast<double>(p.emissivity[i]),
+                               static_cast<double>(-std::expm1(-x * std::log(2.0L))), ulp))
+        << h[i];
+  }
+}
+
+TEST_P(KernelExp, Halvings) {
+  check_halvings<float>(GetParam(), 1.2);
+  check_halvings<double>(GetParam(), 1.2);
 }
 
 // The weights as numbers: mpmath, 80 digits.
