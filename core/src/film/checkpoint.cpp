@@ -80,6 +80,7 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   const std::uint64_t goal_count = film.tile_goals().size();
   const std::string_view goals = bytes_of(film.tile_goals().data(), film.tile_goals().size());
   Fnv sum;
+  sum.add(bytes_of(shape.data(), shape.size()));
   for (const std::string_view part : {std::string_view(tiles), goals, std::string_view(present)})
     sum.add(part);
   for_tiles(film, [&](std::string_view bytes) { sum.add(bytes); });
@@ -128,6 +129,7 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
   const std::string_view goals = reader.take(static_cast<std::size_t>(goal_count) * sizeof(double));
   const std::string_view present = reader.take(count);
   Fnv found;
+  found.add(bytes_of(shape.data(), shape.size()));
   for (const std::string_view part : {tiles, goals, present}) found.add(part);
   film.tile_goals().resize(static_cast<std::size_t>(goal_count));
   if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
@@ -136,8 +138,8 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
     const int tile = static_cast<int>(i);
     if (present[i] == kNothing) continue;
     if (present[i] == kFinished) {
-      std::vector<float> values(film.finished_count(tile));
-      const std::string_view bytes = reader.take(values.size() * sizeof(float));
+      const std::string_view bytes = reader.take(film.finished_count(tile) * sizeof(float));
+      std::vector<float> values(bytes.size() / sizeof(float));
       found.add(bytes);
       std::memcpy(values.data(), bytes.data(), bytes.size());
       try {

@@ -56,6 +56,7 @@ double& Film::sum(int channel, int replicate, int column, int row) {
 
 double Film::sum(int channel, int replicate, int column, int row) const {
   const int tile = tile_of(column, row);
+  if (is_finished(tile)) throw std::logic_error("the sums of a finished tile are gone");
   const std::vector<double>& sums = tile_sums(tile);
   return sums.empty() ? 0 : sums[index_in_tile(tile, channel, replicate, column, row)];
 }
@@ -113,7 +114,7 @@ FilmImages Film::make_images() const {
   return images;
 }
 
-/// Writes the tile's pixels, unless all are 0.
+/// Writes the tile's pixels, unless nothing came.
 void Film::develop(int tile, int channel, FilmImages& images) const {
   const std::vector<double>& sums = tile_sums(tile);
   const double samples = tile_samples(tile);
@@ -133,6 +134,11 @@ void Film::develop(int tile, int channel, FilmImages& images) const {
 
 void Film::allow_finishing() {
   while (finished_.size() < static_cast<std::size_t>(channels_)) finished_.push_back(make_images());
+}
+
+void Film::forbid_finishing() {
+  if (has_finished_tiles()) throw std::logic_error("tiles of the film are finished");
+  finished_.clear();
 }
 
 bool Film::has_finished_tiles() const {
@@ -168,7 +174,9 @@ std::size_t Film::finished_count(int tile) const {
 }
 
 std::vector<float> Film::finished_values(int tile) const {
+  if (is_taken()) throw std::logic_error("the pictures of finished tiles are gone");
   std::vector<float> values;
+  values.reserve(finished_count(tile));
   const PixelWindow pixels = this->tile(tile);
   for (const FilmImages& images : finished_)
     for (const Image* image : {&images.flux, &images.standard_error})
@@ -208,6 +216,7 @@ std::vector<PixelWindow> Film::lit_parts() const {
 }
 
 FilmImages Film::images(int channel, const Execution& execution) const {
+  if (is_taken()) throw std::logic_error("the pictures of finished tiles are gone");
   FilmImages images = make_images();
   // What has been gathered is wanted also after a stop.
   Execution inner;

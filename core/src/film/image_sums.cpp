@@ -12,7 +12,8 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kRows = 64;             ///< of a part of a whole picture
+constexpr int kRows = 64;  ///< of a part of a whole picture
+constexpr double kFewPixels = 8;
 constexpr double kMostFreedom = 1e6;  ///< more change the bound by less than 0.2 %
 
 /// Has `measure` look at each part. @return what it found, in the order of the parts
@@ -42,8 +43,8 @@ struct PictureSumsKernels {
   void (*keep_largest)(const float*, int, float*);
 };
 
-PictureSumsKernels kernels() {
-  switch (best_isa()) {
+PictureSumsKernels kernels(Isa isa) {
+  switch (isa) {
 #if defined(__x86_64__)
     case Isa::avx512:
       return {avx512::add_lit, avx512::add_pixels, avx512::keep_largest};
@@ -72,8 +73,8 @@ ImageParts whole_of(const Image& image) {
   return parts;
 }
 
-float largest_of(const Image& image, const ImageParts& parts, const Execution& execution) {
-  const auto keep_largest = kernels().keep_largest;
+float largest_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
+  const auto keep_largest = kernels(isa).keep_largest;
   float largest = 0;
   for (const float of_part : of_parts<float>(parts, execution, [&](const PixelWindow& part) {
          std::array<float, kSumLanes> most{};
@@ -86,8 +87,8 @@ float largest_of(const Image& image, const ImageParts& parts, const Execution& e
   return largest;
 }
 
-double sum_of(const Image& image, const ImageParts& parts, const Execution& execution) {
-  const auto add_pixels = kernels().add_pixels;
+double sum_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
+  const auto add_pixels = kernels(isa).add_pixels;
   double sum = 0;
   for (const double of_part : of_parts<double>(parts, execution, [&](const PixelWindow& part) {
          Lanes sums{};
@@ -101,18 +102,18 @@ double sum_of(const Image& image, const ImageParts& parts, const Execution& exec
 }
 
 StatedError stated_error(const Image& flux, const Image& standard_error, int replicates,
-                         const ImageParts& parts, const Execution& execution) {
+                         const ImageParts& parts, const Execution& execution, Isa isa) {
   StatedError stated;
   if (flux.empty()) return stated;
   if (standard_error.empty() || replicates < 2) {
     stated.bound = std::numeric_limits<double>::infinity();
     return stated;
   }
-  const double limit = kLitShare * static_cast<double>(largest_of(flux, parts, execution));
+  const double limit = kLitShare * static_cast<double>(largest_of(flux, parts, execution, isa));
   struct {
     double squares = 0, fourth = 0, total = 0, pixels = 0, may_be = 0;
   } sums;
-  const auto add_lit = kernels().add_lit;
+  const auto add_lit = kernels(isa).add_lit;
   const float* of_flux = flux.pixels.data();
   const float* of_error = standard_error.pixels.data();
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {
@@ -131,14 +132,18 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   }
   if (!(sums.pixels > 0)) return stated;
   stated.relative_rmse = std::sqrt(sums.squares * sums.pixels) / sums.total;
+  if (std::isnan(sums.squares)) stated.bound = std::numeric_limits<double>::infinity();
   if (!(sums.squares > 0)) return stated;
   // For normal errors of variances v_i the sums of (image - truth)^2 and of the squared standard
   // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
   // freedom (Welch-Satterthwaite); the expectation of e^4 is v^2 (R + 1)/(R - 1). There are no more
-  // than there are pixels, which an estimate from few pixels may say.
+  // than there are pixels, which an estimate from few pixels may say. Errors are not normal, and
+  // few pixels do not show how far from it: of 64 pixels on the paper's flame bounds of 95 % held
+  // in 89 to 90 % of the pictures, with so much less freedom they do in 95 %.
   const double r = replicates;
-  const double freedom = std::clamp(sums.squares * sums.squares * (r + 1) / ((r - 1) * sums.fourth),
-                                    1.0, std::min(kMostFreedom, sums.pixels));
+  const double normal = std::clamp(sums.squares * sums.squares * (r + 1) / ((r - 1) * sums.fourth),
+                                   1.0, std::min(kMostFreedom, sums.pixels));
+  const double freedom = std::max(1.0, normal / (1 + kFewPixels / std::sqrt(sums.pixels)));
   stated.bound = std::sqrt(sums.squares * sums.may_be *
                            f_quantile(kErrorConfidence, freedom, freedom * (r - 1))) /
                  sums.total;

@@ -24,11 +24,11 @@ void add_lit(const float* flux, const float* standard_error, int count, double l
   for_lanes(
       count, [&](int lane, int i) __attribute__((always_inline)) {
         const double f = static_cast<double>(flux[i]), e = static_cast<double>(standard_error[i]);
-        const double lit = f > limit ? 1.0 : 0.0, e2 = lit * e * e;
+        const double e2 = f > limit ? e * e : 0.0;  // no product: what is not lit may be no number
         s.squares[lane] += e2;
         s.fourth[lane] += e2 * e2;
-        s.total[lane] += lit * f;
-        s.pixels[lane] += lit;
+        s.total[lane] += f > limit ? f : 0.0;
+        s.pixels[lane] += f > limit ? 1.0 : 0.0;
         s.may_be[lane] += f + 2 * e > limit ? 1.0 : 0.0;
       });
   sums = s;

@@ -177,7 +177,8 @@ PLENOFLAME_INLINE Attenuation<Real> attenuation(const exp_detail::Reduced<Real>&
   return {scale + scaled, (Real(1) - scale) - scaled};
 }
 
-/// @param tau >= 0; negative and NaN count as 0, infinity gives {0, 1}.
+/// @param tau >= 0; negative and NaN count as 0, infinity gives {0, 1}. Transmittances just below
+/// the smallest normal number are subnormal; smaller ones are 0.
 template <class Real>
 PLENOFLAME_INLINE Attenuation<Real> attenuation(Real tau) {
   const Real t = least(greatest(tau, Real(0)),

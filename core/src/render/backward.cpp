@@ -254,12 +254,19 @@ BackwardKernels<Real> backward_kernels(Isa isa) {
 template BackwardKernels<float> backward_kernels<float>(Isa);
 template BackwardKernels<double> backward_kernels<double>(Isa);
 
-BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
-                                      const RenderSettings& settings, const PointRange& range,
-                                      const SurfaceLightPlan* light, const ScatterPlan* scatter) {
-  return make_plan<double>(scene, medium, settings, range, make_pools(settings, range), light,
-                           scatter);
+template <class Real>
+BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
+                                  const RenderSettings& settings, const PointRange& range,
+                                  const SurfaceLightPlan* light, const ScatterPlan* scatter) {
+  return make_plan<Real>(scene, medium, settings, range, make_pools(settings, range), light,
+                         scatter);
 }
+template BackwardPlan<float> make_pass_plan<float>(const CompiledScene&, const Medium&,
+                                                   const RenderSettings&, const PointRange&,
+                                                   const SurfaceLightPlan*, const ScatterPlan*);
+template BackwardPlan<double> make_pass_plan<double>(const CompiledScene&, const Medium&,
+                                                     const RenderSettings&, const PointRange&,
+                                                     const SurfaceLightPlan*, const ScatterPlan*);
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics) {

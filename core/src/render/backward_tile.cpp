@@ -33,7 +33,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, Film& film)
   codes_.resize(kPadding);
   sums_of_rays_.resize(kMostDoublings + 1, std::vector<Real>(kPadding));
   queued_.resize(kBlockRays + 1);  // a pixel has a ray at least
-  pending_.resize(kBlockRays + 1);
+  pending_.resize(kBlockRays);
   Real* base = storage_.data();
   while (reinterpret_cast<std::uintptr_t>(base) % 64 != 0) ++base;
   Real** arrays[] = {&block_.x,  &block_.y,      &block_.z,          &block_.dx,        &block_.dy,

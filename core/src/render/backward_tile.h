@@ -83,12 +83,13 @@ struct BackwardPlan {
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
-/// What a BackwardPass goes by in double precision. @param medium the scene's, or what stands in
+/// What a BackwardPass goes by in a precision. @param medium the scene's, or what stands in
 /// for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing scatters.
 /// Plan and tracers keep pointers to all of them
-BackwardPlan<double> make_double_plan(const CompiledScene& scene, const Medium& medium,
-                                      const RenderSettings& settings, const PointRange& range,
-                                      const SurfaceLightPlan* light, const ScatterPlan* scatter);
+template <class Real>
+BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
+                                  const RenderSettings& settings, const PointRange& range,
+                                  const SurfaceLightPlan* light, const ScatterPlan* scatter);
 
 /// Rays of one pixel that lie together in a block.
 struct RaysOfPixel {

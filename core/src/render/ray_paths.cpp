@@ -211,8 +211,8 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   const auto light = make_surface_light(scene, settings, execution);
   const auto scatter = make_scatter_plan(scene, settings, execution, light.get());
-  const BackwardPlan<double> plan =
-      make_double_plan(scene, medium.get(), settings, {0, points}, light.get(), scatter.get());
+  const BackwardPlan<double> plan = make_pass_plan<double>(scene, medium.get(), settings,
+                                                           {0, points}, light.get(), scatter.get());
   // Rays that pass beside the flames are wanted, too: no beams.
   const PathTracer tracer(scene.camera, medium.get(), scene.surfaces.get());
   const double samples = static_cast<double>(points) * settings.replicates;

@@ -94,7 +94,10 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     if (settings.resume->has_finished_tiles() && (forward || is_progressive(settings)))
       throw UsageError(
           "the film to go on from is one of a fixed number of samples: parts of it are finished");
+    if (settings.resume->has_finished_tiles() && settings.keep_sums)
+      throw UsageError("the film to go on from does not have all sums: parts of it are finished");
     film = *settings.resume;
+    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings say whether
   }
   if (has_content(scene)) {
     statistics.medium_description = scene.medium ? scene.medium->description() : "none";

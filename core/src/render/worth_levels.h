@@ -8,11 +8,11 @@ namespace plenoflame {
 
 /// How far out pixels of a micro-image are worth how many rays.
 ///
-/// A pixel's worth is the share of the microlens' aperture that it sees open. All points go to what
-/// is worth kWorthOfFew or more; below, points go as the power 2/3 of the worth: level k, of 2^-k
-/// of the points, is for what is worth less than kWorthOfFew 2^(-3k/2). That power is best where
-/// errors are in proportion to flux and fall with points as 1/n; but pixels that see slivers
-/// scatter more than their flux says (docs/theory.md, "Pupil sampling", has the figures).
+/// A pixel's worth is the share of the microlens' aperture that it sees open. Of all points it gets
+/// the part (worth / kWorthOfFew)^(2/3), rounded up to a power of two: level k, of 2^-k of the
+/// points, is for what is worth less than kWorthOfFew 2^(-3k/2). That power is best where errors
+/// are in proportion to flux and fall with points as 1/n; but pixels that see slivers scatter more
+/// than their flux says (docs/theory.md, "Pupil sampling", has the figures).
 class WorthLevels {
  public:
   static constexpr std::size_t kCount = 6;

@@ -100,6 +100,8 @@ TEST(Film, FinishedTilesKeepTheirImages) {
     EXPECT_FALSE(film.is_finished(2));
     EXPECT_TRUE(std::as_const(film).tile_sums(1).empty());
     EXPECT_THROW(film.sum(0, 0, 7 + Film::kTile, 5) = 1, std::logic_error);
+    EXPECT_THROW(std::as_const(film).sum(0, 0, 7 + Film::kTile, 5), std::logic_error);
+    EXPECT_THROW(film.forbid_finishing(), std::logic_error);
     EXPECT_EQ(film.lit_parts(), open.lit_parts());
     EXPECT_EQ(film.lit_parts().size(), 4U);
     for (int c = 0; c < 2; ++c) {
@@ -117,6 +119,8 @@ TEST(Film, FinishedTilesKeepTheirImages) {
     EXPECT_FALSE(film.is_taken());
     for (int c = 0; c < 2; ++c) EXPECT_TRUE(film.take_images(c) == open.images(c));
     EXPECT_TRUE(film.is_taken());
+    EXPECT_THROW(film.images(0), std::logic_error);
+    EXPECT_THROW(film.finished_values(1), std::logic_error);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -57,8 +58,8 @@ class RayList {
                                  in[3],
                                  in[4],
                                  in[5],
-                                 in[6],
-                                 in[7]};
+                                 limits(6) ? in[6] : nullptr,
+                                 limits(7) ? in[7] : nullptr};
       medium.integrate(batch, options,
                        RadianceBatch<Real>{radiance.data(), kMaxBatch, transmittance},
                        results.counters);
@@ -72,6 +73,12 @@ class RayList {
   }
 
  private:
+  /// Whether a column of limits cuts any ray: media are told of none in another way.
+  bool limits(std::size_t column) const {
+    return std::any_of(columns_[column].begin(), columns_[column].end(),
+                       [](Real t) { return !std::isinf(t); });
+  }
+
   Vec3 anchor_;
   std::vector<Real> columns_[8];
 };

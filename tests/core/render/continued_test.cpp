@@ -75,6 +75,63 @@ TEST(Continued, BackwardWithFixedSamples) {
   EXPECT_THROW(render(scene, settings), UsageError);
 }
 
+// A run that was stopped before anything was finished goes on as what is asked for then.
+TEST(Continued, AStoppedStartBindsNothing) {
+  const CompiledScene scene = compile(paper_flame(200, 170, 0.004));
+  RenderSettings settings;
+  settings.samples = 8;
+  std::stop_source stop;
+  stop.request_stop();
+  Execution execution = one_thread();
+  execution.stop = stop.get_token();
+  const RenderResult start = render(scene, settings, execution);
+  ASSERT_TRUE(start.film.allows_finishing());
+  ASSERT_FALSE(start.film.has_finished_tiles());
+  const auto expect_as_new = [&] {
+    settings.resume = nullptr;
+    const RenderResult whole = render(scene, settings, one_thread());
+    settings.resume = &start.film;
+    const RenderResult rest = render(scene, settings, one_thread());
+    EXPECT_TRUE(rest.film == whole.film);
+    EXPECT_FALSE(rest.film.has_finished_tiles());
+    EXPECT_TRUE(rest.light_field.channels[0].flux == whole.light_field.channels[0].flux);
+  };
+  settings.keep_sums = true;
+  expect_as_new();
+  settings.keep_sums = false;
+  settings.samples = 1 << 16;
+  settings.target_error = 0.06;
+  expect_as_new();
+}
+
+// Whether tiles are finished shows nowhere: in a window that begins within a tile, with one
+// replicate and with several, of several channels whose rays go different ways.
+TEST(Continued, FinishedTilesLookLikeKeptOnes) {
+  for (const int replicates : {1, 4}) {
+    Scene description = paper_flame(200, 170, 0.004);
+    description.channels.push_back(description.channels.front());
+    description.channels.back().name = "again";
+    const CompiledScene scene = compile(description);
+    RenderSettings settings;
+    settings.samples = 8;
+    settings.replicates = replicates;
+    settings.window = {13, 9, 140, 120};
+    const RenderResult finished = render(scene, settings, threads(3));
+    EXPECT_TRUE(finished.film.is_taken());
+    settings.keep_sums = true;
+    const RenderResult kept = render(scene, settings, one_thread());
+    ASSERT_EQ(finished.light_field.channels.size(), 2U);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const LightFieldChannel &a = finished.light_field.channels[c],
+                              &b = kept.light_field.channels[c];
+      EXPECT_TRUE(a.flux == b.flux);
+      EXPECT_TRUE(a.standard_error == b.standard_error);
+      EXPECT_EQ(a.standard_error.empty(), replicates == 1);
+    }
+    EXPECT_GT(finished.statistics.flux, 0);
+  }
+}
+
 // Through a file, which holds what is finished and what is not.
 TEST(Continued, FromAFileOfFinishedTiles) {
   const CompiledScene scene = compile(paper_flame(260, 200, 0.004));
@@ -95,11 +152,13 @@ TEST(Continued, FromAFileOfFinishedTiles) {
   EXPECT_TRUE(film == part.film);
   EXPECT_THROW(read_checkpoint(path, "another key"), InputError);
   const std::string good = read_file(path);
-  for (std::size_t at = 100; at < good.size(); at += good.size() / 7) {
-    std::string bad = good;
-    bad[at] = static_cast<char>(bad[at] ^ 1);
-    write_file(path, bad);
-    EXPECT_THROW(read_checkpoint(path, "key"), FileError) << at;
+  for (std::size_t at = 0; at < good.size(); at += at < 100 ? 1 : good.size() / 7) {
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string bad = good;
+      bad[at] = static_cast<char>(bad[at] ^ 1 << bit);
+      write_file(path, bad);
+      EXPECT_THROW(read_checkpoint(path, "key"), Error) << at << " " << bit;
+    }
     write_file(path, good.substr(0, at));
     EXPECT_THROW(read_checkpoint(path, "key"), FileError) << at;
   }

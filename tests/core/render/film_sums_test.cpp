@@ -1,4 +1,5 @@
 // What becomes of the rays of a block in the film: each is added once, to its own randomisation.
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -16,13 +17,14 @@ namespace plenoflame::test {
 namespace {
 
 /// Adds up, one after the other, what a tracer shows of its rays.
-class Adder : public RaySink<double> {
+template <class Real>
+class Adder : public RaySink<Real> {
  public:
   explicit Adder(int replicates) : replicates_(replicates) {}
-  void drawn(const KernelPatch<double>&, int, const KernelBlock<double>& block, int, int) override {
+  void drawn(const KernelPatch<Real>&, int, const KernelBlock<Real>& block, int, int) override {
     weight_ = block.weight;
   }
-  void finished(const RaysOfPixel& rays, const double* radiance, int, const double*) override {
+  void finished(const RaysOfPixel& rays, const Real* radiance, int, const Real*) override {
     Pixel& pixel = pixels[{rays.column, rays.row}];
     pixel.sums.resize(static_cast<std::size_t>(replicates_));
     ++counts[rays.count];
@@ -44,10 +46,11 @@ class Adder : public RaySink<double> {
 
  private:
   int replicates_;
-  const double* weight_ = nullptr;
+  const Real* weight_ = nullptr;
 };
 
 /// @return how many rays came together, how often
+template <class Real>
 std::map<int, int> expect_film_holds_rays(const CompiledScene& scene, Isa isa, int samples,
                                           int replicates) {
   RenderSettings settings;
@@ -56,18 +59,19 @@ std::map<int, int> expect_film_holds_rays(const CompiledScene& scene, Isa isa, i
   settings.isa = isa;
   const SceneMedium medium(scene);
   const PointRange range{0, samples / replicates};
-  const BackwardPlan<double> plan =
-      make_double_plan(scene, medium.get(), settings, range, nullptr, nullptr);
+  const BackwardPlan<Real> plan =
+      make_pass_plan<Real>(scene, medium.get(), settings, range, nullptr, nullptr);
   Film film({20, 24, 24, 20}, 1, replicates);
-  TileTracer<double> tracer(plan, film);
-  Adder adder(replicates);
+  TileTracer<Real> tracer(plan, film);
+  Adder<Real> adder(replicates);
   tracer.show_rays_to(&adder);
   tracer.render(0);
   int lit = 0;
   for (const auto& [place, pixel] : adder.pixels) {
     for (int r = 0; r < replicates; ++r)
       EXPECT_TRUE(within(film.sum(0, r, place.first, place.second),
-                         static_cast<double>(pixel.sums[static_cast<std::size_t>(r)]), 1e-13,
+                         static_cast<double>(pixel.sums[static_cast<std::size_t>(r)]),
+                         4 * static_cast<double>(std::numeric_limits<Real>::epsilon()),
                          static_cast<double>(pixel.total)))
           << samples << " samples";
     lit += pixel.total > 0 ? 1 : 0;
@@ -78,15 +82,21 @@ std::map<int, int> expect_film_holds_rays(const CompiledScene& scene, Isa isa, i
 
 // Randomisations of 1, 2, 4, 8 and 16 points, of numbers that are no powers of two, of one where
 // others have none, and pixels that no block holds.
-TEST(FilmSums, EachRayIsAddedOnceToItsOwnRandomisation) {
+template <class Real>
+void check_film_sums() {
   const CompiledScene scene = compile(paper_flame(64, 64, 0.001));
   for (const Isa isa : supported_isas()) {
-    EXPECT_GT(expect_film_holds_rays(scene, isa, 16, 4)[1], 0);
+    EXPECT_GT(expect_film_holds_rays<Real>(scene, isa, 16, 4)[1], 0);
     for (const int samples : {4, 8, 32, 64, 12, 20, 44})
-      EXPECT_GT(expect_film_holds_rays(scene, isa, samples, 4)[samples], 50);
-    EXPECT_GT(expect_film_holds_rays(scene, isa, 24, 8)[24], 50);
-    EXPECT_GT(expect_film_holds_rays(scene, isa, kBlockRays + 8, 4)[8], 50);
+      EXPECT_GT(expect_film_holds_rays<Real>(scene, isa, samples, 4)[samples], 50);
+    EXPECT_GT(expect_film_holds_rays<Real>(scene, isa, 24, 8)[24], 50);
+    EXPECT_GT(expect_film_holds_rays<Real>(scene, isa, kBlockRays + 8, 4)[8], 50);
   }
+}
+
+TEST(FilmSums, EachRayIsAddedOnceToItsOwnRandomisation) {
+  check_film_sums<double>();
+  check_film_sums<float>();
 }
 
 }  // namespace

@@ -16,9 +16,10 @@ struct FilmImages {
 };
 
 /// What an estimator has gathered: per pixel and channel one sum for each independent
-/// randomisation (replicate), in double precision. The mean over replicates is the estimate, their
-/// scatter its standard error. Tiles that receive nothing take no memory. Of tiles that are
-/// finished only the estimate and its standard error are kept, which take less.
+/// randomisation (replicate), in double precision (of up to 8 rays in theirs, at first). The mean
+/// over replicates is the estimate, their scatter its standard error. Tiles that receive nothing
+/// take no memory. Of tiles that are finished only the estimate and its standard error are kept,
+/// which take less.
 class Film {
  public:
   Film() = default;
@@ -51,15 +52,19 @@ class Film {
   std::size_t tile_values(int tile) const;  ///< how many sums a tile has
 
   /// Sum of one replicate. `column`, `row` count on the whole sensor.
+  /// @throws std::logic_error in a finished tile
   double& sum(int channel, int replicate, int column, int row);
   double sum(int channel, int replicate, int column, int row) const;
 
   /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
+  /// @throws std::logic_error when they were taken (take_images())
   FilmImages images(int channel, const Execution& execution = {}) const;
 
   /// From now on tiles can be finished: takes the room for what is kept of them. Not while others
   /// work on the film.
   void allow_finishing();
+  /// No longer. @throws std::logic_error when tiles are finished
+  void forbid_finishing();
   bool allows_finishing() const { return !finished_.empty(); }
   /// All samples of the tile have come: keeps what images() makes of its sums instead of them.
   /// @return their memory, for another tile (lend()): the system takes time to give new one
@@ -72,6 +77,7 @@ class Film {
   bool is_taken() const;
   /// What is kept of a finished tile: of each channel the flux, row by row, then (with more than
   /// one replicate) its standard error.
+  /// @throws std::logic_error when it is gone (take_images())
   std::vector<float> finished_values(int tile) const;
   /// Makes of an empty tile a finished one. @param values as many as finished_values() gives
   void set_finished(int tile, const std::vector<float>& values);

@@ -45,12 +45,12 @@ struct RenderSettings {
   bool control_variate = true;
   bool standard_error = true;
   /// Of a fixed number of samples: tiles that have theirs are finished (Film::finish()) as they
-  /// come, which takes less memory; true: their sums are kept, too.
+  /// come, which takes less memory; true: their sums are kept instead.
   bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
-  /// A film of the same scene and settings to go on from; its sums are continued as if there had
-  /// been no break.
+  /// A film of the same scene and settings to go on from, as if there had been no break. One with
+  /// finished tiles (see keep_sums) is for a fixed number of samples only, and not to be complete.
   const Film* resume = nullptr;
   /// Called between units of work, after 5 s and then at intervals that double up to
   /// checkpoint_seconds, with a consistent film.
