@@ -76,8 +76,20 @@ double lit_flux(const SensorImage& reference, const PixelWindow& window) {
 
 struct Block {
   double difference = 0;
-  double variance = 0;
+  double variance = 0, fourth = 0;  ///< sums of the variances, of their squares
+  double pixels = 0;                ///< that have one
 };
+
+/// (difference / error)^2 of a block as if the error were known: from Student's distribution, with
+/// as many degrees of freedom as the block's pixels give, to the normal one, by D. L. Wallace, Ann.
+/// Math. Stat. 30 (1959) 1124.
+double normal_square(const Block& block, double freedom) {
+  const double square = block.difference * block.difference / block.variance;
+  if (!std::isfinite(freedom)) return square;
+  const double n = freedom * known_pixels(block.variance, block.fourth, block.pixels, freedom);
+  const double factor = (8 * n + 1) / (8 * n + 3);
+  return factor * factor * n * std::log1p(square / n);
+}
 
 }  // namespace
 
@@ -100,6 +112,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   if (flux_a.empty() || flux_b.empty()) throw InputError("an image was read without its pixels");
   result.has_standard_errors = !error_a.empty() || !error_b.empty();
 
+  result.freedom = fewest_freedom(a, !error_a.empty(), reference, !error_b.empty());
   const double lit_above = lit_flux(flux_b, window);
   constexpr int kBlock = Comparison::kBlock;
   // Half a unit in the last place of single precision: values were rounded when stored.
@@ -150,11 +163,13 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
       Block& block = blocks[static_cast<std::size_t>(x / kBlock)];
       block.difference += difference;
       block.variance += variance;
+      block.fourth += variance * variance;
+      block.pixels += 1;
     }
     if ((y + 1) % kBlock != 0 && y + 1 != window.height) continue;
     for (Block& block : blocks) {
       if (block.variance > 0) {
-        block_sum += block.difference * block.difference / block.variance;
+        block_sum += normal_square(block, result.freedom);
         ++result.blocks;
       }
       block = {};
@@ -175,7 +190,6 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
     const auto count = static_cast<double>(result.blocks);
     result.relative_bias_error = std::sqrt(variance_sum) / n / result.reference_mean;
     result.expected_rmse = std::sqrt(variance_sum / n) / result.reference_mean;
-    result.freedom = fewest_freedom(a, !error_a.empty(), reference, !error_b.empty());
     result.largest_z_probability = largest_probability(result.largest_z, pixels, result.freedom);
     result.chi_square = chi_sum / pixels;
     result.block_chi_square = block_sum / count;

@@ -59,4 +59,12 @@ double student_tail(double t, double freedom) {
   return regularised_beta(0.5 * freedom, 0.5, freedom / sum, t2 / sum);
 }
 
+double known_pixels(double squares, double fourth, double pixels, double freedom) {
+  constexpr double kMost = 1e6;  // more change bounds by less than 0.2 %
+  constexpr double kFewPixels = 8;
+  const double normal = std::clamp(squares * squares * (freedom + 2) / (freedom * fourth), 1.0,
+                                   std::min(kMost, pixels));
+  return std::max(1.0, normal / (1 + kFewPixels / std::sqrt(pixels)));
+}
+
 }  // namespace plenoflame

@@ -13,8 +13,6 @@ namespace plenoflame {
 namespace {
 
 constexpr int kRows = 64;  ///< of a part of a whole picture
-constexpr double kFewPixels = 8;
-constexpr double kMostFreedom = 1e6;  ///< more change the bound by less than 0.2 %
 
 /// Has `measure` look at each part. @return what it found, in the order of the parts
 template <class Result, class Measure>
@@ -136,14 +134,9 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   if (!(sums.squares > 0)) return stated;
   // For normal errors of variances v_i the sums of (image - truth)^2 and of the squared standard
   // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
-  // freedom (Welch-Satterthwaite); the expectation of e^4 is v^2 (R + 1)/(R - 1). There are no more
-  // than there are pixels, which an estimate from few pixels may say. Errors are not normal, and
-  // few pixels do not show how far from it: of 64 pixels on the paper's flame bounds of 95 % held
-  // in 89 to 90 % of the pictures, with so much less freedom they do in 95 %.
+  // freedom (Welch-Satterthwaite).
   const double r = replicates;
-  const double normal = std::clamp(sums.squares * sums.squares * (r + 1) / ((r - 1) * sums.fourth),
-                                   1.0, std::min(kMostFreedom, sums.pixels));
-  const double freedom = std::max(1.0, normal / (1 + kFewPixels / std::sqrt(sums.pixels)));
+  const double freedom = known_pixels(sums.squares, sums.fourth, sums.pixels, r - 1);
   stated.bound = std::sqrt(sums.squares * sums.may_be *
                            f_quantile(kErrorConfidence, freedom, freedom * (r - 1))) /
                  sums.total;

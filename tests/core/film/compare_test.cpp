@@ -200,6 +200,33 @@ TEST(Compare, LargestZKnowsHowFewRandomisationsMadeTheErrors) {
   EXPECT_EQ(probability(12, 8, 64), probability(12, 8, 0));
 }
 
+/// Normal errors, of which few pixels of a block have most; known from two randomisations.
+Comparison uneven(double bias, std::uint64_t seed) {
+  constexpr int kSize = 640;
+  LightField a = make_field(kSize, kSize, true), b = make_field(kSize, kSize, false);
+  a.numbers["render.replicates"] = 2;
+  b.channels[0].flux = Image(kSize, kSize, 1);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < b.channels[0].flux.pixels.size(); ++i) {
+    const double noise = 0.01 * std::exp(1.3 * normal(random));
+    const double one = noise * normal(random), other = noise * normal(random);
+    a.channels[0].flux.pixels[i] = static_cast<float>(1 + bias + 0.5 * (one + other));
+    a.channels[0].standard_error.pixels[i] = static_cast<float>(0.5 * std::fabs(one - other));
+  }
+  return compare(a, b);
+}
+
+TEST(Compare, BlocksKnowHowFewPixelsMadeTheirErrors) {
+  for (const std::uint64_t seed : {21ULL, 22ULL, 23ULL}) {
+    const Comparison c = uneven(0, seed);
+    EXPECT_EQ(c.blocks, 1600U);
+    EXPECT_LT(std::fabs(c.block_score), 5) << seed;
+    EXPECT_TRUE(relative(c.block_chi_square, 1, 0.15)) << seed;
+  }
+  EXPECT_GT(uneven(0.003, 24).block_score, 8);
+}
+
 TEST(Compare, UsesWhatBothWindowsHold) {
   LightField a = make_field(20, 10, false), b = make_field(20, 10, false);
   a.window = {2, 1, 6, 5};

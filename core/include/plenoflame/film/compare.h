@@ -42,7 +42,9 @@ struct Comparison {
   double chi_square = 0;
   std::size_t chi_square_pixels = 0;
   /// * The same of sums over blocks of kBlock x kBlock pixels: sees differences that are small in
-  /// each pixel but alike among neighbours, and hardly suffers from the few randomisations.
+  /// each pixel but alike among neighbours. Of each block as if its error were known, from
+  /// Student's distribution with the degrees of freedom that its pixels and their randomisations
+  /// give to the normal one.
   double block_chi_square = 0;
   std::size_t blocks = 0;
   /// * How far block_chi_square is above 1, in standard deviations of a normal distribution
