@@ -115,6 +115,7 @@ void AtomicFile::fail(int error) const {
 }
 
 void AtomicFile::write(std::string_view bytes) {
+  if (bytes.empty()) return;  // of nothing there may be no address, which fwrite() must have
   if (std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) fail(errno);
 }
 
