@@ -186,7 +186,8 @@ PLENOFLAME_INLINE Attenuation<Real> attenuation(Real tau) {
   return attenuation(exp_detail::reduce(-t));
 }
 
-/// The same of an optical thickness in units of ln 2, which spares part of the reduction.
+/// The same of an optical thickness in units of ln 2 (half-value layers), which spares part of the
+/// reduction.
 template <class Real>
 PLENOFLAME_INLINE Attenuation<Real> attenuation_of_halvings(Real halvings) {
   const Real t = least(greatest(halvings, Real(0)), exp_detail::most_halvings(Real()));

@@ -6,7 +6,7 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-constexpr double kHalvings = 1.44269504088896340736;  ///< in a unit of optical thickness
+constexpr double kLog2E = 1.44269504088896340736;
 
 /// Views into the scratch memory: arrays of kLayeredBlock values.
 template <class Real>
@@ -138,45 +138,40 @@ PLENOFLAME_INLINE int count_positive(int count, const Real* __restrict values) {
 }
 
 /// One homogeneous interval [from, to] of a layer, behind what has been passed so far (nothing, if
-/// kFirst). What comes out of it, times `factor`, is added to `sum`, or is it, if kNew.
+/// kFirst). What comes out of it is added to `weight`, or is it, if kNew.
 template <bool kFirst, bool kNew, class Real>
-PLENOFLAME_INLINE void pass(int count, Real kappa, Real factor, const Real* __restrict from,
+PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
                             const Real* __restrict to, Real* __restrict transmittance,
-                            Real* __restrict sum) {
-  const Real halvings = kappa * Real(kHalvings);
+                            Real* __restrict weight) {
+  const Real halvings = kappa * Real(kLog2E);
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
     const Attenuation<Real> a = attenuation_of_halvings(halvings * (to[i] - from[i]));
-    const Real emitted = factor * a.emissivity;
-    const Real arrives = kFirst ? emitted : transmittance[i] * emitted;
-    sum[i] = kNew ? arrives : sum[i] + arrives;
+    const Real arrives = kFirst ? a.emissivity : transmittance[i] * a.emissivity;
+    weight[i] = kNew ? arrives : weight[i] + arrives;
     transmittance[i] = kFirst ? a.transmittance : transmittance[i] * a.transmittance;
   }
 }
 
 /// Layers of which each lies inside the next: from the outermost inwards, and out again.
-/// @param sum where the weights of each layer go; with kOne, all layers' radiance, by `sources`
-template <bool kOne, class Real>
-PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, const Real* absorption,
-                                   const Real* sources, int count, const LayeredScratch<Real>& s,
-                                   Real* transmittance, Real* sum) {
+template <class Real>
+PLENOFLAME_INLINE void pass_nested(const LayeredTask<Real>& task, const Real* absorption, int count,
+                                   const LayeredScratch<Real>& s, Real* transmittance) {
   constexpr int n = kLayeredBlock;
   const int last = task.layers - 1;
-  const auto factor = [&](int k) { return kOne ? sources[k] : Real(1); };
-  const auto sum_of = [&](int k) { return kOne ? sum : sum + k * n; };
   if (last == 0) {
-    pass<true, true>(count, absorption[0], factor(0), s.entry, s.exit, transmittance, sum);
+    pass<true, true>(count, absorption[0], s.entry, s.exit, transmittance, s.weight);
     return;
   }
-  pass<true, true>(count, absorption[last], factor(last), s.entry + last * n,
-                   s.entry + (last - 1) * n, transmittance, sum_of(last));
+  pass<true, true>(count, absorption[last], s.entry + last * n, s.entry + (last - 1) * n,
+                   transmittance, s.weight + last * n);
   for (int k = last - 1; k > 0; --k)
-    pass<false, !kOne>(count, absorption[k], factor(k), s.entry + k * n, s.entry + (k - 1) * n,
-                       transmittance, sum_of(k));
-  pass<false, !kOne>(count, absorption[0], factor(0), s.entry, s.exit, transmittance, sum_of(0));
+    pass<false, true>(count, absorption[k], s.entry + k * n, s.entry + (k - 1) * n, transmittance,
+                      s.weight + k * n);
+  pass<false, true>(count, absorption[0], s.entry, s.exit, transmittance, s.weight);
   for (int k = 1; k <= last; ++k)
-    pass<false, false>(count, absorption[k], factor(k), s.exit + (k - 1) * n, s.exit + k * n,
-                       transmittance, sum_of(k));
+    pass<false, false>(count, absorption[k], s.exit + (k - 1) * n, s.exit + k * n, transmittance,
+                       s.weight + k * n);
 }
 
 template <class Real>
@@ -249,7 +244,7 @@ PLENOFLAME_INLINE void pass_overlapping(const LayeredTask<Real>& task, const Rea
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
       const Attenuation<Real> a =
-          attenuation_of_halvings(kappa[i] * Real(kHalvings) * (to[i] - from[i]));
+          attenuation_of_halvings(kappa[i] * Real(kLog2E) * (to[i] - from[i]));
       kappa[i] = transmittance[i] * a.emissivity;
       transmittance[i] *= a.transmittance;
     }
@@ -337,20 +332,13 @@ PLENOFLAME_INLINE void integrate_block(LayeredTask<Real>& task, int first, int c
   }
   if (!task.nested) sort_ends(task.layers, count, s);
   const int passes = task.grey ? 1 : task.channels;
-  const bool one = task.nested && (!task.grey || task.channels == 1);  // channel of each pass
   for (int c = 0; c < passes; ++c) {
     Real* passed = transmittance;
     if (c > 0)
       passed = task.transmittance_stride ? transmittance + c * task.transmittance_stride : s.passed;
     const Real* absorption = task.absorption + c * task.layers;
-    const Real* sources = task.sources + c * task.layers;
-    if (one) {
-      pass_nested<true>(task, absorption, sources, count, s, passed,
-                        task.radiance + c * task.stride + first);
-      continue;
-    }
     if (task.nested) {
-      pass_nested<false>(task, absorption, sources, count, s, passed, s.weight);
+      pass_nested(task, absorption, count, s, passed);
     } else {
       fill(passed, count, Real(1));
       for (int k = 0; k < task.layers; ++k) fill(s.weight + k * n, count, Real(0));
