@@ -12,12 +12,12 @@ double f_quantile(double probability, double numerator, double denominator);
 double student_tail(double t, double freedom);
 
 /// As many pixels of equal variance would tell as much about the sum of their variances as these
-/// do. No more than there are, and fewer where there are few: errors are not normal, and few pixels
-/// do not show how far from it. (Of 64 pixels on the paper's flame bounds of 95 % held in 89 to 90
-/// % of the pictures; with so much less they do in 95 to 96 %.)
+/// do (Satterthwaite, Biometrics Bull. 2 (1946) 110). No more than there are; and where a few of
+/// them make most of the sum, fewer than the unbiased estimate says: that is largest just when
+/// these few came out too small, which is when the sum itself is.
 /// @param squares, fourth sums of estimated variances, and of their squares
 /// @param freedom degrees of freedom that each variance was estimated with: the expectation of its
 /// square is (freedom + 2) / freedom times that of the variance, squared
-double known_pixels(double squares, double fourth, double pixels, double freedom);
+double effective_pixels(double squares, double fourth, double pixels, double freedom);
 
 }  // namespace plenoflame
