@@ -164,8 +164,8 @@ std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
   key["control_variate"] = s.control_variate;
   key["replicates"] = s.replicates;
   key["target_error"] = s.target_error;
-  // Without rounds parts of the picture are finished, and get no more samples.
-  key["in_rounds"] = s.estimator == Estimator::backward && (s.target_error > 0 || s.time_limit > 0);
+  // Then parts of the picture are finished, and get no more samples.
+  key["fixed_samples"] = has_fixed_samples(s);
   key["isa"] = name(s.isa);
   // Files that changed under the same name make another picture.
   for (const InputFile& file : input_files(scene))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/isa_dispatch.h"
 #include "optics/asphere.h"
 #include "optics/reflection.h"
 #include "plenoflame/base/error.h"
@@ -177,16 +178,8 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
 
 template <class Real>
 CameraKernels<Real> camera_kernels(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return {avx512::pass_microlens, avx512::trace_lens, avx512::count_alive};
-    case Isa::avx2:
-      return {avx2::pass_microlens, avx2::trace_lens, avx2::count_alive};
-#endif
-    default:
-      return {baseline::pass_microlens, baseline::trace_lens, baseline::count_alive};
-  }
+  PLENOFLAME_DISPATCH(isa,
+                      return {kernels::pass_microlens, kernels::trace_lens, kernels::count_alive};)
 }
 
 template CameraKernels<float> camera_kernels<float>(Isa isa);

@@ -218,9 +218,7 @@ std::vector<PixelWindow> Film::lit_parts() const {
 FilmImages Film::images(int channel, const Execution& execution) const {
   if (is_taken()) throw std::logic_error("the pictures of finished tiles are gone");
   FilmImages images = make_images();
-  // What has been gathered is wanted also after a stop.
-  Execution inner;
-  inner.threads = execution.threads;
+  const Execution inner = execution.threads_only();
   parallel_for(inner, static_cast<std::size_t>(tile_count()), [&](std::size_t index, int) {
     const int tile = static_cast<int>(index);
     if (!is_finished(tile)) return develop(tile, channel, images);
@@ -234,8 +232,7 @@ FilmImages Film::images(int channel, const Execution& execution) const {
 FilmImages Film::take_images(int channel, const Execution& execution) {
   if (!allows_finishing()) return images(channel, execution);
   FilmImages& finished = finished_[static_cast<std::size_t>(channel)];
-  Execution inner;
-  inner.threads = execution.threads;
+  const Execution inner = execution.threads_only();
   parallel_for(inner, static_cast<std::size_t>(tile_count()), [&](std::size_t tile, int) {
     if (!is_finished(static_cast<int>(tile))) develop(static_cast<int>(tile), channel, finished);
   });

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/isa_dispatch.h"
 #include "film/error_bound.h"
 #include "film/picture_sums_kernel.h"
 #include "plenoflame/base/isa.h"
@@ -19,10 +20,8 @@ template <class Result, class Measure>
 std::vector<Result> of_parts(const ImageParts& parts, const Execution& execution,
                              const Measure& measure) {
   std::vector<Result> results(parts.size());
-  // What has been gathered is wanted also after a stop.
-  Execution inner;
-  inner.threads = execution.threads;
-  parallel_for(inner, parts.size(), [&](std::size_t i, int) { results[i] = measure(parts[i]); });
+  parallel_for(execution.threads_only(), parts.size(),
+               [&](std::size_t i, int) { results[i] = measure(parts[i]); });
   return results;
 }
 
@@ -41,17 +40,8 @@ struct PictureSumsKernels {
   void (*keep_largest)(const float*, int, float*);
 };
 
-PictureSumsKernels kernels(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return {avx512::add_lit, avx512::add_pixels, avx512::keep_largest};
-    case Isa::avx2:
-      return {avx2::add_lit, avx2::add_pixels, avx2::keep_largest};
-#endif
-    default:
-      return {baseline::add_lit, baseline::add_pixels, baseline::keep_largest};
-  }
+PictureSumsKernels sums_kernels(Isa isa) {
+  PLENOFLAME_DISPATCH(isa, return {kernels::add_lit, kernels::add_pixels, kernels::keep_largest};)
 }
 
 /// Calls `take` with numbers of pixels and how many they are, for all lit runs.
@@ -72,7 +62,7 @@ ImageParts whole_of(const Image& image) {
 }
 
 float largest_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
-  const auto keep_largest = kernels(isa).keep_largest;
+  const auto keep_largest = sums_kernels(isa).keep_largest;
   float largest = 0;
   for (const float of_part : of_parts<float>(parts, execution, [&](const PixelWindow& part) {
          std::array<float, kSumLanes> most{};
@@ -86,7 +76,7 @@ float largest_of(const Image& image, const ImageParts& parts, const Execution& e
 }
 
 double sum_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
-  const auto add_pixels = kernels(isa).add_pixels;
+  const auto add_pixels = sums_kernels(isa).add_pixels;
   double sum = 0;
   for (const double of_part : of_parts<double>(parts, execution, [&](const PixelWindow& part) {
          Lanes sums{};
@@ -111,7 +101,7 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   struct {
     double squares = 0, fourth = 0, total = 0, pixels = 0, may_be = 0;
   } sums;
-  const auto add_lit = kernels(isa).add_lit;
+  const auto add_lit = sums_kernels(isa).add_lit;
   const float* of_flux = flux.pixels.data();
   const float* of_error = standard_error.pixels.data();
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {

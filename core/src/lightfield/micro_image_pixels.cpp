@@ -5,21 +5,13 @@
 #include <array>
 #include <cmath>
 
+#include "base/isa_dispatch.h"
 #include "plenoflame/lightfield/micro_images.h"
 
 namespace plenoflame {
 
 MicroImageKernels micro_image_kernels(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return {avx512::white_light, avx512::project};
-    case Isa::avx2:
-      return {avx2::white_light, avx2::project};
-#endif
-    default:
-      return {baseline::white_light, baseline::project};
-  }
+  PLENOFLAME_DISPATCH(isa, return {kernels::white_light, kernels::project};)
 }
 
 void MicroImages::Pixels::set(const SensorSpec& sensor, const PixelWindow& window, Vec2 middle,

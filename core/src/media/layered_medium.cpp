@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/isa_dispatch.h"
 #include "media/absorption_factors.h"
 #include "media/layered_kernel.h"
 #include "plenoflame/base/error.h"
@@ -251,18 +252,7 @@ void dispatch(LayeredTask<double>& task, Isa) {
   baseline::integrate_layers(task);
 }
 void dispatch(LayeredTask<float>& task, Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      avx512::integrate_layers(task);
-      return;
-    case Isa::avx2:
-      avx2::integrate_layers(task);
-      return;
-#endif
-    default:
-      baseline::integrate_layers(task);
-  }
+  PLENOFLAME_DISPATCH(isa, kernels::integrate_layers(task);)
 }
 
 template <class Real>

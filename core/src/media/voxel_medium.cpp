@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/isa_dispatch.h"
 #include "media/absorption_factors.h"
 #include "media/source_fit.h"
 #include "media/voxel_lattice.h"
@@ -476,18 +477,7 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   call.transmittance_stride = out.transmittance_stride;
 
   voxel::Counters counted{};
-  switch (options.isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      avx512::integrate_voxels(call, counted);
-      break;
-    case Isa::avx2:
-      avx2::integrate_voxels(call, counted);
-      break;
-#endif
-    default:
-      baseline::integrate_voxels(call, counted);
-  }
+  PLENOFLAME_DISPATCH(options.isa, kernels::integrate_voxels(call, counted);)
   counters.rays += counted.rays;
   counters.cells += counted.cells;
   counters.skipped_empty += counted.skipped_empty;

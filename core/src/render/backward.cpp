@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/isa_dispatch.h"
 #include "plenoflame/base/error.h"
 #include "render/backward_tile.h"
 #include "render/channel_sum.h"
@@ -237,19 +238,8 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
 
 template <class Real>
 BackwardKernels<Real> backward_kernels(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return {avx512::generate, avx512::multiply,    avx512::add_neighbours,
-              avx512::sum,      avx512::survey_rows, avx512::judge_rows};
-    case Isa::avx2:
-      return {avx2::generate, avx2::multiply,    avx2::add_neighbours,
-              avx2::sum,      avx2::survey_rows, avx2::judge_rows};
-#endif
-    default:
-      return {baseline::generate, baseline::multiply,    baseline::add_neighbours,
-              baseline::sum,      baseline::survey_rows, baseline::judge_rows};
-  }
+  PLENOFLAME_DISPATCH(isa, return {kernels::generate, kernels::multiply, kernels::add_neighbours,
+                                   kernels::sum, kernels::survey_rows, kernels::judge_rows};)
 }
 template BackwardKernels<float> backward_kernels<float>(Isa);
 template BackwardKernels<double> backward_kernels<double>(Isa);

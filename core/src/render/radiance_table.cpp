@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/isa_dispatch.h"
 namespace plenoflame {
 namespace {
 
@@ -40,16 +41,7 @@ struct TableKernels {
 };
 
 TableKernels kernels_for(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::avx512:
-      return {avx512::locate, avx512::look_up};
-    case Isa::avx2:
-      return {avx2::locate, avx2::look_up};
-#endif
-    default:
-      return {baseline::locate, baseline::look_up};
-  }
+  PLENOFLAME_DISPATCH(isa, return {kernels::locate, kernels::look_up};)
 }
 
 }  // namespace

@@ -68,6 +68,11 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
 
 }  // namespace
 
+bool has_fixed_samples(const RenderSettings& settings) {
+  return settings.estimator == Estimator::backward && settings.target_error <= 0 &&
+         settings.time_limit <= 0;
+}
+
 RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution) {
   const auto start = std::chrono::steady_clock::now();
@@ -91,7 +96,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
       throw UsageError("the film to go on from has another window, channels or replicates");
     if (settings.resume->is_taken())
       throw UsageError("the film to go on from is that of a picture that is complete");
-    if (settings.resume->has_finished_tiles() && (forward || is_progressive(settings)))
+    if (settings.resume->has_finished_tiles() && !has_fixed_samples(settings))
       throw UsageError(
           "the film to go on from is one of a fixed number of samples: parts of it are finished");
     if (settings.resume->has_finished_tiles() && settings.keep_sums)

@@ -37,10 +37,7 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
   errors.mean_square.resize(tiles);
   errors.lit.resize(tiles);
   std::vector<double> totals(tiles);
-  // What has been gathered is wanted also after a stop.
-  Execution inner;
-  inner.threads = execution.threads;
-  parallel_for(inner, tiles, [&](std::size_t t, int) {
+  parallel_for(execution.threads_only(), tiles, [&](std::size_t t, int) {
     const PixelWindow tile = film.tile(static_cast<int>(t));
     double tile_squares = 0, tile_lit = 0;
     if (film.tile_sums(static_cast<int>(t)).empty()) return;  // nothing has been sent there
@@ -253,10 +250,6 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
 
 }  // namespace
 
-bool is_progressive(const RenderSettings& settings) {
-  return settings.target_error > 0 || settings.time_limit > 0;
-}
-
 void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
                    const Execution& execution, Film& film, RenderStatistics& statistics,
                    int most_points) {
@@ -265,11 +258,11 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
   const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
-  if (is_progressive(settings))
+  if (has_fixed_samples(settings))
+    render_fixed(scene, settings, points, execution, film, statistics, shared);
+  else
     render_progressive(scene, settings, points, most_points, deadline, execution, film, statistics,
                        shared);
-  else
-    render_fixed(scene, settings, points, execution, film, statistics, shared);
 }
 
 }  // namespace plenoflame

@@ -4,9 +4,6 @@
 
 namespace plenoflame {
 
-/// Whether samples come in rounds, until something is reached, or as many as are asked for.
-bool is_progressive(const RenderSettings& settings);
-
 /// Runs the backward estimator until the settings are met: once over all tiles for a given number
 /// of samples, or in rounds of growing size until a target error or a time limit. Continues
 /// whatever `film` already holds. Sets statistics.complete, target_reached and relative_error.

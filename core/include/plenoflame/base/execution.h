@@ -31,6 +31,13 @@ struct Execution {
   void warn(const std::string& text) const {
     if (message) message(Severity::warning, text);
   }
+  /// As many threads, but nothing that ends or reports: for what is wanted also after a stop, such
+  /// as the picture of what was rendered before it.
+  Execution threads_only() const {
+    Execution inner;
+    inner.threads = threads;
+    return inner;
+  }
   /// Number of worker threads that will be used, at least 1.
   int thread_count() const;
 };

@@ -58,6 +58,10 @@ struct RenderSettings {
   double checkpoint_seconds = 60;
 };
 
+/// Whether every pixel gets its number of samples at one go. Else they come in rounds until a
+/// target or a limit is reached (backward), or over the whole image (forward).
+bool has_fixed_samples(const RenderSettings& settings);
+
 /// What was done, left out, and how long it took.
 struct RenderStatistics {
   double rays = 0;          ///< sent
