@@ -125,8 +125,11 @@ TEST(Film, FinishedTilesKeepTheirImages) {
 }
 
 TEST(Film, MemoryThatIsLentHoldsZeros) {
-  Film film({0, 0, 2 * Film::kTile, 1}, 1, 2);
+  Film film({0, 0, 3 * Film::kTile, 1}, 1, 2);
   film.allow_finishing();
+  film.lend(2, {4, 5, 6});
+  EXPECT_TRUE(std::as_const(film).tile_sums(2).empty());
+  EXPECT_EQ(film.sum(0, 0, 2 * Film::kTile + 1, 0), 0);
   film.sum(0, 1, 5, 0) = 3;
   film.lend(1, film.finish(0));
   EXPECT_TRUE(std::as_const(film).tile_sums(1).empty());

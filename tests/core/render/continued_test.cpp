@@ -110,7 +110,7 @@ TEST(Continued, FinishedTilesLookLikeKeptOnes) {
   for (const int replicates : {1, 4}) {
     Scene description = paper_flame(200, 170, 0.004);
     description.channels.push_back(description.channels.front());
-    description.channels.back().name = "again";
+    description.channels.back() = {"green", ChannelKind::band, 550e-9, 10e-9};
     const CompiledScene scene = compile(description);
     RenderSettings settings;
     settings.samples = 8;
@@ -128,6 +128,7 @@ TEST(Continued, FinishedTilesLookLikeKeptOnes) {
       EXPECT_TRUE(a.standard_error == b.standard_error);
       EXPECT_EQ(a.standard_error.empty(), replicates == 1);
     }
+    EXPECT_FALSE(kept.light_field.channels[0].flux == kept.light_field.channels[1].flux);
     EXPECT_GT(finished.statistics.flux, 0);
   }
 }
