@@ -405,6 +405,26 @@ PupilNode PupilTable::at(double h) const {
   return node;
 }
 
+namespace {
+
+/// From x to y as t goes from 0 to 1; both may be infinite.
+double mix(double x, double y, double t) {
+  return x == y ? x : x + t * (y - x);
+}
+
+}  // namespace
+
+PupilTable::MicroImage PupilTable::micro_image(double h) const {
+  const double place = h / field_step;
+  const auto last = nodes.size() - 1;
+  if (!(place < static_cast<double>(last))) return {nodes[last].centre, nodes[last].outer_radius};
+  const auto i = static_cast<std::size_t>(place);
+  const PupilNode& a = nodes[i];
+  const PupilNode& b = nodes[i + 1];
+  return {mix(a.centre, b.centre, place - static_cast<double>(i)),
+          std::max(a.outer_radius, b.outer_radius)};
+}
+
 void PupilTable::look_up(double h, PupilNode& node) const {
   const double place = h / field_step;
   const auto last = nodes.size() - 1;
@@ -416,15 +436,15 @@ void PupilTable::look_up(double h, PupilNode& node) const {
   const double t = place - static_cast<double>(i);
   const PupilNode& a = nodes[i];
   const PupilNode& b = nodes[i + 1];
-  const auto mix = [t](double x, double y) { return x == y ? x : x + t * (y - x); };
-  node.centre = mix(a.centre, b.centre);
-  node.image_radius = mix(a.image_radius, b.image_radius);
-  node.aim_centre = mix(a.aim_centre, b.aim_centre);
-  node.aim_radius = mix(a.aim_radius, b.aim_radius);
-  node.outer_radius = std::max(a.outer_radius, b.outer_radius);
+  const MicroImage image = micro_image(h);
+  node.centre = image.centre;
+  node.outer_radius = image.outer_radius;
+  node.image_radius = mix(a.image_radius, b.image_radius, t);
+  node.aim_centre = mix(a.aim_centre, b.aim_centre, t);
+  node.aim_radius = mix(a.aim_radius, b.aim_radius, t);
   for (std::size_t k = 0; k < node.opened.size(); ++k)
-    node.opened[k] = mix(a.opened[k], b.opened[k]);
-  node.opened_radius = mix(a.opened_radius, b.opened_radius);
+    node.opened[k] = mix(a.opened[k], b.opened[k], t);
+  node.opened_radius = mix(a.opened_radius, b.opened_radius, t);
   node.cuts.set_mix(a.cuts, b.cuts, static_cast<float>(t));
   node.stop = StopMap::mix(a.stop, b.stop, t);
   node.far_reach = std::min(a.far_reach, b.far_reach) > 0 ? std::max(a.far_reach, b.far_reach) : 0;

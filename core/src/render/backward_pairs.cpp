@@ -6,13 +6,6 @@
 
 namespace plenoflame {
 
-/// What the first look at pixel k of the arrays says, and a closer one where that is not sure.
-template <class Real>
-bool TileTracer<Real>::sees(double y, std::size_t k) const {
-  const int verdict = rows_.verdict[k];
-  return verdict == kNeedsLook ? beam_->disc_may_meet({rows_.x[k], y}) : verdict == kSeesSomething;
-}
-
 /// Where less than one ray would be due to each randomisation, chance decides which of them get
 /// one, which then counts for the others. @return the mask of them
 template <class Real>
@@ -107,23 +100,26 @@ void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level, s
   place_pair(column, row, level, chosen, random);
 }
 
-/// Adds the pixels of one of the rows behind the microlens of the patch.
+/// Adds the pixels of rows behind the microlens of the patch.
 template <class Real>
-void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
-  const auto begin = static_cast<std::size_t>(row * rows.stride);
-  std::array<int, Film::kTile> seen;
-  int count = 0;
-  for (int i = 0; i < rows.count; ++i) {
+void TileTracer<Real>::add_rows(const KernelRows& rows) {
+  const int all = rows.rows * rows.count;
+  if (!beam_) std::fill_n(rows_.verdict.begin(), all, static_cast<int>(kSeesSomething));
+  std::array<int, kRowsPixels> seen;
+  int count = 0, lit = 0;
+  for (int i = 0; i < all; ++i) {
+    const auto k = static_cast<std::size_t>(i);
     seen[static_cast<std::size_t>(count)] = i;
-    // No branch: it could not be foretold.
-    count += rows_.x_width[begin + static_cast<std::size_t>(i)] > 0 ? 1 : 0;
+    // No branches: they could not be foretold.
+    const int gets_light = rows_.x_width[k] > 0 ? 1 : 0;
+    lit += gets_light;
+    count += gets_light & (rows_.verdict[k] != kSeesNothing ? 1 : 0);
   }
-  const double half = 0.5 * rows.pitch, y = rows.y[row];
-  const Real y0 = static_cast<Real>(y - half), y1 = static_cast<Real>(y + half);
+  counters_.pairs_skipped += lit - count;
+  const double half = 0.5 * rows.pitch;
   const int last_level = static_cast<int>(plan_.levels.size()) - 1;
   for (int n = 0; n < count; ++n) {
-    const int i = seen[static_cast<std::size_t>(n)];
-    const std::size_t k = begin + static_cast<std::size_t>(i);
+    const auto k = static_cast<std::size_t>(seen[static_cast<std::size_t>(n)]);
     const SampleLevel& level =
         plan_.levels[static_cast<std::size_t>(std::min(rows_.level[k], last_level))];
     const std::uint64_t chosen =
@@ -132,7 +128,8 @@ void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
       counters_.pairs_left_to_chance += 1;
       continue;
     }
-    if (beam_ && !sees(y, k)) {
+    const double y = rows_.y[k];
+    if (rows_.verdict[k] == kNeedsLook && !beam_->disc_may_meet({rows_.x[k], y})) {
       counters_.pairs_skipped += 1;
       continue;
     }
@@ -141,21 +138,22 @@ void TileTracer<Real>::add_row(const KernelRows& rows, int row) {
     KernelPixel<Real>& made = pixel();
     made.x_low = static_cast<Real>(rows_.x_low[k]);
     made.x_width = static_cast<Real>(rows_.x_width[k]);
-    made.y0 = y0;
-    made.y1 = y1;
+    made.y0 = static_cast<Real>(y - half);
+    made.y1 = static_cast<Real>(y + half);
     const double radius = rows.closes[sector];
     made.radius2 = static_cast<Real>(radius * radius);
     const auto opens = static_cast<double>(cuts.opens);
     made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;
     PairRandom random;
     for (std::size_t word = 0; word < kRowWords; ++word) random[word] = rows_.random[word][k];
-    place_pair(static_cast<int>(rows.column) + i, static_cast<int>(rows.row) + row, level, chosen,
+    const std::uint64_t place = rows_.place[k];
+    place_pair(static_cast<int>(place >> 32), static_cast<int>(place & 0xffffffffu), level, chosen,
                random);
   }
 }
 
-template void TileTracer<float>::add_row(const KernelRows&, int);
-template void TileTracer<double>::add_row(const KernelRows&, int);
+template void TileTracer<float>::add_rows(const KernelRows&);
+template void TileTracer<double>::add_rows(const KernelRows&);
 template void TileTracer<float>::add_pair(int, int, const SampleLevel&, std::uint64_t,
                                           const PairRandom&);
 template void TileTracer<double>::add_pair(int, int, const SampleLevel&, std::uint64_t,

@@ -33,23 +33,45 @@ KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLev
   return survey;
 }
 
+/// Pixels of the tile that a disc around `centre` on the sensor meets; none: a width or height not
+/// above 0.
+PixelWindow pixels_of(const SensorSpec& sensor, const PixelWindow& tile, Vec2 centre,
+                      double radius) {
+  // Upright images run against camera x, y.
+  const auto column_of = [&](double x) {
+    return static_cast<int>(std::floor(0.5 * sensor.columns - x / sensor.pixel_pitch));
+  };
+  const auto row_of = [&](double y) {
+    return static_cast<int>(std::floor(0.5 * sensor.rows - y / sensor.pixel_pitch));
+  };
+  const int column = std::max(tile.x, column_of(centre.x + radius));
+  const int row = std::max(tile.y, row_of(centre.y + radius));
+  return {column, row, std::min(tile.x + tile.width - 1, column_of(centre.x - radius)) - column + 1,
+          std::min(tile.y + tile.height - 1, row_of(centre.y - radius)) - row + 1};
+}
+
 }  // namespace
 
 KernelRowPixels PixelRows::arrays() {
-  KernelRowPixels pixels{x.data(),     x_low.data(),  x_width.data(), far2.data(),
-                         level.data(), sector.data(), verdict.data(), {}};
+  KernelRowPixels pixels{x.data(),    y.data(),     place.data(),  x_low.data(),   x_width.data(),
+                         far2.data(), level.data(), sector.data(), verdict.data(), {}};
   for (std::size_t k = 0; k < random.size(); ++k) pixels.random[k] = random[k].data();
   return pixels;
 }
 
 template <class Real>
 void TileTracer<Real>::add_microlens(LensIndex lens) {
-  const PixelWindow& tile = tile_;
   const Camera& camera = plan_.scene->camera;
   const Vec3 lens_place = camera.lens_place(lens);
   const Vec2 place{lens_place.x, lens_place.y}, from_foot = place - camera.foot();
   const int type = camera.lattice().type(lens);
   const PupilTable& table = plan_.scene->pupils.tables()[static_cast<std::size_t>(type)];
+  const double h = std::sqrt(dot(from_foot, from_foot));
+  const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
+  const auto [distance, radius] = table.micro_image(h);
+  const SensorSpec& sensor = camera.spec().sensor;
+  const PixelWindow pixels = pixels_of(sensor, tile_, place + distance * field, radius);
+  if (pixels.width <= 0 || pixels.height <= 0) return;
   const Sight sight = plan_.beams ? plan_.beams->lenses().look(type, lens_place) : Sight::filled;
   if (sight == Sight::nothing) return;
   beam_.reset();
@@ -57,14 +79,10 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     beam_ = plan_.beams->pixels()->of(type, place);
     kernel_beam_ = beam_->kernel();
   }
-  const double h = std::sqrt(dot(from_foot, from_foot));
   generate_queued();  // what is queued belongs to the patch before
   table.look_up(h, node_);
   const PupilNode& node = node_;
   if (node.dark()) return;
-  const Vec2 field = h > 0 ? (1.0 / h) * from_foot : Vec2{1, 0};
-  const Vec2 centre = node.centre * field;
-  const double outer = node.outer_radius;
   whole_ = whole_aperture(table.discs.bound);
   patch_ = microlens_patch<Real>(table, node, place, field, camera.ideal_array());
   has_own_lens_ = false;
@@ -73,44 +91,29 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     set_lens(camera, lens, own_lens_);
     has_own_lens_ = true;
   }
-  const SensorSpec& sensor = camera.spec().sensor;
-  const double pitch = sensor.pixel_pitch;
-  const Vec2 image = place + centre;
-  const auto column_of = [&](double x) {
-    return static_cast<int>(std::floor(0.5 * sensor.columns - x / pitch));
-  };
-  const auto row_of = [&](double y) {
-    return static_cast<int>(std::floor(0.5 * sensor.rows - y / pitch));
-  };
-  const int column0 = std::max(tile.x, column_of(image.x + outer));
-  const int column1 = std::min(tile.x + tile.width - 1, column_of(image.x - outer));
-  const int row0 = std::max(tile.y, row_of(image.y + outer));
-  const int row1 = std::min(tile.y + tile.height - 1, row_of(image.y - outer));
   const std::uint64_t key =
       mix64((static_cast<std::uint64_t>(static_cast<std::uint32_t>(lens.q)) << 32 |
              static_cast<std::uint32_t>(lens.r)) ^
             plan_.settings->seed);
-  if (column1 < column0) return;
   KernelRows survey =
       survey_of(camera, node, plan_.worths[static_cast<std::size_t>(type)].at(h), place.x, field);
-  survey.column = static_cast<std::uint32_t>(column0);
-  survey.count = column1 - column0 + 1;
-  survey.stride = (survey.count + kRowLanes - 1) / kRowLanes * kRowLanes;
+  survey.column = static_cast<std::uint32_t>(pixels.x);
+  survey.count = pixels.width;
   survey.key = key;
   type_ = type;
   static_assert(Film::kTile <= kRowsPixels);
-  const int together = kRowsPixels / survey.stride;
-  std::array<double, kRowsPixels / kRowLanes> y;
+  const int together = kRowsPixels / survey.count;
+  std::array<double, kRowsPixels> y;
   survey.y = y.data();
   const KernelRowPixels arrays = rows_.arrays();
-  for (int first = row0; first <= row1; first += together) {
+  for (int first = pixels.y; first < pixels.y + pixels.height; first += together) {
     survey.row = static_cast<std::uint32_t>(first);
-    survey.rows = std::min(together, row1 - first + 1);
+    survey.rows = std::min(together, pixels.y + pixels.height - first);
     for (int row = 0; row < survey.rows; ++row)
       y[static_cast<std::size_t>(row)] = camera.sensor_point(0, first + row + 0.5).y - place.y;
     plan_.kernels.survey_rows(survey, arrays);
     if (beam_) plan_.kernels.judge_rows(survey, kernel_beam_, arrays);
-    for (int row = 0; row < survey.rows; ++row) add_row(survey, row);
+    add_rows(survey);
   }
 }
 

@@ -370,9 +370,9 @@ void TileTracer<Real>::add_to_film(int channel) {
     int left = points - pending.offset % points;
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
-      // Which of the two must not depend on other pixels.
-      double sum = few && end - i == points
-                       ? static_cast<double>(sums_from[i])
+      // Blocks hold all points of a replicate that has few.
+      static_assert(kBlockRays % (1 << kMostDoublings) == 0);
+      double sum = few ? static_cast<double>(sums_from[i])
                        : plan_.kernels.sum(block_.weight + i, radiance + i, end - i);
       i = end;
       if (plan_.table) sum = not_negative(sum, scale);

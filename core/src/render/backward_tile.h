@@ -142,9 +142,12 @@ using PairRandom = std::array<std::uint64_t, kRowWords>;
 
 /// What is found of rows of pixels (KernelRowPixels).
 struct PixelRows {
-  alignas(64) std::array<double, kRowsPixels> x, x_low, x_width, far2;
-  alignas(64) std::array<int, kRowsPixels> level, sector, verdict;
-  alignas(64) std::array<std::array<std::uint64_t, kRowsPixels>, kRowWords> random;
+  template <class Number>
+  using Array = std::array<Number, kRowsPixels + kRowLanes>;
+  alignas(64) Array<double> x, y, x_low, x_width, far2;
+  alignas(64) Array<int> level, sector, verdict;
+  alignas(64) Array<std::uint64_t> place;
+  alignas(64) std::array<Array<std::uint64_t>, kRowWords> random;
 
   KernelRowPixels arrays();
 };
@@ -165,8 +168,7 @@ class TileTracer {
   void add_bare_pixel(int column, int row, const PupilTable& table, const BeamBounds* beams,
                       int type);
   void end_at_microlenses(int first, int count);
-  void add_row(const KernelRows& rows, int row);
-  bool sees(double y, std::size_t k) const;
+  void add_rows(const KernelRows& rows);
   std::uint64_t chosen_replicates(std::uint64_t random, int sparse) const;
   void add_pair(int column, int row, const SampleLevel& level, std::uint64_t chosen,
                 const PairRandom& random);

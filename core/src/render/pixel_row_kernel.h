@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// Looked at together, at most; rows take up multiples of kRowLanes.
+/// Looked at together, at most, and in one vector.
 inline constexpr int kRowsPixels = 256, kRowLanes = 8;
 inline constexpr int kWorthRings = 6;
 /// Of random bits, for each pixel: one of pixel and microlens, and those of its successors, from
@@ -18,9 +18,7 @@ inline constexpr int kRowWords = 5;
 /// Rows of pixels; all lengths from the microlens' centre [m]. A pixel's own is at
 /// x = (half_columns - (column + 1/2)) pitch - lens_x.
 struct KernelRows {
-  /// Columns, and from a pixel to that of the next row in the arrays: as many, up to a multiple of
-  /// kRowLanes; rows * stride is at most kRowsPixels.
-  int rows, count, stride;
+  int rows, count;  ///< so many columns; rows * count is at most kRowsPixels
   double half_columns, pitch, lens_x;
   const double* y;  ///< of the middle of each row
   /// Of each sector: no light comes from farther away than this from the micro-image's centre.
@@ -70,9 +68,10 @@ enum BeamVerdict {
               ///< parts
 };
 
-/// Arrays of what is found, with room for kRowsPixels.
+/// Arrays of what is found, with room for kRowsPixels + kRowLanes: one row after the other.
 struct KernelRowPixels {
-  double* x;                ///< of the pixel's centre
+  double *x, *y;            ///< of the pixel's centre
+  std::uint64_t* place;     ///< column << 32 | row
   double *x_low, *x_width;  ///< columns that get light; a width not above 0: none
   double* far2;             ///< squared: no point is farther from the micro-image's centre
   int* level;               ///< by worth

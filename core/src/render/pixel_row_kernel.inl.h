@@ -91,13 +91,15 @@ PLENOFLAME_INLINE void look_apart(const KernelRows& r, const KernelBeam& b, int 
 }  // namespace
 
 // In steps, each a loop over all pixels: a row alone is too short for a processor to have several
-// vectors under way. Rows are whole vectors: what is found must not depend on how many pixels there
+// vectors under way. All vectors are whole: what is found must not depend on how many pixels there
 // are.
 void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   const KernelRows r = rows;
-  const int stride = r.stride, padded = r.rows * stride;
+  const int count = r.rows * r.count, padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
   const double half = 0.5 * r.pitch;
   double* __restrict at_x = pixels.x;
+  double* __restrict at_y = pixels.y;
+  std::uint64_t* __restrict place = pixels.place;
   double* __restrict x_low = pixels.x_low;
   double* __restrict x_width = pixels.x_width;
   double* __restrict far2 = pixels.far2;
@@ -105,50 +107,58 @@ void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   int* __restrict sector = pixels.sector;
   const double* closes = rows.closes;
   alignas(64) double from_centre2[kRowsPixels], sector_found[kRowsPixels], level_found[kRowsPixels];
+  // Where each row's last vector goes beyond it the next row begins.
   for (int row = 0; row < r.rows; ++row) {
-    const double y = r.y[row] - r.centre_y, far_y = magnitude(y) + half;
-    for (int first = 0; first < stride; first += kRowLanes) {
-      const int k = row * stride + first;
+    const double y = r.y[row];
+    const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);
+    for (int first = 0; first < r.count; first += kRowLanes) {
+      const int k = row * r.count + first;
       const double start = static_cast<double>(static_cast<int>(r.column) + first);
+      const std::uint64_t start_number = r.column + static_cast<std::uint64_t>(first);
 #pragma omp simd simdlen(8)
       for (int i = 0; i < kRowLanes; ++i) {
         const double column = start + kLanes[i];
-        const double x = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
-        at_x[k + i] = x;
-        const double vx = x - r.centre_x, far_x = magnitude(vx) + half;
-        far2[k + i] = far_x * far_x + far_y * far_y;
-        const double distance2 = vx * vx + y * y;
-        from_centre2[k + i] = distance2;
-        // Squares with their signs: in the order of the numbers, without a root.
-        const double along = vx * r.field_x + y * r.field_y, along2 = along * magnitude(along);
-        double of_direction = 0;
-#pragma GCC unroll 8
-        for (int n = 0; n < kCutAzimuths - 1; ++n)
-          of_direction +=
-              along2 < kCutBorders[n] * magnitude(kCutBorders[n]) * distance2 ? 1.0 : 0.0;
-        sector_found[k + i] = distance2 > r.clear2 ? of_direction : double(kCutAzimuths);
+        at_x[k + i] = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
+        at_y[k + i] = y;
+        place[k + i] = (start_number + kLaneNumbers[i]) << 32 | number;
       }
     }
   }
+  for (int k = count; k < padded; ++k) {
+    at_x[k] = at_x[0];
+    at_y[k] = at_y[0];
+    place[k] = place[0];
+  }
+  for (int k = 0; k < padded; k += kRowLanes)
+#pragma omp simd simdlen(8)
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double vx = at_x[i] - r.centre_x, far_x = magnitude(vx) + half;
+      const double vy = at_y[i] - r.centre_y, far_y = magnitude(vy) + half;
+      far2[i] = far_x * far_x + far_y * far_y;
+      const double distance2 = vx * vx + vy * vy;
+      from_centre2[i] = distance2;
+      // Squares with their signs: in the order of the numbers, without a root.
+      const double along = vx * r.field_x + vy * r.field_y, along2 = along * magnitude(along);
+      double of_direction = 0;
+#pragma GCC unroll 8
+      for (int n = 0; n < kCutAzimuths - 1; ++n)
+        of_direction += along2 < kCutBorders[n] * magnitude(kCutBorders[n]) * distance2 ? 1.0 : 0.0;
+      sector_found[i] = distance2 > r.clear2 ? of_direction : double(kCutAzimuths);
+    }
 #pragma omp simd
   for (int i = 0; i < padded; ++i) sector[i] = static_cast<int>(sector_found[i]);
   // Columns inside of the disc that the sector's light comes from.
-  for (int row = 0; row < r.rows; ++row) {
-    const double near_y = greatest(magnitude(r.y[row] - r.centre_y) - half, 0.0);
-    const double near_y2 = near_y * near_y;
-    for (int first = 0; first < stride; first += kRowLanes) {
-      const int k = row * stride + first;
+  for (int k = 0; k < padded; k += kRowLanes)
 #pragma omp simd simdlen(8)
-      for (int i = 0; i < kRowLanes; ++i) {
-        const double radius = closes[sector[k + i]];
-        const double vx = at_x[k + i] - r.centre_x;
-        const double reach = square_root(greatest(radius * radius - near_y2, 0.0));
-        const double low = greatest(vx - half, -reach);
-        x_low[k + i] = r.centre_x + low;
-        x_width[k + i] = least(vx + half, reach) - low;
-      }
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double near_y = greatest(magnitude(at_y[i] - r.centre_y) - half, 0.0);
+      const double radius = closes[sector[i]];
+      const double vx = at_x[i] - r.centre_x;
+      const double reach = square_root(greatest(radius * radius - near_y * near_y, 0.0));
+      const double low = greatest(vx - half, -reach);
+      x_low[i] = r.centre_x + low;
+      x_width[i] = least(vx + half, reach) - low;
     }
-  }
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const double distance2 = from_centre2[i], width = x_width[i];
@@ -167,22 +177,14 @@ void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   std::uint64_t* __restrict c = pixels.random[2];
   std::uint64_t* __restrict d = pixels.random[3];
   std::uint64_t* __restrict e = pixels.random[4];
-  for (int row = 0; row < r.rows; ++row) {
-    const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);
-    for (int first = 0; first < stride; first += kRowLanes) {
-      const int k = row * stride + first;
-      const std::uint64_t start = r.column + static_cast<std::uint64_t>(first);
-#pragma omp simd simdlen(8)
-      for (int i = 0; i < kRowLanes; ++i) {
-        const std::uint64_t column = start + kLaneNumbers[i];
-        const std::uint64_t one = mixed((column << 32 | number) ^ r.key);
-        a[k + i] = one;
-        b[k + i] = mixed(one + 1);
-        c[k + i] = mixed(one + 2);
-        d[k + i] = mixed(one + 3);
-        e[k + i] = mixed(one + 4);
-      }
-    }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const std::uint64_t one = mixed(place[i] ^ r.key);
+    a[i] = one;
+    b[i] = mixed(one + 1);
+    c[i] = mixed(one + 2);
+    d[i] = mixed(one + 3);
+    e[i] = mixed(one + 4);
   }
 }
 
@@ -194,13 +196,13 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
   const double* raster = b.to_lit;
   alignas(64) double found[kRowsPixels];
   const double* __restrict at_x = pixels.x;
+  const double* __restrict at_y = pixels.y;
   int* __restrict verdict = pixels.verdict;
-  const int stride = r.stride;
-  for (int row = 0; row < r.rows; ++row) {
-    const double y = r.y[row], vy = y - r.centre_y;
+  const int all = r.rows * r.count, all_padded = (all + kRowLanes - 1) / kRowLanes * kRowLanes;
+  for (int k = 0; k < all_padded; k += kRowLanes)
 #pragma omp simd simdlen(8)
-    for (int i = row * stride; i < (row + 1) * stride; ++i) {
-      const double x = at_x[i], vx = x - r.centre_x;
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double x = at_x[i], vx = x - r.centre_x, y = at_y[i], vy = y - r.centre_y;
       const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
       const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
       const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
@@ -227,22 +229,20 @@ void judge_rows(const KernelRows& rows, const KernelBeam& of_beam, const KernelR
           is_short ? (beyond ? double(kSeesNothing) : double(kNeedsOutline)) : double(kNeedsLook);
       found[i] = holds | within ? double(kSeesSomething) : of_disc;
     }
-  }
 #pragma omp simd
-  for (int i = 0; i < r.rows * stride; ++i) verdict[i] = static_cast<int>(found[i]);
+  for (int i = 0; i < all_padded; ++i) verdict[i] = static_cast<int>(found[i]);
   // Those that get light and whose outline is left to look at, closed up.
   alignas(64) double x[kRowsPixels + kRowLanes], y[kRowsPixels + kRowLanes];
   alignas(64) double apart[kRowsPixels + kRowLanes];
   int numbers[kRowsPixels + kRowLanes];
   int count = 0;
-  for (int row = 0; row < r.rows; ++row)
-    for (int i = row * stride; i < row * stride + r.count; ++i) {
-      numbers[count] = i;
-      x[count] = at_x[i];
-      y[count] = r.y[row];
-      // No branch: it could not be foretold.
-      count += (verdict[i] >= kNeedsLook) & (pixels.x_width[i] > 0) ? 1 : 0;
-    }
+  for (int i = 0; i < all; ++i) {
+    numbers[count] = i;
+    x[count] = at_x[i];
+    y[count] = at_y[i];
+    // No branch: it could not be foretold.
+    count += (verdict[i] >= kNeedsLook) & (pixels.x_width[i] > 0) ? 1 : 0;
+  }
   if (count == 0) return;
   const int padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
   for (int i = count; i < padded; ++i) {

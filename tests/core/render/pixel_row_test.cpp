@@ -57,14 +57,11 @@ class Rows {
     first_row = static_cast<int>(0.5 * sensor.rows - (image.y + reach) / survey.pitch);
     last_row = static_cast<int>(0.5 * sensor.rows - (image.y - reach) / survey.pitch);
   }
-  void set_count(int count) {
-    survey.count = count;
-    survey.stride = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
-  }
+  void set_count(int count) { survey.count = count; }
   /// Rows from `first` on, as many as are looked at together, at most `most` of them.
   void take(int first, int most) {
     survey.row = static_cast<std::uint32_t>(first);
-    survey.rows = std::min({most, last_row - first, kRowsPixels / survey.stride});
+    survey.rows = std::min({most, last_row - first, kRowsPixels / survey.count});
     y_.clear();
     for (int row = 0; row < survey.rows; ++row)
       y_.push_back(camera_.sensor_point(0, first + row + 0.5).y - place_.y);
@@ -109,7 +106,7 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
           backward_kernels<float>(isa).survey_rows(survey, found.arrays());
           for (int pixel = 0; pixel < survey.rows * survey.count; ++pixel) {
             const int row = pixel / survey.count, i = pixel % survey.count;
-            const auto k = static_cast<std::size_t>(row * survey.stride + i);
+            const auto k = static_cast<std::size_t>(pixel);
             const Vec2 v = rows.pixel(row, i) - centre;
             const PixelView view = rows.node().cuts.look(v, half, field);
             const double near = std::hypot(std::max(std::fabs(v.x) - half, 0.0),
@@ -119,6 +116,8 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
                 std::min(rows.node().outer_radius, static_cast<double>(view.column->closes));
             ASSERT_TRUE(near > radius * (1 - 1e-9) || found.x_width[k] > 0);
             ASSERT_TRUE(near < radius * (1 + 1e-9) || !(found.x_width[k] > 0));
+            ASSERT_TRUE(within(found.x[k], rows.pixel(row, i).x, 1e-9, radius));
+            ASSERT_EQ(found.y[k], rows.pixel(row, i).y);
             ASSERT_EQ(&rows.node().cuts.sector(found.sector[k]), view.column);
             if (!(found.x_width[k] > 0)) {
               ++dark;
@@ -143,10 +142,11 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
             edges += level(1e-9) != level(-1e-9);
             levels[static_cast<std::size_t>(
                 std::min(found.level[k], static_cast<int>(WorthLevels::kCount)))] = true;
-            const std::uint64_t word = mix64(
-                (static_cast<std::uint64_t>(survey.column + static_cast<std::uint32_t>(i)) << 32 |
-                 (survey.row + static_cast<std::uint32_t>(row))) ^
-                survey.key);
+            const std::uint64_t numbers =
+                static_cast<std::uint64_t>(survey.column + static_cast<std::uint32_t>(i)) << 32 |
+                (survey.row + static_cast<std::uint32_t>(row));
+            EXPECT_EQ(found.place[k], numbers);
+            const std::uint64_t word = mix64(numbers ^ survey.key);
             EXPECT_EQ(found.random[0][k], word);
             for (std::size_t n = 1; n < kRowWords; ++n)
               EXPECT_EQ(found.random[n][k], mix64(word + n));
@@ -175,8 +175,8 @@ TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
       Rows rows(camera, pupils.tables().front(), place);
       const KernelBeam beam = beams->of(0, place).kernel();
       const auto kernels = backward_kernels<float>(isa);
-      const int count = rows.survey.count, stride = rows.survey.stride;
-      for (int first = rows.first_row; first < rows.last_row; first += kRowsPixels / stride) {
+      const int count = rows.survey.count;
+      for (int first = rows.first_row; first < rows.last_row; first += kRowsPixels / count) {
         rows.set_count(count);
         rows.take(first);
         const int together = rows.survey.rows;
@@ -196,9 +196,11 @@ TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
           kernels.judge_rows(survey, beam, some.arrays());
           for (int pixel = 0; pixel < survey.rows * survey.count; ++pixel) {
             const int i = pixel % survey.count, of_row = pixel / survey.count;
-            const auto k = static_cast<std::size_t>(of_row * survey.stride + i),
-                       of_all = static_cast<std::size_t>((row + of_row) * stride + skipped + i);
+            const auto k = static_cast<std::size_t>(pixel),
+                       of_all = static_cast<std::size_t>((row + of_row) * count + skipped + i);
             ASSERT_EQ(some.x[k], all.x[of_all]);
+            ASSERT_EQ(some.y[k], all.y[of_all]);
+            ASSERT_EQ(some.place[k], all.place[of_all]);
             ASSERT_EQ(some.x_low[k], all.x_low[of_all]);
             ASSERT_EQ(some.x_width[k], all.x_width[of_all]);
             ASSERT_EQ(some.far2[k], all.far2[of_all]);
@@ -257,9 +259,9 @@ TEST(PixelRow, VerdictsAreThoseOfTheBeam) {
         backward_kernels<float>(isa).judge_rows(survey, kernel, found.arrays());
         for (int number = 0; number < survey.rows * survey.count; ++number) {
           const int row = number / survey.count, i = number % survey.count;
-          if (!(found.x_width[static_cast<std::size_t>(row * survey.stride + i)] > 0)) continue;
+          if (!(found.x_width[static_cast<std::size_t>(number)] > 0)) continue;
           const Vec2 pixel = rows.pixel(row, i);
-          const int verdict = found.verdict[static_cast<std::size_t>(row * survey.stride + i)];
+          const int verdict = found.verdict[static_cast<std::size_t>(number)];
           ++verdicts[static_cast<std::size_t>(verdict)];
           const bool sees = beam.may_meet(pixel);
           if (verdict == kSeesNothing) {

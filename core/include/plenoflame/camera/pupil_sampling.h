@@ -82,6 +82,11 @@ class PupilTable {
   /// Linear interpolation; h beyond the table takes the last node.
   PupilNode at(double h) const;
   void look_up(double h, PupilNode& node) const;  ///< the same in place, as it is large
+  /// Of that node only `centre` and `outer_radius`: all light is inside of this disc.
+  struct MicroImage {
+    double centre, outer_radius;
+  };
+  MicroImage micro_image(double h) const;
 };
 
 /// Tables for all microlens types, or one for the camera without array.
