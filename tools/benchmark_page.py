@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Makes docs/benchmarks.md from what `plenoflame bench -o` wrote; called by tools/make_benchmarks.sh.
 
-    tools/benchmark_page.py FOLDER [RESULT.json ...]
+    tools/benchmark_page.py FOLDER PARTS [RESULT.json ...]
 
-FOLDER holds what `render --stats` wrote as whole-*.json, skipping-*.json, colour-*.json, native-*.json and memory-*.json. Sections for which there is
-nothing new stay as they are on the page.
+FOLDER holds what `render --stats` wrote as whole-*.json, skipping-*.json, colour-*.json, native-*.json and memory-*.json; of these PARTS, as in
+"whole memory", are read. Other sections stay as they are on the page.
 """
 
 import json
@@ -106,9 +106,6 @@ def skipping(folder):
         name, kind, _ = path.stem[len("skipping-"):].rsplit("-", 2)
         runs.setdefault(name, {}).setdefault(kind, []).append(json.loads(path.read_text()))
     if not runs:
-        return []
-    if any(len(run.get(kind, [])) != 3 for run in runs.values() for kind in ("with", "without", "difference")):
-        print("The measurement of skipping did not come to its end: the page keeps its section", file=sys.stderr)
         return []
     lines = ["## Skipping", "",
              "1 thread, with and without `--no-skip`, 16 samples unless others are given; medians of 3 runs. Difference: largest of any "
@@ -212,12 +209,16 @@ def by_title(sections):
 
 
 def main():
-    if len(sys.argv) < 2:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[1])
+    parts = sys.argv[2].split()
     old = by_title(["## " + text.rstrip("\n") + "\n" for text in PAGE.read_text(encoding="ascii").split("\n## ")[1:]])
-    new = by_title([section(pathlib.Path(argument)) for argument in sys.argv[2:]] + whole_images(folder) + skipping(folder) + colours(folder) + native(folder)
-                   + memory(folder))
+    sections = [section(pathlib.Path(argument)) for argument in sys.argv[3:]]
+    for part, make in {"whole": whole_images, "skipping": skipping, "colour": colours, "native": native, "memory": memory}.items():
+        if part in parts:
+            sections += make(folder)
+    new = by_title(sections)
     PAGE.write_text("\n".join([INTRODUCTION, *(old | new).values()]), encoding="ascii")
 
 

@@ -201,5 +201,6 @@ if wanted native; then
   done
   native "the same with a candle of voxels, 64 samples, 1000 x 1000 pixels" out/benchmarks/native-candle.toml --samples 64 --window 1000,1000,1000,1000
 fi
-python3 tools/benchmark_page.py out/benchmarks "${results[@]}"
+# Only what was measured now, all of it: of a run that was interrupted something may be left.
+python3 tools/benchmark_page.py out/benchmarks "$parts" "${results[@]}"
 echo "written: docs/benchmarks.md"

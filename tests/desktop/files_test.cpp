@@ -98,6 +98,8 @@ class FilesTest : public test::WindowFixture {
       when_shown<ImportDialog>([&](ImportDialog& dialog) {
         QTest::keyClicks(dialog.findChild<QLineEdit*>("importFile"), file("burner.vti"));
         QTest::keyClicks(dialog.findChild<QLineEdit*>("importSource"), "kappa");
+        // Millions of voxels: it cannot have ended before it is cancelled.
+        QTest::keyClicks(dialog.findChild<QLineEdit*>("importVoxelSize"), "0.4 mm");
         answer_file_dialog(file("out/burner.vdb"));
         QTest::keyClick(&dialog, Qt::Key_Return);
       });

@@ -357,8 +357,7 @@ class TableMaker {
 };
 
 std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& execution) {
-  Execution threads;
-  threads.threads = execution.threads;
+  const Execution threads = execution.threads_only();
   std::vector<std::unique_ptr<TableMaker>> makers;
   for (std::size_t type = 0; type < camera.microlenses().size(); ++type)
     makers.push_back(std::make_unique<TableMaker>(camera, static_cast<int>(type)));

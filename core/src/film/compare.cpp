@@ -86,7 +86,8 @@ struct Block {
 double normal_square(const Block& block, double freedom) {
   const double square = block.difference * block.difference / block.variance;
   if (!std::isfinite(freedom)) return square;
-  const double n = freedom * effective_pixels(block.variance, block.fourth, block.pixels, freedom);
+  const double n =
+      freedom * effective_pixels(block.variance, block.fourth, block.pixels, freedom, 1);
   const double factor = (8 * n + 1) / (8 * n + 3);
   return factor * factor * n * std::log1p(square / n);
 }

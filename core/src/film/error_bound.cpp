@@ -59,16 +59,18 @@ double student_tail(double t, double freedom) {
   return regularised_beta(0.5 * freedom, 0.5, freedom / sum, t2 / sum);
 }
 
-double effective_pixels(double squares, double fourth, double pixels, double freedom) {
+double effective_pixels(double squares, double fourth, double pixels, double freedom,
+                        double caution) {
   constexpr double kMost = 1e6;  // more change bounds by less than 0.2 %
-  const double unbiased = std::clamp(squares * squares * (freedom + 2) / (freedom * fourth), 1.0,
-                                     std::min(kMost, pixels));
+  // The ratio of unbiased estimates of (sum v)^2 and of sum v^2.
+  const double estimate =
+      std::clamp(squares * squares * (freedom + 2) / (freedom * fourth) - 2 / freedom, 1.0,
+                 std::min(kMost, pixels));
   // Relative variance of the squares of variances that were estimated from normal errors (moments
-  // of chi^2), times a factor that was found by trial (docs/theory.md, "Quasi-Monte Carlo and
-  // standard errors").
-  const double scatter = 6 * 8 * (freedom + 3) / (freedom * (freedom + 2));
-  const double unequal = std::max(0.0, 1 / unbiased - 1 / pixels);
-  return std::max(1.0, unbiased / (1 + scatter * unequal));
+  // of chi^2).
+  const double scatter = 8 * (freedom + 3) / (freedom * (freedom + 2));
+  const double unequal = std::max(0.0, 1 / estimate - 1 / pixels);
+  return std::max(1.0, estimate / (1 + caution * scatter * unequal));
 }
 
 }  // namespace plenoflame

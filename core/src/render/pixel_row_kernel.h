@@ -7,8 +7,8 @@
 
 namespace plenoflame {
 
-/// Looked at together, at most, and in one vector.
-inline constexpr int kRowsPixels = 256, kRowLanes = 8;
+inline constexpr int kRowsPixels = 256;  ///< looked at together, at most
+inline constexpr int kRowLanes = 8;      ///< of them in a vector
 inline constexpr int kWorthRings = 6;
 /// Of random bits, for each pixel: one of pixel and microlens, and those of its successors, from
 /// one to four more. Whatever else is made of the first one adds a number of its own, far from

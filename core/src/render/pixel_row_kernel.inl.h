@@ -91,8 +91,8 @@ PLENOFLAME_INLINE void look_apart(const KernelRows& r, const KernelBeam& b, int 
 }  // namespace
 
 // In steps, each a loop over all pixels: a row alone is too short for a processor to have several
-// vectors under way. All vectors are whole: what is found must not depend on how many pixels there
-// are.
+// vectors under way. Vectors of lengths are whole ones: what is found must not depend on how many
+// pixels there are. (Whole numbers and comparisons are the same in any vector.)
 void survey_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   const KernelRows r = rows;
   const int count = r.rows * r.count, padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;

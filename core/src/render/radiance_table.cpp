@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/isa_dispatch.h"
+
 namespace plenoflame {
 namespace {
 

@@ -109,14 +109,16 @@ TEST(Continued, AStoppedStartBindsNothing) {
 TEST(Continued, FinishedTilesLookLikeKeptOnes) {
   for (const int replicates : {1, 4}) {
     Scene description = paper_flame(200, 170, 0.004);
-    description.channels.push_back(description.channels.front());
-    description.channels.back() = {"green", ChannelKind::band, 550e-9, 10e-9};
+    description.camera.lens.surfaces[0].glass = "N-BK7";
+    description.channels = {{"red", ChannelKind::band, 700e-9, 10e-9},
+                            {"blue", ChannelKind::band, 450e-9, 10e-9}};
     const CompiledScene scene = compile(description);
     RenderSettings settings;
     settings.samples = 8;
     settings.replicates = replicates;
     settings.window = {13, 9, 140, 120};
     const RenderResult finished = render(scene, settings, threads(3));
+    EXPECT_EQ(finished.statistics.paths, 2);
     EXPECT_TRUE(finished.film.is_taken());
     settings.keep_sums = true;
     const RenderResult kept = render(scene, settings, one_thread());

@@ -58,8 +58,8 @@ struct RenderSettings {
   double checkpoint_seconds = 60;
 };
 
-/// Whether every pixel gets its number of samples at one go. Else they come in rounds until a
-/// target or a limit is reached (backward), or over the whole image (forward).
+/// Whether every pixel gets a number of samples that is fixed, at one go: backward only, as forward
+/// samples are those of the whole image, and with neither a target nor a limit.
 bool has_fixed_samples(const RenderSettings& settings);
 
 /// What was done, left out, and how long it took.
