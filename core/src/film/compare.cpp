@@ -74,23 +74,56 @@ double lit_flux(const SensorImage& reference, const PixelWindow& window) {
   return kLitShare * largest;
 }
 
-struct Block {
-  double difference = 0;
-  double variance = 0, fourth = 0;  ///< sums of the variances, of their squares
-  double pixels = 0;                ///< that have one
-};
+/// Whether differences are alike among the pixels of a block. Where they are independent, and 0 in
+/// the mean, the square of their sum has the sum of their squares as its mean, and its variance is
+/// known as well, however large and however distributed each of them is. That holds for sums over
+/// blocks with weights that do not depend on the differences, but not for ratios: errors that are
+/// large to one side make large both what is divided and what it is divided by.
+class BlockTest {
+ public:
+  struct Pixel {
+    double difference, flux, variance;
+  };
+  void add(const Pixel& pixel) {
+    const double square = pixel.difference * pixel.difference;
+    sum_ += pixel.difference;
+    squares_ += square;
+    fourth_ += square * square;
+    flux_ += pixel.flux;
+    variance_ += pixel.variance;
+  }
 
-/// (difference / error)^2 of a block as if the error were known: from Student's distribution, with
-/// as many degrees of freedom as the block's pixels give, to the normal one, by D. L. Wallace, Ann.
-/// Math. Stat. 30 (1959) 1124.
-double normal_square(const Block& block, double freedom) {
-  const double square = block.difference * block.difference / block.variance;
-  if (!std::isfinite(freedom)) return square;
-  const double n =
-      freedom * effective_pixels(block.variance, block.fourth, block.pixels, freedom, 1);
-  const double factor = (8 * n + 1) / (8 * n + 3);
-  return factor * factor * n * std::log1p(square / n);
-}
+  /// Sums over blocks, weighted by the inverse of their flux, as errors go about as its root.
+  struct Sums {
+    double squares = 0, excess = 0, variance = 0;
+    std::size_t blocks = 0;
+
+    double chi_square() const { return 1 + excess / squares; }
+    /// As of a multiple of chi-square with this mean and variance.
+    double score() const {
+      if (!(variance > 0)) return 0;
+      const double per_variance = 2 * squares / variance;
+      return normal_score((squares + excess) * per_variance, squares * per_variance);
+    }
+  };
+  /// Ends a block. @param dark flux of a dark one: weights of darker ones are no larger
+  void close(double dark, Sums& sums) {
+    // Differences that are smaller than the noise are taken as parts of it.
+    const double weight = 1 / std::max(dark, flux_),
+                 squares = weight * std::max(squares_, variance_);
+    if (squares > 0) {
+      sums.squares += squares;
+      sums.excess += weight * (sum_ * sum_ - squares_);
+      const double equal = squares_ > 0 ? 1 - fourth_ / (squares_ * squares_) : 1;
+      sums.variance += 2 * squares * squares * equal;
+      ++sums.blocks;
+    }
+    *this = {};
+  }
+
+ private:
+  double sum_ = 0, squares_ = 0, fourth_ = 0, flux_ = 0, variance_ = 0;
+};
 
 }  // namespace
 
@@ -119,9 +152,11 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   // Half a unit in the last place of single precision: values were rounded when stored.
   constexpr double kRounding = 0x1p-24;
   double sum_a = 0, sum_b = 0, difference_sum = 0, square_sum = 0, variance_sum = 0;
-  double flux = 0, stray = 0, chi_sum = 0, block_sum = 0;
+  double flux = 0, stray = 0, chi_sum = 0;
+  BlockTest::Sums block_sums;
+  const double dark_block = lit_above * kBlock * kBlock;
   double lit_in_either = 0, dark_in_one = 0;
-  std::vector<Block> blocks(static_cast<std::size_t>((window.width + kBlock - 1) / kBlock));
+  std::vector<BlockTest> blocks(static_cast<std::size_t>((window.width + kBlock - 1) / kBlock));
   for (int y = 0; y < window.height; ++y) {
     for (int x = 0; x < window.width; ++x) {
       const int column = window.x + x, row = window.y + y;
@@ -152,6 +187,8 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
       } else {
         stray += va;
       }
+      if (result.has_standard_errors)
+        blocks[static_cast<std::size_t>(x / kBlock)].add({difference, va + vb, variance});
       if (!(variance > 0)) continue;
       const double z = difference / std::sqrt(variance);
       chi_sum += z * z;
@@ -161,20 +198,9 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
         result.largest_z_column = column;
         result.largest_z_row = row;
       }
-      Block& block = blocks[static_cast<std::size_t>(x / kBlock)];
-      block.difference += difference;
-      block.variance += variance;
-      block.fourth += variance * variance;
-      block.pixels += 1;
     }
     if ((y + 1) % kBlock != 0 && y + 1 != window.height) continue;
-    for (Block& block : blocks) {
-      if (block.variance > 0) {
-        block_sum += normal_square(block, result.freedom);
-        ++result.blocks;
-      }
-      block = {};
-    }
+    for (BlockTest& block : blocks) block.close(dark_block, block_sums);
   }
   if (result.lit_pixels == 0)
     throw InputError("the reference is dark: no pixel in common has a flux above 0");
@@ -188,13 +214,13 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   result.dark_in_one_share = dark_in_one / lit_in_either;
   if (result.chi_square_pixels > 0) {
     const auto pixels = static_cast<double>(result.chi_square_pixels);
-    const auto count = static_cast<double>(result.blocks);
     result.relative_bias_error = std::sqrt(variance_sum) / n / result.reference_mean;
     result.expected_rmse = std::sqrt(variance_sum / n) / result.reference_mean;
     result.largest_z_probability = largest_probability(result.largest_z, pixels, result.freedom);
     result.chi_square = chi_sum / pixels;
-    result.block_chi_square = block_sum / count;
-    result.block_score = normal_score(block_sum, count);
+    result.blocks = block_sums.blocks;
+    result.block_chi_square = block_sums.chi_square();
+    result.block_score = block_sums.score();
   }
   return result;
 }

@@ -59,9 +59,9 @@ double student_tail(double t, double freedom) {
   return regularised_beta(0.5 * freedom, 0.5, freedom / sum, t2 / sum);
 }
 
-double effective_pixels(double squares, double fourth, double pixels, double freedom,
-                        double caution) {
-  constexpr double kMost = 1e6;  // more change bounds by less than 0.2 %
+double effective_pixels(double squares, double fourth, double pixels, double freedom) {
+  constexpr double kMost = 1e6;   // more change bounds by less than 0.2 %
+  constexpr double kCaution = 4;  // by trial
   // The ratio of unbiased estimates of (sum v)^2 and of sum v^2.
   const double estimate =
       std::clamp(squares * squares * (freedom + 2) / (freedom * fourth) - 2 / freedom, 1.0,
@@ -70,7 +70,7 @@ double effective_pixels(double squares, double fourth, double pixels, double fre
   // of chi^2).
   const double scatter = 8 * (freedom + 3) / (freedom * (freedom + 2));
   const double unequal = std::max(0.0, 1 / estimate - 1 / pixels);
-  return std::max(1.0, estimate / (1 + caution * scatter * unequal));
+  return std::max(1.0, estimate / (1 + kCaution * scatter * unequal));
 }
 
 }  // namespace plenoflame

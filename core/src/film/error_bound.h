@@ -14,15 +14,11 @@ double student_tail(double t, double freedom);
 /// As many pixels of equal variance would tell as much about the sum of their variances as these
 /// do (Satterthwaite, Biometrics Bull. 2 (1946) 110), from 1 to as many as there are. Where a few
 /// of them make most of the sum, it is fewer than the estimate from their variances: that is
-/// largest just when these few came out too small, which is when the sum itself is.
+/// largest just when these few came out too small, which is when the sum itself is. By how many was
+/// found by trial (docs/theory.md, "Quasi-Monte Carlo and standard errors").
 /// @param squares, fourth sums of estimated variances, and of their squares
 /// @param freedom degrees of freedom that each variance was estimated with: the expectation of its
 /// square is (freedom + 2) / freedom times that of the variance, squared
-/// @param caution how much fewer: 0 not at all; 1 gives what depends on the number weakly about its
-/// right mean; kCautionOfBounds lets bounds hold (by trial: docs/theory.md, "Quasi-Monte Carlo and
-/// standard errors")
-double effective_pixels(double squares, double fourth, double pixels, double freedom,
-                        double caution);
-inline constexpr double kCautionOfBounds = 4;
+double effective_pixels(double squares, double fourth, double pixels, double freedom);
 
 }  // namespace plenoflame

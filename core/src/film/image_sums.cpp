@@ -126,8 +126,7 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
   // freedom (Welch-Satterthwaite).
   const double r = replicates;
-  const double freedom =
-      effective_pixels(sums.squares, sums.fourth, sums.pixels, r - 1, kCautionOfBounds);
+  const double freedom = effective_pixels(sums.squares, sums.fourth, sums.pixels, r - 1);
   stated.bound = std::sqrt(sums.squares * sums.may_be *
                            f_quantile(kErrorConfidence, freedom, freedom * (r - 1))) /
                  sums.total;

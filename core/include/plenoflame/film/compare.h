@@ -41,14 +41,15 @@ struct Comparison {
   /// more when s was estimated from few randomisations ((R - 1) / (R - 3) for R of them).
   double chi_square = 0;
   std::size_t chi_square_pixels = 0;
-  /// * The same of sums over blocks of kBlock x kBlock pixels: sees differences that are small in
-  /// each pixel but alike among neighbours. Of each block as if its error were known, from
-  /// Student's distribution with the degrees of freedom that its pixels and their randomisations
-  /// give to the normal one.
+  /// Sees differences that are small in each pixel but alike among neighbours: (sum of a - b)^2
+  /// over sum of (a - b)^2, of blocks of kBlock x kBlock pixels, both summed over blocks in units
+  /// of their flux. 1 where differences are independent, whatever their size and distribution;
+  /// nearer to it where they are smaller than the standard errors, as those of images with the same
+  /// seed.
   double block_chi_square = 0;
   std::size_t blocks = 0;
-  /// * How far block_chi_square is above 1, in standard deviations of a normal distribution
-  /// (Wilson and Hilferty, PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
+  /// How far that is above 1, in standard deviations of a normal distribution (Wilson and Hilferty,
+  /// PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
   double block_score = 0;
   /// Of the pixels that are lit in one of the images, the share in which the other is exactly 0:
   /// where no ray has found light yet the error is not 0, as its estimate is. Unless these
