@@ -67,8 +67,8 @@ double effective_pixels(double squares, double fourth, double pixels, double fre
       std::clamp(squares * squares * (freedom + 2) / (freedom * fourth) - 2 / freedom, 1.0,
                  std::min(kMost, pixels));
   // Relative variance of the squares of variances that were estimated from normal errors (moments
-  // of chi^2).
-  const double scatter = 8 * (freedom + 3) / (freedom * (freedom + 2));
+  // of chi^2), over their degrees of freedom.
+  const double scatter = 8 * (freedom + 3) / (freedom * freedom * (freedom + 2));
   const double unequal = std::max(0.0, 1 / estimate - 1 / pixels);
   return std::max(1.0, estimate / (1 + kCaution * scatter * unequal));
 }
