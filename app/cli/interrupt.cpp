@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
+#include <ctime>
 
 #include "plenoflame/base/error.h"
 
@@ -15,20 +17,29 @@ namespace {
 // A signal handler can reach nothing but globals. Requesting a stop may lock and run callbacks,
 // which a handler must not do: it writes one byte, and a thread that waits for it does the rest.
 std::atomic<int> write_end{-1};
-std::atomic<int> signals{0};
+/// [ms] of the monotonic clock when the first signal came; 0: none did.
+std::atomic<std::int64_t> first_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 struct sigaction previous_interrupt;
 struct sigaction previous_terminate;
+
+/// [ms] What sends a signal to a process and to its group, such as timeout(1), means one.
+constexpr std::int64_t kTogether = 300;
 
 constexpr char kSignal = 's';
 constexpr char kEnd = 'e';
 
 extern "C" void plenoflame_on_signal(int number) {
   const int saved = errno;
-  if (signals.fetch_add(1) == 0) {
+  timespec clock{};
+  clock_gettime(CLOCK_MONOTONIC, &clock);
+  const std::int64_t now = std::int64_t{clock.tv_sec} * 1000 + clock.tv_nsec / 1000000;
+  std::int64_t first = 0;
+  if (first_signal.compare_exchange_strong(first, now)) {
     const ssize_t written = write(write_end.load(), &kSignal, 1);
     static_cast<void>(written);
-  } else {
+  } else if (now - first > kTogether) {
     signal(number, SIG_DFL);  // delivered again, with its usual effect, when this handler returns
     raise(number);
   }
@@ -42,7 +53,7 @@ InterruptHandler::InterruptHandler() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw Error("no pipe for the interrupt handler");
   read_end_ = ends[0];
-  signals = 0;
+  first_signal = 0;
   write_end = ends[1];
   watcher_ = std::jthread([source = stop_, read_end = read_end_]() mutable {
     char what = 0;

@@ -4,8 +4,8 @@
 
 namespace plenoflame::cli {
 
-/// While it exists, the first SIGINT (Ctrl-C) or SIGTERM requests a stop; the second ends the
-/// process at once, as if no handler were there. One at a time.
+/// While it exists, the first SIGINT (Ctrl-C) or SIGTERM requests a stop; another one, from 0.3 s
+/// later on, ends the process at once, as if no handler were there. One at a time.
 class InterruptHandler {
  public:
   /// @throws Error when the handlers cannot be installed

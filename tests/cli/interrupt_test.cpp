@@ -59,10 +59,21 @@ TEST(InterruptDeathTest, SecondSignalEndsAtOnce) {
     const InterruptHandler handler;
     raise(first);
     if (!stops_soon(handler)) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
     raise(second);
   };
   EXPECT_EXIT(twice(SIGINT, SIGINT), testing::KilledBySignal(SIGINT), "");
   EXPECT_EXIT(twice(SIGINT, SIGTERM), testing::KilledBySignal(SIGTERM), "");
+}
+
+// As from timeout(1), which signals its child and then the group that the child is in.
+TEST(Interrupt, SignalsThatComeTogetherAreOne) {
+  InterruptHandler handler;
+  raise(SIGTERM);
+  EXPECT_TRUE(stops_soon(handler));
+  raise(SIGINT);
+  raise(SIGTERM);
+  EXPECT_TRUE(handler.interrupted());
 }
 
 }  // namespace
