@@ -329,6 +329,7 @@ class TableMaker {
       summarise(cuts_[i], table_.nodes[i]);
       table_.nodes[i].cuts = PixelCuts(cuts_[i]);
     }
+    table_.sharp_stop = has_sharp_edge();
   }
 
   PupilTable take() { return std::move(table_); }
@@ -344,6 +345,15 @@ class TableMaker {
     return farthest > 0 && reach < kMostReach ? reach : 0;
   }
   double place(std::size_t i) const { return static_cast<double>(i) * table_.field_step; }
+  bool has_sharp_edge() const {
+    double edges = 0, radii = 0;
+    for (const PupilCuts& cuts : cuts_)
+      for (const PupilColumn& column : cuts.columns) {
+        edges += static_cast<double>(column.closes - column.opens);
+        radii += static_cast<double>(column.closes);
+      }
+    return edges < PupilTable::kSharpEdge * radii;
+  }
 
   const Camera& given_;
   Camera camera_;

@@ -27,6 +27,8 @@ struct KernelPatch {
   /// Where rays cross the microlens' far face and the stop, if that is known: sensor and aim points
   /// times per_unit. The stop's axes (StopMap) are along `field`, away from the optical axis.
   bool finds_far, finds_stop;
+  /// Where the stop's edge is sharp it is looked for all along directions, too.
+  bool searches_stop;
   Real per_unit, far_reach, stop_reach, field_x, field_y;
   KernelCrossing<Real> at_far, at_pupil;
   Real along[6], across[4];

@@ -32,6 +32,7 @@ KernelPatch<Real> microlens_patch(const PupilTable& table, const PupilNode& node
   // An ideal microlens has one aperture, which the near disc is.
   patch.finds_far = node.far_reach > 0 && !ideal_array;
   patch.finds_stop = node.stop.known();
+  patch.searches_stop = patch.finds_stop && table.sharp_stop;
   patch.per_unit = static_cast<Real>(1 / table.at_pupil.unit);
   if (patch.finds_far) {
     set_crossing(table.at_far_face, patch.at_far);

@@ -1,6 +1,7 @@
 // What a rendering must not depend on, and what it says about itself.
 #include "plenoflame/render/render.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stop_token>
 #include <vector>
@@ -265,6 +266,26 @@ TEST(Render, StandardErrorsAreHonest) {
   EXPECT_TRUE(within(beyond2 / count, 0.0546, 0.012, 1));
   EXPECT_TRUE(within(beyond3 / count, 0.0054, 0.006, 1));
   EXPECT_TRUE(within(sum / count, 0, 4 / std::sqrt(count), 1));
+}
+
+// Also where the stop is imaged sharply, and what pixels at the edge of a micro-image see is
+// little.
+TEST(Render, NearlyAllRaysReachTheScene) {
+  for (const char* preset :
+       {"paper-plenoptic1", "paper-plenoptic2", "paper-previous-60x60", "raytrix-r29", "r12"}) {
+    Scene scene = paper_flame(1, 1);
+    scene.camera = preset_camera(preset);
+    if (scene.camera.array.types.size() == 1) scene.camera.focus.conjugate = "array";
+    const CompiledScene compiled = compile(scene);
+    const SensorSpec& sensor = scene.camera.sensor;
+    RenderSettings settings;
+    settings.samples = 64;
+    const int width = std::min(400, sensor.columns), height = std::min(400, sensor.rows);
+    settings.window = {(sensor.columns - width) / 2, (sensor.rows - height) / 2, width, height};
+    const RenderStatistics statistics = render(compiled, settings, one_thread()).statistics;
+    EXPECT_GT(statistics.rays, 1e5) << preset;
+    EXPECT_GE(statistics.rays_reached, 0.9 * statistics.rays) << preset;
+  }
 }
 
 }  // namespace

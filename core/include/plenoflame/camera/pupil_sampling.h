@@ -72,6 +72,10 @@ class PupilTable {
   /// With array: where rays cross the plane of the exit pupil, in its radii, and the microlens' far
   /// face, in radii of its aperture.
   RayCrossing at_pupil, at_far_face;
+  /// The microlens images the stop sharply: its edge takes up less than kSharpEdge of the
+  /// micro-image's radius, in the mean, and beside it pixels see little of the aperture.
+  bool sharp_stop = false;
+  static constexpr double kSharpEdge = 0.4;
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
   /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:
