@@ -257,16 +257,20 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
 
 /// Rays that a kernel makes of one pixel, in double precision: where they are aimed, and weights.
 template <class Real>
-std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts) {
-  const CameraSpec spec = preset_camera("paper-plenoptic2");
+std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts,
+                                           const std::string& preset, bool searches,
+                                           double from = 0.05, double step = 0.15) {
+  const CameraSpec spec = preset_camera(preset);
   const Camera camera(spec);
   const PupilSampling pupils(camera);
-  const PupilTable& table = pupils.tables()[1];
+  const PupilTable& table = pupils.tables()[pupils.tables().size() / 2];
   const Vec2 place{5e-3, 2e-3};
   const double h = length(place), pitch = spec.sensor.pixel_pitch;
   const PupilNode node = table.at(h);
   const Vec2 out = (1 / h) * place;
-  const auto patch = microlens_patch<Real>(table, node, place, out, false);
+  auto patch = microlens_patch<Real>(table, node, place, out, false);
+  EXPECT_EQ(patch.searches_stop, preset == "paper-plenoptic1");
+  patch.searches_stop = searches;
   constexpr int kCount = 48;
   std::vector<std::uint32_t> fractions(4 * kCount), numbers(kCount);
   for (std::uint32_t i = 0; i < fractions.size(); ++i) fractions[i] = 2654435769u * (i + 1);
@@ -279,7 +283,7 @@ std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts) {
   for (std::size_t k = 0; k < 9; ++k) *arrays[k] = storage.data() + k * kStride;
   block.code = codes.data();
   std::vector<std::array<double, 3>> rays;
-  for (double way = 0.05; way < 1; way += 0.15) {
+  for (double way = from; way < 1; way += step) {
     KernelPixel<Real> pixel{};
     const Vec2 centre = node.centre * out + way * node.outer_radius * Vec2{0.8, 0.6};
     pixel.x_low = static_cast<Real>(centre.x - 0.5 * pitch);
@@ -300,10 +304,10 @@ std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts) {
 }
 
 // Cuts that go up and down from step to step, over all of the micro-image.
-TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
-  const double outer =
-      PupilSampling(Camera(preset_camera("paper-plenoptic2"))).tables()[1].at(5e-3).outer_radius;
-  const double radius = 0.5 * preset_camera("paper-plenoptic2").array.diameter;
+PixelCuts wavy_cuts(const std::string& preset) {
+  const PupilSampling pupils(Camera(preset_camera(preset)));
+  const double outer = pupils.tables()[pupils.tables().size() / 2].at(5e-3).outer_radius;
+  const double radius = 0.5 * preset_camera(preset).array.diameter;
   PupilCuts shape;
   PupilColumn column;
   column.opens = static_cast<float>(0.05 * outer);
@@ -315,9 +319,13 @@ TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
           static_cast<float>(reach * radius);
     }
   shape.columns.fill(column);
-  const PixelCuts pixels(shape);
-  const CutColumn& cuts = *pixels.look({0.5 * outer, 0}, 1e-9, {1, 0}).column;
-  const auto expected = rays_of<double>(Isa::baseline, cuts);
+  return PixelCuts(shape);
+}
+
+void expect_aimed_alike(const std::string& preset, const CutColumn& cuts, bool searches,
+                        double from, double step) {
+  const double radius = 0.5 * preset_camera(preset).array.diameter;
+  const auto expected = rays_of<double>(Isa::baseline, cuts, preset, searches, from, step);
   double heaviest = 0;
   int light = 0;
   for (const auto& ray : expected) heaviest = std::max(heaviest, ray[2]);
@@ -332,9 +340,27 @@ TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
     }
   };
   for (const Isa isa : supported_isas()) {
-    compare(rays_of<double>(isa, cuts), 1e-9);
-    compare(rays_of<float>(isa, cuts), 2e-4);
+    compare(rays_of<double>(isa, cuts, preset, searches, from, step), 1e-9);
+    compare(rays_of<float>(isa, cuts, preset, searches, from, step), 2e-4);
   }
+}
+
+TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
+  const PixelCuts cuts = wavy_cuts("paper-plenoptic2");
+  expect_aimed_alike("paper-plenoptic2", cuts.sector(0), false, 0.05, 0.15);
+}
+
+// At the edge of the micro-image, with bounds that are far from the stop's edge.
+TEST(BackwardKernel, EveryInstructionSetSearchesAlike) {
+  constexpr double kFrom = 0.6, kStep = 0.01;
+  const std::string preset = "paper-plenoptic1";
+  const CutColumn cuts = whole_aperture(preset_camera(preset).array.diameter);
+  expect_aimed_alike(preset, cuts, true, kFrom, kStep);
+  const auto with = rays_of<double>(Isa::baseline, cuts, preset, true, kFrom, kStep),
+             without = rays_of<double>(Isa::baseline, cuts, preset, false, kFrom, kStep);
+  int closer = 0;
+  for (std::size_t i = 0; i < with.size(); ++i) closer += with[i][2] < 0.9 * without[i][2] ? 1 : 0;
+  EXPECT_GT(closer, 20);
 }
 
 }  // namespace
