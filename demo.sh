@@ -24,7 +24,7 @@ fi
 say "build"
 mkdir -p build/logs out
 {
-  cmake --preset release -DPLENOFLAME_WITH_VTK=OFF -DPLENOFLAME_WITH_DESKTOP=OFF -DBUILD_TESTING=OFF -DPLENOFLAME_WERROR=OFF -B build/demo &&
+  cmake --preset release -DPLENOFLAME_WITH_VTK=OFF -DPLENOFLAME_WITH_DESKTOP=OFF -DBUILD_TESTING=OFF -DPLENOFLAME_WERROR=OFF -DPLENOFLAME_COMPILE_TOGETHER=ON -B build/demo &&
     cmake --build build/demo -j "${PLENOFLAME_JOBS:-$(nproc)}"
 } >build/logs/demo.log 2>&1 || {
   tail -n 50 build/logs/demo.log

@@ -25,6 +25,7 @@ function(plenoflame_library)
   cmake_parse_arguments(ARG "" "NAME" "SOURCES;HEADERS;PUBLIC_LINKS;PRIVATE_LINKS" ${ARGN})
   set(target plenoflame_${ARG_NAME})
   add_library(${target} ${ARG_SOURCES})
+  plenoflame_compile_together(${target})
   add_library(plenoflame::${ARG_NAME} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS
     BASE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/include" FILES ${ARG_HEADERS})

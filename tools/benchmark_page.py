@@ -111,7 +111,7 @@ def skipping(folder):
              "1 thread, with and without `--no-skip`, 16 samples unless others are given; medians of 3 runs. Difference: largest of any "
              "pixel between the two pictures, as a share of the mean flux. The lens is single and wide open: what it sees of a point is blurred "
              "to several millimetres, so that 1.48 % of the pixels that the large sphere lights get some light of the small one; an ideal lens, "
-             "whose pixels see what the sphere fills, has rows of its own ([theory](theory.md#pupil-sampling)). Not in this table, because nothing can turn it on: work for an array or lens types "
+             "whose pixels see what the sphere fills, has rows of its own ([theory](theory/sampling.md#what-sees-nothing)). Not in this table, because nothing can turn it on: work for an array or lens types "
              "that are absent, vignetted directions, channels and error estimates that nobody asked for.", "",
              "| what is skipped, in which scene | rays | rays without | time | time without | gain | difference |",
              "|---|---|---|---|---|---|---|"]

@@ -5,9 +5,9 @@
 """
 
 import pathlib
-import re
-import subprocess
 import sys
+
+import command_help
 
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "reference" / "commands.md"
 
@@ -22,23 +22,12 @@ Progress is drawn on standard error if that is a terminal.
 """
 
 
-def help_of(*arguments):
-    return subprocess.run([*arguments, "--help"], capture_output=True, text=True, check=True,
-                          timeout=60).stdout.rstrip("\n")
-
-
-def commands(text):
-    """Names below 'Subcommands:' of a help text."""
-    return re.findall(r"^  (\w[\w-]*)", text.partition("Subcommands:\n")[2].partition("\n\n")[0], re.MULTILINE)
-
-
-def sections(command, names):
+def page_of(command):
     """One section per command, and one per command within it."""
-    text = help_of(command, *names)
-    below = commands(text)
-    page = [f"\n{'##' if len(names) < 2 else '###'} {' '.join(['plenoflame', *names])}\n\n```text\n{text}\n```\n"]
-    for name in below:
-        page += sections(command, [*names, name])
+    page = INTRODUCTION
+    for each in command_help.walk(command_help.read(command)):
+        level = "##" if len(each.names) < 2 else "###"
+        page += f"\n{level} {' '.join(['plenoflame', *each.names])}\n\n```text\n{each.text}\n```\n"
     return page
 
 
@@ -46,7 +35,7 @@ def main():
     arguments = [a for a in sys.argv[1:] if a != "--check"]
     if len(arguments) != 1:
         sys.exit(__doc__.strip())
-    page = INTRODUCTION + "".join(sections(arguments[0], []))
+    page = page_of(arguments[0])
     if "--check" not in sys.argv:
         PAGE.write_text(page)
         return

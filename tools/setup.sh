@@ -27,7 +27,6 @@ core          nlohmann-json3-dev       statistics and figures as JSON
 core          libeigen3-dev            small dense linear algebra
 core          libembree-dev            surfaces: ray tracing
 core          libtbb-dev               threads of Embree
-core          libassimp-dev            surfaces: meshes from OBJ, PLY and STL files
 volumes       libopenvdb-dev           flames as OpenVDB grids
 volumes       libtbb-dev               threads of OpenVDB
 volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find module asks for it)
@@ -47,6 +46,10 @@ vtk           xvfb                     pictures without a display
 vtk           xauth                    xvfb-run
 vtk           libgl1-mesa-dri          software rendering
 vtk           python3-matplotlib       examples in Python
+python        pybind11-dev             Python package without VTK (pip install .)
+python        python3-dev              the same
+python        python3-numpy            arrays of the Python package
+python        python3-pip              pip install .
 desktop       qtbase5-dev              desktop application: windows
 desktop       libvtk9-qt-dev           desktop application: 3-D views in windows
 desktop       libqt5svg5               desktop application: its icon
@@ -56,9 +59,17 @@ tests         libgtest-dev             unit tests
 tests         python3                  tests of the architecture and of the documentation
 tests         python3-numpy            reads exports as Python users do
 tests         python3-h5py             the same for HDF5
+tests         python3-scipy            solvers that ours are held against
 tests         binutils                 nm: tests for symbols that must not exist
 tests         clang-format-14          format check
 bench         libbenchmark-dev         micro-benchmarks
+package       dpkg-dev                 packages: which libraries they depend on (tools/release.sh)
+package       lintian                  packages: checks of Debian packages
+package       mmdebstrap               packages: a fresh Debian to install them into
+package       xz-utils                 packages: the sources
+site          mkdocs                   documentation as a site (tools/site.sh)
+site          mkdocs-material          its appearance and search
+site          doxygen                  reference of the C++ libraries
 dev           clang-tidy-14            static analysis (tools/tidy.sh)
 dev           lcov                     coverage report
 dev           imagemagick              pictures of the documentation (tools/make_pictures.sh)

@@ -1,5 +1,6 @@
 #include "help_formatter.h"
 
+#include <algorithm>
 #include <sstream>
 
 namespace plenoflame::cli {
@@ -7,6 +8,27 @@ namespace {
 
 constexpr std::size_t kWidth = 96;
 constexpr std::size_t kColumn = 26;
+
+/// Appends a line, broken between words, of which the first stands at column `begin`. Runs of
+/// blanks stay as they are: columns of a list.
+void append_wrapped(std::string& text, const std::string& line, std::size_t begin) {
+  std::size_t used = begin, at = 0;
+  while (at < line.size()) {
+    const std::size_t word = line.find_first_not_of(' ', at);
+    if (word == std::string::npos) break;
+    const std::size_t end = std::min(line.find(' ', word), line.size());
+    if (at > 0 && used + end - at > kWidth) {
+      text.append("\n").append(begin, ' ');
+      used = begin;
+    } else {
+      text.append(line, at, word - at);
+      used += word - at;
+    }
+    text.append(line, word, end - word);
+    used += end - word;
+    at = end;
+  }
+}
 
 std::string entry(const std::string& name, const std::string& description) {
   std::string text = "  " + name;
@@ -17,19 +39,11 @@ std::string entry(const std::string& name, const std::string& description) {
   }
   text.append(kColumn - used, ' ');
   used = kColumn;
-  std::istringstream words(description);
-  bool first = true;
-  for (std::string word; words >> word; first = false) {
-    if (!first && used + 1 + word.size() > kWidth) {
-      text += '\n';
-      text.append(kColumn, ' ');
-      used = kColumn;
-    } else if (!first) {
-      text += ' ';
-      ++used;
-    }
-    text += word;
-    used += word.size();
+  std::istringstream lines(description);
+  std::size_t begin = kColumn;  // where the lines of a list begin
+  for (std::string line; std::getline(lines, line); begin = kColumn + 2) {
+    if (begin > kColumn) text.append("\n").append(begin, ' ');
+    append_wrapped(text, line, begin);
   }
   text += '\n';
   return text;
@@ -43,8 +57,13 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
   for (std::size_t comma = name.find(','); comma != std::string::npos;
        comma = name.find(',', comma + 1))
     name.insert(comma + 1, " ");
+  // A flag that sets a value is declared as "--no-skip{false}"; the value is not to be typed.
+  for (std::size_t brace = name.find('{'); brace != std::string::npos; brace = name.find('{'))
+    name.erase(brace, name.find('}', brace) + 1 - brace);
   if (!is_positional) name += make_option_opts(option);
-  return entry(name, make_option_desc(option));
+  std::string description = make_option_desc(option);
+  if (!option->get_default_str().empty()) description += " (" + option->get_default_str() + ")";
+  return entry(name, description);
 }
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdint>
@@ -21,8 +22,9 @@ std::atomic<int> write_end{-1};
 std::atomic<std::int64_t> first_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 static_assert(std::atomic<std::int64_t>::is_always_lock_free);
-struct sigaction previous_interrupt;
-struct sigaction previous_terminate;
+/// Ctrl-C, a request to end, and a terminal or connection that went away.
+constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+std::array<struct sigaction, kSignals.size()> previous_actions;
 
 /// [ms] What sends a signal to a process and to its group, such as timeout(1), means one.
 constexpr std::int64_t kTogether = 300;
@@ -48,13 +50,7 @@ extern "C" void plenoflame_on_signal(int number) {
 
 }  // namespace
 
-InterruptHandler::InterruptHandler() {
-  if (write_end.load() >= 0) throw Error("there is an interrupt handler already");
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("no pipe for the interrupt handler");
-  read_end_ = ends[0];
-  first_signal = 0;
-  write_end = ends[1];
+void InterruptHandler::watch() {
   watcher_ = std::jthread([source = stop_, read_end = read_end_]() mutable {
     char what = 0;
     for (;;) {
@@ -67,17 +63,36 @@ InterruptHandler::InterruptHandler() {
       return;
     }
   });
+}
+
+InterruptHandler::InterruptHandler() {
+  if (write_end.load() >= 0) throw Error("there is an interrupt handler already");
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw Error("no pipe for the interrupt handler");
+  read_end_ = ends[0];
+  first_signal = 0;
+  try {
+    watch();
+  } catch (...) {  // no thread to be had
+    close(ends[0]);
+    close(ends[1]);
+    throw;
+  }
+  write_end = ends[1];
   struct sigaction action {};
   action.sa_handler = plenoflame_on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, &previous_interrupt);
-  sigaction(SIGTERM, &action, &previous_terminate);
+  for (std::size_t i = 0; i < kSignals.size(); ++i)
+    sigaction(kSignals[i], nullptr, &previous_actions[i]);
+  for (std::size_t i = 0; i < kSignals.size(); ++i)
+    // nohup(1) has SIGHUP ignored, a shell SIGINT of what runs behind: that is respected.
+    if (previous_actions[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
 }
 
 InterruptHandler::~InterruptHandler() {
-  sigaction(SIGINT, &previous_interrupt, nullptr);
-  sigaction(SIGTERM, &previous_terminate, nullptr);
+  for (std::size_t i = 0; i < kSignals.size(); ++i)
+    sigaction(kSignals[i], &previous_actions[i], nullptr);
   const int end = write_end.load();
   const ssize_t written = write(end, &kEnd, 1);
   static_cast<void>(written);

@@ -4,11 +4,12 @@
 
 namespace plenoflame::cli {
 
-/// While it exists, the first SIGINT (Ctrl-C) or SIGTERM requests a stop; another one, from 0.3 s
-/// later on, ends the process at once, as if no handler were there. One at a time.
+/// While it exists, the first SIGINT (Ctrl-C), SIGTERM or SIGHUP requests a stop; another one, from
+/// 0.3 s later on, ends the process at once, as if no handler were there. A signal that was ignored
+/// before stays so. One at a time.
 class InterruptHandler {
  public:
-  /// @throws Error when the handlers cannot be installed
+  /// @throws Error when the handlers cannot be installed, std::system_error when there is no thread
   InterruptHandler();
   ~InterruptHandler();
   InterruptHandler(const InterruptHandler&) = delete;
@@ -19,6 +20,8 @@ class InterruptHandler {
   bool interrupted() const { return stop_.stop_requested(); }
 
  private:
+  void watch();
+
   std::stop_source stop_;
   int read_end_ = -1;
   std::jthread watcher_;

@@ -1,21 +1,30 @@
 #include "medium_loader.h"
 
+#include <memory>
+
 #ifdef PLENOFLAME_HAS_VOLUMES
-#include "plenoflame/volumes/flame_file.h"
+#include "plenoflame/volumes/load_medium.h"
+#include "plenoflame/volumes/series_lattice.h"
 #endif
 
 namespace plenoflame::cli {
 
 MediumLoader medium_loader() {
 #ifdef PLENOFLAME_HAS_VOLUMES
-  return [](const FlameSpec& flame, const std::string& scene_folder,
-            const std::vector<SourceFunction>& channels, const Execution& execution) {
-    return flame.kind == FlameKind::vdb
-               ? load_flame(flame, scene_folder, channels, execution)
-               : load_core_medium(flame, scene_folder, channels, execution);
-  };
+  return load_medium;
 #else
   return load_core_medium;
+#endif
+}
+
+SeriesCheck series_check() {
+#ifdef PLENOFLAME_HAS_VOLUMES
+  return [lattice = std::make_shared<SeriesLattice>()](std::size_t flame, const FlameSpec& spec,
+                                                       const std::string& folder) {
+    lattice->check(flame, spec, folder);
+  };
+#else
+  return [](std::size_t, const FlameSpec&, const std::string&) {};
 #endif
 }
 

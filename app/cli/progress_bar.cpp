@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "plenoflame/base/printable.h"
+
 namespace plenoflame::cli {
 namespace {
 
@@ -93,8 +95,8 @@ void ProgressBar::message(Severity severity, const std::string& text) {
   if (quiet_ && severity == Severity::note) return;
   const std::lock_guard lock(mutex_);
   clear();
-  stream_ << "plenoflame: " << (severity == Severity::warning ? "warning" : "note") << ": " << text
-          << std::endl;
+  stream_ << "plenoflame: " << (severity == Severity::warning ? "warning" : "note") << ": "
+          << printable(text) << std::endl;
 }
 
 void ProgressBar::finish() {

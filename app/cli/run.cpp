@@ -6,14 +6,17 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "build_information.h"
 #include "commands/commands.h"
 #include "help_formatter.h"
+#include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/base/version.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -23,15 +26,46 @@ int fail(int status, std::string message) {
   while (!message.empty() && (message.back() == '\n' || message.back() == ' ')) message.pop_back();
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::cout.flush();
-  std::cerr << "plenoflame: error: " << message << '\n';
+  say("error: " + message);
   return status;
 }
 
-/// "plenoflame develop --help" for the command that was being parsed.
+/// The command that was being parsed: the innermost one.
+const CLI::App& chosen_command(const CLI::App& app) {
+  const std::vector<CLI::App*> chosen = app.get_subcommands();
+  return chosen.empty() ? app : chosen_command(*chosen.front());
+}
+
+/// "plenoflame develop --help" for it.
 std::string help_hint(const CLI::App& app) {
   std::string command = "plenoflame";
-  for (const CLI::App* chosen : app.get_subcommands()) command += ' ' + chosen->get_name();
+  for (const CLI::App* at = &app; !at->get_subcommands().empty();) {
+    at = at->get_subcommands().front();
+    command += ' ' + at->get_name();
+  }
   return " (see " + command + " --help)";
+}
+
+/// About arguments that the command does not take; empty: there are none.
+std::string unexpected_arguments(const CLI::App& app) {
+  const CLI::App& command = chosen_command(app);
+  const std::vector<std::string> arguments = command.remaining();
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  for (const std::string& argument : arguments) {
+    if (argument.size() < 2 || argument[0] != '-') continue;
+    const std::string name = argument.substr(0, argument.find('='));
+    const std::string nearest = nearest_name(name, options);
+    return "unknown option '" + name + "'" +
+           (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  }
+  std::string list;
+  for (const std::string& argument : arguments)
+    list.append(list.empty() ? "'" : ", '").append(argument).append("'");
+  if (list.empty()) return "";
+  return (arguments.size() == 1 ? "unexpected argument " : "unexpected arguments ") + list +
+         "; a value with blanks stands in quotes";
 }
 
 /// Message about a first argument that is no command; empty: it is one, or an option.
@@ -47,12 +81,19 @@ std::string unknown_command(const CLI::App& app, int argc, const char* const* ar
          (nearest.empty() ? "" : "; did you mean '" + nearest + "'?") + " (see plenoflame --help)";
 }
 
-int parse_and_run(int argc, const char* const* argv) {
+int act(const Action& action, std::optional<InterruptHandler>& interrupt) {
+  if (interrupt && interrupt->interrupted()) throw Cancelled();
+  if (action.stoppable) return action.stoppable(interrupt ? interrupt->token() : std::stop_token());
+  interrupt.reset();
+  return action.plain ? action.plain() : kSuccess;
+}
+
+int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt) {
   CLI::App app{"Simulates a light-field (plenoptic) camera photographing a flame."};
   app.name("plenoflame");
   app.formatter(std::make_shared<HelpFormatter>());
-  app.set_version_flag("--version", "plenoflame " + std::string(version()),
-                       "Print the version and exit");
+  app.set_version_flag("--version", build_information(),
+                       "Print version, commit, parts and instruction set, and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   Action action;
@@ -65,28 +106,52 @@ int parse_and_run(int argc, const char* const* argv) {
     app.exit(request, std::cout, std::cerr);
     return kSuccess;
   } catch (const CLI::RequiredError& error) {
+    // A misspelt option comes first: what is missing may be what it was meant for.
+    const std::string unexpected = unexpected_arguments(app);
+    if (!unexpected.empty()) return fail(kBadUse, unexpected + help_hint(app));
     if (!app.get_subcommands().empty()) return fail(kBadUse, error.what() + help_hint(app));
-    const std::vector<std::string> unknown = app.remaining();
-    return fail(kBadUse, (unknown.empty() ? "a command is required"
-                                          : "unknown option '" + unknown.front() + "'") +
-                             help_hint(app));
+    return fail(kBadUse, "a command is required" + help_hint(app));
+  } catch (const CLI::ExtrasError& error) {
+    const std::string unexpected = unexpected_arguments(app);
+    return fail(kBadUse, (unexpected.empty() ? error.what() : unexpected) + help_hint(app));
   } catch (const CLI::ParseError& error) {
     return fail(kBadUse, error.what() + help_hint(app));
   }
-  return action ? action() : kSuccess;
+  return act(action, interrupt);
 }
 
 }  // namespace
 
 int run(int argc, const char* const* argv) {
+  std::optional<InterruptHandler> interrupt;
   try {
-    const int status = parse_and_run(argc, argv);
+    interrupt.emplace();
+  } catch (const std::exception&) {
+    // Without a thread to wait for signals they have their usual effect.
+  }
+  return run(argc, argv, interrupt);
+}
+
+int run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt) {
+  try {
+    const int status = parse_and_run(argc, argv, interrupt);
     if (!std::cout.flush()) return fail(kFailure, "standard output cannot be written (disk full?)");
     return status;
+  } catch (const Cancelled&) {
+    std::cout.flush();
+    std::cerr << "plenoflame: stopped; nothing was written\n";
+    return kFailure;
   } catch (const UsageError& error) {
     return fail(kBadUse, error.what());
   } catch (const std::bad_alloc&) {
     return fail(kFailure, "not enough memory");
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::resource_unavailable_try_again)
+      return fail(
+          kFailure,
+          "no thread can be started: the limit on processes or on memory (ulimit -u, -v) is "
+          "reached");
+    return fail(kFailure, error.what());
   } catch (const std::exception& error) {
     return fail(kFailure, error.what());
   } catch (...) {

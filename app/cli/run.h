@@ -1,4 +1,7 @@
 #pragma once
+#include <optional>
+
+#include "interrupt.h"
 
 namespace plenoflame::cli {
 
@@ -8,7 +11,12 @@ inline constexpr int kFailure = 1;  ///< the input or the machine is at fault
 inline constexpr int kBadUse = 2;   ///< the command line is at fault
 
 /// The command `plenoflame`: parses, calls the chosen command, turns every exception into one line
-/// on standard error. @return the exit status
+/// on standard error.
+/// @param interrupt handles signals since before; given up for a command that does not look at it
+/// @return the exit status
+int run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt);
+
+/// The same, with a handler of signals where the system has a thread for it.
 int run(int argc, const char* const* argv);
 
 }  // namespace plenoflame::cli

@@ -11,6 +11,7 @@
 #include <QSurfaceFormat>
 #include <QTabWidget>
 #include <QTimer>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -33,6 +34,22 @@ int fail(int status, const QString& message) {
   return status;
 }
 
+/// Whether a window could be shown. Without a display Qt itself would end the process, with lines
+/// about plug-ins.
+bool has_display() {
+  const QByteArray platform = qgetenv("QT_QPA_PLATFORM");
+  if (!platform.isEmpty() && !platform.startsWith("xcb") && !platform.startsWith("wayland"))
+    return true;
+  return !qEnvironmentVariableIsEmpty("DISPLAY") || !qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY");
+}
+
+/// Whether only a text is asked for, which needs no window.
+bool asks_for_text(int argc, char** argv) {
+  return std::any_of(argv + 1, argv + argc, [](const std::string_view argument) {
+    return argument == "-h" || argument == "--help" || argument == "-v" || argument == "--version";
+  });
+}
+
 /// What a crash in any thread ends with: a word on where the work is, then the end that it would
 /// have been. Only what may be called in a signal handler.
 void say_goodbye(int signal) {
@@ -50,6 +67,14 @@ int main(int argc, char** argv) {
   using plenoflame::desktop::MainWindow;
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS})
     std::signal(signal, say_goodbye);
+  if (!has_display()) {
+    if (!asks_for_text(argc, argv))
+      return fail(
+          1,
+          "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); log in with one, or "
+          "put xvfb-run -a in front of the command (Debian packages xvfb and xauth)");
+    qputenv("QT_QPA_PLATFORM", "offscreen");
+  }
   QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
 #if QT_VERSION < QT_VERSION_CHECK(6, 0, 0)
   QApplication::setAttribute(Qt::AA_EnableHighDpiScaling);
@@ -110,8 +135,8 @@ int main(int argc, char** argv) {
   window.appear();
   QString wrong;
   if (!parser.positionalArguments().isEmpty()) {
-    // Opening a file selects nothing: that comes after.
-    const bool begun = window.open(parser.positionalArguments().front(), [&] {
+    // Opening a file clears the selection, which is therefore made afterwards.
+    const bool begun = window.begin(parser.positionalArguments().front(), [&] {
       wrong = window.apply_options(parser.value(pixel), {}, {}, false);
       if (!wrong.isEmpty()) QApplication::exit(fail(2, wrong));
     });
@@ -125,7 +150,7 @@ int main(int argc, char** argv) {
     }
     if (!wrong.isEmpty()) return 2;
   } else if (!unattended) {
-    window.offer_recovery();
+    window.begin({});
   }
   wrong = window.apply_options(parser.value(pixel), parser.value(part), parser.value(dock),
                                parser.isSet(dark));
@@ -153,10 +178,15 @@ int main(int argc, char** argv) {
     // Where views are on display, and can be made, they are waited for.
     const bool views_missing =
         views && views->isVisible() && !session.document().is_empty() &&
-        session.document().scene().camera.array.present && window.last_message().isEmpty() &&
+        session.document().camera().array.present && window.last_message().isEmpty() &&
         (!session.light_field().views() ||
          (refocus &&
           (!session.light_field().refocused().image || session.light_field().refocused().preview)));
+    const QString& failure = session.compiler().failure();
+    if (!failure.isEmpty()) {
+      poll.stop();
+      return QApplication::exit(fail(1, failure));
+    }
     settled = window.is_settled() && !views_missing ? settled + 1 : 0;
     const bool late = since.elapsed() > 1000 * kScreenshotDeadline;
     if (settled < 6 && !late) return;

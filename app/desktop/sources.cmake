@@ -1,14 +1,15 @@
 # What the desktop application is made of: read by the program's own CMakeLists.txt and by tests/desktop_qt6.
 set(desktop_model_sources
+  model/coarse_picture.cpp
   model/colour_map.cpp
   model/design_job.cpp
   model/document.cpp
   model/flame_cache.cpp
-  model/flame_generator.cpp
   model/flame_glow.cpp
   model/flame_look.cpp
   model/flame_sampler.cpp
   model/image_display.cpp
+  model/key_relevance.cpp
   model/latest_task.cpp
   model/light_field_jobs.cpp
   model/parameter_model.cpp
@@ -21,12 +22,14 @@ set(desktop_model_sources
   model/session.cpp
   model/undo_history.cpp)
 set(desktop_widget_sources
+  widgets/colour_bar.cpp
   widgets/design_panel.cpp
   widgets/file_tasks.cpp
   widgets/flame_dialogs.cpp
   widgets/flame_look_editor.cpp
   widgets/flame_opacity.cpp
   widgets/flame_panel.cpp
+  widgets/help_window.cpp
   widgets/image_panel.cpp
   widgets/image_view.cpp
   widgets/import_dialog.cpp
@@ -34,6 +37,8 @@ set(desktop_widget_sources
   widgets/main_window.cpp
   widgets/main_window_files.cpp
   widgets/main_window_menus.cpp
+  widgets/main_window_session.cpp
+  widgets/notice.cpp
   widgets/opacity_curve.cpp
   widgets/plot_widget.cpp
   widgets/ray_lines.cpp
@@ -43,12 +48,15 @@ set(desktop_widget_sources
   widgets/scene_geometry.cpp
   widgets/scene_panel.cpp
   widgets/scene_view.cpp
+  widgets/scene_view_aim.cpp
   widgets/section_view.cpp
   widgets/theme.cpp
+  widgets/view_commands.cpp
   widgets/welcome_page.cpp)
 # With macros of VTK in them.
 set(desktop_vtk_sources widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
-  widgets/ruler.cpp widgets/scene_geometry.cpp widgets/scene_view.cpp)
+  widgets/ruler.cpp widgets/scene_geometry.cpp widgets/scene_view.cpp
+  widgets/scene_view_aim.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::InteractionStyle VTK::InteractionWidgets VTK::RenderingCore)
 set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame"

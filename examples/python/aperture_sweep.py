@@ -19,8 +19,8 @@ scene = plenoflame.Scene(sys.argv[1] if len(sys.argv) > 1 else here.parent / "le
 folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ".")
 
 count = scene.list_size("camera.lens.surfaces")
-stop = next(i for i in range(count) if scene[f"camera.lens.surfaces[{i}].stop"] == "true")
-full = float(scene[f"camera.lens.surfaces[{stop}].diameter"].split()[0])  # mm
+stop = next(i for i in range(count) if scene[f"camera.lens.surfaces[{i}].stop"])
+full = 1e3 * float(scene[f"camera.lens.surfaces[{stop}].diameter"])  # mm
 diameters = full * numpy.linspace(0.2, 1, 9)
 fluxes = []
 for diameter in diameters:

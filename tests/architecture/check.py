@@ -45,9 +45,15 @@ def check_includes(root):
         for number, line in enumerate(lines(root, path), 1):
             match = includes.INCLUDE.match(line)
             if match:
-                message = includes.judge(path, match["name"], match["quote"] == "<")
+                message = (includes.judge(path, match["name"], match["quote"] == "<") or
+                           includes.judge_front_end(root, path, match["name"]))
                 if message:
                     yield f"{path}:{number}: {message}"
+    for path in files(root, {".cmake"}):
+        for number, line in enumerate(lines(root, path), 1):
+            message = includes.judge_build(path, line)
+            if message:
+                yield f"{path}:{number}: {message}"
 
 
 def check_ascii(root):
@@ -157,6 +163,19 @@ def check_tolerances(root):
                 yield f"{path}:{number}: a difference against the bare number {values[1]}"
 
 
+def check_shell(root):
+    """Every shell script parses: one that does not ends the whole of test.sh before any test."""
+    for path in files(root, {".sh"}):
+        if not (root / path).read_bytes().startswith(b"#!"):
+            continue
+        shell = "bash" if b"bash" in (root / path).read_bytes().split(b"\n")[0] else "sh"
+        result = subprocess.run([shell, "-n", str(root / path)], text=True, stderr=subprocess.PIPE)
+        if result.returncode:
+            match = re.search(r"line (\d+): (.*)", result.stderr)
+            number, message = match.groups() if match else (1, result.stderr.strip())
+            yield f"{path}:{number}: {message}"
+
+
 SOURCE_RULES = {
     "includes": check_includes,
     "ascii": check_ascii,
@@ -165,6 +184,7 @@ SOURCE_RULES = {
     "headers": check_headers,
     "flags": check_flags,
     "tolerances": check_tolerances,
+    "shell": check_shell,
 }
 
 # Sections that a program can write to after it has been loaded. (.data.rel.ro becomes read-only.)

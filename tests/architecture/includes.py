@@ -6,10 +6,10 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?P<quote>[<"])(?P<name>[^>"]+)[>"]')
 
 # An area of core may include areas with a lower number, and itself.
 LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "film": 2, "media": 3,
-          "optics": 3, "surfaces": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6}
-# Plain values, visible below their level: (from area, header).
-EXCEPTIONS = {("optics", "scene/scene.h"), ("camera", "scene/scene.h"), ("surfaces", "scene/scene.h"),
-              ("lightfield", "scene/scene.h")}
+          "optics": 3, "solids": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6, "inverse": 7}
+# Plain values of a scene, visible below their level to these areas.
+PLAIN_VALUES = re.compile(r"scene/(scene|\w+_spec)\.h$")
+SEE_PLAIN_VALUES = {"optics", "camera", "solids", "lightfield"}
 
 POSIX = re.compile(r"(unistd|fcntl|errno|signal|poll|termios|dlfcn|spawn|malloc|sys/\w+)\.h$")
 LIBRARIES = {
@@ -24,7 +24,6 @@ LIBRARIES = {
     "fmt": re.compile(r"fmt/"),
     "Eigen": re.compile(r"Eigen/"),
     "Embree": re.compile(r"embree3/"),
-    "Assimp": re.compile(r"assimp/"),
     "OpenVDB": re.compile(r"openvdb/|nanovdb/"),
     "TBB": re.compile(r"tbb/|oneapi/"),
     "CLI11": re.compile(r"CLI/"),
@@ -34,15 +33,18 @@ LIBRARIES = {
     "Qt": re.compile(r"Q[A-Z]|Qt[A-Z]"),
     "GoogleTest": re.compile(r"g(test|mock)/"),
     "Google Benchmark": re.compile(r"benchmark/"),
+    "pybind11": re.compile(r"pybind11/"),
     "X11": re.compile(r"X11/"),
     "POSIX": POSIX,
 }
 STANDARD = re.compile(r"[a-z_0-9]+$")
 
-CORE_SRC = {"OpenEXR", "libpng", "libtiff", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "Assimp", "POSIX"}
+CORE_SRC = {"OpenEXR", "libpng", "libtiff", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
-CLI = {"CLI11", "Cairo", "NLopt", "nlohmann-json", "fmt", "POSIX"}
+CLI = {"Cairo", "CLI11", "NLopt", "nlohmann-json", "fmt", "POSIX"}
+SHARED = {"Cairo", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}
+PYTHON = {"pybind11", "nlohmann-json"}
 ANY = set(LIBRARIES)
 
 
@@ -78,8 +80,12 @@ def allowed_libraries(path):
         return VOLUMES_SRC
     if place == "app/cli":
         return CLI
+    if place == "app/shared":
+        return SHARED
     if place == "app/vtk":
         return VTK_MODULE
+    if place == "app/python":
+        return PYTHON
     if place == "tests/core":
         return CORE_SRC | {"GoogleTest"}
     return ANY
@@ -101,7 +107,7 @@ def judge_area(area, header):
     for name in (area, target):
         if name not in LEVELS:
             return f"unknown area {name} of core"
-    if target == area or LEVELS[target] < LEVELS[area] or (area, header) in EXCEPTIONS:
+    if target == area or LEVELS[target] < LEVELS[area] or (area in SEE_PLAIN_VALUES and PLAIN_VALUES.match(header)):
         return None
     return f"area {area} (layer {LEVELS[area]}) may not see {header} (layer {LEVELS[target]})"
 
@@ -113,6 +119,26 @@ def judge_kernel(path, name, system):
     if system or not re.search(r"(^|/)\w*kernel\w*(\.inl)?\.h$", name):
         return f"a kernel may not include {name}: only headers written for kernels"
     return None
+
+
+def judge_front_end(root, path, name):
+    """None, or what is wrong when a file outside of app/cli includes a header of the command's: front ends share
+    app/shared, and nothing else of each other's."""
+    if path.parts[0] != "app" or path.parts[1] == "cli":
+        return None
+    if "app/cli" in name or ((root / "app/cli" / name).is_file() and not (root / path.parent / name).is_file()):
+        return f"{name} is the command's: what front ends share belongs in core, volumes or app/shared"
+    return None
+
+
+COMMAND_TARGET = re.compile(r"\bplenoflame_cli\b|SOURCE_DIR\}?/(app/)?cli\b|\.\./cli\b")
+
+
+def judge_build(path, line):
+    """None, or what is wrong when a CMake file of another front end builds parts of the command, or links them."""
+    if path.parts[0] != "app" or path.parts[1] == "cli" or not COMMAND_TARGET.search(line):
+        return None
+    return "this builds or links the command's sources: what front ends share belongs in app/shared"
 
 
 def judge(path, name, system):

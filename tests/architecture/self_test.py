@@ -76,7 +76,8 @@ class SourceRules(unittest.TestCase):
             ("volumes/src/x.cpp", "vtkImageData.h"), ("volumes/src/x.cpp", "CLI/CLI.hpp"),
             ("app/cli/main.cpp", "openvdb/openvdb.h"), ("app/cli/main.cpp", "QString"),
             ("app/cli/main.cpp", "ImfOutputFile.h"), ("app/vtk/vtkX.cxx", "QWidget"),
-            ("app/vtk/vtkX.cxx", "openvdb/openvdb.h"), ("tests/core/a/x_test.cpp", "openvdb/openvdb.h"),
+            ("app/vtk/vtkX.cxx", "openvdb/openvdb.h"), ("app/python/x.cpp", "vtkImageData.h"),
+            ("tests/core/a/x_test.cpp", "openvdb/openvdb.h"),
         ]:
             self.assert_bad("includes", path, f"\n#  include <{name}>\n", line=2)
         for path, name in [
@@ -84,11 +85,33 @@ class SourceRules(unittest.TestCase):
             ("core/src/image/x.cpp", "png.h"), ("core/src/scene/x.cpp", "toml++/toml.h"),
             ("volumes/include/plenoflame/volumes/interop.h", "openvdb/openvdb.h"),
             ("volumes/src/x.cpp", "nanovdb/NanoVDB.h"), ("app/cli/main.cpp", "CLI/CLI.hpp"),
-            ("app/vtk/vtkX.cxx", "vtkImageData.h"), ("app/desktop/x.cpp", "QWidget"),
+            ("app/vtk/vtkX.cxx", "vtkImageData.h"), ("app/python/x.cpp", "pybind11/numpy.h"),
+            ("app/desktop/x.cpp", "QWidget"),
             ("tests/core/a/x_test.cpp", "gtest/gtest.h"), ("tests/volumes/x_test.cpp", "openvdb/openvdb.h"),
         ]:
             self.assert_good("includes", path, f"#include <{name}>\n")
         self.assert_bad("includes", "core/src/scene/x.cpp", '#include "openvdb/openvdb.h"\n')
+
+    def test_front_ends_know_only_what_is_shared(self):
+        for path, text in [
+            ("app/cli/table.h", "#pragma once\n"), ("app/cli/commands/list.h", "#pragma once\n"),
+            ("app/shared/report.h", "#pragma once\n"),
+        ]:
+            file = self.root / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text)
+        for name in ("table.h", "commands/list.h"):
+            self.assert_bad("includes", "app/vtk/module/x.cxx", f'#include "{name}"\n')
+            self.assert_bad("includes", "app/desktop/model/x.cpp", f'#include "{name}"\n')
+            self.assert_bad("includes", "app/shared/x.cpp", f'#include "{name}"\n')
+            self.assert_good("includes", "app/cli/x.cpp", f'#include "{name}"\n')
+        self.assert_good("includes", "app/desktop/model/x.cpp", '#include "report.h"\n')
+        for line in ('target_sources(VTK PRIVATE "${PROJECT_SOURCE_DIR}/app/cli/table.cpp")',
+                     "target_link_libraries(plenoflame_desktop_model PUBLIC plenoflame_cli)"):
+            self.assert_bad("includes", "app/vtk/module/CMakeLists.txt", line + "\n")
+            self.assert_good("includes", "app/cli/CMakeLists.txt", line + "\n")
+        self.assert_good("includes", "app/desktop/CMakeLists.txt",
+                         'file(CREATE_LINK "${PROJECT_BINARY_DIR}/app/cli/plugins" plugins SYMBOLIC)\n')
 
     def test_kernels_include_nothing_else(self):
         kernel = "core/src/media/layered_kernel.inl.h"
@@ -126,6 +149,11 @@ class SourceRules(unittest.TestCase):
         self.assert_bad("flags", "core/CMakeLists.txt", "add_compile_options(-ffast-" + "math)\n")
         self.assert_bad("flags", "cmake/x.cmake", "set(a -march=" + "native)\n")
         self.assert_good("flags", "cmake/x.cmake", "set(a -O3) # never -ffast-" + "math\n")
+
+    def test_shell(self):
+        self.assert_bad("shell", "tools/x.sh", "#!/bin/bash\nlist='Debian's checks'\n", 2)
+        self.assert_bad("shell", ".ci/run", "#!/bin/bash\nif true\n", 3)
+        self.assert_good("shell", "tools/x.sh", "#!/bin/bash\nlist='checks of Debian'\n")
 
     def test_tolerances(self):
         test = "tests/core/math/x_test.cpp"

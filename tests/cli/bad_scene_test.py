@@ -64,7 +64,7 @@ class BadScene(CommandTest):
 
     def test_not_a_scene(self):
         self.refused("[camera\n", "1:8", "not TOML")
-        self.refused("PK\x03\x04" + "a.b" * 40 + "\0\0", "", "this is no text", "scenes are TOML")
+        self.refused("PK\x03\x04" + "a.b" * 40 + "\0\0", "", "this file holds binary data, not a scene")
         self.refused("[camera]\na = = 2\n", "2:5", "not TOML")
         self.refused('[camera]\npreset = "r12"\npreset = "r12"\n', "3:10", "cannot redefine")
         self.refused(CAMERA + '[flames]\npreset = "paper-layered"\n', "3:1", "write [[flames]]")

@@ -92,7 +92,7 @@ class Colour(CommandTest):
         self.write("a.toml", self.scene(wide, layer='absorption = "5 1/m"'))
         self.succeeds("render", "a.toml", "--samples", "4", "--quiet", "--truth", "-o", "raw.exr")
         attributes, images = read_exr(self.path("raw.exr"))
-        self.assertLess(abs(struct.unpack("<d", attributes["plenoflame.number.truth.wavelength"][1])[0] / 600e-9 - 1), 1e-12)
+        self.assertLess(abs(float(attributes["plenoflame.number.truth.wavelength"][1]) / 600e-9 - 1), 1e-12)
         # The absorption, 650 nm / wavelength, weighted with Planck's law; the chief ray at (20, 15) is a
         # fraction of a pixel away from the axis.
         n = 400
@@ -134,6 +134,25 @@ class Colour(CommandTest):
         numbers = struct.pack("<1200H", *[n for row in rows for n in row])
         self.assertIn(numbers, data)
         self.assertIn(b"exposure 500 us", data)
+
+    def test_read_noise_is_not_cut_off(self):
+        """Frames of few electrons: half of the noise lies below 0."""
+        sensor = 'full_well = 20000\nread_noise = 12\nbits = 12\nexposure_time = "1 ms"'
+        self.render(self.scene(RED, sensor))
+        figures = self.json_of("develop", "raw.exr", "--dark", "-o", "d.png")["frames"][0]
+        values = [v for row in read_png(self.path("d.png"))[4] for v in row]
+        mean = figures["gain"] * (sum(values) / len(values) - figures["black_level"])
+        self.assertLess(abs(mean), 4 * 12.2 / math.sqrt(len(values)))
+        self.assertLess(values.count(min(values)), 20)  # they do not pile up at the lower end
+        self.assertEqual(self.json_of("develop", "raw.exr", "--noise", "none", "-o", "n.png")["frames"][0]["black_level"],
+                         figures["black_level"])
+        self.write("a.toml", self.scene(RED, sensor + "\nblack_level = 1"))
+        result = self.run_command("info", "a.toml")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("camera.sensor.black_level leaves 4.89 electrons below it", result.stderr)
+        self.assertIn("2.7 electrons too many", result.stderr)
+        self.write("a.toml", self.scene(RED, sensor))
+        self.assertNotIn("black_level", self.run_command("info", "a.toml").stderr)
 
     def test_series_and_dark_frames(self):
         self.render(self.scene(RED, self.SENSOR))
@@ -219,7 +238,7 @@ class Colour(CommandTest):
             for key in ("mean_K", "lowest_K", "highest_K"):
                 self.assertLess(abs(figures[key] / TEMPERATURE - 1), 1e-3)
             self.assertLess(abs(read_exr(self.path("t.exr"))[1]["temperature"][3][5] / TEMPERATURE - 1), 1e-3)
-            self.assertEqual(read_png(self.path("t.png"))[:4], (56, 30, 8, 3))
+            self.assertEqual(read_png(self.path("t.png"))[:4], (40 + 4 + 12 + 52, 96, 8, 3))
         # The wrong law gives the wrong temperature: kappa too large by 850/650 in the red.
         wrong = self.json_of("pyrometry", "raw.exr", "--law", "soot")["mean_K"]
         c2 = H * C / K
@@ -235,6 +254,110 @@ class Colour(CommandTest):
         self.assertLess(abs(figures["deviation_K"] / figures["expected_deviation_K"] - 1), 0.08)
         self.assertGreater(figures["deviation_K"], 0.5)
         self.assertLess(abs(figures["mean_K"] - TEMPERATURE), 4 * figures["deviation_K"] / math.sqrt(1200) + 0.2)
+
+    def test_the_colour_bar_has_numbers(self):
+        self.render(self.scene(RED + INFRARED))
+        self.succeeds("pyrometry", "raw.exr", "--picture", "t.png", "--range", "1650 K,1850 K")
+        rows = read_png(self.path("t.png"))[4]
+        bar, text = 3 * 44, 3 * 56
+        self.assertEqual(rows[50][bar - 12:bar], [0] * 12)  # the gap
+        self.assertGreater(min(rows[0][bar:bar + 3]), 200)  # white on top
+        self.assertTrue(0 < rows[95][bar] < 100 and rows[95][bar + 1:bar + 3] == [0, 0])  # dark red below
+        # Every 50 K a tick, and a number beside it: the tick is the only thing in the first three columns.
+        ticks = [y for y, row in enumerate(rows) if min(row[text:text + 9]) == 255]
+        self.assertEqual(ticks, [0, 24, 48, 72, 95])
+        self.assertTrue(all(max(row[text:text + 9]) == 0 for y, row in enumerate(rows) if y not in ticks))
+        for y in (24, 48, 72):
+            self.assertGreater(sum(v > 128 for row in rows[y - 5:y + 5] for v in row[text + 18:text + 3 * 52:3]), 60)
+        self.assertFalse(any(max(rows[y][text + 18:]) for y in (36, 60, 84)))
+
+    def test_bins_have_less_noise(self):
+        # Bright enough that the errors of single pixels are small, as the propagation takes them to be.
+        sensor = 'full_well = 1e9\nexposure_time = "1 ms"\nread_noise = 10\nquantum_efficiency = 0.4'
+        self.render(self.scene(RED + INFRARED, sensor))
+        self.succeeds("develop", "raw.exr", "--sensor", "-o", "e.exr")
+        single = self.json_of("pyrometry", "e.exr")
+        figures = self.json_of("pyrometry", "e.exr", "--bin", "2", "-o", "t.exr")
+        self.assertEqual((figures["pixels"], figures["bins"]), (1200, 300))
+        self.assertLess(abs(figures["expected_deviation_K"] / single["expected_deviation_K"] * 2 - 1), 0.01)
+        # The standard deviation of 300 is known to 4 %.
+        self.assertLess(abs(figures["deviation_K"] / figures["expected_deviation_K"] - 1), 0.16)
+        images = read_exr(self.path("t.exr"))[1]
+        for name in ("temperature", "temperature.error"):
+            block = {images[name][y][x] for y in (4, 5) for x in (6, 7)}
+            self.assertEqual(len(block), 1)
+        self.assertNotEqual(images["temperature"][4][6], images["temperature"][4][8])
+        # Noise alone, bin by bin: against the flux from which the electrons were made.
+        for words in ((), ("--bin", "2")):
+            against = self.json_of("pyrometry", "e.exr", "--reference", "raw.exr", *words)
+            self.assertLess(abs(against["reference_rms_over_expected"] - 1), 0.16)
+            self.assertLess(abs(against["reference_mean_difference_K"]), against["expected_deviation_K"] / 4)
+        exact = self.json_of("pyrometry", "raw.exr", "--reference", "raw.exr")
+        self.assertEqual(exact["reference_rms_difference_K"], 0)
+        self.succeeds("render", "a.toml", "-o", "part.exr", "--window", "0,0,8,8", "--samples", "4", "--quiet")
+        self.fails(1, "pyrometry", "e.exr", "--reference", "part.exr", mentions="does not hold the same pixels")
+        self.fails(2, "pyrometry", "e.exr", "--bin", "0", mentions="--bin")
+        self.fails(2, "pyrometry", "e.exr", "--bin", "lens", mentions="--bin")
+        self.fails(2, "pyrometry", "e.exr", "--bin", "micro-image", mentions="no microlens array")
+
+    def test_micro_images_and_views_are_bins(self):
+        camera = '[camera]\npreset = "raytrix-r29"\n[camera.sensor]\ncolumns = 96\nrows = 64\n' \
+                 'quantum_efficiency = 0.5\nread_noise = 5\n'
+        scene = camera + FLAME % (SOOT, 'absorption = "0.1 1/m"') + RED + INFRARED
+        self.render(scene.replace('"20 mm", "20 mm", "20 mm"', '"90 mm", "90 mm", "90 mm"'), "--truth")
+        self.succeeds("develop", "raw.exr", "--channel-exposure", "auto", "-o", "e.exr")
+        figures = self.json_of("pyrometry", "e.exr", "--bin", "micro-image", "-o", "t.exr")
+        self.assertLess(abs(figures["mean_K"] / TEMPERATURE - 1), 0.03)
+        self.assertLess(abs(figures["mean_difference_K"]), 30)
+        seen = read_exr(self.path("t.exr"))[1]["temperature"]
+        self.succeeds("truth", "raw.exr", "-o", "micro.csv")
+        lenses = [line.split(",") for line in self.read("micro.csv").decode().splitlines()[1:]]
+        different = set()
+        for _, _, _, column, row, radius in lenses:
+            x, y, r = float(column), float(row), float(radius)
+            if not (r < x < 96 - r and r < y < 64 - r):
+                continue
+            inside = {seen[v][u] for v in range(64) for u in range(96)
+                      if math.hypot(u + 0.5 - x, v + 0.5 - y) < 0.9 * r} - {0.0}
+            self.assertEqual(len(inside), 1)
+            different |= inside
+        self.assertGreaterEqual(len(different), 3)
+        parts = self.json_of("pyrometry", "e.exr", "--bin", "view", "--cells", "2", "-o", "v.exr")
+        self.assertTrue(2 * figures["bins"] < parts["bins"] <= 4 * figures["bins"])
+        self.assertGreater(parts["expected_deviation_K"], 1.5 * figures["expected_deviation_K"])
+
+    def test_channels_with_exposures_of_their_own(self):
+        sensor = 'full_well = 20000\nquantum_efficiency = 0.4\nread_noise = 5\ndark_current = 1000'
+        images = self.render(self.scene(RED + INFRARED, sensor), "--truth")
+        frame = self.json_of("develop", "raw.exr", "--channel-exposure", "auto", "-o", "e.exr")["frames"][0]
+        counted = read_exr(self.path("e.exr"))
+        times = frame["exposure_times_s"]
+        self.assertGreater(times["red"], 3 * times["ir"])
+        for name in ("red", "ir"):
+            mean = sum(map(sum, counted[1][name])) / 1200
+            self.assertTrue(10000 < mean < 20000, (name, mean))
+            expected = images[name][15][20] * times[name] * 0.4 * {"red": 650e-9, "ir": 850e-9}[name] / (H * C)
+            self.assertLess(abs(counted[1][name][15][20] - expected - 1000 * times[name]), 5 * math.sqrt(expected + 25))
+            said = counted[0]["plenoflame.number.sensor.exposure_time." + name][1]
+            self.assertLess(abs(float(said) / times[name] - 1), 1e-12)
+        # The ratio is that of the light, and the truth has come along.
+        figures = self.json_of("pyrometry", "e.exr", "-o", "t.exr")
+        self.assertLess(abs(figures["mean_K"] - TEMPERATURE), 4 * figures["deviation_K"] / math.sqrt(1200) + 1)
+        self.assertLess(figures["rms_difference_K"], 1.5 * figures["expected_deviation_K"])
+        self.assertEqual(counted[1]["truth.temperature"], images["truth.temperature"])
+        self.assertEqual(read_exr(self.path("t.exr"))[1]["truth.temperature"], images["truth.temperature"])
+        # Times by name; what is not named has the scene's.
+        frame = self.json_of("develop", "raw.exr", "--channel-exposure", "red=2 ms,ir=0.25 ms", "-o", "e.exr")["frames"][0]
+        self.assertEqual(frame["exposure_times_s"], {"red": 2e-3, "ir": 2.5e-4})
+        self.assertEqual(self.json_of("develop", "raw.exr", "--channel-exposure", "ir=0.25 ms", "--channel", "ir", "-o",
+                                      "f.png")["frames"][0]["exposure_time_s"], 2.5e-4)
+
+        def refused(status, *arguments, mentions):
+            self.fails(status, "develop", "raw.exr", "-o", "n.exr", *arguments, mentions=mentions)
+        refused(2, "--channel-exposure", "2 ms", mentions=["--channel-exposure", "CHANNEL=TIME"])
+        refused(2, "--channel-exposure", "red=0 s", mentions="above 0 s")
+        refused(1, "--channel-exposure", "blue=1 ms", mentions=["blue", "red"])
+        refused(2, "--channel-exposure", "auto", "--exposure", "1 ms", mentions="exclude")
 
     def test_saturated_pixels_have_no_temperature(self):
         # The infrared channel overflows in every pixel: without a word its ratio would be another temperature.

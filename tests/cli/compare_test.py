@@ -23,6 +23,7 @@ class Compare(CommandTest):
         figures = self.json_of("compare", "a.exr", "b.exr")
         pairs = [(u, v, s) for ru, rv, rs in zip(a, b, errors) for u, v, s in zip(ru, rv, rs)]
         threshold = 0.01 * max(v for _, v, _ in pairs)
+        # Errors are known of the first image alone, and so the other one counts as exact.
         lit = [(u, v, s) for u, v, s in pairs if v > threshold]
         self.assertTrue(0 < min(v for _, v, _ in pairs if v > 0) < threshold)  # so that it matters
         mean = math.fsum(v for _, v, _ in lit) / len(lit)
@@ -44,6 +45,25 @@ class Compare(CommandTest):
         self.assertEqual(figures["blocks"], 2)
         text = self.succeeds("compare", "a.exr", "b.exr")
         self.assertRegex(text, r"relative RMSE: +%.4g %%\n" % (100 * rmse))
+
+    def test_says_it_in_words(self):
+        """Two images of the same light: no digits of nothing, and a verdict."""
+        source = random.Random(7)
+        light = [[1e-9 * (1 + x / 40) for x in range(40)] for _ in range(40)]
+        errors = [[5e-11] * 40 for _ in light]
+        for name in "ab":
+            noisy = [[v + 5e-11 * source.gauss(0, 1) for v in row] for row in light]
+            write_light_field(self.path(name + ".exr"), noisy, errors)
+        text = self.succeeds("compare", "a.exr", "b.exr")
+        self.assertRegex(text, r"verdict: +nothing more than noise is seen\n")
+        self.assertRegex(text, r"bias: +[+-][0-3]\.\d\d standard errors\n")
+        self.assertRegex(text, r"single pixels: +\S+ times the expected mean square\n")
+        self.assertRegex(text, r"largest: +-?[2-5]\.\d of its errors at pixel \d+,\d+, as is usual")
+        self.assertNotIn("probability", text)
+        self.assertIs(self.json_of("compare", "a.exr", "b.exr")["more_than_noise"], False)
+        write_light_field(self.path("b.exr"), [[1.02 * v for v in row] for row in light], errors)
+        self.assertIn("the images differ by more than noise", self.succeeds("compare", "a.exr", "b.exr"))
+        self.assertIs(self.json_of("compare", "a.exr", "b.exr")["more_than_noise"], True)
 
     def test_without_standard_errors(self):
         write_light_field(self.path("a.exr"), [[1.0, 2.0]])

@@ -30,11 +30,20 @@ class Design(CommandTest):
             self.near(limit, 1 / (1 / first["focal_length_m"] - (1 + sign * p / d) / b), 1e-9)
         self.assertLess(first["array_m"][2], 0)
         self.near(figures["types"][1]["object_m"][1], 1, 1e-9)
-        self.assertTrue(any("hides them" in w for w in figures["warnings"]), figures["warnings"])
+        self.assertTrue(any("cannot be seen" in w for w in figures["warnings"]), figures["warnings"])
         self.assertTrue(any("f-numbers do not match" in w for w in figures["warnings"]))
         text = self.run_command("design", "a.toml").stdout
         for words in ("focal length:", "304.1 mm", "Keplerian", "through infinity", "RMS radius"):
             self.assertIn(words, text)
+
+    def test_galilean_ranges_do_not_pass_infinity(self):
+        figures = self.figures('[camera]\npreset = "raytrix-r29"\n')
+        for t in figures["types"]:
+            self.assertFalse(t["keplerian"])
+            self.assertTrue(max(t["array_m"]) < 0 < min(t["object_m"]))
+            self.assertFalse(t["array_through_infinity"] or t["object_through_infinity"])
+        self.assertNotIn("through infinity", self.run_command("design", "a.toml").stdout)
+        self.assertNotIn("through infinity", self.run_command("design", "a.toml", "--solve", "radius").stdout)
 
     def test_lens_counts_views_and_table_2(self):
         figures = self.figures('[camera]\npreset = "paper-plenoptic2"\n')
@@ -55,6 +64,23 @@ class Design(CommandTest):
             self.near(point["traced_joint"], best, 1e-12)
         text = self.run_command("design", "a.toml").stdout
         self.assertIn("1.955, which does not follow", text)
+
+    def test_windows(self):
+        plate = ('[camera]\npreset = "paper-plenoptic2"\n[[windows]]\nname = "port"\nposition = ["0.5 m", "0 m", "0 m"]\n'
+                 'rotation = ["0 deg", "90 deg", "0 deg"]\nthickness = "12 mm"\ndiameter = "0.3 m"\nindex = 1.5\n')
+        (port,) = self.figures(plate)["windows"]
+        self.near(port["shift_x_m"], 0.012 * (1 - 1 / 1.5), 1e-5)
+        self.near(port["shift_y_m"], 0.012 * (1 - 1 / 1.5), 1e-5)
+        self.assertEqual(port["loss"], 0)
+        (port,) = self.figures(plate + "fresnel = true\n")["windows"]
+        self.near(port["loss"], 1 - 3 / 3.25, 1e-6)  # 2 n / (n^2 + 1) pass
+        text = self.run_command("design", "a.toml").stdout
+        self.assertIn("moves the focus by 4 mm", text)
+        self.write("bad.toml", plate.replace('"0.5 m"', '"-10 mm"'))
+        result = self.run_command("design", "bad.toml")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("bad.toml:5:12: ", result.stderr)
+        self.assertIn("reaches into the camera's main lens", result.stderr)
 
     def test_plots(self):
         self.figures('[camera]\npreset = "paper-plenoptic2"\n')

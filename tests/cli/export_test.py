@@ -14,73 +14,7 @@ import h5py
 import numpy as np
 from command import CommandTest, main
 from exr import read_png, write_light_field
-
-F, STOP, FOCUS = 50e-3, 10e-3, 1.0     # main lens: focal length, diameter, distance of the plane imaged on the array
-D = 1 / (1 / F - 1 / FOCUS)            # main lens to array
-Z, X, Y = 0.6, 1.5e-3, -1.0e-3         # the sphere: depth, right, down
-IMAGE = 1 / (1 / F - 1 / Z)            # where it is imaged, from the main lens
-POINT = np.array([-X, -Y]) * IMAGE / Z  # its image, camera x, y: behind the array
-
-SCENE = """[camera.lens]
-model = "ideal"
-surfaces = []
-focal_length = "50 mm"
-diameter = "10 mm"
-[camera.focus]
-mode = "paraxial"
-object_distance = "1 m"
-conjugate = "array"
-[[flames]]
-name = "point"
-position = ["%g m", "%.9g m", "%.9g m"]
-[[flames.layers]]
-name = "sphere"
-centre = ["0 m", "0 m", "0 m"]
-semi_axes = ["%g mm", "%g mm", "%g mm"]
-temperature = "1500 K"
-absorption = "1 1/m"
-"""
-
-FOCUSED = """[camera.array]
-lattice = "%s"
-model = "ideal"
-pitch = "80 um"
-diameter = "80 um"
-rotation = "0.03 rad"
-offset = ["10 um", "-7 um"]
-sensor_distance = "0.4 mm"
-[[camera.array.types]]
-name = "a"
-focal_length = "0.45 mm"
-[[camera.array.types]]
-name = "b"
-focal_length = "0.5057 mm"
-[[camera.array.types]]
-name = "c"
-focal_length = "0.58 mm"
-[camera.sensor]
-columns = 400
-rows = 300
-pixel_pitch = "2.5 um"
-"""
-FOCALS = [0.45, 0.5057, 0.58]
-WINDOW = (21, 12, 360, 280)
-
-UNFOCUSED = """[camera.array]
-lattice = "square"
-model = "ideal"
-pitch = "100 um"
-diameter = "100 um"
-offset = ["50 um", "50 um"]
-sensor_distance = "0.5 mm"
-[[camera.array.types]]
-name = "a"
-focal_length = "0.5 mm"
-[camera.sensor]
-columns = 600
-rows = 480
-pixel_pitch = "5 um"
-"""
+from export_scenes import D, FOCALS, FOCUSED, IMAGE, POINT, SCENE, STOP, UNFOCUSED, WINDOW, X, Y, Z
 
 
 def linear(samples, most):
@@ -247,7 +181,7 @@ class Export(CommandTest):
         mesh = camera["mia"]["mesh"]
         self.assertEqual(mesh["geometry"], 1)
         (u0, v0), = mesh["pose"]["translation"]
-        turn, ((pitch, _),) = np.array(mesh["pose"]["rotation"]), mesh["pitch"]
+        turn, ((pitch, _),) = np.array(mesh["pose"]["rotation"]).T, mesh["pitch"]  # a list of columns
         mla = camera["mla"]["mesh"]
         image = grey(self.path("libpleno/" + images["images"][0]["path"]))
         geometry, centres = Focused(), {}
@@ -260,7 +194,7 @@ class Export(CommandTest):
             return turn @ local + origin
         for l in range(height):
             for k in range(width):
-                uv = node(k, l, pitch, turn, (u0, v0)) - 0.5  # pixel 0 has its centre at 0.5
+                uv = node(k, l, pitch, turn, (u0, v0))  # pixels have their centres at whole numbers
                 if not (0 <= uv[0] < image.shape[1] and 0 <= uv[1] < image.shape[0]):
                     continue
                 q, r, distance = geometry.nearest(*uv)
@@ -269,7 +203,7 @@ class Export(CommandTest):
                 kind = ((l % 2) + k) % 3
                 self.assertLess(abs(camera["mla"]["focal_lengths"][kind] / FOCALS[(q - r) % 3] - 1), 1e-6)
                 # The microlens itself, numbered from the other corner.
-                t = np.array(mla["pose"]["rotation"])[:2, :2]
+                t = np.array(mla["pose"]["rotation"]).T[:2, :2]
                 lens = node(width - 1 - k, height - 1 - l, mla["pitch"][0][0], t, mla["pose"]["translation"][0][:2])
                 self.assertLess(np.hypot(*(1e-3 * lens - geometry.lens(q, r))), 1e-9)
         self.check_spots(image, centres)
@@ -453,6 +387,8 @@ class Export(CommandTest):
         self.assertLess(abs(depth[row, column] / Z - 1), 2e-3)
         self.assertLess(abs(truth[row, column] / disparity - 1), 0.01)
         self.assertEqual((depth[0, 0], truth[0, 0]), (0, 0))
+        # A disparity of 0 is possible, so a mask says where there is one.
+        np.testing.assert_array_equal(grey(self.path("hci/gt_mask_lowres.png")) > 0, depth > 0)
         self.assertEqual(meta["ground_truth"], "emission_weighted_mean_distance_of_the_centre_view")
 
     def read_pfm(self, name):
@@ -481,6 +417,7 @@ class Export(CommandTest):
         with open(self.path("view-grid/views.json"), encoding="utf-8") as file:
             description = json.load(file)
         self.assertEqual((description["STSize"], description["Order"]), ([3, 3], "RowMajor"))
+        self.assertEqual(read_png(self.path("view-grid/" + names[0]))[3], 3)  # LFReadGantryArray wants RGB
         views = [[grey(self.path("view-grid/" + names[3 * v + u])) for u in range(3)] for v in range(3)]
         self.check_views(views, self.offsets(3))
         model = description["LensletGridModel"]
@@ -506,6 +443,15 @@ class Export(CommandTest):
             self.assertEqual(file["raw"].attrs["units"], "W")
             self.assertEqual(file["views"].attrs["axes"], "v:u:t:s")
             self.assertIn("[camera.lens]", file.attrs["scene"])
+            # The npz file's own list of units says the same.
+            units = json.loads(self.read("npz/raw.json"))
+            self.assertEqual(sorted(units), sorted(arrays))
+            for name, entry in units.items():
+                self.assertEqual((entry["units"], entry["axes"]),
+                                 (file[name].attrs.get("units", ""), file[name].attrs.get("axes", "")), name)
+        for name, unit in (("truth.distance", "m"), ("truth.temperature", "K"), ("truth.optical_depth", ""),
+                           ("white", "m^2 sr"), ("views", "W/(m^2 sr)"), ("centres", "pixel")):
+            self.assertEqual(units[name]["units"], unit)
         self.assertEqual(arrays["raw"].shape, (480, 600))
         self.check_views(arrays["views"], arrays["offsets"])
         self.check_pinholes(arrays["views"], arrays["offsets"], float(arrays["focal_length"]),
@@ -518,6 +464,23 @@ class Export(CommandTest):
         expected = np.array([300, 240]) - lens * (1 + 0.5e-3 / D) / 5e-6
         self.assertLess(np.abs(arrays["centres"] - expected).max(), 0.15)
         self.assertIsNotNone(total)
+
+    def test_electrons_of_the_sensor(self):
+        channel = '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "10 nm"\n'
+        self.write("red.toml", self.scene(FOCUSED % "hexagonal", 0.5) + channel)
+        self.succeeds("render", "red.toml", "-o", "watt.exr", "--samples", "8", "--quiet",
+                      "--window", "%d,%d,%d,%d" % WINDOW)
+        self.succeeds("develop", "watt.exr", "--sensor", "-o", "raw.exr")
+        self.export("npz", "--grid", "1")
+        units = json.loads(self.read("npz/raw.json"))
+        self.assertEqual((units["raw"]["units"], units["views"]["units"]), ("e-", "e-/(m^2 sr)"))
+        with np.load(self.path("npz/raw.npz")) as archive:
+            electrons = archive["raw"]
+        # Whole electrons, as many as the file says; no watt.
+        np.testing.assert_array_equal(electrons, np.round(electrons))
+        total = self.json_of("info", "raw.exr")["channels"][0]["total"]
+        self.assertLess(abs(electrons.sum(dtype=float) / total - 1), 1e-6)
+        self.assertIn(" e- in ", self.succeeds("info", "raw.exr"))
 
     # plenoptomos
     def test_plenoptomos(self):

@@ -1,10 +1,14 @@
-"""Writes and reads uncompressed scan-line EXR files and reads PNG files, with the standard library only.
+"""Writes uncompressed scan-line EXR files, reads these and what RLE or ZIP packed, and reads PNG files, with the standard library only.
 
 Written from the file format's documentation, so that the tests share no code with what they test.
 """
 
 import struct
 import zlib
+
+
+# Numbers of the ways to pack that the format has.
+NONE, RLE, ZIP = 0, 1, 3
 
 
 def _attribute(name, kind, data):
@@ -79,17 +83,52 @@ def read_exr(path):
         size = struct.unpack_from("<i", data, kind_end + 1)[0]
         attributes[name] = (data[end + 1:kind_end].decode(), data[kind_end + 5:kind_end + 5 + size])
         at = kind_end + 5 + size
-    assert attributes["compression"][1] == b"\0", "only uncompressed files"
+    packing = attributes["compression"][1][0]
+    assert packing in (NONE, RLE, ZIP), "only files that are not packed, or by RLE or ZIP"
+    lines = 16 if packing == ZIP else 1
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"][1])
     width, height = x1 - x0 + 1, y1 - y0 + 1
     names = [part[-1] for part in _channels(attributes["channels"][1])]
-    offsets = struct.unpack_from("<%dQ" % height, data, at + 1)
+    offsets = struct.unpack_from("<%dQ" % ((height + lines - 1) // lines), data, at + 1)
     images = {name: [None] * height for name in names}
     for offset in offsets:
-        row = struct.unpack_from("<i", data, offset)[0] - y0
-        for i, name in enumerate(names):
-            images[name][row] = list(struct.unpack_from("<%df" % width, data, offset + 8 + 4 * width * i))
+        first, size = struct.unpack_from("<ii", data, offset)
+        first -= y0
+        count = min(lines, height - first)
+        block = _unpacked(data[offset + 8:offset + 8 + size], packing, 4 * width * len(names) * count)
+        for row in range(count):
+            for i, name in enumerate(names):
+                at = 4 * width * (row * len(names) + i)
+                images[name][first + row] = list(struct.unpack_from("<%df" % width, block, at))
     return attributes, images
+
+
+def _unpacked(packed, packing, size):
+    """A block's bytes. Blocks that would not become smaller are stored as they are."""
+    if packing == NONE or len(packed) == size:
+        return packed
+    if packing == ZIP:
+        coded = zlib.decompress(packed)
+    else:
+        coded, at = bytearray(), 0
+        while at < len(packed):
+            run = struct.unpack_from("b", packed, at)[0]
+            if run < 0:
+                coded += packed[at + 1:at + 1 - run]
+                at += 1 - run
+            else:
+                coded += packed[at + 1:at + 2] * (run + 1)
+                at += 2
+    # Differences of neighbouring bytes, then the halves of even and odd bytes.
+    plain = bytearray(coded)
+    for i in range(1, len(plain)):
+        plain[i] = (plain[i - 1] + plain[i] - 128) & 255
+    result = bytearray(len(plain))
+    half = (len(plain) + 1) // 2
+    result[0::2] = plain[:half]
+    result[1::2] = plain[half:]
+    assert len(result) == size
+    return bytes(result)
 
 
 def _channels(data):

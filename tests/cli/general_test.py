@@ -10,10 +10,20 @@ class General(CommandTest):
     def commands(self):
         text = self.succeeds("--help")
         listed = text.split("Subcommands:\n")[1]
-        return re.findall(r"^  (\w+)", listed, re.MULTILINE)
+        entries = re.findall(r"^  (\w+)((?:.|\n(?=   ))*)", listed, re.MULTILINE)
+        return [name for name, about in entries if "which this build was made without" not in " ".join(about.split())]
 
     def test_version(self):
-        self.assertRegex(self.succeeds("--version"), r"\Aplenoflame \d+\.\d+\.\d+\n\Z")
+        text = self.succeeds("--version")
+        self.assertRegex(text, r"\Aplenoflame \d+\.\d+\.\d+ \((commit [0-9a-f]{10}( with changes)?; )?parts: light fields[^\n]*; "
+                         r"instruction set: (baseline|avx2|avx512)\)\n\Z")
+        # What is said to be there is there.
+        for part, names in (("OpenVDB", ["flame"]), ("VTK", ["picture", "flame import"])):
+            for name in names:
+                lists = self.succeeds("--help") if " " not in name else self.succeeds(name.split()[0], "--help")
+                self.assertEqual(part in text, f"needs {part}, which this build was made without" not in
+                                 " ".join(lists.split()), name)
+
 
     def test_help_lists_commands(self):
         for name in ("develop", "compare", "info"):
@@ -22,6 +32,7 @@ class General(CommandTest):
     def test_every_help_has_an_example_that_names_the_command(self):
         for name in self.commands():
             text = self.succeeds(name, "--help")
+            self.assertNotIn("{", text, "a flag's value in braces is no word that could be typed")
             self.assertRegex(text, r"\nExample:\n  plenoflame %s\b" % name)
             self.assertEqual(text, self.succeeds(name, "-h"))
             for line in text.splitlines():

@@ -45,6 +45,7 @@ class Info(CommandTest):
         # sqrt(mean(s^2)) / mean(flux) = 1e-11 / 2e-9
         self.assertLess(abs(channel["relative_error"] / 0.005 - 1), 1e-6)
         text = self.succeeds("info", "a.exr")
+        self.assertRegex(text, r"array.pitch: +100 um\n")
         self.assertIn("channel total: 4 nW in 2 lit pixels, largest 3 nW, error 0.5 %\n", text)
         self.assertRegex(text, r"complete: +no: ")
         self.assertEqual(self.succeeds("info", "a.exr", "--scene"), scene)

@@ -8,7 +8,7 @@
 
 #include "plenoflame/base/error.h"
 
-namespace plenoflame::cli {
+namespace plenoflame::cli::interrupt_test {
 namespace {
 
 bool stops_soon(const InterruptHandler& handler) {
@@ -77,4 +77,4 @@ TEST(Interrupt, SignalsThatComeTogetherAreOne) {
 }
 
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame::cli::interrupt_test

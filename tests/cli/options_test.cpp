@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
+
 #include <limits>
 
+#include "commands/command.h"
 #include "plenoflame/base/error.h"
 
-namespace plenoflame::cli {
+namespace plenoflame::cli::options_test {
 namespace {
 
 TEST(Options, Window) {
@@ -45,5 +48,32 @@ TEST(Options, ReadableHasFourDigits) {
   EXPECT_EQ(readable(std::numeric_limits<double>::infinity(), Dimension::length), "inf");
 }
 
+TEST(Options, ReadablePointsHaveOneUnit) {
+  EXPECT_EQ(readable_point({0.75, 0, -0.016}), "750 mm, 0 mm, -16 mm");
+  EXPECT_EQ(readable_point({-1.25, 0.03, 0}), "-1.25 m, 0.03 m, 0 m");
+  EXPECT_EQ(readable_point({0, 0, 0}), "0 m, 0 m, 0 m");
+  EXPECT_EQ(readable_point({2e-6, -3e-9, 0}), "2 um, -0.003 um, 0 um");
+}
+
+TEST(Options, MissingPart) {
+  CLI::App app;
+  app.name("plenoflame");
+  add_missing(app, "picture", "VTK", "Draw a scene");
+  EXPECT_NE(app.get_subcommand("picture")->get_description().find("(needs VTK, which"),
+            std::string::npos);
+  const char* const arguments[] = {"plenoflame", "picture", "a.toml", "--view", "flame", "-o", "a"};
+  try {
+    app.parse(7, arguments);
+    FAIL();
+  } catch (const UsageError& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.rfind("'picture' needs VTK, which this build was made without; get it with "
+                         "tools/setup.sh core volumes cli vtk and cmake --preset release",
+                         0),
+              0U)
+        << text;
+  }
+}
+
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame::cli::options_test

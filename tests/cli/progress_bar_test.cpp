@@ -5,7 +5,7 @@
 #include <sstream>
 #include <thread>
 
-namespace plenoflame::cli {
+namespace plenoflame::cli::progress_bar_test {
 namespace {
 
 TEST(FormatDuration, RoundsUpAndGroups) {
@@ -104,4 +104,4 @@ TEST(ProgressBar, ServesSeveralThreads) {
 }
 
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame::cli::progress_bar_test

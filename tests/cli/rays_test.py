@@ -1,11 +1,14 @@
 """plenoflame rays: the three formats hold the same rays, and these make the pixel of `render`."""
 
+import ast
 import csv
 import io
 import json
 import math
+import os
 import re
 import struct
+import zipfile
 
 from command import CommandTest, main
 from exr import read_exr
@@ -39,6 +42,21 @@ def read_vtp(data):
             end = max(end, at + 8 + size)
     assert data[end:] == b"\n</AppendedData>\n</VTKFile>\n", "the arrays do not fill the appended data"
     return counts, sections
+
+
+def read_npz(data):
+    """{name: (shape, values)} of a .npz."""
+    kinds = {"<f4": "f", "<f8": "d", "<i4": "i", "<i2": "h", "|i1": "b"}
+    arrays = {}
+    archive = zipfile.ZipFile(io.BytesIO(data))
+    for name in archive.namelist():
+        raw = archive.read(name)
+        (size,) = struct.unpack_from("<H", raw, 8)
+        header = ast.literal_eval(raw[10:10 + size].decode())
+        if header["descr"] in kinds:
+            count = (len(raw) - 10 - size) // struct.calcsize(kinds[header["descr"]])
+            arrays[name[:-4]] = header["shape"], struct.unpack_from(f"<{count}{kinds[header['descr']]}", raw, 10 + size)
+    return arrays
 
 
 class Rays(CommandTest):
@@ -96,9 +114,9 @@ class Rays(CommandTest):
         self.write("few.csv", b"ray,column,row,q\n1,2,3,4\n")
         self.fails(1, "info", "few.csv", mentions=["few.csv:1", "'status'"])
         self.write("cut.json", self.read("r.json")[:-200])
-        self.fails(1, "info", "cut.json", mentions=["cut.json", "no file of ray paths"])
+        self.fails(1, "info", "cut.json", mentions=["cut.json", "not a file of ray paths"])
         self.write("other.json", b'{"channels": []}')
-        self.fails(1, "info", "other.json", mentions=["other.json", "no file of ray paths"])
+        self.fails(1, "info", "other.json", mentions=["other.json", "not a file of ray paths"])
 
     def test_make_the_pixel_of_render(self):
         figures = self.json_of("rays", "a.toml", "--pixel", "1500,1490", "--rays", "64", "--seed", "3", "-o", "r.json")
@@ -111,10 +129,77 @@ class Rays(CommandTest):
         # The image is made and kept in single precision.
         self.assertLess(abs(flux / pixel - 1), 2e-5)
 
+    def test_windows_and_files_of_pixels(self):
+        def pixels_of(name="r.json"):
+            return [tuple(ray["pixel"]) for ray in json.loads(self.read(name))["rays"]]
+        named = self.json_of("rays", "a.toml", "--pixel", "1500,1490", "--pixel", "1501,1490", "--pixel", "1500,1491",
+                             "--pixel", "1501,1491", "--rays", "4", "-o", "r.json")
+        flux = named.pop("flux.total")
+        self.assertEqual(set(pixels_of()), {(1500, 1490), (1501, 1490), (1500, 1491), (1501, 1491)})
+        self.write("p.csv", "column,row\n1500,1490\n 1501 , 1490  # a remark\n\n1500,1491\n1501,1491\n1500,1490\n")
+        for arguments in (("--window", "1500,1490,2,2"), ("--pixels", "p.csv"),
+                          ("--window", "1500,1490,2,2", "--pixels", "p.csv", "--pixel", "1501,1491"),
+                          ("--window", "1500,1490,2,1", "--window", "1500,1490,2,2")):
+            figures = self.json_of("rays", "a.toml", *arguments, "--rays", "4", "-o", "r.json")
+            # The same rays; those of --pixel come first, which rounds the sum otherwise.
+            self.assertLess(abs(figures.pop("flux.total") / flux - 1), 1e-12)
+            self.assertEqual(figures, named, arguments)
+        # The sum over a window is the flux of the picture.
+        figures = self.json_of("rays", "a.toml", "--window", "1490,1480,12,10", "--rays", "8", "-o", "r.npz")
+        self.succeeds("render", "a.toml", "--window", "1490,1480,12,10", "--samples", "8", "--quiet")
+        flux = math.fsum(v for row in read_exr(self.path("a.exr"))[1]["total"] for v in row)
+        self.assertLess(abs(figures["flux.total"] / flux - 1), 2e-5)
+        # Rays of a microlens that the pixels have already are not there twice.
+        self.succeeds("rays", "a.toml", "--pixel", "1500,1500", "--rays", "4", "-o", "r.json")
+        lens = json.loads(self.read("r.json"))["rays"][0]["microlens"]
+        both = self.json_of("rays", "a.toml", "--pixel", "1500,1500", "--microlens", "%d,%d" % tuple(lens), "--microlens",
+                            "%d,%d" % tuple(lens), "--rays", "4", "-o", "r.json")
+        text = {json.dumps(ray) for ray in json.loads(self.read("r.json"))["rays"]}
+        self.assertEqual(len(text), both["rays"])
+
+    def test_numpy_arrays_of_the_ends(self):
+        self.succeeds("rays", "a.toml", *PIXELS, "--rays", "128", "-o", "r.json")
+        rays = json.loads(self.read("r.json"))["rays"]
+        self.succeeds("rays", "a.toml", *PIXELS, "--rays", "128", "-o", "r.npz")
+        arrays = read_npz(self.read("r.npz"))
+
+        def same(name, values):
+            self.assertEqual(arrays[name][1], tuple(values), name)
+
+        def single(values):
+            values = list(values)
+            return struct.unpack(f"<{len(values)}f", struct.pack(f"<{len(values)}f", *values))
+        self.assertEqual(arrays["start"][0], (len(rays), 3))
+        same("start", single(x for ray in rays for x in ray["vertices"][0]["position"]))
+        same("end", single(x for ray in rays for x in ray["vertices"][-1]["position"]))
+        fronts = [[v["position"] for v in ray["vertices"] if v["surface"] == 0] for ray in rays]
+        self.assertTrue(any(fronts) and not all(fronts))
+        for k, front in enumerate(fronts):
+            values = arrays["front"][1][3 * k:3 * k + 3]
+            self.assertEqual(values, single(front[0])) if front else self.assertTrue(all(map(math.isnan, values)))
+        same("pixel", (x for ray in rays for x in ray["pixel"]))
+        same("microlens", (x for ray in rays for x in ray["microlens"]))
+        same("type", (ray["type"] for ray in rays))
+        names = ["reached", "vignetted", "total internal reflection", "missed"]
+        same("status", (names.index(ray["status"]) for ray in rays))
+        same("weight", single(ray["weight"] for ray in rays))
+        same("optical_thickness", single(ray["optical_thickness"] for ray in rays))
+        self.assertEqual(arrays["radiance"][0], (len(rays), 1))
+        same("radiance", single(ray["radiance"][0] for ray in rays))
+        # All of them: "a ray in less than 64 bytes".
+        self.succeeds("rays", "a.toml", "--window", "1490,1480,20,20", "--rays", "16", "-o", "r.npz")
+        count = read_npz(self.read("r.npz"))["weight"][0][0]
+        self.assertGreater(count, 5000)
+        self.assertLess(len(self.read("r.npz")), 64 * count)
+
     def test_random_and_chief(self):
         figures = self.json_of("rays", "a.toml", "--random", "5", "--rays", "4", "-o", "r.json")
         self.assertGreater(figures["rays"], 0)
         self.assertLessEqual(len({tuple(ray["pixel"]) for ray in json.loads(self.read("r.json"))["rays"]}), 5)
+        self.write("tiny.toml", SCENE.replace('[[flames]]', '[camera.sensor]\ncolumns = 4\nrows = 3\n[[flames]]'))
+        self.succeeds("rays", "tiny.toml", "--random", "12", "--rays", "2", "-o", "r.json")
+        self.assertEqual(len({tuple(ray["pixel"]) for ray in json.loads(self.read("r.json"))["rays"]}), 12)
+        self.fails(2, "rays", "tiny.toml", "--random", "13", "-o", "t.json", mentions=["12 pixels", "13"])
         figures = self.json_of("rays", "a.toml", "--chief", "-o", "c.vtp")
         self.assertEqual(figures["reached"], figures["rays"])
         # Drawn for no pixel, they carry radiance, but no flux that could be 0 W.
@@ -159,6 +244,14 @@ class Rays(CommandTest):
         def refused(status, *arguments, mentions):
             self.fails(status, "rays", "a.toml", *arguments, mentions=mentions)
         refused(2, "-o", "r.vtp", mentions=["--pixel", "--random", "--chief"])
+        self.write("p.csv", "1500,1500\n1500,x\n")
+        refused(1, "--pixels", "p.csv", "-o", "r.vtp", mentions=["p.csv:2", "column,row"])
+        self.write("p.csv", "1500,1500.5\n")
+        refused(1, "--pixels", "p.csv", "-o", "r.vtp", mentions=["p.csv:1", "whole numbers"])
+        os.remove(self.path("p.csv"))
+        refused(1, "--pixels", "none.csv", "-o", "r.vtp", mentions="none.csv")
+        refused(2, "--window", "1,2,3", "-o", "r.vtp", mentions="--window")
+        refused(2, "--window", "2990,0,20,1", "-o", "r.vtp", mentions="3000 x 3000")
         refused(2, "--pixel", "1", "-o", "r.vtp", mentions="X,Y")
         refused(2, "--pixel", "1,-2", "-o", "r.vtp", mentions="--pixel")
         refused(2, "--pixel", "1,2x", "-o", "r.vtp", mentions="--pixel")

@@ -1,4 +1,5 @@
 #include "commands/render_options.h"
+#include "commands/run_record.h"
 
 #include <gtest/gtest.h>
 #include <CLI/CLI.hpp>
@@ -6,7 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame::cli {
+namespace plenoflame::cli::render_options_test {
 namespace {
 
 RenderOptions parse(std::vector<std::string> line) {
@@ -102,8 +103,9 @@ TEST(RenderOptions, UnwritableFilesAreFoundBeforeRendering) {
   options.stats = folder.file("none/s.json");
   EXPECT_THROW(check_files(options), FileError);
   options.stats.clear();
+  options.scene.clear();
   options.resume = folder.file("b.exr");
-  EXPECT_THROW(check_files(options), FileError);
+  EXPECT_THROW(read_continuation(options), FileError);
 }
 
 TEST(RenderOptions, WindowLiesOnTheSensor) {
@@ -116,4 +118,4 @@ TEST(RenderOptions, WindowLiesOnTheSensor) {
 }
 
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame::cli::render_options_test

@@ -122,6 +122,33 @@ class Render(CommandTest):
         self.assertFalse(self.json_of("info", "a.exr")["complete"])
         self.assertNotIn("\r", errors)  # progress is for terminals
 
+    def test_interrupted_in_the_ground_truth_keeps_the_picture(self):
+        seen = False
+        for number, delay in zip([signal.SIGTERM, signal.SIGHUP] * len(DELAYS), DELAYS):
+            process = subprocess.Popen([command.COMMAND, "render", "a.toml", "--samples", "1", "--truth", "--threads", "1"],
+                                       cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(process.kill)
+            try:
+                process.wait(timeout=delay)
+            except subprocess.TimeoutExpired:
+                process.send_signal(number)
+            _, errors = process.communicate(timeout=60)
+            if process.returncode == -number:  # it came before the command had begun
+                self.assertEqual(self.files(), ["a.toml"])
+                continue
+            self.assertIn(process.returncode, (0, 1), errors)
+            if "whole picture" in errors:
+                seen = True
+                self.assertIn("without its layers of ground truth", errors)
+                figures = self.json_of("info", "a.exr")
+                self.assertTrue(figures["complete"])
+                self.assertNotIn("truth.distance", json.dumps(figures))
+                self.assertEqual(self.files(), ["a.exr", "a.toml"])
+            for name in self.files():
+                if name != "a.toml":
+                    os.remove(self.path(name))
+        self.assertTrue(seen, "no signal came while the ground truth was worked out")
+
     def test_resumed_run_gives_the_same_bits(self):
         options = ["--window", "1400,1400,256,256", "--samples", "4096", "--quiet"]
         self.succeeds("render", "a.toml", *options, "-o", "whole.exr")
@@ -136,10 +163,11 @@ class Render(CommandTest):
                 break
         self.assertIn("part.exr.state", self.files())
         self.fails(1, "render", "a.toml", *options, "--seed", "5", "-o", "part.exr", "--resume", "part.exr",
-                   mentions="other settings")
+                   mentions="--seed was 1 and is 5")
         self.succeeds("render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr")
         self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
         self.assertNotIn("part.exr.state", self.files())
+        os.remove(self.path("part.exr"))
         self.fails(1, "render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr", mentions="part.exr.state")
 
     def test_target_error(self):
@@ -165,7 +193,7 @@ class Render(CommandTest):
                 break
         # The state of one estimator is none of the other's.
         self.fails(1, "render", "a.toml", "--samples", "2e6", "--quiet", *WINDOW, "-o", "part.exr", "--resume", "part.exr",
-                   mentions="other settings")
+                   "--estimator", "backward", mentions="--estimator was forward and is backward")
         self.succeeds("render", "a.toml", *options, "-o", "part.exr", "--resume", "part.exr")
         self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
         limited = self.json_of("render", "a.toml", "--estimator", "forward", "--time-limit", "0.2s")

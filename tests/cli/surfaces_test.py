@@ -46,7 +46,7 @@ class Surfaces(CommandTest):
                                 ("v 0 1\n" + good + "f 2 3 4\n", "line 1", "2 numbers"),
                                 (good + "f 1 2\n", "line 4", "2 corners"),
                                 (good + "f 1 2 4\n", "line 4", "no vertex 4 among 3"),
-                                (good + "f 1 2 -4\n", "line 4", "no vertex"),
+                                (good + "f 1 2 -4\n", "line 4", '"-4" is not the number of a vertex'),
                                 (good + "f 1 \\\n2 x\n", "line 5", '"x"')]:
             self.write("thing.obj", text)
             self.bad(MESH, "a.toml:6:", "thing.obj", *mentions)

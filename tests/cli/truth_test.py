@@ -1,5 +1,7 @@
 """plenoflame render --white and plenoflame truth."""
 
+import csv
+import io
 import math
 
 from command import CommandTest, main
@@ -61,6 +63,15 @@ class Truth(CommandTest):
         super().setUp()
         self.write("a.toml", SCENE)
 
+    def test_points_far_beside_the_axis_have_no_image(self):
+        # The exit pupil of this lens lies on the sensor's side: nothing but the sensor bounds what is looked at.
+        self.write("far.toml", '[camera]\npreset = "r12"\n')
+        self.succeeds("render", "far.toml", "--white", "--window", "0,0,2,2", "--samples", "1", "--quiet", "-o", "far.exr")
+        self.write("far.csv", "0.9,-0.01,65536\n0.001,100,0\n1,0,1e9\n1,0,0\n")
+        self.succeeds("truth", "far.exr", "--points", "far.csv", "--projections", "images.csv")
+        points = {line.split(",")[0] for line in self.read("images.csv").decode().splitlines()[1:]}
+        self.assertEqual(points, {"3"})
+
     def test_white_images_at_several_apertures(self):
         self.succeeds("render", "a.toml", "--white", "--f-numbers", "14,28", "--samples", "4096", "-o", "w.exr", "--quiet")
         self.assertEqual([f for f in self.files() if f.endswith(".exr")], ["w-f14.exr", "w-f28.exr"])
@@ -96,7 +107,7 @@ class Truth(CommandTest):
         attributes = read_exr(self.path("w2.exr"))[0]
         self.assertIn("0,0,far,48", str(attributes["plenoflame.text.truth.micro_images"]))
         images = self.read("i.csv").decode().splitlines()
-        self.assertEqual(images[0], "point,x,y,z,q,r,type,column,row")
+        self.assertEqual(images[0], "point,x,y,z,q,r,type,column,row,centroid_column,centroid_row,spread,share")
         self.assertGreater(len(images), 4)
         rays = read_exr(self.path("c.exr"))[1]
         # The middle pixels look along +x of the world.
@@ -115,6 +126,61 @@ class Truth(CommandTest):
         self.fails(2, "truth", "w.exr", "-o", "i.csv", "--points", "p.csv", "--projections", "i.csv", mentions="same file")
         self.assertNotIn("none.csv", self.files())
         self.fails(1, "truth", "t.csv", "-o", "x.csv", mentions="t.csv")
+
+    def test_projections_are_where_the_light_is(self):
+        """A speck of flame behind plano-convex microlenses: the centroid of its light in every micro-image, and its share."""
+        scene = """[camera]
+preset = "r12"
+[camera.sensor]
+columns = 420
+rows = 320
+[[flames]]
+position = ["0.42 m", "1.1 mm", "0.7 mm"]
+[flames.spectrum]
+kind = "grey"
+[[flames.layers]]
+centre = ["0 m", "0 m", "0 m"]
+semi_axes = ["0.1 mm", "0.1 mm", "0.1 mm"]
+temperature = "1700 K"
+absorption = "20 1/m"
+"""
+        self.write("a.toml", scene)
+        self.succeeds("render", "a.toml", "--samples", "2048", "--window", "140,100,90,85", "-o", "w.exr", "--quiet")
+        self.write("p.csv", "0.42,0.0011,0.0007\n")
+        figures = self.json_of("truth", "w.exr", "--points", "p.csv", "--projections", "i.csv", "--rays", "100000")
+        rows = list(csv.DictReader(io.StringIO(self.read("i.csv").decode())))
+        self.assertEqual(len(rows), figures["point_images"])
+        flux = read_exr(self.path("w.exr"))[1]["total"]
+        seen = {}
+        places = [(float(row["centroid_column"]), float(row["centroid_row"])) for row in rows]
+        for y, line in enumerate(flux):
+            for x, value in enumerate(line):
+                if value > 0:
+                    k = min(range(len(rows)), key=lambda k: math.hypot(x + 140.5 - places[k][0], y + 100.5 - places[k][1]))
+                    sums = seen.setdefault(k, [0.0, 0.0, 0.0])
+                    for i, part in enumerate((value, value * (x + 140.5), value * (y + 100.5))):
+                        sums[i] += part
+        total = sum(map(sum, flux))
+        apart, part = 0, 0
+        for k, row in enumerate(rows):
+            share = float(row["share"])
+            if share < 0.01:  # too few rays of the picture
+                continue
+            weight, x, y = seen[k]
+            self.assertLess(abs(weight / total / share - 1), 0.05, row)
+            # Of lenses at the rim of the beam the speck, which is no point, lights another part.
+            whole = share > 0.0765
+            self.assertLess(math.hypot(x / weight - places[k][0], y / weight - places[k][1]), 0.03 if whole else 0.15, row)
+            chief = float(row["column"]), float(row["row"])
+            if math.isnan(chief[0]):
+                part += 1
+            elif whole:
+                apart = max(apart, math.hypot(chief[0] - places[k][0], chief[1] - places[k][1]))
+        # The ray through the middle is not the middle of the light, and some lenses see it in part.
+        self.assertGreater(apart, 0.15)
+        self.assertGreater(part, 0)
+        self.assertGreaterEqual(figures["point_images_in_part"], part)
+        self.fails(2, "truth", "w.exr", "-o", "t.csv", "--rays", "9", mentions="--projections")
 
     def test_tolerances_move_the_micro_images(self):
         tolerances = '[camera.array]\ndiameter = "140 um"\nrotation = "1 deg"\noffset = ["11 um", "0 m"]\ncentre_jitter = "10 um"\n'

@@ -173,6 +173,36 @@ TEST_F(DocumentTest, PresetsStayWhereTheirPredecessorsStood) {
   EXPECT_EQ(document_.scene().flames[1].position, before.flames[0].position);
 }
 
+TEST_F(DocumentTest, OneOfSeveralCamerasIsChosen) {
+  document_.insert_item("cameras", 0);  // the one camera becomes the first of two
+  ASSERT_EQ(document_.scene().cameras.size(), 2U);
+  EXPECT_EQ(document_.camera_name(), "camera1");
+  document_.set_value("cameras[1].position", "1 mm, 2 mm, 3 mm");
+  EXPECT_NE(document_.camera().position.x, 1e-3);
+  int calls = 0;
+  bool optics = false;
+  QObject::connect(&document_, &Document::scene_changed, &document_,
+                   [&](const SceneChanges& changes) { ++calls, optics = changes.camera; });
+  const Scene before = document_.scene();
+  document_.choose_camera("camera2");
+  document_.choose_camera("camera2");
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(optics);
+  EXPECT_EQ(document_.scene(), before);
+  EXPECT_EQ(document_.camera().position.x, 1e-3);
+  EXPECT_EQ(document_.scene_of_camera().scene.camera, document_.camera());
+  EXPECT_THROW(document_.choose_camera("camera3"), InputError);
+  document_.apply_preset(PresetKind::camera, "raytrix-r29", 1);
+  EXPECT_EQ(document_.camera().name, "camera2");
+  EXPECT_EQ(document_.camera().position.x, 1e-3);
+  EXPECT_EQ(document_.scene().cameras[0], before.cameras[0]);
+  document_.erase_item("cameras", 1);
+  EXPECT_EQ(document_.camera_name(), "camera1");
+  while (document_.can_undo()) document_.undo();
+  EXPECT_EQ(document_.camera_name(), "");
+  EXPECT_EQ(document_.scene(), parse_scene(small_scene_text(), "small.toml").scene);
+}
+
 TEST_F(DocumentTest, EveryOtherSelectionIsTold) {
   int calls = 0;
   QObject::connect(&document_, &Document::selection_changed, &document_, [&] { ++calls; });

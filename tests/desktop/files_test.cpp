@@ -8,6 +8,7 @@
 #include <QMessageBox>
 #include <QPushButton>
 #include <QStatusBar>
+#include <QTableWidget>
 
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
@@ -55,6 +56,7 @@ class FilesTest : public test::WindowFixture {
     when_shown<ImportDialog>([&](ImportDialog& dialog) {
       const auto type = [&](const char* name, const QString& text) {
         auto* edit = dialog.findChild<QLineEdit*>(name);
+        edit->setFocus();
         edit->selectAll();
         QTest::keyClicks(edit, text);
       };
@@ -64,8 +66,19 @@ class FilesTest : public test::WindowFixture {
       auto* message = dialog.findChild<QWidget*>("importMessage");
       QVERIFY(message->isVisible());
       type("importFile", file("burner.vti"));
-      type("importTemperature", "T");
-      type("importSource", "kappa");
+      type("importTemperature", "T");  // leaves the field of the file: its arrays are listed
+      auto* arrays = dialog.findChild<QTableWidget*>("importArrays");
+      QVERIFY(until([&] { return arrays->rowCount() == 2; }));
+      QStringList listed;
+      for (int row = 0; row < 2; ++row)
+        for (int k = 0; k < 3; ++k) listed << arrays->item(row, k)->text();
+      QCOMPARE(listed, (QStringList{"T", "1000", "1550", "kappa", "12", "12"}));
+      // The field that was used last takes the array that is double-clicked.
+      dialog.findChild<QLineEdit*>("importSource")->setFocus();
+      const QPoint row = arrays->visualItemRect(arrays->item(1, 0)).center();
+      QTest::mouseClick(arrays->viewport(), Qt::LeftButton, {}, row);
+      QTest::mouseDClick(arrays->viewport(), Qt::LeftButton, {}, row);
+      QCOMPARE(dialog.findChild<QLineEdit*>("importSource")->text(), QString("kappa"));
       type("importVoxelSize", "5 kg");
       QTest::keyClick(&dialog, Qt::Key_Return);
       QVERIFY(dialog.isVisible());

@@ -22,7 +22,7 @@ struct Entry {
   const char* name;
   std::unique_ptr<QObject> (*make)();
 };
-constexpr std::array<Entry, 10> kTests{{{"window", make_window_test},
+constexpr std::array<Entry, 13> kTests{{{"window", make_window_test},
                                         {"panels", make_panels_test},
                                         {"selection", make_selection_test},
                                         {"picture", make_picture_test},
@@ -31,7 +31,10 @@ constexpr std::array<Entry, 10> kTests{{{"window", make_window_test},
                                         {"manners", make_manners_test},
                                         {"tour", make_tour_test},
                                         {"views", make_views_test},
-                                        {"work", make_work_test}}};
+                                        {"work", make_work_test},
+                                        {"moments", make_moments_test},
+                                        {"handling", make_handling_test},
+                                        {"looks", make_looks_test}}};
 
 }  // namespace
 

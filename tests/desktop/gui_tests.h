@@ -15,6 +15,9 @@ std::unique_ptr<QObject> make_manners_test();
 std::unique_ptr<QObject> make_tour_test();
 std::unique_ptr<QObject> make_views_test();
 std::unique_ptr<QObject> make_work_test();
+std::unique_ptr<QObject> make_moments_test();
+std::unique_ptr<QObject> make_handling_test();
+std::unique_ptr<QObject> make_looks_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0

@@ -38,6 +38,24 @@ foreach(component IN LISTS COMPONENTS)
     message(FATAL_ERROR "the consumer of ${component} printed: ${output}")
   endif()
 endforeach()
+# The example programs, and what their comments promise: the rays make the picture.
+if("${COMPONENTS}" STREQUAL "core")
+  run("configuring the examples" "${CMAKE_COMMAND}" -G "${GENERATOR}" -S "${EXAMPLES}/cpp"
+    -B "${WORK_DIR}/examples" "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${CXX}"
+    "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror" -DCMAKE_BUILD_TYPE=Release
+    -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+  run("building the examples" "${CMAKE_COMMAND}" --build "${WORK_DIR}/examples")
+  run("pixel_flux" "${WORK_DIR}/examples/pixel_flux" "${EXAMPLES}/lenslets-30.toml" 150 150)
+  if(NOT output MATCHES "streamed ([1-9.]+[0-9e.-]*) W\npicture  ([0-9e.-]+) W"
+     OR NOT CMAKE_MATCH_1 STREQUAL CMAKE_MATCH_2)
+    message(FATAL_ERROR "the flux of the streamed rays is not the picture's: ${output}")
+  endif()
+  run("ray_voxels" "${WORK_DIR}/examples/ray_voxels" "${EXAMPLES}/lenslets-30.toml" 140 140)
+  # Pixels of the picture are single precision.
+  if(NOT output MATCHES "farthest from the picture: [0-9.]+e-0[89] of [1-9.]+[0-9e.-]* W")
+    message(FATAL_ERROR "the operator does not make the picture: ${output}")
+  endif()
+endif()
 if(WITH_CLI)
   run("the installed command" "${prefix}/${BINDIR}/plenoflame" --version)
   if(NOT output MATCHES "${VERSION}")

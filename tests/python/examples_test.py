@@ -4,6 +4,7 @@ import struct
 import subprocess
 import sys
 
+import numpy
 from package import ROOT, PackageTest, main
 from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader
 
@@ -38,6 +39,13 @@ class Examples(PackageTest):
 
     def test_scene_picture(self):
         self.assertEqual(self.size_of(self.run_example("scene_picture.py", self.small_scene())), (1200, 800))
+
+    def test_operator_vjp(self):
+        """The descent goes down, which it does not with a wrong adjoint; and what it finds is not negative."""
+        found = numpy.load(self.run_example("operator_vjp.py", self.small_scene()))
+        self.assertLess(found["losses"][-1], 0.1 * found["losses"][0])
+        self.assertEqual(found["emission"].shape, (8, 12))
+        self.assertGreaterEqual(found["emission"].min(), 0)
 
     def test_for_paraview(self):
         reader = vtkXMLMultiBlockDataReader()

@@ -2,14 +2,9 @@
 
 import re
 
-from fields import mesh
-from package import EXAMPLE, PackageTest, main
-from vtkmodules.util.vtkConstants import VTK_STRING
-from vtkmodules.vtkCommonCore import vtkCommand
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+from package import EXAMPLE, PackageTest, main, needs_vtk
 
 import plenoflame
-from plenoflame import vtkPlenoflameImport
 
 
 class Messages(PackageTest):
@@ -19,10 +14,6 @@ class Messages(PackageTest):
         (self.folder / "bad.toml").write_text(EXAMPLE.read_text().replace("[camera]", "[camera]\nlens_count = 3", 1))
         (self.folder / "no.exr").write_text("not an image")
         self.scene(60).render(samples=2).save(self.folder / "a.exr")
-        writer = vtkXMLUnstructuredGridWriter()
-        writer.SetFileName(str(self.folder / "m.vtu"))
-        writer.SetInputData(mesh(2))
-        writer.Write()
 
     def of_command(self, *arguments):
         for status in (1, 2):
@@ -61,7 +52,18 @@ class Messages(PackageTest):
         self.same(lambda: scene.rays(points=[(-1, 0, 0)]), "rays", "a.toml", "--point=-1 m,0 m,0 m", "-o", "r.vtp")
         self.same(lambda: scene.rays(microlenses=[(500, 500)]), "rays", "a.toml", "--microlens", "500,500", "-o", "r.vtp")
 
+    def write_mesh(self):
+        from fields import mesh
+        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+        writer = vtkXMLUnstructuredGridWriter()
+        writer.SetFileName(str(self.folder / "m.vtu"))
+        writer.SetInputData(mesh(2))
+        writer.Write()
+
+    @needs_vtk
     def test_imports(self):
+        self.write_mesh()
+
         def imported(name, *options, **settings):
             self.same(lambda: plenoflame.import_flame(self.folder / name, **settings), "flame", "import", name,
                       *options, "-o", "f.vdb")
@@ -70,8 +72,14 @@ class Messages(PackageTest):
         imported("none.vtu", "--constant", "1 1/m", constant=1)
         imported("a.toml", "--constant", "1 1/m", constant=1)
 
+    @needs_vtk
     def test_events_carry_the_same_text(self):
         """The class itself, as a script of VTK uses it: an event, an empty output, and the program goes on."""
+        from vtkmodules.util.vtkConstants import VTK_STRING
+        from vtkmodules.vtkCommonCore import vtkCommand
+
+        from plenoflame import vtkPlenoflameImport
+        self.write_mesh()
         source = vtkPlenoflameImport.vtkPlenoflameFlameImport()
         source.SetFileName(str(self.folder / "m.vtu"))
         source.SetTemperatureArray("hot")

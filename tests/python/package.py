@@ -4,10 +4,17 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
+if os.environ.get("PLENOFLAME_ALONE"):
+    sys.modules["vtkmodules"] = None  # as on a machine without VTK
+
 import plenoflame
+
+VTK = plenoflame.vtk is not None
+needs_vtk = unittest.skipUnless(VTK, "the package was built without VTK")
 
 ROOT = pathlib.Path(os.environ["PLENOFLAME_ROOT"])
 COMMAND = os.environ["PLENOFLAME_COMMAND"]

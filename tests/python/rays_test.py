@@ -1,8 +1,7 @@
 """Rays from Python: numpy views, the pixel's flux, bundles."""
 
 import numpy
-from package import PackageTest, main
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from package import PackageTest, main, needs_vtk
 
 import plenoflame
 
@@ -16,7 +15,9 @@ class RaysTest(PackageTest):
         # The image is rendered in single precision.
         numpy.testing.assert_allclose((rays.weight * rays.radiance[:, 0]).sum(), flux, rtol=1e-4)
 
+    @needs_vtk
     def test_arrays_are_views(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
         rays = self.scene().rays(pixels=[(40, 41)], rays=4)
         self.assertTrue(numpy.shares_memory(rays.points, vtk_to_numpy(rays.polydata.GetPoints().GetData())))
         self.assertEqual(rays.points.dtype, numpy.float64)

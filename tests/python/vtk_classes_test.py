@@ -53,6 +53,9 @@ class Classes(PackageTest):
             inherited = set(dir(kind.__mro__[1]))
             for setter in (m for m in dir(kind) if m.startswith("Set") and m not in inherited):
                 thing = kind()
+                if (name, setter) == ("vtkPlenoflameScene", "SetCamera"):  # takes a camera that there is
+                    thing.ReadText("".join(f'[[cameras]]\nname = "{camera}"\npreset = "paper-plenoptic2"\n'
+                                           for camera in ("one", "other")), "two.toml")
                 getter, set_to = getattr(thing, "Get" + setter[3:], None), getattr(thing, setter)
                 try:
                     old = getter()
@@ -87,8 +90,10 @@ class Classes(PackageTest):
             if not isinstance(thing, vtkAlgorithm):
                 continue
             with self.subTest(name):
+                if hasattr(thing, "SetFlameName"):
+                    thing.SetFlameName("match")  # it needs no input, but a flame that there is
                 errors = self.events_of(thing, "ErrorEvent"), self.events_of(thing.GetExecutive(), "ErrorEvent")
-                thing.Write() if hasattr(thing, "Write") else thing.Update()
+                thing.Write() if name.endswith("Writer") else thing.Update()
                 self.assertGreaterEqual(len(errors[0]) + len(errors[1]), 1)
 
     def test_pipeline_from_file_to_pictures(self):
@@ -138,11 +143,9 @@ class Classes(PackageTest):
         source.SetLevelOfDetail(source.ALL_MICROLENSES)
         source.Update()
         blocks = source.GetOutput()
-        side = 60 * float(scene["camera.sensor.pixel_pitch"].split()[0])
-        self.assertTrue(scene["camera.sensor.pixel_pitch"].endswith(("um", "mm", "m")))
+        side = 60 * scene["camera.sensor.pixel_pitch"]
         low, high = numpy.array(blocks.GetBlock(source.SENSOR).GetBounds()).reshape(3, 2).T
-        unit = {"um": 1e-6, "mm": 1e-3, "m": 1}[scene["camera.sensor.pixel_pitch"].split()[1]]
-        numpy.testing.assert_allclose((high - low)[1:], side * unit, rtol=1e-9)
+        numpy.testing.assert_allclose((high - low)[1:], side, rtol=1e-9)
         microlenses = blocks.GetBlock(source.MICROLENSES)
         self.assertGreater(microlenses.GetNumberOfCells(), 0)
         self.assertEqual(set(vtk_to_numpy(microlenses.GetCellData().GetArray("type"))) - {0, 1, 2}, set())

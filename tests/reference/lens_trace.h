@@ -2,8 +2,8 @@
 // Made by lens_trace.py; do not edit.
 #pragma once
 #include <vector>
-
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/base/constants.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame::test {
 

@@ -3,7 +3,7 @@
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::convergence_test {
 namespace {
 
 TEST(Convergence, PaperFlameWithClippedApertures) {
@@ -15,4 +15,4 @@ TEST(Convergence, WhereThePupilIsNotClipped) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::convergence_test

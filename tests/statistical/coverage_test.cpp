@@ -6,7 +6,7 @@
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::coverage_test {
 namespace {
 
 #ifdef PLENOFLAME_LONG_TEST
@@ -86,4 +86,4 @@ TEST(Coverage, ForwardEstimator) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::coverage_test

@@ -8,7 +8,7 @@
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::forward_agreement_test {
 namespace {
 
 TEST(ForwardAgreement, HexagonalArrayOfThreeTypes) {
@@ -107,6 +107,85 @@ TEST(ForwardAgreement, ClearBetweenTheLenses) {
     expect_agreement(small_scene(singlet(), array));
     array.opaque_between = false;
     expect_agreement(small_scene(singlet(), array));
+  }
+}
+
+// Lenses with sides, without gaps: hexagons in a lattice that is turned, of real and ideal lenses;
+// rectangles, whose circles would overlap; and smaller squares with clear air between them.
+TEST(ForwardAgreement, LensesWithSides) {
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    ArraySpec array = large_array(Lattice::hexagonal, model);
+    array.aperture = ApertureShape::hexagonal;
+    expect_agreement(small_scene(singlet(), array));
+  }
+  ArraySpec array = large_array(Lattice::square, LensModel::real);
+  array.aperture = ApertureShape::square;
+  array.pitch_y = array.diameter_y = 0.7e-3;
+  array.rotation = 0.3;
+  expect_agreement(small_scene(singlet(), array));
+  array.diameter = 0.7e-3;
+  array.diameter_y = 0.5e-3;
+  array.opaque_between = false;
+  expect_agreement(small_scene(singlet(), array));
+}
+
+// The same where nothing stands as it should.
+TEST(ForwardAgreement, MisalignedLensesWithSides) {
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    ArraySpec array = large_array(Lattice::square, model);
+    array.aperture = ApertureShape::square;
+    array.tilt = {0.05, -0.03};
+    array.focal_jitter = 0.08;
+    Scene scene = small_scene(singlet(), array);
+    scene.camera.lens.decentre = {0.6e-3, -0.9e-3};
+    expect_agreement(scene);
+  }
+}
+
+// An array with an edge inside of the sensor, opaque and clear beyond it.
+TEST(ForwardAgreement, FewMicrolenses) {
+  for (const bool opaque : {true, false}) {
+    ArraySpec array = large_array(Lattice::hexagonal, LensModel::real);
+    array.columns = 4;
+    array.rows = 5;
+    array.opaque_between = opaque;
+    expect_agreement(small_scene(singlet(), array));
+  }
+}
+
+/// Two bands behind three filters: halves of a ring that share a band, and a square in the middle;
+/// the rest of the stop is open.
+std::vector<PupilFilterSpec> three_filters() {
+  PupilFilterSpec right{"right", PupilPartShape::sector};
+  right.angle = -0.5;
+  right.extent = 3;
+  right.inner = 0.6;
+  right.transmission = "600 nm 0.2, 700 nm 0.9";
+  PupilFilterSpec left = right;
+  left.name = "left";
+  left.angle = 2.5;
+  left.extent = 2.9;
+  left.transmission = "440 nm 0.8, 660 nm 0.1";
+  PupilFilterSpec middle{"middle", PupilPartShape::polygon};
+  middle.corners = {{-0.3, -0.2}, {0.4, -0.2}, {0.4, 0.3}, {-0.3, 0.3}};
+  middle.transmission = "440 nm 1, 470 nm 1";
+  return {right, left, middle};
+}
+
+TEST(ForwardAgreement, FiltersInThePupil) {
+  for (const LensModel model : {LensModel::real, LensModel::ideal}) {
+    Scene scene = small_scene(model == LensModel::real ? singlet() : ideal_singlet(),
+                              large_array(Lattice::square, LensModel::real));
+    scene.channels = {{"red", ChannelKind::band, 650e-9, 40e-9},
+                      {"blue", ChannelKind::band, 450e-9, 10e-9}};
+    scene.camera.pupil_filters = three_filters();
+    expect_agreement(scene);
+    // Absorption by wavelength, and a lens that disperses: every wavelength goes its own way.
+    scene.flames[0].spectrum.kind = SpectrumKind::soot;
+    expect_agreement(scene);
+    if (model == LensModel::ideal) continue;
+    scene.camera.lens.surfaces[0].glass = "N-SF11";
+    expect_agreement(scene);
   }
 }
 
@@ -239,4 +318,4 @@ TEST(ForwardAgreement, EmissionLines) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::forward_agreement_test

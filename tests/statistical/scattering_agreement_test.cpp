@@ -1,11 +1,11 @@
 // Both estimators in media that scatter. One walks from the camera and weighs what is absorbed, the
 // other follows bundles from the light on until they are absorbed; they share the phase functions,
 // which have tests of their own, and no sampling.
-#include "core/surfaces/surface_samples.h"
+#include "core/solids/surface_samples.h"
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::scattering_agreement_test {
 namespace {
 
 ScatteringSpec henyey_greenstein(double albedo, double g) {
@@ -66,9 +66,8 @@ LightSpec lamp() {
 Scene everything() {
   Scene scene = flame_and_smoke();
   scene.flames[0].scattering = {0.5, PhaseFunction::rayleigh, 0};
-  SolidSurfaceSpec wall = shaped(SurfaceShape::plane, 1),
-                   hot = shaped(SurfaceShape::sphere, 1.5e-3),
-                   cold = shaped(SurfaceShape::sphere, 2e-3);
+  SolidSurfaceSpec wall = shaped(SolidShape::plane, 1), hot = shaped(SolidShape::sphere, 1.5e-3),
+                   cold = shaped(SolidShape::sphere, 2e-3);
   wall.position = {1.02, 0, 0};
   wall.extent = {0.06, 0.06};
   wall.rotation = {0, -1.5707963267948966, 0};
@@ -147,7 +146,7 @@ TEST(ScatteringAgreement, SmokeOfFarApartExtinctions) {
 // A floor without end under smoke and a sky.
 TEST(ScatteringAgreement, SmokeOverAFloorWithoutEnd) {
   Scene scene = flame_and_smoke();
-  SolidSurfaceSpec floor = shaped(SurfaceShape::plane, 1);
+  SolidSurfaceSpec floor = shaped(SolidShape::plane, 1);
   floor.position = {0, 0, -13e-3};
   floor.extent = {kInfinity, kInfinity};
   floor.material.reflectivity = 0.8;
@@ -163,4 +162,4 @@ TEST(ScatteringAgreement, SmokeOverAFloorWithoutEnd) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::scattering_agreement_test

@@ -1,15 +1,15 @@
 // Both estimators on surfaces and lights: one follows rays from the camera, the other bundles from
 // the lights. They share the surfaces (which have tests of their own) and no sampling.
-#include "core/surfaces/surface_samples.h"
+#include "core/solids/surface_samples.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::surface_agreement_test {
 namespace {
 
-SolidSurfaceSpec placed(SurfaceShape shape, double size, Vec3 position, double reflectivity) {
+SolidSurfaceSpec placed(SolidShape shape, double size, Vec3 position, double reflectivity) {
   SolidSurfaceSpec spec = shaped(shape, size);
   spec.position = position;
   spec.material.reflectivity = reflectivity;
@@ -34,11 +34,11 @@ Scene camera_of(const ArraySpec& array) {
 // Direct light with shadows on all analytic shapes.
 TEST(SurfaceAgreement, PointLightOnBodies) {
   Scene scene = camera_of(large_array(Lattice::hexagonal, LensModel::real));
-  scene.surfaces = {placed(SurfaceShape::sphere, 4e-3, {0.99, 6e-3, 0}, 0.8),
-                    placed(SurfaceShape::cone, 4e-3, {1, -5e-3, -6e-3}, 0.9),
-                    placed(SurfaceShape::cylinder, 2e-3, {1, 1e-3, -6e-3}, 0.7),
-                    placed(SurfaceShape::box, 4e-3, {1.02, -4e-3, 2e-3}, 0.6),
-                    placed(SurfaceShape::plane, 1, {1, 0, -6e-3}, 0.5)};
+  scene.surfaces = {placed(SolidShape::sphere, 4e-3, {0.99, 6e-3, 0}, 0.8),
+                    placed(SolidShape::cone, 4e-3, {1, -5e-3, -6e-3}, 0.9),
+                    placed(SolidShape::cylinder, 2e-3, {1, 1e-3, -6e-3}, 0.7),
+                    placed(SolidShape::box, 4e-3, {1.02, -4e-3, 2e-3}, 0.6),
+                    placed(SolidShape::plane, 1, {1, 0, -6e-3}, 0.5)};
   scene.surfaces.back().extent = {0.1, 0.1};
   scene.lights = {lamp()};
   expect_agreement(scene);
@@ -47,9 +47,9 @@ TEST(SurfaceAgreement, PointLightOnBodies) {
 // Sun, surroundings (which the camera sees, too), a lamp-like emitter, three reflections.
 TEST(SurfaceAgreement, ManyLightsAndReflections) {
   Scene scene = camera_of(large_array(Lattice::square, LensModel::real));
-  scene.surfaces = {placed(SurfaceShape::sphere, 4e-3, {0.99, 4e-3, 0}, 0.9),
-                    placed(SurfaceShape::disc, 8e-3, {1, -2e-3, 1e-2}, 0),
-                    placed(SurfaceShape::plane, 1, {1, 0, -5e-3}, 0.8)};
+  scene.surfaces = {placed(SolidShape::sphere, 4e-3, {0.99, 4e-3, 0}, 0.9),
+                    placed(SolidShape::disc, 8e-3, {1, -2e-3, 1e-2}, 0),
+                    placed(SolidShape::plane, 1, {1, 0, -5e-3}, 0.8)};
   scene.surfaces[1].rotation = {3.0, 0, 0};  // looks down
   scene.surfaces[1].material.kind = MaterialKind::emitter;
   scene.surfaces[1].material.radiance = 200;
@@ -71,8 +71,8 @@ TEST(SurfaceAgreement, PlanesWithoutEnd) {
   Scene scene = camera_of(large_array(Lattice::square, LensModel::real));
   scene.camera.position = {0, 0, 0.15};
   scene.camera.look_direction = {1, 0, -0.155};
-  scene.surfaces = {placed(SurfaceShape::plane, 1, {0, 0, -5e-3}, 0.8),
-                    placed(SurfaceShape::sphere, 4e-3, {1, 2e-3, -1e-3}, 0.6)};
+  scene.surfaces = {placed(SolidShape::plane, 1, {0, 0, -5e-3}, 0.8),
+                    placed(SolidShape::sphere, 4e-3, {1, 2e-3, -1e-3}, 0.6)};
   scene.surfaces[0].extent = {kInfinity, kInfinity};
   LightSpec sun;
   sun.kind = LightKind::parallel;
@@ -85,7 +85,7 @@ TEST(SurfaceAgreement, PlanesWithoutEnd) {
   sky.radiance = 60;
   scene.lights = {sky};
   expect_agreement(scene, load_core_medium, 5 * kBundles);
-  SolidSurfaceSpec wall = placed(SurfaceShape::plane, 1, {1.03, 0, 0}, 0);
+  SolidSurfaceSpec wall = placed(SolidShape::plane, 1, {1.03, 0, 0}, 0);
   wall.extent = {kInfinity, kInfinity};
   wall.rotation = {0, -1.5707963267948966, 0};
   wall.material.kind = MaterialKind::emitter;
@@ -106,8 +106,8 @@ TEST(SurfaceAgreement, LightFromFarOnPlanesWithoutEnd) {
   Scene scene = camera_of(large_array(Lattice::square, LensModel::real));
   scene.camera.position = {0, 0, 0.15};
   scene.camera.look_direction = {1, 0, -0.155};
-  scene.surfaces = {placed(SurfaceShape::plane, 1, {0, 0, -5e-3}, 0.8),
-                    placed(SurfaceShape::sphere, 4e-3, {1, 2e-3, -1e-3}, 0.6)};
+  scene.surfaces = {placed(SolidShape::plane, 1, {0, 0, -5e-3}, 0.8),
+                    placed(SolidShape::sphere, 4e-3, {1, 2e-3, -1e-3}, 0.6)};
   scene.surfaces[0].extent = {kInfinity, kInfinity};
   scene.render.reflections = 3;
   LightSpec sky;
@@ -115,7 +115,7 @@ TEST(SurfaceAgreement, LightFromFarOnPlanesWithoutEnd) {
   sky.radiance = 60;
   scene.lights = {sky};
   expect_agreement(scene, load_core_medium, 5 * kBundles);
-  SolidSurfaceSpec wall = placed(SurfaceShape::plane, 1, {1.01, 0, 0}, 0.7);
+  SolidSurfaceSpec wall = placed(SolidShape::plane, 1, {1.01, 0, 0}, 0.7);
   wall.extent = {kInfinity, kInfinity};
   wall.rotation = {0, -1.5707963267948966, 0};
   scene.surfaces.push_back(wall);
@@ -131,9 +131,9 @@ TEST(SurfaceAgreement, LightFromFarOnPlanesWithoutEnd) {
 // Emitters large and small, near and far, with and without a flame.
 TEST(SurfaceAgreement, HotSurfaces) {
   Scene scene = small_scene(singlet(), large_array(Lattice::square, LensModel::real));
-  scene.surfaces = {placed(SurfaceShape::plane, 1, {1, 0, -13e-3}, 0.9),
-                    placed(SurfaceShape::sphere, 0.5e-3, {0.99, 5e-3, -8e-3}, 0),
-                    placed(SurfaceShape::cylinder, 2e-3, {1, -5e-3, -13e-3}, 0)};
+  scene.surfaces = {placed(SolidShape::plane, 1, {1, 0, -13e-3}, 0.9),
+                    placed(SolidShape::sphere, 0.5e-3, {0.99, 5e-3, -8e-3}, 0),
+                    placed(SolidShape::cylinder, 2e-3, {1, -5e-3, -13e-3}, 0)};
   scene.surfaces[0].extent = {0.05, 0.05};
   for (const std::size_t i : {1u, 2u}) {
     scene.surfaces[i].material.kind = MaterialKind::blackbody;
@@ -146,9 +146,9 @@ TEST(SurfaceAgreement, HotSurfaces) {
 // A flame that lights what stands around it, hides and is hidden: in front of it, in it, behind it.
 Scene flame_and_objects() {
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
-  scene.surfaces = {placed(SurfaceShape::cylinder, 1.5e-3, {1, 1e-3, -14e-3}, 0.9),
-                    placed(SurfaceShape::sphere, 2e-3, {0.985, 4e-3, 2e-3}, 0.7),
-                    placed(SurfaceShape::plane, 1, {1.02, 0, 0}, 0.6)};
+  scene.surfaces = {placed(SolidShape::cylinder, 1.5e-3, {1, 1e-3, -14e-3}, 0.9),
+                    placed(SolidShape::sphere, 2e-3, {0.985, 4e-3, 2e-3}, 0.7),
+                    placed(SolidShape::plane, 1, {1.02, 0, 0}, 0.6)};
   scene.surfaces[0].height = 8e-3;  // into the flame
   scene.surfaces[0].caps = false;
   scene.surfaces[2].extent = {0.06, 0.06};
@@ -177,7 +177,7 @@ TEST(SurfaceAgreement, SootAndObjects) {
 // Through a closed object nothing is seen of the flame inside of it, from either side.
 TEST(SurfaceAgreement, FlameBehindAWallIsHidden) {
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
-  scene.surfaces = {placed(SurfaceShape::box, 0.04, {1, 0, -0.014}, 0.5)};
+  scene.surfaces = {placed(SolidShape::box, 0.04, {1, 0, -0.014}, 0.5)};
   const CompiledScene compiled = compile(scene);
   RenderSettings settings;
   settings.samples = 8;
@@ -232,4 +232,4 @@ TEST(SurfaceAgreement, Burner) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::surface_agreement_test

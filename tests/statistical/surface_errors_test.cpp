@@ -1,18 +1,18 @@
 // Errors of scenes with surfaces: how fast they fall with the number of samples, and whether what
 // is stated about them is true.
-#include "core/surfaces/surface_samples.h"
+#include "core/solids/surface_samples.h"
 #include "plenoflame/scene/scene_file.h"
 #include "statistical/measured_errors.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::surface_errors_test {
 namespace {
 
 /// Bodies on a floor, lit in every way that needs no random numbers.
 Scene lamp_scene() {
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
   scene.flames.clear();
-  SolidSurfaceSpec ball = shaped(SurfaceShape::sphere, 5e-3), floor = shaped(SurfaceShape::disc, 1);
+  SolidSurfaceSpec ball = shaped(SolidShape::sphere, 5e-3), floor = shaped(SolidShape::disc, 1);
   ball.position = {1, 0, 0};
   floor.position = {1, 0, -5e-3};
   scene.surfaces = {ball, floor};
@@ -28,7 +28,7 @@ Scene warm_scene() {
   Scene scene = lamp_scene();
   scene.flames = {small_flame()};
   scene.flames[0].position = {1.03, 0.002, -4e-3};
-  SolidSurfaceSpec hot = shaped(SurfaceShape::sphere, 1e-3);
+  SolidSurfaceSpec hot = shaped(SolidShape::sphere, 1e-3);
   hot.position = {0.99, 8e-3, 2e-3};
   hot.material.kind = MaterialKind::blackbody;
   hot.material.temperature = 1500;
@@ -98,4 +98,4 @@ TEST(SurfaceErrors, StatedBoundsOfTheForwardEstimatorHold) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::surface_errors_test

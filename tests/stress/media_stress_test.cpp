@@ -11,7 +11,7 @@
 #include "plenoflame/media/layered_medium.h"
 #include "stress/stress_table.h"
 
-namespace plenoflame {
+namespace plenoflame::media_stress_test {
 namespace {
 
 using test::Generator;
@@ -190,4 +190,4 @@ TEST(MediaStress, RandomBits) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::media_stress_test

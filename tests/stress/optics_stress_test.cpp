@@ -8,12 +8,12 @@
 #include "plenoflame/base/isa.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/optics/lens_system.h"
-#include "render/backward_tile.h"
+#include "render/sampling/backward_tile.h"
 #include "stress/quad_optics.h"
 #include "stress/stress_table.h"
 #include "support/cameras.h"
 
-namespace plenoflame {
+namespace plenoflame::optics_stress_test {
 namespace {
 
 using test::distance;
@@ -317,4 +317,4 @@ TEST(OpticsStress, FarCornerOfTheLargestSensor) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::optics_stress_test

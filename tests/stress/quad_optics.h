@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "plenoflame/optics/ray_status.h"
-#include "plenoflame/scene/scene.h"
 
 /// Exact rays in 113-bit arithmetic, by the textbook: the quadratic equation of ray and sphere,
 /// then Snell's law with the tangential part split off. Shares no formula with the library.

@@ -9,7 +9,7 @@
 #include "stress/stress_table.h"
 #include "support/kernel_probes.h"
 
-namespace plenoflame {
+namespace plenoflame::radiometry_stress_test {
 
 namespace {
 
@@ -241,4 +241,4 @@ TEST(RadiometryStress, Bands) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::radiometry_stress_test

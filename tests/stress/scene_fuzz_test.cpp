@@ -10,7 +10,7 @@
 #include "support/cameras.h"
 #include "support/small_scene.h"
 
-namespace plenoflame {
+namespace plenoflame::scene_fuzz_test {
 namespace {
 
 using test::StressCase;
@@ -168,4 +168,4 @@ TEST(SceneFuzz, NoNaNNoInfinityNoNegativeFlux) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scene_fuzz_test

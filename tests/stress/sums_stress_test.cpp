@@ -6,13 +6,13 @@
 #include "plenoflame/film/film.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
-#include "render/backward_tile.h"
+#include "render/sampling/backward_tile.h"
 #include "stress/stress_table.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 #include "support/isas.h"
 
-namespace plenoflame {
+namespace plenoflame::sums_stress_test {
 namespace {
 
 using test::StressCase;
@@ -64,13 +64,13 @@ TEST(SumsStress, FewSamples) {
     const auto kernels = backward_kernels<float>(isa);
     std::vector<std::vector<float>> sums(4, std::vector<float>(kCount + 8));
     kernels.multiply(weight.data(), radiance.data(), kCount, sums[0].data());
-    for (std::size_t k = 1; k <= kMostDoublings; ++k)
+    for (std::size_t k = 1; k <= kMostLog2Points; ++k)
       kernels.add_neighbours(sums[k - 1].data(), 1 << (k - 1), kCount, sums[k].data());
     for (std::size_t i = 0; i + 8 <= kCount; ++i) {
       long double exact = 0;
       for (std::size_t j = i; j < i + 8; ++j)
         exact += static_cast<long double>(weight[j]) * static_cast<long double>(radiance[j]);
-      sum.add(static_cast<double>((sums[kMostDoublings][i] / exact - 1) * 0x1p24L),
+      sum.add(static_cast<double>((sums[kMostLog2Points][i] / exact - 1) * 0x1p24L),
               std::string(name(isa)));
     }
   }
@@ -155,4 +155,4 @@ TEST(SumsStress, PixelsWhoseTrueValueIsZero) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::sums_stress_test

@@ -13,7 +13,7 @@
 #include "plenoflame/media/voxel_medium.h"
 #include "stress/stress_table.h"
 
-namespace plenoflame {
+namespace plenoflame::voxel_stress_test {
 namespace {
 
 using test::StressCase;
@@ -38,8 +38,8 @@ struct Strength {
   double coldest = 1700, hottest = 1700.1;  ///< [K]
   double per_voxel = 0.01;                  ///< optical thickness of a cell at most
 };
-/// So mild that the method's own error (docs/theory.md) does not hide what geometry and rounding
-/// do.
+/// So mild that the method's own error (docs/theory/emission.md) does not hide what geometry and
+/// rounding do.
 constexpr Strength kMild{};
 /// Flame against air from one sample to the next, and cells that are half opaque.
 constexpr Strength kHarsh{400, 2400, 1};
@@ -338,7 +338,7 @@ long double by_transfer_equation(const SmoothFlame& flame, const Ray& ray, doubl
 }
 
 // Two errors of a grid: that of the quadrature, of fourth order in the spacing, and that of knowing
-// the flame at its samples only, of second order (docs/theory.md). Prints
+// the flame at its samples only, of second order (docs/theory/emission.md). Prints
 //   order | thickness | spacing [m] | error of the quadrature | error of the grid
 TEST(VoxelStress, ErrorAgainstSpacing) {
   for (const double thickness : {0.1, 1.0, 10.0}) {
@@ -459,4 +459,4 @@ TEST(VoxelStress, RandomGridsAndRays) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::voxel_stress_test

@@ -31,7 +31,7 @@ class PlainSampler {
       for (std::size_t type = 0; type < camera.microlenses().size(); ++type)
         gap = std::max(gap, camera.aim_plane(static_cast<int>(type)) - camera.sensor());
       // A lens' width, its blur by defocus, and the stop's image behind it, with room to spare.
-      side_ = 1.8 * camera.spec().array.diameter + 1.3 * gap * lens.exit_pupil_diameter / to_pupil;
+      side_ = 3.6 * camera.aperture().radius() + 1.3 * gap * lens.exit_pupil_diameter / to_pupil;
     } else {
       side_ = 1.6 * lens.exit_pupil_diameter *
               std::max(1.0, (camera.aim_plane(0) - camera.sensor()) / to_pupil);
@@ -76,7 +76,7 @@ class PlainSampler {
       use(s);
     };
     if (!camera_.has_array()) return through(0);
-    const double near = 0.5 * camera_.spec().array.diameter + 0.2 * camera_.spec().array.pitch;
+    const double near = camera_.aperture().radius() + 0.2 * camera_.spec().array.pitch;
     const Vec2 reach{near, near};
     for (const LensIndex lens : camera_.lattice().within(s.aim - reach, s.aim + reach)) {
       s.lens = lens;
@@ -106,8 +106,11 @@ class PlainSampler {
       sum += part;
       squares += part * part;
     }
-    const double pitch = camera_.spec().sensor.pixel_pitch;
-    const double area = width * height * pitch * pitch;
+    // Not by the camera's own functions: rows that are not as far apart as columns are tested, too.
+    const SensorSpec& sensor = camera_.spec().sensor;
+    const double pitch = sensor.pixel_pitch;
+    const double pitch_y = sensor.pixel_pitch_y > 0 ? sensor.pixel_pitch_y : pitch;
+    const double area = width * height * pitch * pitch_y;
     const double mean = sum / kShifts;
     estimate.flux = area * mean;
     estimate.standard_error =

@@ -8,9 +8,10 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/grid_file.h"
+#include "support/damaged_files.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::damaged_file_test {
 namespace {
 
 using test::TemporaryFolder;
@@ -82,7 +83,7 @@ TEST(DamagedFile, RandomBytes) {
   for (const std::uint32_t compression : kCompressions)
     for (const bool half : {false, true}) {
       const auto whole = sample_file(path, compression, half);
-      for (int run = 0; run < 150; ++run) {
+      for (int run = 0, files = test::damaged_files_wanted(1200) / 8; run < files; ++run) {
         auto bytes = whole;
         // Half of the changes go to the first kilobyte, where the structure is.
         const int changes = 1 + static_cast<int>(random() % 4);
@@ -100,6 +101,7 @@ TEST(DamagedFile, RandomBytes) {
   // The test would be idle if the changes did not matter, or if nothing could be read.
   EXPECT_GT(refused, runs / 10);
   EXPECT_LT(refused, runs);
+  std::printf("flames (.vdb): %d files, %d read, %d refused\n", runs, runs - refused, refused);
 }
 
 /// OpenVDB reads a block that says to be stored plainly with a wrong length before it looks at the
@@ -127,4 +129,4 @@ TEST(DamagedFile, WrongBlockLengths) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::damaged_file_test

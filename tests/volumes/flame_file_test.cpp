@@ -12,7 +12,7 @@
 #include "support/approx.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::flame_file_test {
 namespace {
 
 using test::contains;
@@ -369,4 +369,4 @@ TEST_F(FlameFile, PlacedByPositionAndRotation) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::flame_file_test

@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::flame_library_test {
 namespace {
 
 using test::contains;
@@ -266,4 +266,4 @@ TEST(FlameLibrary, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::flame_library_test

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <fstream>
 #include <random>
 
 #include "plenoflame/base/error.h"
@@ -14,7 +16,7 @@
 #include "support/approx.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::grid_file_test {
 namespace {
 
 using test::contains;
@@ -294,5 +296,57 @@ TEST(GridFile, SaysWhyAFileCannotBeRead) {
                        "it is not a .vdb file"));
 }
 
+// 304 tiles of 128^3 voxels are within the limit, and would take 2.5 GB before what is wrong with
+// them is found.
+TEST(GridFile, LooksAtTilesBeforeItTakesTheirMemory) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const std::string path = folder.file("a.vdb");
+  for (const bool far : {false, true}) {
+    const auto grid = openvdb::FloatGrid::create(0);
+    grid->setName("absorption");
+    for (int i = 0; i < 303; ++i)
+      grid->tree().addTile(2, {128 * (i % 16), 128 * (i / 16), 0}, 5.0f, true);
+    if (far)
+      grid->tree().setValue({(1 << 30) + 4096, 0, 0}, 7.0f);
+    else
+      grid->tree().addTile(2, {0, 0, 4096}, std::nanf(""), true);
+    write(path, {grid});
+    const std::string message =
+        message_of<InputError>([&] { read_voxel_field(path, "absorption"); });
+    EXPECT_TRUE(contains(message, far ? "at indices beyond 2^30" : "not a finite number"))
+        << message;
+    std::ifstream status("/proc/self/status");
+    std::string line;
+    while (std::getline(status, line) && !line.starts_with("VmHWM:")) {
+    }
+    EXPECT_LT(std::stoull(line.substr(6)), 1u << 20) << "kB of memory";
+  }
+}
+
+// 635 million voxels are within the limit, but not within a limit of address space.
+TEST(GridFile, AGridThatMemoryCannotHoldIsRefused) {
+  const TemporaryFolder folder;
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(0);
+  grid->setName("absorption");
+  for (int i = 0; i < 303; ++i)
+    grid->tree().addTile(2, {128 * (i % 16), 128 * (i / 16), 0}, 5.0f, true);
+  const std::string path = folder.file("a.vdb");
+  write(path, {grid});
+  double pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  if (pages > 1e6) GTEST_SKIP() << "a sanitizer takes terabytes of address space";
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  rlimit tight = before;
+  tight.rlim_cur = rlim_t{6} << 30;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);
+  const std::string message = message_of<InputError>([&] { read_voxel_field(path, "absorption"); });
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_TRUE(contains(message, "its 635 million voxels would take some 7.6 GB of memory, and"))
+      << message;
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::grid_file_test

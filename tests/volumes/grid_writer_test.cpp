@@ -18,7 +18,7 @@
 #include "support/approx.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::grid_writer_test {
 namespace {
 
 using test::contains;
@@ -173,4 +173,4 @@ TEST(GridWriter, AFailedWriteLeavesTheOldFileAlone) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::grid_writer_test

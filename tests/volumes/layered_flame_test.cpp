@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "volumes/support.h"
 
-namespace plenoflame {
+namespace plenoflame::layered_flame_test {
 namespace {
 
 using test::contains;
@@ -331,4 +331,4 @@ TEST(LayerFile, ReadsLayersWithUnits) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::layered_flame_test

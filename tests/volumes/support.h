@@ -11,35 +11,9 @@
 
 #include "plenoflame/math/vector.h"
 #include "plenoflame/media/voxel_medium.h"
+#include "support/temporary_folder.h"
 
 namespace plenoflame::test {
-
-/// A folder of its own for each test, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = ::testing::TempDir();
-    while (name.ends_with('/')) name.pop_back();
-    name += std::string("/plenoflame_") + info->test_suite_name() + "_" + info->name();
-    for (char& c : name)
-      if (c == '\0') c = '_';
-    path_ = name;
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Random access to a field; knows nothing of how the library reads it.
 class FieldSampler {

@@ -14,7 +14,7 @@
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::camera_source_test {
 namespace {
 
 using Source = vtkPlenoflameCameraSource;
@@ -136,4 +136,4 @@ TEST_F(CameraSource, SensorCornersAreUprightInTheTexture) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::camera_source_test

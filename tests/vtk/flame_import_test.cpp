@@ -23,7 +23,7 @@
 #include "support/temporary_folder.h"
 #include "vtkPlenoflameFlameImport.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::flame_import_test {
 namespace {
 
 constexpr double kSide = 0.02;
@@ -185,4 +185,4 @@ TEST_F(FlameImport, UnknownFilesAreErrorEvents) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::flame_import_test

@@ -29,7 +29,7 @@
 #include "vtkPlenoflameFlameWriter.h"
 #include "vtkPlenoflameScene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::flame_test {
 namespace {
 
 float temperature_at(int i, int j, int k) {
@@ -258,4 +258,4 @@ TEST(Flame, SourceSamplesTheSceneInTheWorld) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::flame_test

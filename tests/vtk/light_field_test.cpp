@@ -25,7 +25,7 @@
 #include "vtkPlenoflameScene.h"
 #include "vtkPlenoflameViews.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::light_field_test {
 namespace {
 
 Scene example() {
@@ -207,4 +207,4 @@ TEST(LightFieldFilters, OtherImagesAreRefused) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::light_field_test

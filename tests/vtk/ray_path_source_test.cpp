@@ -22,7 +22,7 @@
 #include "vtkPlenoflameRayPathSource.h"
 #include "vtkPlenoflameScene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ray_path_source_test {
 namespace {
 
 Scene example() {
@@ -195,4 +195,4 @@ TEST_F(RayPathSource, WrongPixelIsAnErrorEvent) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ray_path_source_test

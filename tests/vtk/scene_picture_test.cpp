@@ -18,10 +18,10 @@
 #include "vtkPlenoflameScene.h"
 #include "vtkPlenoflameScenePicture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::scene_picture_test {
 namespace {
 
-SolidSurfaceSpec solid(SurfaceShape shape, double reflectivity) {
+SolidSurfaceSpec solid(SolidShape shape, double reflectivity) {
   SolidSurfaceSpec spec;
   spec.shape = shape;
   spec.position = {1, 0, 0};
@@ -66,7 +66,7 @@ class ScenePicture : public ::testing::Test {
 
 // A ball that fills the height of the picture but for its margin is a disc there.
 TEST_F(ScenePicture, BallIsADisc) {
-  vtkImageData* const image = drawn({solid(SurfaceShape::sphere, 0.5)});
+  vtkImageData* const image = drawn({solid(SolidShape::sphere, 0.5)});
   ASSERT_TRUE(image);
   int across = 0, down = 0;
   for (int column = 0; column < 300; ++column)
@@ -85,13 +85,13 @@ TEST_F(ScenePicture, BallIsADisc) {
 TEST_F(ScenePicture, BrightnessFollowsTheReflectivity) {
   int before = 0;
   for (const double reflectivity : {0.02, 0.2, 0.5, 0.9}) {
-    vtkImageData* const image = drawn({solid(SurfaceShape::sphere, reflectivity)});
+    vtkImageData* const image = drawn({solid(SolidShape::sphere, reflectivity)});
     ASSERT_TRUE(image);
     EXPECT_GT(value(image, 150, 100), before + 15) << reflectivity;
     before = value(image, 150, 100);
   }
   // What emits is yellow, whatever the light.
-  SolidSurfaceSpec lamp = solid(SurfaceShape::sphere, 0);
+  SolidSurfaceSpec lamp = solid(SolidShape::sphere, 0);
   lamp.material.kind = MaterialKind::emitter;
   lamp.material.radiance = 10;
   vtkImageData* const image = drawn({lamp});
@@ -103,18 +103,18 @@ TEST_F(ScenePicture, EveryShapeIsDrawnAndCanBeLeftOut) {
   const TemporaryFolder folder;
   std::ofstream(folder.file("a.obj")) << "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
                                          "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-  for (const SurfaceShape shape :
-       {SurfaceShape::sphere, SurfaceShape::cylinder, SurfaceShape::cone, SurfaceShape::disc,
-        SurfaceShape::plane, SurfaceShape::box, SurfaceShape::mesh}) {
+  for (const SolidShape shape :
+       {SolidShape::sphere, SolidShape::cylinder, SolidShape::cone, SolidShape::disc,
+        SolidShape::plane, SolidShape::box, SolidShape::mesh}) {
     SolidSurfaceSpec spec = solid(shape, 0.4);
-    if (shape == SurfaceShape::mesh) spec.file = folder.file("a.obj");
+    if (shape == SolidShape::mesh) spec.file = folder.file("a.obj");
     picture_->SetShowSurfaces(true);
     vtkImageData* const image = drawn({spec});
     ASSERT_TRUE(image);
     EXPECT_GT(inked(image), 2000) << static_cast<int>(shape);
   }
   // The whole scene, with a large ball beside the camera and without it.
-  SolidSurfaceSpec ball = solid(SurfaceShape::sphere, 0.1);
+  SolidSurfaceSpec ball = solid(SolidShape::sphere, 0.1);
   ball.radius = 0.4;
   picture_->SetView(vtkPlenoflameScenePicture::WHOLE_SCENE);
   picture_->SetShowInsets(false);
@@ -129,10 +129,10 @@ TEST_F(ScenePicture, EveryShapeIsDrawnAndCanBeLeftOut) {
 }
 
 TEST_F(ScenePicture, PlaneWithoutEndIsDrawnAroundTheRest) {
-  SolidSurfaceSpec floor = solid(SurfaceShape::plane, 0.5);
+  SolidSurfaceSpec floor = solid(SolidShape::plane, 0.5);
   floor.extent = {kInfinity, kInfinity};
   floor.position = {0, 0, -0.05};
-  vtkImageData* const image = drawn({floor, solid(SurfaceShape::sphere, 0.5)});
+  vtkImageData* const image = drawn({floor, solid(SolidShape::sphere, 0.5)});
   ASSERT_TRUE(image);
   EXPECT_GT(inked(image), 30000);
 }
@@ -142,7 +142,7 @@ TEST_F(ScenePicture, SolidsDoNotHideTheLabelsOfTheAxes) {
   // has.
   picture_->SetSize(600, 400);
   picture_->SetShowAxes(true);
-  SolidSurfaceSpec ball = solid(SurfaceShape::sphere, 0.4), cone = solid(SurfaceShape::cone, 0.4);
+  SolidSurfaceSpec ball = solid(SolidShape::sphere, 0.4), cone = solid(SolidShape::cone, 0.4);
   ball.position = {1.1, 0.1, 0.05};
   vtkImageData* const image = drawn({cone, ball});
   ASSERT_TRUE(image);
@@ -179,7 +179,7 @@ TEST_F(ScenePicture, LabelsOfTheAxesStandOnPaper) {
 
 TEST_F(ScenePicture, WrongInputIsAnErrorEvent) {
   {
-    SolidSurfaceSpec mesh = solid(SurfaceShape::mesh, 0.5);
+    SolidSurfaceSpec mesh = solid(SolidShape::mesh, 0.5);
     mesh.file = "/none/a.obj";
     const Events errors(picture_);
     EXPECT_FALSE(drawn({mesh}));
@@ -193,7 +193,7 @@ TEST_F(ScenePicture, WrongInputIsAnErrorEvent) {
 
 TEST_F(ScenePicture, IsWrittenAndPrinted) {
   const TemporaryFolder folder;
-  drawn({solid(SurfaceShape::box, 0.5)});
+  drawn({solid(SolidShape::box, 0.5)});
   EXPECT_TRUE(picture_->WritePNG(folder.file("a.png")));
   std::ifstream file(folder.file("a.png"), std::ios::binary);
   std::array<char, 8> start{};
@@ -211,4 +211,4 @@ TEST_F(ScenePicture, IsWrittenAndPrinted) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::scene_picture_test

@@ -13,7 +13,7 @@
 #include "vtkPlenoflameScene.h"
 #include "vtkPlenoflameSceneReader.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::scene_reader_test {
 namespace {
 
 Scene example() {
@@ -102,4 +102,4 @@ TEST(SceneObject, CompiledSceneIsKeptUntilModified) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::scene_reader_test

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "available_memory.h"
 #include "field.h"
 #include "openvdb_support.h"
 #include "plenoflame/base/error.h"
@@ -50,6 +51,12 @@ float to_float(Value value) {
   return static_cast<float>(value);
 }
 
+void check_origin(const openvdb::Coord& origin) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(static_cast<std::int64_t>(origin[axis])) > kLargestIndex)
+      throw InputError("it has voxels at indices beyond 2^30");
+}
+
 /// Number of bricks that a box of whole bricks (edges multiples of 8) holds.
 std::uint64_t brick_count(const openvdb::CoordBBox& box) {
   const openvdb::Coord d = box.dim();
@@ -71,6 +78,13 @@ void fill(const Tree& tree, VoxelField& field) {
     if (value == field.background) continue;
     openvdb::CoordBBox box;
     tile.getBoundingBox(box);
+    check_origin(box.min());
+    check_origin(box.max());
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("its voxels from {} to {} are {}, which is not a finite number",
+                                   to_string({box.min().x(), box.min().y(), box.min().z()}),
+                                   to_string({box.max().x(), box.max().y(), box.max().z()}),
+                                   value));
     tiles.emplace_back(box, value);
     bricks += brick_count(box);
   }
@@ -81,12 +95,18 @@ void fill(const Tree& tree, VoxelField& field) {
                     static_cast<double>(bricks) * kBrickValues / 1e6,
                     static_cast<double>(kMaxBricks) * kBrickValues / 1e6));
 
+  // Its values, those of a second grid, and what is made of them.
+  const double needed = 3.0 * static_cast<double>(bricks) * kBrickValues * sizeof(float);
+  if (const double available = available_memory(); needed > available)
+    throw InputError(fmt::format(
+        "its {:.3g} million voxels would take some {:.2g} GB of memory, and {:.2g} GB "
+        "are to be had: clip or resample it",
+        static_cast<double>(bricks) * kBrickValues / 1e6, needed / 1e9, available / 1e9));
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) check_origin(leaf->origin());
+  // All is known that could be wrong with it: now it may take memory.
   field.brick_origins.reserve(bricks);
   field.values.reserve(bricks * kBrickValues);
   const auto add_origin = [&](const openvdb::Coord& origin) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (std::abs(static_cast<std::int64_t>(origin[axis])) > kLargestIndex)
-        throw InputError("it has voxels at indices beyond 2^30");
     field.brick_origins.push_back({origin.x(), origin.y(), origin.z()});
   };
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {

@@ -276,8 +276,9 @@ FlameFields clear_flame(const std::string& path, const std::vector<GridInfo>& gr
       unused.push_back(grid);
   if (!unused.empty())
     execution.warn(
-        fmt::format("{}: no grid has a name of absorption: the flame is clear, only its emission "
-                    "lines shine; not used: {}; if one of them absorbs, name it with "
+        fmt::format("{}: none of its grids is known as the absorption, so that only the flame's "
+                    "emission lines are seen, and nothing absorbs them; not used: {}; if one of "
+                    "them absorbs, name it with "
                     "absorption.grid in the scene",
                     path, list_of(unused)));
   VoxelField nothing = nothing_on(lines.front(), "absorption", 0);
@@ -383,7 +384,8 @@ VdbInfo vdb_info(const std::string& path) {
                       "temperature.unit or temperature.scale",
                       hot->name, std::fmax(hot->maximum, hot->background)));
   } else if (sooty != nullptr || info.lines.empty()) {
-    remark("no grid with a name of temperature: a scene needs temperature.grid");
+    remark(
+        "no grid has a known name for temperature: a scene has to name one with temperature.grid");
   }
   if (sooty != nullptr) {
     info.absorption_grid = sooty->name;
@@ -393,10 +395,13 @@ VdbInfo vdb_info(const std::string& path) {
       remark(fmt::format("grid \"{}\" has the background {:g}, which must be 0 for absorption",
                          sooty->name, sooty->background));
   } else if (!info.lines.empty()) {
-    remark("no grid with a name of absorption: a flame of emission lines alone");
+    remark(
+        "no grid has a known name for absorption: the flame emits lines only, and absorbs nothing");
   } else {
     remark(
-        "no grid with a name of absorption: a scene needs absorption.grid, for example "
+        "no grid has a known name for absorption: a scene has to name one with absorption.grid, "
+        "for "
+        "example "
         "\"density\" with absorption.scale");
   }
   for (const GridInfo& grid : info.grids)

@@ -1,4 +1,5 @@
 #include "plenoflame/volumes/grid_file.h"
+#include "plenoflame/base/constants.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/io.h>
@@ -12,7 +13,6 @@
 #include "field.h"
 #include "openvdb_support.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/scene/scene.h"
 #include "plenoflame/volumes/interop.h"
 #include "vdb_bytes.h"
 #include "vdb_container.h"

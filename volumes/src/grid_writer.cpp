@@ -97,6 +97,8 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
     if (options.stop.stop_requested()) throw Cancelled();
     const auto grid = to_openvdb(field);
     if (!output.unit.empty()) grid->insertMeta("unit", openvdb::StringMetadata(output.unit));
+    for (const auto& [key, value] : output.metadata)
+      grid->insertMeta(key, openvdb::StringMetadata(value));
     grid->setSaveFloatAsHalf(options.half);
     converted.push_back(grid);
   }

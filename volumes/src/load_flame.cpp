@@ -9,14 +9,26 @@
 #include "plenoflame/volumes/flame_file.h"
 
 namespace plenoflame {
+namespace {
+
+void check_scale(const FlameSpec& spec) {
+  if (!(spec.scale > 0) || !std::isfinite(spec.scale))
+    throw InputError("flame \"" + spec.name + "\" has a scale that is not a positive number");
+}
+
+}  // namespace
 
 std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& scene_folder,
                                    std::vector<SourceFunction> channels,
                                    const Execution& execution) {
-  if (!(spec.scale > 0) || !std::isfinite(spec.scale))
-    throw InputError("flame \"" + spec.name + "\" has a scale that is not a positive number");
+  check_scale(spec);
+  return make_flame_medium(read_flame(spec, scene_folder, execution), spec, std::move(channels));
+}
+
+std::unique_ptr<Medium> make_flame_medium(FlameFields flame, const FlameSpec& spec,
+                                          std::vector<SourceFunction> channels) {
+  check_scale(spec);
   std::vector<double> factors = absorption_factors(spec.spectrum, channels);
-  FlameFields flame = read_flame(spec, scene_folder, execution);
   const RigidTransform placement{rotation_xyz(spec.rotation), spec.position};
   std::vector<VoxelField*> fields{&flame.temperature, &flame.absorption};
   VoxelExtras extras;

@@ -9,12 +9,14 @@
 
 #include "commands/bench_report.h"
 #include "commands/commands.h"
+#include "commands/moment_options.h"
 #include "commands/scene_input.h"
-#include "interrupt.h"
+#include "file_set.h"
 #include "medium_loader.h"
 #include "options.h"
 #include "peak_memory.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/printable.h"
 #include "plenoflame/image/atomic_file.h"
 #include "progress_bar.h"
 #include "run.h"
@@ -25,7 +27,9 @@ namespace {
 constexpr int kForwardReplicates = 4;
 
 struct Arguments {
-  std::string scene, output, window, cache, compare;
+  std::string scene, camera, output, window, cache, compare;
+  std::vector<std::string> set;
+  MomentChoice moment;
   std::string samples = "4,16,64,256", bundles = "1e5,4e5,1.6e6", estimators = "backward,forward";
   std::string reference_samples;
   int repeat = 3, threads = 0;
@@ -118,6 +122,8 @@ std::string command_of(const Arguments& a) {
   std::string text = "plenoflame bench " + a.scene + " --estimators " + a.estimators +
                      " --samples " + a.samples + " --bundles " + a.bundles + " --repeat " +
                      std::to_string(a.repeat);
+  if (!a.camera.empty()) text += " --camera " + a.camera;
+  for (const std::string& value : a.set) text += " --set '" + value + "'";
   if (!a.window.empty()) text += " --window " + a.window;
   if (a.threads > 0) text += " --threads " + std::to_string(a.threads);
   if (!a.reference_samples.empty()) text += " --reference-samples " + a.reference_samples;
@@ -145,7 +151,7 @@ std::vector<BenchmarkPoint> measure(const Plan& plan, int repeat, const Compiled
   return points;
 }
 
-int run_bench(const Arguments& arguments) {
+int run_bench(const Arguments& arguments, const std::stop_token& stop) {
   Plan plan = plan_of(arguments);
   nlohmann::ordered_json old;
   if (!arguments.compare.empty()) old = read_bench_json(arguments.compare);
@@ -153,7 +159,8 @@ int run_bench(const Arguments& arguments) {
   Execution execution;
   execution.threads = arguments.threads;
   bar.connect(execution);
-  const SceneDocument document = read_valid_scene(arguments.scene);
+  const SceneDocument document = at_moment(
+      read_camera_scene(arguments.scene, arguments.set, arguments.camera), arguments.moment);
   const SensorSpec& sensor = document.scene.camera.sensor;
   PixelWindow& window = plan.reference.window;
   if (window.x > sensor.columns - window.width || window.y > sensor.rows - window.height)
@@ -168,8 +175,7 @@ int run_bench(const Arguments& arguments) {
 
   BenchResult result;
   {
-    const InterruptHandler interrupt;
-    execution.stop = interrupt.token();
+    execution.stop = stop;
     result.reference = benchmark_reference(compiled, plan.reference, execution);
     result.points = measure(plan, arguments.repeat, compiled, result.reference, execution);
   }
@@ -192,18 +198,22 @@ int run_bench(const Arguments& arguments) {
   const std::string text =
       json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
   if (!plan.base.empty()) {
-    write_file(plan.base + ".json", text);
-    write_file(plan.base + ".csv", bench_csv(json));
-    write_bench_plots(plan.base, json);
+    FileSet files;
+    files.write(plan.base + ".json", [&](const std::string& name) { write_file(name, text); });
+    files.write(plan.base + ".csv",
+                [&](const std::string& name) { write_file(name, bench_csv(json)); });
+    files.write(plan.base, [&](const std::string& name) { write_bench_plots(name, json); });
+    files.commit();
   }
   if (arguments.json) {
     std::cout << text;
-    if (!arguments.compare.empty()) std::cerr << bench_comparison(json, old);
+    if (!arguments.compare.empty()) std::cerr << printable(bench_comparison(json, old), true);
     return kSuccess;
   }
-  std::cout << bench_table(json);
+  std::cout << printable(bench_table(json), true);
   if (!arguments.compare.empty())
-    std::cout << "\nagainst " << arguments.compare << ":\n" << bench_comparison(json, old);
+    std::cout << "\nagainst " << printable(arguments.compare) << ":\n"
+              << printable(bench_comparison(json, old), true);
   return kSuccess;
 }
 
@@ -217,6 +227,9 @@ void register_bench(const Registry& registry) {
       "plenoflame bench examples/paper-flame-1m.toml --window 1400,1400,200,200 --samples 4,16,64");
   Arguments& a = *arguments;
   command.add_option("SCENE", a.scene, "Scene file (.toml)")->required();
+  add_set_option(command, a.set);
+  add_camera_option(command, a.camera);
+  add_moment_options(command, a.moment);
   command
       .add_option("-o,--output", a.output,
                   "Write NAME.json, NAME.csv, and the plot as NAME.svg and NAME.png")
@@ -253,7 +266,8 @@ void register_bench(const Registry& registry) {
       ->option_text("FILE");
   command.add_flag("--quiet", a.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", a.json, "Print the figures as JSON");
-  on_chosen(command, registry, [arguments] { return run_bench(*arguments); });
+  on_chosen(command, registry,
+            [arguments](const std::stop_token& stop) { return run_bench(*arguments, stop); });
 }
 
 }  // namespace plenoflame::cli

@@ -1,4 +1,5 @@
 #include "commands/bench_report.h"
+#include "commands/estimator_name.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,10 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr int kFormat = 1;
-
-const char* name_of(Estimator estimator) {
-  return estimator == Estimator::forward ? "forward" : "backward";
-}
 
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");

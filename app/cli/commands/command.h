@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <stop_token>
 #include <string>
 
 namespace CLI {
@@ -9,7 +10,15 @@ class App;
 namespace plenoflame::cli {
 
 /// What the chosen command does once the whole command line was accepted. @return the exit status
-using Action = std::function<int()>;
+using PlainAction = std::function<int()>;
+/// One that looks at the token, which a signal (Ctrl-C, SIGTERM, SIGHUP) requests to stop: it saves
+/// what there is, or throws Cancelled where there is nothing.
+using StoppableAction = std::function<int(const std::stop_token& stop)>;
+
+struct Action {
+  PlainAction plain;          ///< signals have their usual effect
+  StoppableAction stoppable;  ///< one of the two is set
+};
 
 /// What a command registers itself with. Parsing sets `action`; it runs after parsing, so that
 /// nothing is read or written when a later option is wrong.
@@ -33,6 +42,12 @@ CLI::App& add_command(const Registry& registry, const std::string& name,
                       const std::string& description, const std::string& example);
 
 /// Runs `action` if `command` is the one that was given.
-void on_chosen(CLI::App& command, const Registry& registry, Action action);
+void on_chosen(CLI::App& command, const Registry& registry, PlainAction action);
+void on_chosen(CLI::App& command, const Registry& registry, StoppableAction action);
+
+/// A command or subcommand that this build lacks: --help lists it, and using it says what it needs
+/// and how to get that. @param part "OpenVDB" or "VTK"
+CLI::App& add_missing(CLI::App& parent, const std::string& name, const std::string& part,
+                      const std::string& description);
 
 }  // namespace plenoflame::cli

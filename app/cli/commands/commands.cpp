@@ -11,15 +11,21 @@ void register_commands(const Registry& registry) {
   register_optimize(registry);
   register_develop(registry);
   register_pyrometry(registry);
+  register_operator(registry);
   register_truth(registry);
   register_views(registry);
   register_refocus(registry);
   register_export(registry);
 #if defined(PLENOFLAME_HAS_VOLUMES)
+  register_reconstruct(registry);
   register_flame(registry);
+#else
+  add_missing(registry.app, "flame", "OpenVDB", "Write a flame to a .vdb file");
 #endif
 #if defined(PLENOFLAME_HAS_VTK)
   register_picture(registry);
+#else
+  add_missing(registry.app, "picture", "VTK", "Draw a scene in 3-D: flame, camera, rays");
 #endif
   register_compare(registry);
   register_info(registry);

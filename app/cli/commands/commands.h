@@ -11,8 +11,10 @@ void register_bench(const Registry& registry);
 void register_design(const Registry& registry);
 void register_develop(const Registry& registry);
 void register_pyrometry(const Registry& registry);
-void register_flame(const Registry& registry);    ///< only with PLENOFLAME_HAS_VOLUMES
-void register_picture(const Registry& registry);  ///< only with PLENOFLAME_HAS_VTK
+void register_flame(const Registry& registry);
+void register_reconstruct(const Registry& registry);  ///< only with PLENOFLAME_HAS_VOLUMES
+void register_picture(const Registry& registry);      ///< only with PLENOFLAME_HAS_VTK
+void register_operator(const Registry& registry);
 void register_optimize(const Registry& registry);
 void register_truth(const Registry& registry);
 void register_views(const Registry& registry);

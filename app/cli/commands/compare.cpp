@@ -1,5 +1,7 @@
 #include "plenoflame/film/compare.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
@@ -14,7 +16,7 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct CompareArguments {
   std::string a;
   std::string reference;
   std::string channel;
@@ -26,43 +28,79 @@ std::string at_pixel(int column, int row) {
   return " at pixel " + std::to_string(column) + "," + std::to_string(row);
 }
 
+std::string errors_text(double count) {
+  return fmt::format("{:+.2f} standard errors", count + 0.0);
+}
+
+/// How the largest difference in units of its error is to be taken, without digits that say
+/// nothing.
+std::string largest_text(const Comparison& c) {
+  if (c.freedom < kFreedomForPixels)
+    return fmt::format(
+        "not judged: errors from {:g} randomisations are too rough for single pixels",
+        c.freedom + 1);
+  const std::string size = fmt::format("{:.1f} of its errors", c.largest_z) +
+                           at_pixel(c.largest_z_column, c.largest_z_row);
+  if (c.largest_z_probability > 0.05) return size + ", as is usual among so many pixels";
+  if (c.largest_z_probability < kVerdictProbability) return size + ", more than noise";
+  return size +
+         fmt::format(", which noise reaches in {:.2g} % of cases", 100 * c.largest_z_probability);
+}
+
+/// Mean square of the differences, in units of what the errors let expect (Student's distribution
+/// has the variance n / (n - 2)).
+std::string pixels_text(const Comparison& c) {
+  if (c.freedom < kFreedomForPixels) return largest_text(c);
+  const double expected = std::isfinite(c.freedom) ? c.freedom / (c.freedom - 2) : 1;
+  return fmt::format("{:.3g} times the expected mean square", c.chi_square / expected);
+}
+
+std::string verdict_text(const Comparison& c) {
+  switch (verdict(c)) {
+    case Verdict::unknown:
+      return readable_percent(c.dark_in_one_share) +
+             " of the lit pixels are dark in one image only: too few rays to know the noise";
+    case Verdict::noise:
+      return "nothing more than noise is seen";
+    case Verdict::more_than_noise:
+      return "the images differ by more than noise";
+  }
+  return "";
+}
+
 void add_statistics(Report& report, const Comparison& c) {
   report.add_json("has_standard_errors", c.has_standard_errors);
   if (!c.has_standard_errors) {
     report.add_text("noise", "unknown: neither image holds standard errors");
     return;
   }
-  report.add_json("dark_in_one_share", c.dark_in_one_share);
-  if (c.dark_in_one_share > 0.01)
-    report.add_text("dark in one only",
-                    readable_percent(c.dark_in_one_share) +
-                        " of the lit pixels: if rays are few there, the noise is underestimated");
   report.add("expected from noise", readable_percent(c.expected_rmse), "expected_rmse",
              c.expected_rmse);
-  report.add("bias / its error",
-             c.relative_bias_error > 0 ? readable_number(c.relative_bias / c.relative_bias_error)
+  report.add("bias",
+             c.relative_bias_error > 0 ? errors_text(c.relative_bias / c.relative_bias_error)
                                        : "unknown: no noise",
              "relative_bias_error", c.relative_bias_error);
-  report.add("largest / error",
-             readable_number(c.largest_z) + at_pixel(c.largest_z_column, c.largest_z_row) +
-                 ", probability " + readable_number(c.largest_z_probability),
-             "largest_z", c.largest_z);
+  report.add("single pixels", pixels_text(c), "chi_square", c.chi_square);
+  report.add_json("chi_square_pixels", c.chi_square_pixels);
+  if (c.freedom >= kFreedomForPixels) report.add_text("largest", largest_text(c));
+  report.add_json("largest_z", c.largest_z);
   report.add_json("largest_z_pixel", {c.largest_z_column, c.largest_z_row});
   report.add_json("largest_z_probability", c.largest_z_probability);
   if (std::isfinite(c.freedom)) report.add_json("degrees_of_freedom", c.freedom);
-  report.add("chi-square, pixels",
-             readable_number(c.chi_square) + " over " + std::to_string(c.chi_square_pixels),
-             "chi_square", c.chi_square);
-  report.add_json("chi_square_pixels", c.chi_square_pixels);
-  report.add("chi-square, blocks",
-             readable_number(c.block_chi_square) + " over " + std::to_string(c.blocks) +
-                 ", score " + readable_number(c.block_score) + " (above 5: more than noise)",
+  report.add("neighbours",
+             fmt::format("score {:.1f} in {} blocks; above {:g} their differences are alike",
+                         c.block_score, c.blocks, kVerdictLimit),
              "block_chi_square", c.block_chi_square);
   report.add_json("blocks", c.blocks);
   report.add_json("block_score", c.block_score);
+  report.add_json("dark_in_one_share", c.dark_in_one_share);
+  const Verdict decided = verdict(c);
+  report.add("verdict", verdict_text(c), "more_than_noise",
+             decided == Verdict::unknown ? nlohmann::json()
+                                         : nlohmann::json(decided == Verdict::more_than_noise));
 }
 
-int run_compare(const Settings& settings) {
+int run_compare(const CompareArguments& settings) {
   double limit = -1;
   if (!settings.limit.empty()) {
     limit = quantity_option("--limit", settings.limit, Dimension::none);
@@ -106,7 +144,7 @@ int run_compare(const Settings& settings) {
 }  // namespace
 
 void register_compare(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<CompareArguments>();
   CLI::App& command = add_command(
       registry, "compare", "Compare two light fields: error, bias, and whether noise explains them",
       "plenoflame compare fast.exr converged.exr --limit 1%");
@@ -114,7 +152,8 @@ void register_compare(const Registry& registry) {
   command
       .add_option(
           "REFERENCE", settings->reference,
-          "Light field (.exr) that it should equal; pixels above 1 % of its largest flux are lit")
+          "Light field (.exr) that it should equal; pixels are lit where the mean of both is above "
+          "1 % of its largest")
       ->required();
   command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
       ->option_text("NAME");

@@ -6,7 +6,6 @@
 
 #include "commands/commands.h"
 #include "commands/scene_input.h"
-#include "interrupt.h"
 #include "medium_loader.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -18,28 +17,29 @@
 namespace plenoflame::cli {
 namespace {
 
-constexpr int kRays = 4096;
+constexpr int kCornerRays = 4096;
 
-struct Settings {
-  std::string scene, output, rays;
+struct CornersArguments {
+  std::string scene, camera, output, rays;
+  std::vector<std::string> set;
   bool json = false;
 };
 
-int run_corners(const Settings& settings) {
-  const int rays = settings.rays.empty() ? kRays : whole_number_option("--rays", settings.rays, 1);
+int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
+  const int rays =
+      settings.rays.empty() ? kCornerRays : whole_number_option("--rays", settings.rays, 1);
   if (!settings.output.ends_with(".csv"))
     throw UsageError("-o: '" + settings.output + "' must end in .csv");
   check_not_overwritten("-o", settings.output, settings.scene);
   check_writable(settings.output);
-  SceneDocument document = read_valid_scene(settings.scene);
+  SceneDocument document = read_camera_scene(settings.scene, settings.set, settings.camera);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
   Execution execution;
   const CompiledScene scene =
       compile(document.scene, medium_loader(), execution, document.positions);
   std::vector<PatternImage> images;
   {
-    const InterruptHandler interrupt;
-    execution.stop = interrupt.token();
+    execution.stop = stop;
     images = pattern_images(scene, rays, execution);
   }
   write_pattern_images(settings.output, scene, images);
@@ -59,12 +59,14 @@ int run_corners(const Settings& settings) {
 }  // namespace
 
 void register_corners(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<CornersArguments>();
   CLI::App& command = add_command(
       registry, "corners",
       "Where the corners and dots of calibration patterns are, in the world and in the raw image",
       "plenoflame corners examples/calibration-plate.toml -o corners.csv");
   command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
+  add_set_option(command, settings->set);
+  add_camera_option(command, settings->camera);
   command
       .add_option("-o,--output", settings->output,
                   "File to write: .csv, a line for each point and microlens that shows it")
@@ -75,7 +77,8 @@ void register_corners(const Registry& registry) {
                   "Rays over the aperture, for each point (default: 4096)")
       ->option_text("N");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  on_chosen(command, registry, [settings] { return run_corners(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_corners(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

@@ -1,31 +1,33 @@
 #include "plenoflame/camera/design.h"
+#include "choice.h"
 #include "number_range.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <utility>
 
 #include "commands/commands.h"
 #include "commands/design_array.h"
-#include "commands/design_report.h"
+#include "commands/design_filters.h"
 #include "commands/lens_report.h"
 #include "commands/scene_input.h"
+#include "design_report.h"
+#include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/lens_file.h"
 #include "run.h"
 
 namespace plenoflame::cli {
 namespace {
 
-constexpr int kCurvePoints = 61;
-
-struct Settings {
-  std::string scene;
+struct DesignArguments {
+  std::string scene, camera;
+  std::vector<std::string> set;
   bool json = false;
   std::string plots;
   std::string format = "png";
@@ -36,7 +38,7 @@ struct Settings {
 /// Writes plots into the folder that was asked for.
 class PlotFolder {
  public:
-  explicit PlotFolder(const Settings& settings)
+  explicit PlotFolder(const DesignArguments& settings)
       : folder_(settings.plots), format_(settings.format) {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
@@ -51,9 +53,8 @@ class PlotFolder {
   std::string format_;
 };
 
-void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings)
-    std::cerr << "plenoflame: warning: " << warning << '\n';
+void warn_of(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) warn(warning);
 }
 
 void check_is_toml(const std::string& output) {
@@ -61,9 +62,11 @@ void check_is_toml(const std::string& output) {
     throw UsageError("--output: '" + output + "' must end in .toml");
 }
 
-int run_lens(const Settings& settings) {
+int run_lens(const DesignArguments& settings) {
   if (!settings.array.freedom.empty())
     throw UsageError("--solve: a lens alone has no array; give a scene");
+  if (!settings.set.empty())
+    throw UsageError("--set: " + settings.scene + " is a lens alone; give a scene");
   check_is_toml(settings.array.output);
   Report report;
   LensTask task = settings.lens;
@@ -71,7 +74,7 @@ int run_lens(const Settings& settings) {
   MainLensSpec lens;
   std::vector<std::string> notes;
   const LensDesign d = add_lens_design(task, lens, notes, report);
-  warn(notes);
+  warn_of(notes);
   report.add_json("warnings", notes);
   if (!settings.array.output.empty()) {
     check_not_overwritten("--output", settings.array.output, settings.scene);
@@ -87,7 +90,7 @@ int run_lens(const Settings& settings) {
   return kSuccess;
 }
 
-void write_plots(const Settings& settings, const Camera& camera, const CameraDesign& d,
+void write_plots(const DesignArguments& settings, const Camera& camera, const CameraDesign& d,
                  const std::vector<ResolutionPoint>& curve, const std::vector<SolvedType>& solved) {
   const PlotFolder folder(settings);
   if (!curve.empty()) folder.write("resolution", {resolution_plot(curve, d)}, 1);
@@ -99,7 +102,7 @@ void write_plots(const Settings& settings, const Camera& camera, const CameraDes
     folder.write("microlens", microlens_plots(array, solved, settings.array.freedom), 3);
 }
 
-int run_design(const Settings& settings) {
+int run_design(const DesignArguments& settings) {
   if (is_bare_lens(settings.scene)) return run_lens(settings);
   const ArrayTask& task = settings.array;
   if (!task.output.empty() && task.freedom.empty())
@@ -116,7 +119,8 @@ int run_design(const Settings& settings) {
           ": it is for a lens alone; that of a scene has its sensor, its focus and its "
           "channels");
   std::vector<std::string> warnings;
-  const Scene scene = read_valid_scene(settings.scene, &warnings).scene;
+  const Scene whole = read_valid_scene(settings.scene, settings.set, &warnings).scene;
+  const Scene scene = choose_camera({whole, {}}, settings.camera).scene;
   const Camera camera(scene.camera);
   const CameraDesign d = design(camera);
   for (std::size_t i = 0; i < d.types.size(); ++i)
@@ -127,22 +131,25 @@ int run_design(const Settings& settings) {
                          length_text(d.types[i].focal_length) +
                          ": give them different ones, or leave one out");
   warnings.insert(warnings.end(), d.warnings.begin(), d.warnings.end());
-  warn(warnings);
-  const ChannelSpec& channel = scene.channels.front();
-  const auto curve = resolution_curve(camera, kCurvePoints,
-                                      channel.kind == ChannelKind::band ? channel.wavelength : 0);
+  warn_of(warnings);
+  const auto curve = design_curve(camera, scene);
   Report report;
+  if (!scene.camera.name.empty())
+    report.add("camera", scene.camera.name, "camera", scene.camera.name);
   add_main_lens(d, report);
   add_types(camera, d, report);
   add_array(camera, d, report);
+  add_pupil_filters(camera, d, report);
   add_resolution(curve, d, report);
   add_spots(d, report);
+  if (!scene.windows.empty()) add_windows(camera, scene.windows, report);
   report.add_json("warnings", warnings);
   std::vector<SolvedType> solved;
   if (!task.freedom.empty()) solved = solve_for_array(task, scene, report);
   if (!task.output.empty()) {
     check_not_overwritten("--output", task.output, settings.scene);
-    write_scene_file(task.output, with_solved_array(scene, solved, freedom_named(task.freedom)));
+    const Scene changed = with_solved_array(scene, solved, freedom_named(task.freedom));
+    write_scene_file(task.output, replace_camera(whole, changed.camera));
   }
   if (!settings.plots.empty()) write_plots(settings, camera, d, curve, solved);
   report.print(settings.json);
@@ -152,7 +159,7 @@ int run_design(const Settings& settings) {
 }  // namespace
 
 void register_design(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<DesignArguments>();
   CLI::App& command =
       add_command(registry, "design", "Work out what a camera can do: pupils, depth of field, blur",
                   "plenoflame design examples/paper-flame-1m.toml --plots out");
@@ -161,40 +168,52 @@ void register_design(const Registry& registry) {
           "SCENE", settings->scene,
           "Scene file (.toml); or a lens alone: TOML with only [camera.lens], .zmx, .dat, .txt")
       ->required();
+  add_set_option(command, settings->set);
+  add_camera_option(command, settings->camera);
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  command.add_option(
-      "--plots", settings->plots,
-      "Folder for plots: effective resolution against distance, spots, microlenses; of "
-      "a lens spots, ray fans, field curvature, distortion, vignetting");
-  command.add_option("--format", settings->format, "Of the plots")
-      ->check(CLI::IsMember({"png", "svg"}))
+  command
+      .add_option("--plots", settings->plots,
+                  "Folder for plots: effective resolution against distance, spots, microlenses; of "
+                  "a lens spots, ray fans, field curvature, distortion, vignetting")
+      ->option_text("DIR");
+  command.add_option("--format", settings->format, "Format of the plots")
+      ->option_text("png|svg")
+      ->check(one_of({"png", "svg"}))
       ->capture_default_str();
   command
       .add_option(
           "--solve", settings->array.freedom,
           "Find further microlens types whose depths of field join the first one's; free is "
           "their index, the radius of their faces, or their thickness")
-      ->check(CLI::IsMember({"index", "radius", "thickness"}));
+      ->option_text("index|radius|thickness")
+      ->check(one_of({"index", "radius", "thickness"}));
   command.add_option("--types", settings->array.types, "With --solve: number of types")
+      ->option_text("N")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();
-  command.add_option("--greatest-index", settings->array.index_limit, "With --solve")
+  command
+      .add_option("--greatest-index", settings->array.index_limit,
+                  "With --solve: greatest refractive index of a type")
+      ->option_text("INDEX")
       ->check(number_between(1.0, 5.0))
       ->capture_default_str();
-  command.add_option("--least-radius", settings->array.least_radius,
-                     "With --solve: of the faces, with unit");
-  command.add_option("--greatest-thickness", settings->array.greatest_thickness,
-                     "With --solve, with unit");
-  command.add_option("-o,--output", settings->array.output,
-                     "With --solve: the scene with the types that were found; of a lens: its "
-                     "prescription (.toml)");
-  command.add_option(
-      "--field", settings->lens.field,
-      "Of a lens: greatest field angle, with unit; without it as far as light passes");
-  command.add_option("--distance", settings->lens.distance,
-                     "Of a lens: object distance from the first vertex, with unit [infinite]");
-  command.add_option("--wavelength", settings->lens.wavelength,
-                     "Of a lens: vacuum wavelength, with unit [587.6 nm]");
+  const auto text_option = [&](const char* name, std::string& value, const char* shown,
+                               const char* meaning) {
+    command.add_option(name, value, meaning)->option_text(shown);
+  };
+  text_option("--least-radius", settings->array.least_radius, "LENGTH",
+              "With --solve: smallest radius of the faces");
+  text_option("--greatest-thickness", settings->array.greatest_thickness, "LENGTH",
+              "With --solve: greatest thickness of a microlens");
+  text_option("-o,--output", settings->array.output, "FILE.toml",
+              "With --solve: the scene with the types that were found; of a lens: its "
+              "prescription (.toml)");
+  text_option("--field", settings->lens.field, "ANGLE",
+              "Of a lens: greatest field angle; without it as far as light passes");
+  text_option("--distance", settings->lens.distance, "LENGTH",
+              "Of a lens: object distance from the first vertex (infinite)");
+  text_option("--wavelength", settings->lens.wavelength, "LENGTH",
+              "Of a lens: vacuum wavelength (587.6 nm)");
   command.add_flag("--paraxial-focus", settings->lens.paraxial_focus,
                    "Of a lens: image plane at the paraxial focus, not at the least spot");
   on_chosen(command, registry, [settings] { return run_design(*settings); });

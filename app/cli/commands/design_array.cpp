@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "commands/design_report.h"
+#include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
@@ -13,11 +13,6 @@ namespace {
 
 nlohmann::json range_json(const SharpRange& range) {
   return {range.near, range.focus, range.far};
-}
-
-std::string range_text(const SharpRange& range) {
-  return length_text(range.near) + " to " + length_text(range.far) +
-         (range.far < 0 ? " (through infinity)" : "");
 }
 
 MicrolensShape shape_of(const ArraySpec& array, const MicrolensSpec& type) {
@@ -54,8 +49,10 @@ std::vector<SolvedType> solve_for_array(const ArrayTask& task, const Scene& scen
                         readable(s.index, Dimension::none) + ", radii " +
                         length_text(s.radius_front) + " and " + length_text(s.radius_back) +
                         ", thickness " + length_text(s.thickness));
-    report.add_text("  by the rule", "sharp from " + range_text(type.rule));
-    report.add_text("  by rays", type.traced ? "sharp from " + range_text(*type.traced)
+    report.add_text("  by the rule",
+                    "sharp from " + array_range_text(type.rule.near, type.rule.far));
+    report.add_text("  by rays", type.traced ? "sharp from " + array_range_text(type.traced->near,
+                                                                                type.traced->far)
                                              : "never sharp to a pixel");
     nlohmann::json row = {{"focal_length_m", type.target},
                           {"index", s.index},

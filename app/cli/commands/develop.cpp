@@ -2,25 +2,27 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <iostream>
 #include <memory>
 
+#include "choice.h"
 #include "commands/commands.h"
 #include "commands/develop_colour.h"
 #include "commands/develop_sensor.h"
+#include "commands/scene_input.h"
+#include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
-#include "plenoflame/scene/scene_file.h"
 #include "report.h"
 #include "run.h"
 
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct DevelopArguments {
   std::string input;
+  std::vector<std::string> set;
   std::string output;
   std::string saturation;
   int bits = 0;
@@ -32,26 +34,26 @@ struct Settings {
 };
 
 /// The scene that a sensor or a colour picture needs.
-Scene needed_scene(const std::string& path, const LightField& light_field) {
+Scene needed_scene(const DevelopArguments& settings, const LightField& light_field) {
+  const std::string& path = settings.input;
   if (light_field.scene_text.empty())
     throw InputError(path + " does not say what its channels are: it holds no scene");
-  return parse_scene(light_field.scene_text, "scene of " + path).scene;
+  return read_scene_of(light_field, path, settings.set).scene;
 }
 
 /// What the light field's scene says; the defaults when it has no scene.
-DevelopSpec scene_spec(const std::string& path, const LightField& light_field) {
+DevelopSpec scene_spec(const DevelopArguments& settings, const LightField& light_field) {
   if (light_field.scene_text.empty()) return {};
   try {
-    return parse_scene(light_field.scene_text, "scene of " + path).scene.develop;
+    return parse_scene_of(light_field, settings.input, settings.set).scene.develop;
   } catch (const InputError& error) {
-    std::cerr << "plenoflame: warning: the scene's settings for develop are not used: "
-              << error.what() << '\n';
+    warn(std::string("the scene's settings for develop are not used: ") + error.what());
     return {};
   }
 }
 
 /// The command line, put over what the scene says.
-DevelopSpec effective_spec(const Settings& settings, DevelopSpec spec) {
+DevelopSpec effective_spec(const DevelopArguments& settings, DevelopSpec spec) {
   if (settings.saturation == "auto") {
     spec.saturation = 0;
   } else if (!settings.saturation.empty()) {
@@ -65,7 +67,7 @@ DevelopSpec effective_spec(const Settings& settings, DevelopSpec spec) {
   return spec;
 }
 
-int run_develop(const Settings& settings) {
+int run_develop(const DevelopArguments& settings) {
   const std::string output =
       settings.output.empty()
           ? std::filesystem::path(settings.input).replace_extension(".png").string()
@@ -79,16 +81,15 @@ int run_develop(const Settings& settings) {
   check_writable(output);
   const LightField light_field = read_light_field(settings.input);
   if (frames)
-    return develop_sensor(settings.sensor, light_field, needed_scene(settings.input, light_field),
+    return develop_sensor(settings.sensor, light_field, needed_scene(settings, light_field),
                           settings.channel, settings.input, output, settings.json);
   if (settings.colour && light_field.unit == "e-")
     throw InputError("the light field holds electrons; make the colour picture from the one in W");
   if (settings.colour)
-    return develop_colour(
-        light_field, needed_scene(settings.input, light_field),
-        effective_spec(settings, scene_spec(settings.input, light_field)).saturation, output,
-        settings.json);
-  const DevelopSpec requested = effective_spec(settings, scene_spec(settings.input, light_field));
+    return develop_colour(light_field, needed_scene(settings, light_field),
+                          effective_spec(settings, scene_spec(settings, light_field)).saturation,
+                          output, settings.json);
+  const DevelopSpec requested = effective_spec(settings, scene_spec(settings, light_field));
   DevelopedImage image = develop(light_field, requested, settings.channel);
   const std::string& channel = find_channel(light_field, settings.channel).name;
   const std::string curve = requested.curve == ToneCurve::linear ? "linear" : "display";
@@ -99,8 +100,7 @@ int run_develop(const Settings& settings) {
                       std::to_string(requested.bits) + " bits, curve " + curve}};
   write_png(output, image.picture);
   if (image.lit == 0)
-    std::cerr << "plenoflame: warning: no pixel of '" << settings.input
-              << "' has a flux above 0: the picture is black\n";
+    warn("no pixel of '" + settings.input + "' has a flux above 0: the picture is black");
 
   Report report;
   report.add("picture", output, "picture", output);
@@ -125,11 +125,12 @@ int run_develop(const Settings& settings) {
 }  // namespace
 
 void register_develop(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<DevelopArguments>();
   CLI::App& command = add_command(
       registry, "develop", "Turn a raw light field into a 16-bit PNG, as a sensor would see it",
       "plenoflame develop flame.exr -o flame.png --saturation \"5000 nW\" --bits 14");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  add_set_option(command, settings->set);
   command
       .add_option("-o,--output", settings->output,
                   "Picture to write; without it, RAW's name with .png")
@@ -150,7 +151,7 @@ void register_develop(const Registry& registry) {
       .add_option("--curve", settings->curve,
                   "linear: samples are digital numbers in the upper bits; display: through the "
                   "transfer function of sRGB; without it, as the scene says, else display")
-      ->check(CLI::IsMember({"linear", "display"}))
+      ->check(one_of({"linear", "display"}))
       ->option_text("CURVE");
   command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
       ->option_text("NAME");
@@ -167,10 +168,16 @@ void register_develop(const Registry& registry) {
       ->delimiter(',')
       ->option_text("TIME");
   command
+      .add_option("--channel-exposure", settings->sensor.each,
+                  "Exposure of each channel, as with a filter wheel: \"650nm=4 ms,850nm=auto\"; "
+                  "auto alone: all of them automatic")
+      ->delimiter(',')
+      ->option_text("NAME=TIME");
+  command
       .add_option("--noise", settings->sensor.noise,
                   "Noise that is kept, of shot, read, dark, defects; none: none of it")
       ->delimiter(',')
-      ->check(CLI::IsMember({"shot", "read", "dark", "defects", "none"}))
+      ->check(one_of({"shot", "read", "dark", "defects", "none"}))
       ->option_text("LIST");
   command.add_option("--noise-seed", settings->sensor.noise_seed, "Of noise and defects")
       ->option_text("N");

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
+#include <utility>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/tiff_file.h"
 #include "plenoflame/lightfield/sensor.h"
@@ -19,8 +22,10 @@
 namespace plenoflame::cli {
 namespace {
 
-/// What is switched off, taken out of the sensor.
+/// What is switched off, taken out of the sensor. Its levels stay, so that frames with and without
+/// noise can be compared.
 SensorSpec with_noise(SensorSpec sensor, const SensorOptions& options) {
+  sensor = resolved_levels(sensor);
   const auto keeps = [&](const char* name) {
     return options.noise.empty() ||
            std::find(options.noise.begin(), options.noise.end(), name) != options.noise.end();
@@ -53,6 +58,35 @@ std::vector<double> times_of(const SensorOptions& options, const SensorSpec& sen
   return times;
 }
 
+/// Exposure of each channel by --channel-exposure: 0 is automatic. Channels that are not named are
+/// exposed as the scene's sensor says.
+std::vector<double> channel_times(const SensorOptions& options, const SensorSpec& sensor,
+                                  const LightField& field) {
+  std::vector<double> times(field.channels.size(), sensor.exposure_time);
+  for (const std::string& text : options.each) {
+    if (text == "auto") {
+      std::fill(times.begin(), times.end(), 0.0);
+      continue;
+    }
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos)
+      throw UsageError("--channel-exposure: CHANNEL=TIME, like \"650nm=4 ms\", or 'auto', not '" +
+                       text + "'");
+    const LightFieldChannel& channel = find_channel(field, text.substr(0, sign));
+    const std::string value = text.substr(sign + 1);
+    double& time = times[static_cast<std::size_t>(&channel - field.channels.data())];
+    time = value == "auto" ? 0 : quantity_option("--channel-exposure", value, Dimension::time);
+    if (value != "auto" && !(time > 0))
+      throw UsageError("--channel-exposure: a time above 0 s, or 'auto'");
+  }
+  return times;
+}
+
+/// Results per pixel that hold for a frame as for what it is of.
+void keep_truth(std::map<std::string, Image>& layers) {
+  std::erase_if(layers, [](const auto& layer) { return !layer.first.starts_with("truth."); });
+}
+
 /// "frame.png" -> "frame-2ms-01.png".
 std::string numbered(const std::string& path, const std::string& part) {
   const std::filesystem::path whole(path);
@@ -68,7 +102,7 @@ std::string without_blanks(std::string text) {
 std::string summary(const SensorFrame& frame, const SensorSpec& sensor, const std::string& what) {
   return what + ", exposure " + format_quantity(frame.exposure_time, Dimension::time) + ", " +
          readable_number(frame.gain) + " electrons per digital number, black level " +
-         readable_number(sensor.black_level) + ", " + std::to_string(sensor.bits) + " bits";
+         readable_number(frame.black_level) + ", " + std::to_string(sensor.bits) + " bits";
 }
 
 void write_numbers(const std::string& path, const SensorFrame& frame, const SensorSpec& sensor,
@@ -105,8 +139,11 @@ Image error_of(const Image& electrons, const SensorSpec& sensor, const Image* co
 class Developer {
  public:
   Developer(const LightField& field, const Scene& scene, const SensorSpec& sensor,
-            const Execution& execution)
-      : field_(field), sensor_(sensor), execution_(execution) {
+            const Execution& execution, std::vector<double> times)
+      : field_(field), sensor_(sensor), execution_(execution), times_(std::move(times)) {
+    if (!times_.empty() && mosaic())
+      throw UsageError(
+          "--channel-exposure: the sensor has a mosaic, whose colours are exposed together");
     const std::vector<double> wavelengths = channel_wavelengths(scene);
     if (wavelengths.size() != field.channels.size())
       throw InputError("the light field does not have the channels of its scene");
@@ -125,6 +162,8 @@ class Developer {
     }
     // Channels are frames of their own, with noise of their own.
     FrameSettings own = settings;
+    if (!times_.empty())
+      own.exposure_time = times_[channel] > 0 ? times_[channel] : automatic(channel);
     own.number = mix64(settings.number) + (mosaic() ? 0 : channel);
     return expose(seen, field_.window, field_.sensor_width, sensor_, own, execution_);
   }
@@ -133,7 +172,7 @@ class Developer {
   LightField electrons(const FrameSettings& settings, SensorFrame& last) const {
     LightField out = field_;
     out.unit = "e-";
-    out.layers.clear();
+    keep_truth(out.layers);
     out.channels.clear();
     if (mosaic()) {
       last = frame(0, settings);
@@ -150,17 +189,35 @@ class Developer {
         const std::size_t saturated = last.saturated;
         last = frame(c, settings);
         last.saturated = std::max(last.saturated, saturated);  // of the worst channel
+        if (!times_.empty()) {
+          const std::string& name = field_.channels[c].name;
+          out.numbers["sensor.exposure_time." + name] = last.exposure_time;
+          out.numbers["sensor.dark_electrons." + name] = sensor_.dark_current * last.exposure_time;
+        }
         out.channels.push_back(
             {field_.channels[c].name, last.electrons, error_of(last.electrons, sensor_)});
       }
     }
-    out.numbers["sensor.exposure_time"] = last.exposure_time;
-    out.numbers["sensor.dark_electrons"] = sensor_.dark_current * last.exposure_time;
+    if (times_.empty()) {
+      out.numbers["sensor.exposure_time"] = last.exposure_time;
+      out.numbers["sensor.dark_electrons"] = sensor_.dark_current * last.exposure_time;
+    }
     out.numbers["sensor.gain"] = last.gain;
+    out.numbers["sensor.black_level"] = last.black_level;
     // A full well that the amplifier's noise made a little less of is full all the same.
     out.numbers["sensor.saturated_from"] =
         std::max(0.5 * sensor_.full_well, sensor_.full_well - 5 * sensor_.read_noise);
     return out;
+  }
+
+  /// The exposure of one channel by itself.
+  double automatic(std::size_t channel) const {
+    const double time = automatic_exposure({channels_.at(channel)}, sensor_);
+    if (!(time > 0))
+      throw InputError("channel " + field_.channels[channel].name +
+                       " is dark, or of all wavelengths, so it has no automatic exposure; give one "
+                       "with --channel-exposure");
+    return time;
   }
 
   /// One exposure for all channels, so that they can be compared.
@@ -187,6 +244,7 @@ class Developer {
   const LightField& field_;
   SensorSpec sensor_;
   Execution execution_;
+  std::vector<double> times_;  ///< of each channel; empty: one for all
   std::vector<SensorChannel> channels_;
 };
 
@@ -211,10 +269,15 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
   if (light_field.unit == "e-")
     throw InputError("the light field holds electrons already; develop the one in W");
   const SensorSpec sensor = with_noise(scene.camera.sensor, options);
-  const std::vector<double> times = times_of(options, sensor);
+  if (!options.each.empty() && !options.exposures.empty())
+    throw UsageError("--exposure and --channel-exposure exclude each other");
+  const std::vector<double> times =
+      options.each.empty() ? times_of(options, sensor) : std::vector<double>{1.0};
   Execution execution;
   execution.threads = options.threads;
-  const Developer developer(light_field, scene, sensor, execution);
+  const Developer developer(
+      light_field, scene, sensor, execution,
+      options.each.empty() ? std::vector<double>{} : channel_times(options, sensor, light_field));
   const std::string& name = find_channel(light_field, channel).name;
   std::size_t index = 0;
   while (light_field.channels[index].name != name) ++index;
@@ -238,8 +301,12 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
         throw UsageError("--exposure: two times have the same name, '" + path + "'");
       written.push_back(path);
       SensorFrame frame;
+      nlohmann::json times_of_channels = nlohmann::json::object();
       if (path.ends_with(".exr")) {
-        write_light_field(path, developer.electrons(settings, frame));
+        const LightField electrons = developer.electrons(settings, frame);
+        for (const LightFieldChannel& each : electrons.channels)
+          times_of_channels[each.name] = channel_exposure(electrons, each.name);
+        write_light_field(path, electrons);
       } else {
         frame = developer.frame(index, settings);
         const std::string what = developer.mosaic() ? "mosaic" : "channel " + name;
@@ -250,14 +317,20 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
       const double mean = sum / static_cast<double>(frame.electrons.pixels.size());
       const double share =
           static_cast<double>(frame.saturated) / static_cast<double>(frame.electrons.pixels.size());
-      report.add_text("frame", path + ": " + readable(frame.exposure_time, Dimension::time) +
+      const bool several = !options.each.empty() && path.ends_with(".exr");
+      report.add_text("frame", path + ": " +
+                                   (several ? "each channel its own time"
+                                            : readable(frame.exposure_time, Dimension::time)) +
                                    ", mean " + readable_number(mean) + " electrons, " +
                                    readable_percent(share) + " saturated");
       list.push_back({{"file", path},
                       {"exposure_time_s", frame.exposure_time},
                       {"gain", frame.gain},
+                      {"black_level", frame.black_level},
                       {"mean_electrons", mean},
                       {"saturated_share", share}});
+      if (!options.each.empty() && !times_of_channels.empty())
+        list.back()["exposure_times_s"] = times_of_channels;
     }
   report.add_json("frames", list);
   report.print(json);

@@ -11,6 +11,7 @@ namespace plenoflame::cli {
 struct SensorOptions {
   bool sensor = false;                 ///< digital numbers of the scene's sensor
   std::vector<std::string> exposures;  ///< times, or "auto"
+  std::vector<std::string> each;       ///< "CHANNEL=TIME", or "auto": every channel its own
   std::vector<std::string> noise;      ///< sources that are kept; empty: all
   std::string noise_seed;
   int frames = 1;
@@ -18,8 +19,8 @@ struct SensorOptions {
   int threads = 0;
 
   bool any() const {
-    return sensor || !exposures.empty() || !noise.empty() || !noise_seed.empty() || frames > 1 ||
-           dark;
+    return sensor || !exposures.empty() || !each.empty() || !noise.empty() || !noise_seed.empty() ||
+           frames > 1 || dark;
   }
 };
 

@@ -6,8 +6,11 @@
 #include <iostream>
 #include <memory>
 
+#include "choice.h"
 #include "commands/commands.h"
 #include "commands/light_field_output.h"
+#include "commands/scene_input.h"
+#include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "report.h"
@@ -16,10 +19,11 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct ExportArguments {
   RawArguments raw;
   ViewArguments views;
   std::string format, name, saturation;
+  std::vector<std::string> channels;
   int grid = 0;
 };
 
@@ -29,14 +33,50 @@ const ExportName& format_of(const std::string& name) {
                        [&](const ExportName& format) { return format.name == name; });
 }
 
-int run_export(const Settings& settings) {
+/// The colours of the pictures: those that are asked for, or, unless one channel is, those that the
+/// scene's channels are.
+ColourChannels colours_of(const ExportArguments& settings, const ExportName& format) {
+  ColourChannels colours;
+  if (!settings.channels.empty()) {
+    if (settings.channels.size() != 3)
+      throw UsageError("--channels: three names, of red, green and blue, with commas between");
+    if (!settings.raw.channel.empty())
+      throw UsageError("--channel is for grey pictures, --channels for colour; give one of them");
+    if (!format.colour)
+      throw UsageError("--channels: the format '" + settings.format +
+                       "' holds one channel; choose it with --channel");
+    std::copy(settings.channels.begin(), settings.channels.end(), colours.names.begin());
+    const LightField header = read_light_field_header(settings.raw.input);
+    if (!header.scene_text.empty()) {
+      const Scene scene = read_scene_of(header, settings.raw.input).scene;
+      colours.is_xyz =
+          colours.names == colour_channels(scene).names && colour_channels(scene).is_xyz;
+    }
+    return colours;
+  }
+  if (!format.colour || !settings.raw.channel.empty() || !settings.raw.scene.empty()) return {};
+  const LightField header = read_light_field_header(settings.raw.input);
+  if (header.scene_text.empty()) return {};
+  colours = colour_channels(read_scene_of(header, settings.raw.input).scene);
+  const auto missing = [&](const std::string& name) {
+    return std::none_of(header.channels.begin(), header.channels.end(),
+                        [&](const LightFieldChannel& channel) { return channel.name == name; });
+  };
+  return std::any_of(colours.names.begin(), colours.names.end(), missing) ? ColourChannels{}
+                                                                          : colours;
+}
+
+int run_export(const ExportArguments& settings, const std::stop_token& stop) {
   const ExportName& format = format_of(settings.format);
   if (settings.grid > 0 && format.grid == 0)
     throw UsageError("--grid: the format '" + settings.format + "' holds no views");
   check_folder(settings.raw.output, settings.raw.force);
-  const RawLightField raw = read_raw(settings.raw, Layers::all);
+  // Checked by read_raw, which says what is wrong with a file.
+  RawLightField raw = read_raw(settings.raw, Layers::all);
   ExportSettings how;
   how.format = format.format;
+  how.colour = colours_of(settings, format);
+  if (how.colour.present()) raw.field = read_light_field(settings.raw.input);
   how.name = settings.name.empty() ? std::filesystem::path(settings.raw.input).stem().string()
                                    : settings.name;
   if (how.name.find('/') != std::string::npos)
@@ -50,17 +90,28 @@ int run_export(const Settings& settings) {
   }
   Execution execution;
   execution.threads = settings.raw.threads;
+  execution.stop = stop;
   const Camera camera(raw.camera);
   check_export(camera, how.format);
-  const MicroImages micro(camera, true, execution);
-  prepare_folder(settings.raw.output, settings.raw.force);
-  const ExportResult result =
-      export_light_field(raw.field, micro, how, settings.raw.output, execution);
+  const MicroImages micro = raw.micro_images(true, execution);
+  ResultFolder folder(settings.raw.output);
+  ExportResult result;
+  folder.write([&](const std::string& path) {
+    result = export_light_field(raw.field, micro, how, path, execution);
+  });
+  folder.commit();
 
   Report report;
   report.add("folder", settings.raw.output, "folder", settings.raw.output);
   report.add("format", settings.format, "format", settings.format);
   report.add("files", std::to_string(result.files.size()), "files", result.files);
+  if (how.colour.present()) {
+    const auto& names = how.colour.names;
+    report.add("colours",
+               names[0] + ", " + names[1] + ", " + names[2] +
+                   (how.colour.is_xyz ? " as XYZ" : " as red, green, blue"),
+               "colours", names);
+  }
   report.add("channel", how.views.channel, "channel", how.views.channel);
   for (const std::string& note : result.notes) report.add_text("note", note);
   report.add_json("notes", result.notes);
@@ -71,7 +122,7 @@ int run_export(const Settings& settings) {
 }  // namespace
 
 void register_export(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ExportArguments>();
   CLI::App& command = add_command(registry, "export", "Files for other light-field tools",
                                   "plenoflame export flame.exr --format hci -o flame-hci");
   add_raw_input(command, settings->raw, "Folder for the files; made when missing");
@@ -84,7 +135,7 @@ void register_export(const Registry& registry) {
   }
   command.add_option("--format", settings->format, about)
       ->required()
-      ->check(CLI::IsMember(names))
+      ->check(one_of(names))
       ->option_text("NAME");
   command.add_option("--name", settings->name, "Stem of the files' names; without it, that of RAW")
       ->option_text("STEM");
@@ -94,6 +145,12 @@ void register_export(const Registry& registry) {
                   "expects (hci 9, eslf 14)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");
+  command
+      .add_option("--channels", settings->channels,
+                  "Red, green and blue of the pictures; without it the scene's colour channels, "
+                  "where it has some and the tool knows colour; grey with --channel")
+      ->delimiter(',')
+      ->option_text("R,G,B");
   add_view_options(command, settings->views);
   command
       .add_option(
@@ -102,7 +159,8 @@ void register_export(const Registry& registry) {
           "the pixels with light are not saturated")
       ->option_text("FLUX");
   add_raw_options(command, settings->raw);
-  on_chosen(command, registry, [settings] { return run_export(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_export(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <iomanip>
 #include <iostream>
@@ -11,19 +12,16 @@
 #include <string_view>
 #include <vector>
 
+#include "choice.h"
 #include "commands/command.h"
 #include "commands/commands.h"
 #include "commands/flame_import.h"
-#include "interrupt.h"
 #include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
-#include "plenoflame/base/version.h"
-#include "plenoflame/radiometry/emission_line.h"
-#include "plenoflame/scene/spectral.h"
 #include "plenoflame/volumes/flame_file.h"
-#include "plenoflame/volumes/flame_library.h"
+#include "plenoflame/volumes/flame_generators.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "progress_bar.h"
@@ -31,112 +29,85 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct FlameArguments {
   std::string name;
   std::string output;
-  std::optional<std::string> voxel_size, wavelength, layers, seed_text;
-  std::uint64_t seed = 1;
-  std::optional<double> soot_function;
-  std::vector<std::string> lines;
+  std::optional<std::string> voxel_size, wavelength, layers, seed, soot_function;
+  std::vector<std::string> lines, parameters;
   bool half = false;
   std::string compression = "blosc";
   int threads = 0;
   bool json = false;
 };
 
-constexpr const char* kNames =
-    "layered    three homogeneous ellipsoids, or those of --layers\n"
-    "candle     a candle's flame, soot in an annulus\n"
-    "diffusion  a laminar co-flow diffusion flame, soot in an annulus\n"
-    "cylinder   a grey cylinder of 80 mm radius with a smooth temperature\n"
-    "turbulent  a wrinkled plume with many scales, from a seed";
-
-double length(const char* option, const std::string& text) {
-  try {
-    const double value = parse_quantity(text, Dimension::length);
-    if (value > 0 && value < 1e3) return value;
-  } catch (const InputError& error) {
-    throw UsageError(std::string(option) + ": " + error.what());
+/// The flames of the table, a line each.
+std::string list_of_flames() {
+  std::string list;
+  for (const FlameGenerator& generator : flame_generators()) {
+    std::string name(generator.name);
+    name.resize(11, ' ');
+    list += "\n" + name + std::string(generator.what);
   }
-  throw UsageError(std::string(option) + ": \"" + text + "\" must be above 0 and below 1 km");
+  return list;
 }
 
-/// "ch" or "ch=200 W/m^3": a grid of an emission line.
-SootFlameOptions::Line line_option(const std::string& text) {
-  constexpr double kPeak = 100;  // [W/m^3]
-  const auto equals = text.find('=');
-  const std::string name = text.substr(0, equals);
-  std::string known;
-  for (const LineGrid& line : line_grids()) {
-    const std::string_view word = line_word(line.kind);
-    known.append(known.empty() ? "" : ", ").append(word);
-    if (name != word) continue;
-    const std::string grid(line.name);
-    if (equals == std::string::npos) return {grid, kPeak};
-    std::istringstream value(text.substr(equals + 1));
-    double number = 0;
-    std::string unit;
-    if (value >> number && std::getline(value >> std::ws, unit)) {
-      const auto factor = emission_unit(unit, EmissionLine::named(name).wavelength());
-      if (factor && number > 0) return {grid, number * *factor};
+/// "candle, diffusion": the flames that have a parameter.
+std::string flames_with(std::string_view parameter) {
+  std::string names;
+  for (const FlameGenerator& generator : flame_generators())
+    for (const FlameParameter& p : generator.parameters())
+      if (p.name == parameter) names.append(names.empty() ? "" : ", ").append(generator.name);
+  return names;
+}
+
+/// Parameters of a flame for people to read.
+std::string parameters_text(const FlameGenerator& generator) {
+  std::string text;
+  for (const FlameParameter& p : generator.parameters()) {
+    std::string name = p.name + (p.value.empty() ? "" : " = " + p.value);
+    name.resize(std::max<std::size_t>(name.size() + 2, 36), ' ');
+    text += "  " + name + p.about + "\n";
+  }
+  return text;
+}
+
+/// The options that have a name of their own, and those of --set, as values of the table.
+FlameValues values_of(const FlameArguments& s, const FlameGenerator& generator) {
+  FlameValues values;
+  const std::vector<FlameParameter> parameters = generator.parameters();
+  const auto add = [&](const std::string& option, const std::string& name, std::string text) {
+    const bool has = std::any_of(parameters.begin(), parameters.end(),
+                                 [&](const FlameParameter& p) { return p.name == name; });
+    if (!has && option != "--set")
+      throw UsageError(option + " has no meaning for the flame " + s.name);
+    try {
+      check_flame_value(generator, name, text);
+    } catch (const InputError& error) {
+      throw UsageError(option + ": " + (has && option == "--set" ? name + ": " : "") +
+                       error.what());
     }
-    throw UsageError("--line: \"" + text + "\" needs a peak above 0 with its unit, such as " +
-                     name + "=\"200 W/m^3\"");
-  }
-  throw UsageError("--line: there is no line \"" + name + "\"; known are " + known);
-}
-
-/// Makes sure that no option is given that the flame has no use for.
-void check_use(const Settings& s) {
-  const bool layered = s.name == "layered", sooty = s.name == "candle" || s.name == "diffusion";
-  const auto refuse = [&](bool given, const char* option) {
-    if (given) throw UsageError(std::string(option) + " has no meaning for the flame " + s.name);
+    if (!values.emplace(name, std::move(text)).second)
+      throw UsageError(option + ": " + name + " is given twice");
   };
-  if (!layered) refuse(s.layers.has_value(), "--layers");
-  if (!sooty) refuse(s.wavelength.has_value(), "--wavelength");
-  if (!sooty) refuse(s.soot_function.has_value(), "--soot-function");
-  if (!sooty) refuse(!s.lines.empty(), "--line");
-  if (s.name != "turbulent") refuse(s.seed_text.has_value(), "--seed");
-  if (!s.output.ends_with(".vdb"))
-    throw UsageError("--output: '" + s.output + "' must end in .vdb");
-  if (s.layers) check_not_overwritten("--output", s.output, *s.layers);
+  if (s.layers) add("--layers", "layers", *s.layers);
+  if (s.wavelength) add("--wavelength", "wavelength", *s.wavelength);
+  if (s.soot_function) add("--soot-function", "soot_function", *s.soot_function);
+  std::string lines;
+  for (const std::string& line : s.lines) lines += (lines.empty() ? "" : ",") + line;
+  if (!lines.empty()) add("--line", "lines", lines);
+  if (s.seed) add("--seed", "seed", *s.seed);
+  if (s.voxel_size) add("--voxel-size", "voxel_size", *s.voxel_size);
+  for (const std::string& text : s.parameters) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos)
+      throw UsageError("--set: '" + text +
+                       "' is not of the form NAME=VALUE (--set help lists the parameters)");
+    add("--set", text.substr(0, equals), text.substr(equals + 1));
+  }
+  return values;
 }
 
-FlameFields generate(const Settings& s, const Execution& execution) {
-  const auto set_voxel_size = [&](double& size) {
-    if (s.voxel_size) size = length("--voxel-size", *s.voxel_size);
-  };
-  if (s.name == "layered") {
-    LayeredFlameOptions options;
-    if (s.layers) options.layers = read_layers(*s.layers);
-    set_voxel_size(options.voxel_size);
-    return make_layered_flame(options, execution);
-  }
-  if (s.name == "candle" || s.name == "diffusion") {
-    SootFlameOptions options = s.name == "candle" ? candle_flame() : diffusion_flame();
-    if (s.soot_function) options.absorption_function = *s.soot_function;
-    if (s.wavelength) options.wavelength = length("--wavelength", *s.wavelength);
-    for (const std::string& text : s.lines) {
-      SootFlameOptions::Line line = line_option(text);
-      for (const SootFlameOptions::Line& other : options.lines)
-        if (other.name == line.name) throw UsageError("--line: " + text + " is given twice");
-      options.lines.push_back(std::move(line));
-    }
-    set_voxel_size(options.voxel_size);
-    return make_soot_flame(options, execution);
-  }
-  if (s.name == "cylinder") {
-    CylinderFlameOptions options;
-    set_voxel_size(options.voxel_size);
-    return make_cylinder_flame(options, execution);
-  }
-  TurbulentFlameOptions options;
-  options.seed = s.seed;
-  set_voxel_size(options.voxel_size);
-  return make_turbulent_flame(options, execution);
-}
-
-void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& grids) {
+void print(const FlameArguments& s, std::uint64_t size, const std::vector<GridInfo>& grids) {
   if (s.json) {
     nlohmann::ordered_json report{{"file", s.output}, {"flame", s.name}, {"size_bytes", size}};
     for (const GridInfo& grid : grids) {
@@ -172,35 +143,38 @@ void print(const Settings& s, std::uint64_t size, const std::vector<GridInfo>& g
   }
 }
 
-int run(Settings& s) {
+int run(FlameArguments& s, const std::stop_token& stop) {
   if (s.name.empty()) throw UsageError("NAME is required (see plenoflame flame --help)");
+  const FlameGenerator& generator = flame_generator(s.name);
+  if (std::find(s.parameters.begin(), s.parameters.end(), "help") != s.parameters.end()) {
+    std::cout << "Parameters of the flame " << s.name << ":\n" << parameters_text(generator);
+    return 0;
+  }
   if (s.output.empty()) throw UsageError("--output is required (see plenoflame flame --help)");
-  check_use(s);
-  if (s.seed_text) s.seed = whole_number_option<std::uint64_t>("--seed", *s.seed_text, 0);
-  if (s.soot_function && !(*s.soot_function > 0 && *s.soot_function <= kGreatestSootFunction))
-    throw UsageError(
-        "--soot-function: E(m) of soot is above 0 and at most 1 (published values: 0.2 to 0.4), "
-        "not " +
-        readable_number(*s.soot_function));
-  const InterruptHandler interrupt;
+  const FlameValues values = values_of(s, generator);
+  if (!s.output.ends_with(".vdb"))
+    throw UsageError("--output: '" + s.output + "' must end in .vdb");
+  if (s.layers) check_not_overwritten("--output", s.output, *s.layers);
   Execution execution;
   execution.threads = s.threads;
-  execution.stop = interrupt.token();
+  execution.stop = stop;
   ProgressBar bar(false);
   bar.connect(execution);
-  FlameFields flame = generate(s, execution);
-  std::vector<GridOutput> grids{{&flame.temperature, "K"}, {&flame.absorption, "1/m"}};
-  for (const VoxelField& line : flame.lines) grids.push_back({&line, "W/m^3"});
+  const FlameFields flame = generator.make(values, execution);
   GridWriteOptions options;
   options.half = s.half;
   options.compression = std::map<std::string, VdbCompression>{{"none", VdbCompression::none},
                                                               {"zip", VdbCompression::zip},
                                                               {"blosc", VdbCompression::blosc}}
                             .at(s.compression);
-  options.metadata = {{"creator", "plenoflame " + std::string(version())}, {"flame", s.name}};
+  options.metadata = {{"flame", s.name}};
   options.stop = execution.stop;
-  if (s.name == "turbulent") options.metadata["seed"] = std::to_string(s.seed);
-  const std::uint64_t size = write_grids(s.output, grids, options);
+  for (const FlameParameter& parameter : generator.parameters())
+    if (parameter.type == FlameParameterType::whole_number)
+      options.metadata[parameter.name] = parameter.value;
+  for (const auto& [name, value] : values)
+    if (name != "layers") options.metadata[name] = value;  // a path says nothing elsewhere
+  const std::uint64_t size = write_flame(s.output, flame, options);
   bar.finish();
   print(s, size, list_grids(s.output));  // of what is in the file
   return 0;
@@ -209,46 +183,67 @@ int run(Settings& s) {
 }  // namespace
 
 void register_flame(const Registry& registry) {
-  const auto s = std::make_shared<Settings>();
+  const auto s = std::make_shared<FlameArguments>();
   CLI::App& command =
       add_command(registry, "flame",
                   "Write a flame to a .vdb file: grids of temperature [K] and absorption [1/m]",
                   "plenoflame flame candle -o candle.vdb\n"
                   "plenoflame flame layered --voxel-size \"0.5 mm\" --half -o layered.vdb");
-  command.add_option("NAME", s->name, std::string("Which flame:\n") + kNames)
-      ->check(CLI::IsMember({"layered", "candle", "diffusion", "cylinder", "turbulent"}));
-  command.add_option("-o,--output", s->output, "The .vdb file to write");
-  command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"");
+  std::vector<std::string> names;
+  for (const FlameGenerator& generator : flame_generators()) names.emplace_back(generator.name);
+  command.add_option("NAME", s->name, "Which flame:" + list_of_flames())->check(one_of(names));
+  command.add_option("-o,--output", s->output, "The .vdb file to write")->option_text("FILE");
+  command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"")
+      ->option_text("LENGTH");
   command.add_flag("--half", s->half,
                    "Store values with 16 bits: half the size, relative error 2^-11");
-  command.add_option("--compression", s->compression, "none, zip or blosc")
-      ->check(CLI::IsMember({"none", "zip", "blosc"}))
+  command.add_option("--compression", s->compression, "How the file is packed: none, zip or blosc")
+      ->option_text("NAME")
+      ->check(one_of({"none", "zip", "blosc"}))
       ->capture_default_str();
-  command.add_option("--layers", s->layers, "layered: TOML file with [[layers]] tables");
-  command.add_option("--wavelength", s->wavelength,
-                     "candle, diffusion: at which the absorption holds (650 nm)");
-  command.add_option("--soot-function", s->soot_function,
-                     "candle, diffusion: absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
+  command
+      .add_option("--layers", s->layers,
+                  flames_with("layers") + ": TOML file with [[layers]] tables")
+      ->option_text("FILE");
+  command
+      .add_option("--wavelength", s->wavelength,
+                  flames_with("wavelength") + ": wavelength at which the absorption holds (650 nm)")
+      ->option_text("LENGTH");
   command
       .add_option(
-          "--line", s->lines,
-          "candle, diffusion: a grid of an emission line as well, with its peak: ch, c2_517, "
-          "oh, na_d, or \"ch=200 W/m^3\" (100 W/m^3); may be given several times")
+          "--soot-function", s->soot_function,
+          flames_with("soot_function") + ": absorption function E(m) of soot, 0.2 to 0.4 (0.26)")
+      ->option_text("E");
+  command
+      .add_option("--line", s->lines,
+                  flames_with("lines") +
+                      ": a grid of an emission line as well, with its peak: ch, c2_517, "
+                      "oh, na_d, or \"ch=200 W/m^3\" (100 W/m^3); may be given several times")
       ->option_text("LINE")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--seed", s->seed_text, "turbulent: which plume (1)")->option_text("N");
-  command.add_option("--threads", s->threads, "Worker threads; 0: one per processor")
-      ->check(number_from(0));
+  command.add_option("--seed", s->seed, flames_with("seed") + ": which plume (1)")
+      ->option_text("N");
+  command
+      .add_option("--set", s->parameters,
+                  "A parameter of the flame, e.g. --set \"height=40 mm\"; may be given several "
+                  "times; --set help lists those of the flame")
+      ->option_text("NAME=VALUE")
+      ->take_all()
+      ->allow_extra_args(false);
+  command.add_option("--threads", s->threads, "Worker threads; 0: one per processor (0)")
+      ->check(number_from(0))
+      ->option_text("N");
   command.add_flag("--json", s->json, "Print what was written as JSON");
 #ifdef PLENOFLAME_HAS_VTK
-  const Action import_action = add_flame_import(command);
+  const StoppableAction import_action = add_flame_import(command);
   const CLI::App* const import_command = command.get_subcommand("import");
-  on_chosen(command, registry, [s, import_action, import_command] {
-    return import_command->parsed() ? import_action() : run(*s);
+  on_chosen(command, registry, [s, import_action, import_command](const std::stop_token& stop) {
+    return import_command->parsed() ? import_action(stop) : run(*s, stop);
   });
 #else
-  on_chosen(command, registry, [s] { return run(*s); });
+  add_missing(command, "import", "VTK", "Make a flame from a simulation's file");
+  on_chosen(command, registry, [s](const std::stop_token& stop) { return run(*s, stop); });
 #endif
 }
 

@@ -3,7 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "interrupt.h"
+#include "choice.h"
+#include "messages.h"
 #include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -17,7 +18,7 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct FlameImportArguments {
   FlameImportRequest request;
   std::string voxel_size, wavelength, constant, bounds;
   bool json = false;
@@ -41,7 +42,7 @@ std::array<double, 6> bounds_option(const std::string& text) {
   return bounds;
 }
 
-int run_import(const Settings& settings) {
+int run_import(const FlameImportArguments& settings, const std::stop_token& stop) {
   FlameImportRequest request = settings.request;
   const auto positive = [](const char* option, double value) {
     if (!(value > 0)) throw UsageError(std::string(option) + ": must be above 0");
@@ -69,11 +70,17 @@ int run_import(const Settings& settings) {
   Report report;
   nlohmann::json files = nlohmann::json::array();
   ProgressBar bar(false);
-  const InterruptHandler interrupt;
   Execution execution;
-  execution.stop = interrupt.token();
+  execution.stop = stop;
   bar.connect(execution);
-  const std::vector<ImportedFlame> imported = import_flames(request, execution);
+  std::vector<ImportedFlame> imported;
+  try {
+    imported = import_flames(request, execution);
+  } catch (const Cancelled&) {
+    bar.finish();
+    say("stopped; files of a series that were written are whole, and nothing else is left");
+    return kFailure;
+  }
   bar.finish();
   for (const ImportedFlame& flame : imported) {
     nlohmann::json entry{{"file", flame.file}, {"time_s", flame.time}};
@@ -98,11 +105,12 @@ int run_import(const Settings& settings) {
 
 }  // namespace
 
-Action add_flame_import(CLI::App& flame) {
-  const auto settings = std::make_shared<Settings>();
+StoppableAction add_flame_import(CLI::App& flame) {
+  const auto settings = std::make_shared<FlameImportArguments>();
   FlameImportRequest& request = settings->request;
   CLI::App& command = *flame.add_subcommand(
-      "import", "Make a flame from a simulation's file: sample its mesh on voxels");
+      "import",
+      "Make a flame from a simulation's file: sample its mesh on voxels (in builds with VTK)");
   command.footer(
       "Example:\n  plenoflame flame import case.foam --soot fv --temperature T --voxel-size \"0.5 "
       "mm\" "
@@ -125,7 +133,7 @@ Action add_flame_import(CLI::App& flame) {
   command.add_option("--temperature", request.temperature, "Array of the temperature (T)")
       ->option_text("ARRAY");
   command.add_option("--temperature-unit", request.temperature_unit, "K or degC (K)")
-      ->check(CLI::IsMember({"K", "degC"}))
+      ->check(one_of({"K", "degC"}))
       ->option_text("UNIT");
   command
       .add_option("--temperature-scale", request.temperature_scale,
@@ -135,7 +143,7 @@ Action add_flame_import(CLI::App& flame) {
   command.add_option("--absorption", request.absorption, "Array of the absorption coefficient")
       ->option_text("ARRAY");
   command.add_option("--absorption-unit", request.absorption_unit, "1/m, 1/cm or 1/mm (1/m)")
-      ->check(CLI::IsMember({"1/m", "1/cm", "1/mm"}))
+      ->check(one_of({"1/m", "1/cm", "1/mm"}))
       ->option_text("UNIT");
   command
       .add_option("--soot", request.soot,
@@ -150,7 +158,7 @@ Action add_flame_import(CLI::App& flame) {
   command
       .add_option("--constant", settings->constant,
                   "The same absorption everywhere in the mesh, e.g. \"20 1/m\"")
-      ->option_text("VALUE");
+      ->option_text("ABSORPTION");
   command
       .add_option("--voxel-size", settings->voxel_size,
                   "Edge of a voxel; without it, a 128th of the longest side")
@@ -169,7 +177,7 @@ Action add_flame_import(CLI::App& flame) {
       ->option_text("N");
   command.add_flag("--half", request.half, "Store values with 16 bits");
   command.add_flag("--json", settings->json, "Print what was written as JSON");
-  return [settings] { return run_import(*settings); };
+  return [settings](const std::stop_token& stop) { return run_import(*settings, stop); };
 }
 
 }  // namespace plenoflame::cli

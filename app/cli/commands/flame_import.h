@@ -4,6 +4,6 @@
 namespace plenoflame::cli {
 
 /// Adds `import` to the command `flame`. @return what it does once it was chosen
-Action add_flame_import(CLI::App& flame);
+StoppableAction add_flame_import(CLI::App& flame);
 
 }  // namespace plenoflame::cli

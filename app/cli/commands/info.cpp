@@ -2,9 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -12,19 +10,31 @@
 
 #include "commands/commands.h"
 #include "commands/ray_counts.h"
+#include "commands/scene_input.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/printable.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/image/open_file.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/scene/scene_file.h"
 #include "run.h"
 
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct InfoArguments {
   std::string file;
+  std::vector<std::string> set;
   bool scene = false;
   bool json = false;
 };
+
+/// The scene of a light field: as it stands there, or with some of its values replaced.
+std::string scene_inside(const std::string& path, const std::vector<std::string>& set) {
+  const LightField field = read_light_field_header(path);
+  return set.empty() ? printable(field.scene_text, true)
+                     : write_scene(read_scene_of(field, path, set).scene);
+}
 
 enum class Kind { light_field, png, poly_data, vdb, scene, ray_csv, ray_json, unknown };
 
@@ -32,11 +42,12 @@ enum class Kind { light_field, png, poly_data, vdb, scene, ray_csv, ray_json, un
 Kind kind_of(const std::string& path) {
   if (std::filesystem::is_directory(path))
     throw FileError("cannot read '" + path + "': it is a folder; give a file");
+  if (std::filesystem::is_fifo(path))
+    throw FileError("cannot read '" + path + "': it is a pipe; give a file");
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
-  if (!file) throw FileError("cannot read '" + path + "': " + std::strerror(errno));
+  const std::unique_ptr<std::FILE, Closer> file(open_for_reading(path));
   std::array<char, 512> start{};
   const std::size_t count = std::fread(start.data(), 1, start.size(), file.get());
   const std::string_view bytes(start.data(), count);
@@ -55,13 +66,16 @@ void describe_rays(const RayCounts& counts, Report& report) {
   report_ray_counts(counts, report);
 }
 
-int run_info(const Settings& settings) {
+int run_info(const InfoArguments& settings) {
   const Kind kind = kind_of(settings.file);
+  if (!settings.set.empty() && kind != Kind::scene &&
+      !(settings.scene && kind == Kind::light_field))
+    throw UsageError("--set: '" + settings.file + "' is not a scene (.toml)");
   if (settings.scene) {
     if (kind == Kind::scene)
-      std::cout << complete_scene(settings.file);
+      std::cout << complete_scene(settings.file, settings.set);
     else if (kind == Kind::light_field)
-      std::cout << read_light_field_header(settings.file).scene_text;
+      std::cout << scene_inside(settings.file, settings.set);
     else
       throw UsageError("--scene: '" + settings.file + "' is neither a scene (.toml) nor a light " +
                        "field (.exr)");
@@ -80,7 +94,7 @@ int run_info(const Settings& settings) {
       describe_poly_data(settings.file, report);
       break;
     case Kind::scene:
-      describe_scene(settings.file, report);
+      describe_scene(settings.file, settings.set, report);
       break;
     case Kind::ray_csv:
       describe_rays(count_rays_of_csv(settings.file), report);
@@ -127,7 +141,7 @@ void describe_png(const std::string& path, Report& report) {
 }
 
 void register_info(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<InfoArguments>();
   CLI::App& command = add_command(registry, "info",
                                   "Say what a scene, flame, light field, ray or picture file holds",
                                   "plenoflame info flame.exr --json");
@@ -136,6 +150,7 @@ void register_info(const Registry& registry) {
                   "Scene (.toml), flame (.vdb), light field (.exr), ray "
                   "paths (.vtp, .csv, .json) or picture (.png)")
       ->required();
+  add_set_option(command, settings->set);
   command.add_flag(
       "--scene", settings->scene,
       "Print only the scene: of a scene file with its presets resolved, of a light field "

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "report.h"
 
@@ -13,9 +14,9 @@ void describe_light_field(const std::string& path, Report& report);
 void describe_poly_data(const std::string& path, Report& report);
 /// Scene: camera, flames, channels; warnings go to standard error. @throws InputError at the place
 /// in the file of what is wrong
-void describe_scene(const std::string& path, Report& report);
-/// The scene with every key that has a value, presets resolved.
-std::string complete_scene(const std::string& path);
+void describe_scene(const std::string& path, const std::vector<std::string>& set, Report& report);
+/// The scene with every key that has a value, presets resolved. @param set of --set
+std::string complete_scene(const std::string& path, const std::vector<std::string>& set);
 /// Flame (only with PLENOFLAME_HAS_VOLUMES): every grid of a .vdb, and what a scene would make of
 /// it.
 void describe_vdb(const std::string& path, Report& report);

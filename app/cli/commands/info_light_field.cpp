@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "commands/info.h"
 #include "options.h"
@@ -34,14 +36,50 @@ ChannelSummary summarize(const LightFieldChannel& channel) {
   return summary;
 }
 
-void describe_channel(const LightFieldChannel& channel, Report& report, nlohmann::json& list) {
+/// A value of a light field in its unit: watts are scaled, electrons, kelvins and so on are not.
+std::string in_unit(double value, const std::string& unit) {
+  return unit == "W" ? readable(value, Dimension::flux) : readable_number(value) + " " + unit;
+}
+
+/// A figure among the attributes, with the unit that its name stands for.
+std::string with_unit(const std::string& key, double value) {
+  constexpr std::pair<std::string_view, std::string_view> kOthers[] = {
+      {"sensor.exposure_time", "s"},
+      {"exposure.time", "s"},
+      {"exposure.begin", "s"},
+      {"exposure.energy", "J"},
+      {"sensor.dark_electrons", "e-"},
+      {"sensor.gain", "e- per number"},
+      {"sensor.saturated_from", "e-"},
+      {"view.offset_x", "pixels"},
+      {"view.offset_y", "pixels"},
+      {"lens.f_number", ""},
+      {"render.replicates", ""},
+      {"view.column", ""},
+      {"view.row", ""},
+      {"view.lens_step", ""},
+      {"epipolar.line", ""}};
+  for (const auto& [name, unit] : kOthers)
+    if (name == key)
+      return unit == "s"    ? readable(value, Dimension::time)
+             : unit.empty() ? readable_number(value)
+                            : readable_number(value) + " " + std::string(unit);
+  for (const char* known : {"lens.", "array.", "sensor.", "focus.", "refocus.", "truth.wavelength"})
+    if (key.starts_with(known)) return readable(value, Dimension::length);
+  return readable_number(value);
+}
+
+void describe_channel(const LightFieldChannel& channel, const std::string& unit, Report& report,
+                      nlohmann::json& list) {
   const ChannelSummary summary = summarize(channel);
-  std::string text = readable(summary.total, Dimension::flux) + " in " +
-                     std::to_string(summary.lit) + " lit pixels, largest " +
-                     readable(summary.largest, Dimension::flux);
+  std::string text = in_unit(summary.total, unit) + " in " + std::to_string(summary.lit) +
+                     " lit pixels, largest " + in_unit(summary.largest, unit);
+  // Keys end with the unit where it is one of SI.
+  const std::string ending = unit == "W" || unit == "K" || unit == "m" ? "_" + unit : "";
   nlohmann::json entry = {{"name", channel.name},
-                          {"total_W", summary.total},
-                          {"largest_W", summary.largest},
+                          {"unit", unit},
+                          {"total" + ending, summary.total},
+                          {"largest" + ending, summary.largest},
                           {"lit_pixels", summary.lit},
                           {"not_finite_pixels", summary.not_finite}};
   if (!channel.standard_error.empty()) {
@@ -72,7 +110,7 @@ void describe_light_field(const std::string& path, Report& report) {
              "window", {window.x, window.y, window.width, window.height});
   nlohmann::json channels = nlohmann::json::array();
   for (const LightFieldChannel& channel : field.channels)
-    describe_channel(channel, report, channels);
+    describe_channel(channel, field.unit, report, channels);
   report.add_json("channels", channels);
   nlohmann::json layers = nlohmann::json::array();
   for (const auto& layer : field.layers) {
@@ -86,7 +124,7 @@ void describe_light_field(const std::string& path, Report& report) {
   report.add("samples", readable_number(field.samples), "samples", field.samples);
   report.add("seed", std::to_string(field.seed), "seed", field.seed);
   report.add("version", field.version, "version", field.version);
-  for (const auto& [key, value] : field.numbers) report.add_text(key, readable_number(value));
+  for (const auto& [key, value] : field.numbers) report.add_text(key, with_unit(key, value));
   report.add_json("numbers", field.numbers);
   for (const auto& [key, value] : field.texts) report.add_text(key, value);
   report.add_json("texts", field.texts);

@@ -1,13 +1,17 @@
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 
 #include "commands/info.h"
 #include "commands/scene_input.h"
+#include "messages.h"
 #include "options.h"
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/scene/cameras.h"
+#include "plenoflame/scene/channel_kinds.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "plenoflame/scene/spectral.h"
+#include "plenoflame/scene/timeline.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -22,8 +26,20 @@ std::string lens_text(const MainLensSpec& lens) {
 
 std::string array_text(const ArraySpec& array) {
   if (!array.present) return "none: a conventional camera";
+  std::string shape;
+  if (array.aperture == ApertureShape::square)
+    shape = array.diameter_y > 0 && array.diameter_y != array.diameter ? "rectangular lenses, "
+                                                                       : "square lenses, ";
+  if (array.aperture == ApertureShape::hexagonal) shape = "hexagonal lenses, ";
+  std::string count;
+  if (array.columns > 0 || array.rows > 0) {
+    const auto number = [](int n) { return n > 0 ? std::to_string(n) : std::string("endless"); };
+    count = number(array.columns) + " x " + number(array.rows) + " of them, ";
+  }
   return std::string(array.lattice == Lattice::hexagonal ? "hexagonal" : "square") + ", pitch " +
-         readable(array.pitch, Dimension::length) + ", " + std::to_string(array.types.size()) +
+         readable(array.pitch, Dimension::length) +
+         (is_regular(array) ? "" : " by " + readable(array.pitch_y, Dimension::length)) + ", " +
+         shape + count + std::to_string(array.types.size()) +
          (array.types.size() == 1 ? " type" : " types") + ", " +
          readable(array.sensor_distance, Dimension::length) + " in front of the sensor";
 }
@@ -35,30 +51,42 @@ std::string focus_text(const FocusSpec& focus) {
          readable(focus.object_distance, Dimension::length) + " sharp on " + focus.conjugate;
 }
 
-std::string place(Vec3 p) {
-  return readable(p.x, Dimension::length) + ", " + readable(p.y, Dimension::length) + ", " +
-         readable(p.z, Dimension::length);
+std::string sensor_text(const SensorSpec& sensor) {
+  return std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows) + " pixels of " +
+         readable(sensor.pixel().x, Dimension::length) +
+         (sensor.square_pixels() ? "" : " by " + readable(sensor.pixel().y, Dimension::length));
+}
+
+/// The only camera of a scene.
+void add_camera(const CameraSpec& camera, Report& report) {
+  if (!camera.name.empty()) report.add("camera", camera.name, "camera", camera.name);
+  const SensorSpec& sensor = camera.sensor;
+  report.add("sensor", sensor_text(sensor), "sensor", {sensor.columns, sensor.rows});
+  report.add_json("pixel_pitch_m", sensor.pixel_pitch);
+  report.add("main lens", lens_text(camera.lens), "main_lens", lens_text(camera.lens));
+  report.add("microlens array", array_text(camera.array), "microlens_array",
+             array_text(camera.array));
+  report.add("focus", focus_text(camera.focus), "focus", focus_text(camera.focus));
+}
+
+nlohmann::json camera_json(const CameraSpec& camera) {
+  const Vec3 p = camera.position;
+  return {{"name", camera.name},
+          {"position_m", {p.x, p.y, p.z}},
+          {"sensor", {camera.sensor.columns, camera.sensor.rows}},
+          {"pixel_pitch_m", camera.sensor.pixel_pitch},
+          {"main_lens", lens_text(camera.lens)},
+          {"microlens_array", array_text(camera.array)},
+          {"focus", focus_text(camera.focus)}};
 }
 
 std::string flame_text(const FlameSpec& flame) {
   std::string text = flame.kind == FlameKind::vdb ? "grids of '" + flame.file + "'"
                                                   : std::to_string(flame.layers.size()) + " layers";
-  return text + " at " + place(flame.position);
+  return text + " at " + readable_point(flame.position);
 }
 
-std::string channel_text(const ChannelSpec& channel) {
-  if (channel.kind == ChannelKind::total) return "all wavelengths";
-  const std::string quantum = channel.photons ? ", counting photons" : "";
-  if (channel.kind == ChannelKind::named) return "response " + channel.response + quantum;
-  if (channel.kind == ChannelKind::curve)
-    return (channel.file.empty() ? std::string("curve") : "curve of '" + channel.file + "'") +
-           quantum;
-  return readable(channel.width, Dimension::length) +
-         (channel.kind == ChannelKind::line ? " wide line at " : " around ") +
-         readable(channel.wavelength, Dimension::length) + quantum;
-}
-
-/// An emission line, and what each channel sees of it.
+/// An emission line, and what each channel sees of it; filters of cameras are a camera's own.
 std::string line_text(const Scene& scene, const LineSpec& spec) {
   const EmissionLine line = emission_line(spec);
   std::string text = readable(line.wavelength(), Dimension::length);
@@ -85,28 +113,86 @@ nlohmann::json lines_json(const Scene& scene, const FlameSpec& flame, const std:
   return lines;
 }
 
+std::string numbers_text(const std::vector<int>& numbers) {
+  constexpr std::size_t kMostNamed = 6;
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size() && i < kMostNamed; ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
+  if (numbers.size() > kMostNamed)
+    text += " and " + std::to_string(numbers.size() - kMostNamed) + " more";
+  return text;
+}
+
+/// How the flames change with time, and which frames there are.
+void add_time(const SceneDocument& document, Report& report) {
+  if (!changes_with_time(document.scene)) return;
+  nlohmann::json list = nlohmann::json::array();
+  const SceneTimeline timeline(document);
+  for (const SceneTimeline::FlameTime& flame : timeline.flames()) {
+    const std::string& given = document.scene.flames[flame.flame].name;
+    const std::string name = given.empty() ? std::to_string(flame.flame + 1) : given;
+    if (!flame.files.empty())
+      report.add_text("series " + name,
+                      "files " + std::to_string(flame.first) + " to " + std::to_string(flame.last) +
+                          " at " + readable(flame.frame_rate, Dimension::frequency) +
+                          (flame.missing.empty() ? std::string()
+                                                 : ", MISSING: " + numbers_text(flame.missing)));
+    if (!flame.table.empty())
+      report.add_text("time table " + name,
+                      "'" + flame.table + "': " + flame.table_columns + " from " +
+                          readable(flame.table_first, Dimension::time) + " to " +
+                          readable(flame.table_last, Dimension::time));
+    list.push_back({{"flame", flame.flame},
+                    {"files", flame.files},
+                    {"frame_rate_hz", flame.frame_rate},
+                    {"first", flame.first},
+                    {"last", flame.last},
+                    {"missing", flame.missing},
+                    {"table", flame.table},
+                    {"table_first_s", flame.table_first},
+                    {"table_last_s", flame.table_last}});
+  }
+  report.add_json("time", list);
+  if (!(timeline.frame_rate() > 0)) return;
+  const int first = timeline.first_frame(), last = timeline.last_frame();
+  const SensorSpec& sensor = document.scene.camera.sensor;
+  std::string text = last < first ? "none: the exposure is longer than the flames are known"
+                                  : std::to_string(first) + " to " + std::to_string(last) + " at " +
+                                        readable(timeline.frame_rate(), Dimension::frequency);
+  if (sensor.exposure_time > 0)
+    text += ", exposed for " + readable(sensor.exposure_time, Dimension::time);
+  report.add_text("frames", text);
+  report.add_json("frames", {{"first", first},
+                             {"last", last},
+                             {"rate_hz", timeline.frame_rate()},
+                             {"exposure_s", sensor.exposure_time}});
+}
+
 }  // namespace
 
-void describe_scene(const std::string& path, Report& report) {
+void describe_scene(const std::string& path, const std::vector<std::string>& set, Report& report) {
   std::vector<std::string> warnings;
-  Scene scene = read_valid_scene(path, &warnings).scene;
+  const SceneDocument document = read_valid_scene(path, set, &warnings);
+  Scene scene = document.scene;
   const bool lines = std::any_of(scene.flames.begin(), scene.flames.end(),
                                  [](const FlameSpec& flame) { return !flame.lines.empty(); });
   if (lines) read_curves(scene, std::filesystem::path(path).parent_path().string());
-  for (const std::string& warning : warnings)
-    std::cerr << "plenoflame: warning: " << warning << '\n';
-  const CameraSpec& camera = scene.camera;
-  const SensorSpec& sensor = camera.sensor;
+  for (const std::string& warning : warnings) warn(warning);
   report.add("type", "scene", "type", "scene");
-  report.add("sensor",
-             std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows) + " pixels of " +
-                 readable(sensor.pixel_pitch, Dimension::length),
-             "sensor", {sensor.columns, sensor.rows});
-  report.add_json("pixel_pitch_m", sensor.pixel_pitch);
-  report.add("main lens", lens_text(camera.lens), "main_lens", lens_text(camera.lens));
-  report.add("microlens array", array_text(camera.array), "microlens_array",
-             array_text(camera.array));
-  report.add("focus", focus_text(camera.focus), "focus", focus_text(camera.focus));
+  if (scene.cameras.empty()) {
+    add_camera(scene.camera, report);
+  } else {
+    nlohmann::json cameras = nlohmann::json::array();
+    for (const CameraSpec& camera : scene.cameras) {
+      report.add_text("camera " + camera.name,
+                      "at " + readable_point(camera.position) + "; " + sensor_text(camera.sensor));
+      report.add_text("  main lens", lens_text(camera.lens));
+      report.add_text("  microlens array", array_text(camera.array));
+      report.add_text("  focus", focus_text(camera.focus));
+      cameras.push_back(camera_json(camera));
+    }
+    report.add_json("cameras", cameras);
+  }
   nlohmann::json flames = nlohmann::json::array();
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
     const FlameSpec& flame = scene.flames[i];
@@ -125,6 +211,13 @@ void describe_scene(const std::string& path, Report& report) {
                       {"position_m", {flame.position.x, flame.position.y, flame.position.z}}});
   }
   report.add_json("flames", flames);
+  try {
+    add_time(scene.cameras.empty() ? document : for_camera(document, scene.cameras.front().name),
+             report);
+  } catch (const Error& error) {  // the rest of the scene is worth knowing without its files
+    warnings.emplace_back(error.what());
+    warn(error.what());
+  }
   nlohmann::json surfaces = nlohmann::json::array(), lights = nlohmann::json::array();
   for (std::size_t i = 0; i < scene.surfaces.size(); ++i) {
     const SolidSurfaceSpec& surface = scene.surfaces[i];
@@ -132,7 +225,8 @@ void describe_scene(const std::string& path, Report& report) {
     const std::string shape = get_text(scene, key + ".shape");
     const std::string material = get_text(scene, key + ".material.kind");
     const std::string name = surface.name.empty() ? std::to_string(i + 1) : surface.name;
-    report.add_text("surface " + name, shape + ", " + material + " at " + place(surface.position));
+    report.add_text("surface " + name,
+                    shape + ", " + material + " at " + readable_point(surface.position));
     surfaces.push_back(
         {{"name", surface.name},
          {"shape", shape},
@@ -144,8 +238,9 @@ void describe_scene(const std::string& path, Report& report) {
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const LightSpec& light = scene.lights[i];
     const std::string kind = get_text(scene, "lights[" + std::to_string(i) + "].kind");
-    report.add_text("light " + (light.name.empty() ? std::to_string(i + 1) : light.name),
-                    light.kind == LightKind::point ? kind + " at " + place(light.position) : kind);
+    report.add_text(
+        "light " + (light.name.empty() ? std::to_string(i + 1) : light.name),
+        light.kind == LightKind::point ? kind + " at " + readable_point(light.position) : kind);
     lights.push_back({{"name", light.name}, {"kind", kind}});
   }
   report.add_json("lights", lights);
@@ -153,7 +248,7 @@ void describe_scene(const std::string& path, Report& report) {
   for (const ChannelSpec& channel : scene.channels) {
     const std::string kind =
         get_text(scene, "channels[" + std::to_string(channels.size()) + "].kind");
-    report.add_text("channel " + channel.name, channel_text(channel));
+    report.add_text("channel " + channel.name, describe_channel(channel));
     channels.push_back({{"name", channel.name},
                         {"kind", kind},
                         {"response", channel.response},
@@ -172,8 +267,8 @@ void describe_scene(const std::string& path, Report& report) {
   report.add_json("warnings", warnings);
 }
 
-std::string complete_scene(const std::string& path) {
-  return write_scene(read_scene_file(path).scene);
+std::string complete_scene(const std::string& path, const std::vector<std::string>& set) {
+  return write_scene(read_scene(path, set).scene);
 }
 
 }  // namespace plenoflame::cli

@@ -6,25 +6,18 @@ namespace plenoflame::cli {
 namespace {
 
 std::string point_text(Vec3 p) {
-  std::string text = "(";
-  text += readable(p.x, Dimension::length);
-  text += ", ";
-  text += readable(p.y, Dimension::length);
-  text += ", ";
-  text += readable(p.z, Dimension::length);
-  text += ")";
-  return text;
+  return "(" + readable_point(p) + ")";
 }
 
 std::string grid_text(const GridInfo& grid) {
   std::string text = grid.value_type + (grid.half ? " (16 bits)" : "");
   if (grid.active_voxels == 0) return text + ", no active voxels";
   text += ", " + std::to_string(grid.active_voxels) + " active voxels";
+  const std::string unit = grid.unit.empty() ? " (no unit)" : " " + grid.unit;
   if (grid.readable)
     text += " of " + readable(grid.voxel_size, Dimension::length) + ", " +
-            readable_number(grid.minimum) + " to " + readable_number(grid.maximum) +
-            (grid.unit.empty() ? std::string(" (no unit)") : std::string(" ").append(grid.unit)) +
-            ", background " + readable_number(grid.background);
+            readable_number(grid.minimum) + " to " + readable_number(grid.maximum) + unit +
+            ", background " + readable_number(grid.background) + unit;
   if (!grid.world_bounds.empty()) {
     text += ", from ";
     text += point_text(grid.world_bounds.lower);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "commands/design_report.h"
+#include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -36,7 +36,7 @@ bool is_bare_lens(const std::string& path) {
   if (ends(".zmx") || ends(".ZMX") || ends(".dat") || ends(".txt")) return true;
   if (!ends(".toml")) return false;
   const Scene scene = read_scene_file(path).scene;
-  return scene.camera.sensor.columns == 0 && !scene.camera.array.present;
+  return scene.cameras.empty() && scene.camera.sensor.columns == 0 && !scene.camera.array.present;
 }
 
 LensDesign add_lens_design(const LensTask& task, MainLensSpec& lens,

@@ -1,20 +1,18 @@
 #include "commands/light_field_output.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <system_error>
 
+#include "choice.h"
+#include "commands/scene_input.h"
+#include "messages.h"
 #include "number_range.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field_channel.h"
-#include "plenoflame/image/png_file.h"
-#include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/micro_images.h"
-#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/cameras.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -43,6 +41,11 @@ void add_raw_options(CLI::App& command, RawArguments& arguments) {
       .add_option("--scene", arguments.scene,
                   "Scene file that gives the camera, for a light field without its own")
       ->option_text("SCENE.toml");
+  command
+      .add_option("--camera", arguments.camera,
+                  "With --scene: which of its cameras, where it has several")
+      ->option_text("NAME");
+  add_set_option(command, arguments.set);
   command.add_flag("--force", arguments.force, "Write into a folder that has files in it");
   command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))
@@ -69,8 +72,14 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
       .add_option("--resampling", arguments.resampling,
                   "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
                   "paper9 and paper10, for hexagonal arrays (barycentric)")
-      ->check(CLI::IsMember(names))
+      ->check(one_of(names))
       ->option_text("NAME");
+}
+
+MicroImages RawLightField::micro_images(bool white, const Execution& execution) const {
+  MicroImages images(Camera(camera), white, execution);
+  images.look_through(windows);
+  return images;
 }
 
 RawLightField read_raw(const RawArguments& arguments, Layers layers) {
@@ -93,9 +102,13 @@ RawLightField read_raw(const RawArguments& arguments, Layers layers) {
     throw InputError("'" + path +
                      "' holds no scene, so its camera is not known; give the one it was made with: "
                      "--scene SCENE.toml");
-  raw.camera = (scene.empty() ? parse_scene(raw.field.scene_text, "scene of " + path)
-                              : read_scene_file(scene))
-                   .scene.camera;
+  if (scene.empty() && !arguments.camera.empty())
+    throw UsageError("--camera: without --scene the light field's own camera is taken");
+  const Scene made = scene.empty()
+                         ? read_scene_of(raw.field, path, arguments.set).scene
+                         : read_scene_of_camera(scene, arguments.set, arguments.camera).scene;
+  raw.camera = made.camera;
+  raw.windows = made.windows;
   check_raw_image(raw.field, raw.camera, "'" + path + "'");
   return raw;
 }
@@ -120,76 +133,6 @@ void check_folder(const std::string& folder, bool force) {
   if (!fs::is_directory(parent, error))
     throw FileError("cannot make the folder '" + folder + "': there is no folder '" +
                     parent.string() + "'");
-}
-
-void prepare_folder(const std::string& folder, bool force) {
-  check_folder(folder, force);
-  std::error_code error;
-  std::filesystem::create_directory(folder, error);
-  if (error) throw FileError("cannot make the folder '" + folder + "': " + error.message());
-}
-
-double write_images(const std::string& folder, const std::vector<NamedImage>& images,
-                    const std::string& unit, const std::string& channel, bool exr,
-                    const LightField& raw, const Execution& execution) {
-  Image all;  // one exposure for all pictures
-  for (const NamedImage& named : images)
-    all.pixels.insert(all.pixels.end(), named.image.pixels.begin(), named.image.pixels.end());
-  all.width = static_cast<int>(all.pixels.size());
-  all.height = 1;
-  DevelopSpec settings;
-  settings.bits = 16;
-  settings.saturation = automatic_saturation(all);
-  const std::filesystem::path path(folder);
-  for (const NamedImage& named : images) {
-    LightField field;
-    field.sensor_width = named.image.width;
-    field.sensor_height = named.image.height;
-    field.window = {0, 0, named.image.width, named.image.height};
-    field.channels.push_back({channel, named.image, {}});
-    field.unit = unit;
-    field.estimator = raw.estimator;
-    field.seed = raw.seed;
-    field.samples = raw.samples;
-    field.complete = raw.complete;
-    field.version = raw.version;
-    field.numbers = named.numbers;
-    PngImage picture = develop(field, settings).picture;
-    picture.texts = {{"Software", "Plenoflame " + raw.version}};
-    write_png((path / (named.name + ".png")).string(), picture, execution.stop);
-    if (exr) write_light_field((path / (named.name + ".exr")).string(), field, execution.stop);
-  }
-  return settings.saturation;
-}
-
-void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
-                 double nearest, double farthest, const LightField& raw) {
-  const std::filesystem::path path(folder);
-  LightField field;
-  field.sensor_width = depth.width;
-  field.sensor_height = depth.height;
-  field.window = {0, 0, depth.width, depth.height};
-  field.channels.push_back({"depth", depth, {}});
-  field.layers["confidence"] = confidence;
-  field.unit = std::string("m");
-  field.estimator = raw.estimator;
-  field.seed = raw.seed;
-  field.samples = raw.samples;
-  field.complete = raw.complete;
-  field.version = raw.version;
-  write_light_field((path / "depth.exr").string(), field);
-  PngImage picture;
-  picture.width = depth.width;
-  picture.height = depth.height;
-  for (const float value : depth.pixels) {
-    const double share =
-        (1 / static_cast<double>(value) - 1 / farthest) / (1 / nearest - 1 / farthest);
-    picture.samples.push_back(
-        value > 0 ? static_cast<std::uint16_t>(std::lround(40 + 215 * std::clamp(share, 0.0, 1.0)))
-                  : std::uint16_t{0});
-  }
-  picture.texts = {{"Software", "Plenoflame " + raw.version}};
-  write_png((path / "depth.png").string(), picture);
 }
 
 }  // namespace plenoflame::cli

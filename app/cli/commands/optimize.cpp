@@ -1,18 +1,20 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <memory>
 #include <optional>
 
 #include "camera_optimizer.h"
+#include "choice.h"
 #include "commands/commands.h"
 #include "commands/design_array.h"
-#include "commands/design_report.h"
 #include "commands/scene_input.h"
+#include "design_report.h"
+#include "messages.h"
 #include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_file.h"
 #include "report.h"
 #include "run.h"
@@ -20,8 +22,9 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
-  std::string scene, output;
+struct OptimizeArguments {
+  std::string scene, camera, output;
+  std::vector<std::string> set;
   std::string merit = "resolution";
   std::vector<std::string> vary{"focal"};
   std::string array_range, depths, height;
@@ -33,7 +36,7 @@ struct Settings {
   bool paraxial = false, json = false;
 };
 
-MeritSpec merit_spec(const Settings& settings) {
+MeritSpec merit_spec(const OptimizeArguments& settings) {
   MeritSpec spec;
   const auto pair = [](const char* option, const std::string& text) {
     const auto comma = text.find(',');
@@ -73,7 +76,7 @@ MeritSpec merit_spec(const Settings& settings) {
 }
 
 /// The scene's camera with another number of types: further ones by the rule that joins them.
-CameraSpec with_types(const CameraSpec& camera, int count, const Settings& settings) {
+CameraSpec with_types(const CameraSpec& camera, int count, const OptimizeArguments& settings) {
   CameraSpec result = camera;
   auto& types = result.array.types;
   if (count < static_cast<int>(types.size())) types.resize(static_cast<std::size_t>(count));
@@ -132,7 +135,7 @@ void add_state(const std::string& when, const nlohmann::json& state, Report& rep
                                         (overlap > 0 ? "overlap" : "apart"));
 }
 
-int run_optimize(const Settings& settings) {
+int run_optimize(const OptimizeArguments& settings) {
   if (settings.output.empty()) throw UsageError("--output is missing: the scene to write (.toml)");
   check_not_overwritten("--output", settings.output, settings.scene);
   OptimizerTask task;
@@ -147,9 +150,9 @@ int run_optimize(const Settings& settings) {
       task.merit.kind == MeritKind::resolution || task.merit.kind == MeritKind::volume;
   task.traced = has_rays && !settings.paraxial;
   std::vector<std::string> warnings;
-  Scene scene = read_valid_scene(settings.scene, &warnings).scene;
-  for (const std::string& warning : warnings)
-    std::cerr << "plenoflame: warning: " << warning << '\n';
+  const Scene whole = read_valid_scene(settings.scene, settings.set, &warnings).scene;
+  Scene scene = choose_camera({whole, {}}, settings.camera).scene;
+  for (const std::string& warning : warnings) warn(warning);
   if (!scene.camera.array.present)
     throw InputError(settings.scene + ": the camera has no microlens array to optimise");
   const bool free_types =
@@ -176,7 +179,7 @@ int run_optimize(const Settings& settings) {
   const std::string conjugate = scene.camera.focus.conjugate;
   scene.camera = best->camera;
   const nlohmann::json after = state_json(scene.camera, task.merit, task.traced);
-  write_scene_file(settings.output, scene);
+  write_scene_file(settings.output, replace_camera(whole, scene.camera));
   Report report;
   report.add("merit", settings.merit, "merit", settings.merit);
   add_state("before", before, report);
@@ -192,52 +195,68 @@ int run_optimize(const Settings& settings) {
 }  // namespace
 
 void register_optimize(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<OptimizeArguments>();
   CLI::App& command = add_command(registry, "optimize",
                                   "Find a better camera: microlenses, spacing, aperture, focus",
                                   "plenoflame optimize camera.toml --merit depth "
                                   "--array-range \"0.4 mm,-20 mm\" -o best.toml");
   command.add_option("SCENE", settings->scene, "Scene file (.toml) with the camera to start from")
       ->required();
+  add_set_option(command, settings->set);
+  add_camera_option(command, settings->camera);
   command
       .add_option("--merit", settings->merit,
                   "depth: types cover --array-range without a gap; resolution: least effective "
                   "resolution over --depths; volume: resolved pixels along a flame of --height at "
                   "--depths; light: per pixel")
-      ->check(CLI::IsMember({"depth", "resolution", "volume", "light"}))
+      ->check(one_of({"depth", "resolution", "volume", "light"}))
+      ->option_text("NAME")
       ->capture_default_str();
   command
       .add_option("--vary", settings->vary,
                   "What may change: focal (lengths of the types), pitch, spacing (B), aperture, "
                   "focus, types (their number)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"focal", "pitch", "spacing", "aperture", "focus", "types"}))
+      ->check(one_of({"focal", "pitch", "spacing", "aperture", "focus", "types"}))
+      ->option_text("LIST")
       ->capture_default_str();
   command.add_option("--bound", settings->bound, "Greatest factor by which each may change")
+      ->option_text("FACTOR")
       ->check(number_between(1.0001, 100.0))
       ->capture_default_str();
-  command.add_option("--array-range", settings->array_range,
-                     "Near and far end in front of the array, with unit; far < 0: past infinity");
-  command.add_option("--depths", settings->depths,
-                     "Near and far object distance from the front vertex, with unit: 0.9m,1.1m");
-  command.add_option("--height", settings->height, "Of the flame, with unit");
+  command
+      .add_option("--array-range", settings->array_range,
+                  "Near and far end in front of the array; far < 0: past infinity")
+      ->option_text("LENGTH,LENGTH");
+  command
+      .add_option("--depths", settings->depths,
+                  "Near and far object distance from the front vertex, such as 0.9m,1.1m")
+      ->option_text("LENGTH,LENGTH");
+  command.add_option("--height", settings->height, "Height of the flame")->option_text("LENGTH");
   command.add_option("--types", settings->types, "Number of types; without it, as in the scene")
+      ->option_text("N")
       ->check(CLI::Range(1, 3));
   command
       .add_option("--free", settings->freedom,
                   "What gives real microlenses their focal length: index or radius")
-      ->check(CLI::IsMember({"index", "radius"}))
+      ->check(one_of({"index", "radius"}))
+      ->option_text("index|radius")
       ->capture_default_str();
-  command.add_option("--greatest-index", settings->greatest_index, "Of the microlenses")
+  command
+      .add_option("--greatest-index", settings->greatest_index,
+                  "Greatest refractive index of the microlenses")
+      ->option_text("INDEX")
       ->check(number_between(1.0, 5.0))
       ->capture_default_str();
   command
       .add_option("--overlap", settings->overlap,
                   "Pixels by which neighbouring micro-images may overlap (0; as at the start when "
                   "only focal lengths vary)")
+      ->option_text("PIXELS")
       ->check(number_between(0.0, 1e6));
   command.add_flag("--paraxial", settings->paraxial, "Judge by the formulas only, not by rays");
   command.add_option("--time-limit", settings->time_limit, "Seconds for the part with rays")
+      ->option_text("SECONDS")
       ->check(number_between(0.1, 1e5))
       ->capture_default_str();
   command.add_option("-o,--output", settings->output, "The optimised scene (.toml)")

@@ -2,7 +2,10 @@
 #include <map>
 #include <memory>
 
+#include "choice.h"
 #include "commands/commands.h"
+#include "commands/moment_options.h"
+#include "commands/scene_input.h"
 #include "number_range.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -13,14 +16,15 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct PictureArguments {
   PictureRequest request;
-  std::vector<std::string> pixels, microlenses, points;
+  std::vector<std::string> pixels, microlenses, points, set;
   std::string view = "scene", colour = "type", size;
+  MomentChoice moment;
   bool no_flame = false, no_surfaces = false, no_insets = false, no_axes = false;
 };
 
-int run_picture(const Settings& settings) {
+int run_picture(const PictureArguments& settings) {
   PictureRequest request = settings.request;
   for (const std::string& text : settings.pixels)
     request.pixels.push_back(pair_option("--pixel", text, "X,Y"));
@@ -42,6 +46,10 @@ int run_picture(const Settings& settings) {
   request.insets = !settings.no_insets;
   request.axes = !settings.no_axes;
   check_writable(request.output);
+  check_is_scene(request.scene);
+  if (!settings.set.empty() || settings.moment.given())
+    request.values =
+        at_moment(read_valid_scene(request.scene, settings.set), settings.moment).scene;
   make_picture(request);
   return kSuccess;
 }
@@ -49,13 +57,22 @@ int run_picture(const Settings& settings) {
 }  // namespace
 
 void register_picture(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<PictureArguments>();
   PictureRequest& request = settings->request;
-  CLI::App& command =
-      add_command(registry, "picture", "Draw a scene in 3-D: flame, camera, rays",
-                  "plenoflame picture examples/lenslets-30.toml --pixel 150,150 -o scene.png\n"
-                  "xvfb-run -a plenoflame picture examples/lenslets-30.toml -o scene.png");
+  CLI::App& command = add_command(
+      registry, "picture", "Draw a scene in 3-D: flame, camera, rays (in builds with VTK)",
+      "plenoflame picture examples/lenslets-30.toml --pixel 150,150 -o scene.png\n"
+      "xvfb-run -a plenoflame picture examples/lenslets-30.toml -o scene.png");
   command.add_option("SCENE", request.scene, "Scene file (.toml)")->required();
+  add_set_option(command, settings->set);
+  add_moment_options(command, settings->moment);
+  command
+      .add_option(
+          "--camera", request.cameras,
+          "Of several cameras: the one in the insets and the views of a camera (the first), "
+          "and whose rays are drawn (those of all); may be repeated")
+      ->option_text("NAME")
+      ->allow_extra_args(false);
   command.add_option("-o,--output", request.output, "Picture to write (.png)")
       ->required()
       ->option_text("FILE");
@@ -63,7 +80,7 @@ void register_picture(const Registry& registry) {
       .add_option("--view", settings->view,
                   "scene: all of it, with insets of camera and microlenses; camera; array: a few "
                   "microlenses; flame: with the solid bodies (scene)")
-      ->check(CLI::IsMember({"scene", "camera", "array", "flame"}))
+      ->check(one_of({"scene", "camera", "array", "flame"}))
       ->option_text("VIEW");
   command.add_option("--image", request.image, "Light field (.exr) to show on the sensor")
       ->option_text("RAW");
@@ -95,7 +112,7 @@ void register_picture(const Registry& registry) {
   command
       .add_option("--colour-by", settings->colour,
                   "Colour of rays: type of the microlens, or status: how they ended (type)")
-      ->check(CLI::IsMember({"type", "status"}))
+      ->check(one_of({"type", "status"}))
       ->option_text("WHAT");
   command.add_option("--size", settings->size, "Of the picture in pixels (1200x800)")
       ->option_text("WxH");

@@ -76,7 +76,7 @@ RayCounts count_rays_of_csv(const std::string& path) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
       throw InputError(SourcePosition{path, 1},
-                       "there is no column '" + name + "': this is no file of ray paths (.csv)");
+                       "there is no column '" + name + "': this is not a file of ray paths (.csv)");
     return static_cast<std::size_t>(found - names.begin());
   };
   const std::size_t ray = column_of("ray"), status = column_of("status"),
@@ -155,11 +155,11 @@ RayCounts count_rays_of_json(const std::string& path) {
   try {
     const Json file = Json::parse(text, event);
     if (!file.is_object() || !file.contains("rays") || !file.contains("surfaces"))
-      refuse("it has no \"rays\" and \"surfaces\": this is no file of ray paths (.json)");
+      refuse("it has no \"rays\" and \"surfaces\": this is not a file of ray paths (.json)");
     counts.channels = file.at("channels").get<std::vector<std::string>>();
   } catch (const Json::exception& error) {
     const std::string message = error.what();
-    refuse("this is no file of ray paths (.json): " + message.substr(message.find("] ") + 2));
+    refuse("this is not a file of ray paths (.json): " + message.substr(message.find("] ") + 2));
   }
   counts.flux.resize(counts.channels.size());
   return counts;

@@ -4,15 +4,18 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
+#include <cmath>
 #include <map>
 #include <memory>
 
+#include "choice.h"
 #include "commands/commands.h"
+#include "commands/moment_options.h"
 #include "commands/ray_counts.h"
 #include "commands/scene_input.h"
-#include "interrupt.h"
 #include "medium_loader.h"
+#include "messages.h"
+#include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -22,17 +25,19 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
-  std::string scene, output;
-  std::vector<std::string> pixels, microlenses, points, statuses;
+struct RaysArguments {
+  std::string scene, camera, output;
+  std::vector<std::string> pixels, windows, microlenses, points, statuses;
+  std::vector<std::string> set;
   std::vector<int> types;
-  std::string rays, random, seed, flame_samples, most;
+  std::string pixel_file, rays, random, seed, flame_samples, most;
   int threads = 0;
+  MomentChoice moment;
   bool chief = false;
   bool json = false;
 };
 
-RaySelection selection_of(const Settings& settings, std::uint64_t seed) {
+RaySelection selection_of(const RaysArguments& settings, std::uint64_t seed) {
   const std::map<std::string, RayStatus> known{{"reached", RayStatus::reached},
                                                {"vignetted", RayStatus::vignetted},
                                                {"reflected", RayStatus::total_internal_reflection},
@@ -64,8 +69,8 @@ RayCounts counts_of(const RayPaths& paths) {
   return counts;
 }
 
-int run_rays(const Settings& settings) {
-  RenderSettings render;
+/// Pixels that are named one by one, by windows and by a file, in this order.
+std::vector<Pixel> named_pixels(const RaysArguments& settings) {
   std::vector<Pixel> pixels;
   for (const std::string& text : settings.pixels) {
     const auto [column, row] = pair_option("--pixel", text, "X,Y");
@@ -73,14 +78,40 @@ int run_rays(const Settings& settings) {
       throw UsageError("--pixel: columns and rows start at 0, not '" + text + "'");
     pixels.push_back({column, row});
   }
-  if (!settings.rays.empty()) render.samples = whole_number_option("--rays", settings.rays, 2);
-  const int random =
-      settings.random.empty() ? 0 : whole_number_option("--random", settings.random, 1);
+  for (const std::string& text : settings.windows) {
+    const PixelWindow window = window_option("--window", text);
+    for (int y = 0; y < window.height; ++y)
+      for (int x = 0; x < window.width; ++x) pixels.push_back({window.x + x, window.y + y});
+  }
+  if (settings.pixel_file.empty()) return pixels;
+  for (const NumberRow& row : read_number_rows(settings.pixel_file, 2, "a pixel: column,row")) {
+    const auto whole = [](double v) { return v >= 0 && v < 65536 && v == std::floor(v); };
+    if (!whole(row.values[0]) || !whole(row.values[1]))
+      throw InputError(SourcePosition{settings.pixel_file, row.line},
+                       "columns and rows are whole numbers from 0");
+    pixels.push_back({static_cast<int>(row.values[0]), static_cast<int>(row.values[1])});
+  }
+  return pixels;
+}
+
+/// Each of them once, in the order of their first places.
+std::vector<LensIndex> named_lenses(const RaysArguments& settings) {
   std::vector<LensIndex> lenses;
   for (const std::string& text : settings.microlenses) {
     const auto [q, r] = pair_option("--microlens", text, "Q,R");
-    lenses.push_back({q, r});
+    const LensIndex lens{q, r};
+    if (std::find(lenses.begin(), lenses.end(), lens) == lenses.end()) lenses.push_back(lens);
   }
+  return lenses;
+}
+
+int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
+  RenderSettings render;
+  std::vector<Pixel> pixels = named_pixels(settings);
+  if (!settings.rays.empty()) render.samples = whole_number_option("--rays", settings.rays, 2);
+  const int random =
+      settings.random.empty() ? 0 : whole_number_option("--random", settings.random, 1);
+  const std::vector<LensIndex> lenses = named_lenses(settings);
   std::vector<Vec3> points;
   for (const std::string& text : settings.points) {
     const auto [x, y, z] = point_option("--point", text);
@@ -88,15 +119,18 @@ int run_rays(const Settings& settings) {
   }
   if (pixels.empty() && lenses.empty() && points.empty() && random == 0 && !settings.chief)
     throw UsageError(
-        "say which rays: --pixel X,Y, --microlens Q,R, --point X,Y,Z (may be repeated), --random N "
-        "or --chief");
+        "say which rays: --pixel X,Y, --window X,Y,W,H, --microlens Q,R, --point X,Y,Z (may be "
+        "repeated), --pixels FILE, --random N or --chief");
   if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
-      !settings.output.ends_with(".json"))
-    throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv or .json");
+      !settings.output.ends_with(".json") && !settings.output.ends_with(".npz"))
+    throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv, .json or .npz");
   check_not_overwritten("-o", settings.output, settings.scene);
+  if (!settings.pixel_file.empty())
+    check_not_overwritten("-o", settings.output, settings.pixel_file);
   check_writable(settings.output);
 
-  const SceneDocument document = read_valid_scene(settings.scene);
+  const SceneDocument document =
+      at_moment(read_camera_scene(settings.scene, settings.set, settings.camera), settings.moment);
   const ArraySpec& array = document.scene.camera.array;
   for (const int type : settings.types)
     if (!array.present || type < 0 || type >= static_cast<int>(array.types.size()))
@@ -107,7 +141,7 @@ int run_rays(const Settings& settings) {
                     : whole_number_option<std::uint64_t>("--seed", settings.seed, 0);
   Execution execution;
   execution.message = [](Severity severity, const std::string& text) {
-    if (severity == Severity::warning) std::cerr << "plenoflame: warning: " << text << '\n';
+    if (severity == Severity::warning) warn(text);
   };
   const CompiledScene scene =
       compile(document.scene, medium_loader(), execution, document.positions);
@@ -119,10 +153,10 @@ int run_rays(const Settings& settings) {
     paths.flame_samples = whole_number_option("--flame-samples", settings.flame_samples, 1);
   execution.threads = settings.threads;
   {
-    const InterruptHandler interrupt;
-    execution.stop = interrupt.token();
+    execution.stop = stop;
     add_pixel_rays(scene, render, pixels, execution, paths);
-    for (const LensIndex lens : lenses) add_microlens_rays(scene, render, lens, execution, paths);
+    for (const LensIndex lens : lenses)
+      add_microlens_rays(scene, render, lens, execution, paths, pixels);
   }
   for (const Vec3 point : points) add_object_rays(scene, point, render.samples, paths);
   if (settings.chief) add_chief_rays(scene, paths);
@@ -137,14 +171,19 @@ int run_rays(const Settings& settings) {
 }  // namespace
 
 void register_rays(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<RaysArguments>();
   CLI::App& command = add_command(
       registry, "rays", "Export the paths of the rays that an image is made of",
       "plenoflame rays examples/paper-flame-1m.toml --pixel 1500,1500 --rays 64 -o rays.vtp");
   command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
+  add_set_option(command, settings->set);
+  add_camera_option(command, settings->camera);
+  add_moment_options(command, settings->moment);
   command
       .add_option("-o,--output", settings->output,
-                  "File to write: .vtp (VTK PolyData), .csv (a line for each vertex) or .json")
+                  "File to write: .vtp (VTK PolyData), .csv (a line for each vertex), .json, or "
+                  ".npz (numpy: "
+                  "the ends of each ray alone)")
       ->required()
       ->option_text("FILE");
   command
@@ -152,6 +191,16 @@ void register_rays(const Registry& registry) {
                   "All rays of this pixel: column and row, from the top left; may be repeated")
       ->option_text("X,Y")
       ->allow_extra_args(false);
+  command
+      .add_option("--window", settings->windows,
+                  "All rays of the pixels of this window: left column, top row, columns, rows; may "
+                  "be repeated")
+      ->option_text("X,Y,W,H")
+      ->allow_extra_args(false);
+  command
+      .add_option("--pixels", settings->pixel_file,
+                  "All rays of the pixels in this file: column,row on each line")
+      ->option_text("FILE.csv");
   command
       .add_option(
           "--microlens", settings->microlenses,
@@ -165,7 +214,8 @@ void register_rays(const Registry& registry) {
           "be repeated")
       ->option_text("X,Y,Z")
       ->allow_extra_args(false);
-  command.add_option("--random", settings->random, "All rays of N pixels drawn at random")
+  command
+      .add_option("--random", settings->random, "All rays of N different pixels drawn at random")
       ->option_text("N");
   command.add_flag("--chief", settings->chief, "The chief ray of every microlens");
   command
@@ -183,7 +233,7 @@ void register_rays(const Registry& registry) {
       .add_option(
           "--status", settings->statuses,
           "Keep only rays that ended so: reached, vignetted, reflected, missed; may be repeated")
-      ->check(CLI::IsMember({"reached", "vignetted", "reflected", "missed"}))
+      ->check(one_of({"reached", "vignetted", "reflected", "missed"}))
       ->option_text("STATUS")
       ->allow_extra_args(false);
   command
@@ -200,7 +250,8 @@ void register_rays(const Registry& registry) {
       ->option_text("N");
   command.add_option("--seed", settings->seed, "Seed (default: the scene's)")->option_text("N");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  on_chosen(command, registry, [settings] { return run_rays(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_rays(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

@@ -7,6 +7,7 @@
 
 #include "commands/commands.h"
 #include "commands/light_field_output.h"
+#include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "report.h"
@@ -15,7 +16,7 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct RefocusArguments {
   RawArguments raw;
   std::string depth, depths;
   int size = 0;
@@ -24,7 +25,7 @@ struct Settings {
 };
 
 /// "0.9m:1.1m:11": first, last, number of them.
-std::vector<double> depths_of(const Settings& settings) {
+std::vector<double> depths_of(const RefocusArguments& settings) {
   if (settings.depth.empty() == settings.depths.empty())
     throw UsageError("give either --depth, e.g. \"1 m\", or --depths, e.g. 0.9m:1.1m:11");
   if (!settings.depth.empty())
@@ -44,7 +45,7 @@ std::vector<double> depths_of(const Settings& settings) {
   return depths;
 }
 
-int run_refocus(const Settings& settings) {
+int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   const std::vector<double> depths = depths_of(settings);
   if (settings.all_in_focus && (depths.size() < 3 || depths[1] <= depths[0]))
     throw UsageError(
@@ -61,7 +62,8 @@ int run_refocus(const Settings& settings) {
   how.channel = find_channel(raw.field, settings.raw.channel).name;
   Execution execution;
   execution.threads = settings.raw.threads;
-  const MicroImages micro(camera, true, execution);
+  execution.stop = stop;
+  const MicroImages micro = raw.micro_images(true, execution);
   std::vector<RefocusedImage> planes;
   FocusStack stack;
   if (settings.all_in_focus) {
@@ -95,12 +97,15 @@ int run_refocus(const Settings& settings) {
                        {"refocus.corner_y", result.corner.y}}});
   }
   if (settings.all_in_focus) images.push_back({"all_in_focus", std::move(stack.all_in_focus), {}});
-  prepare_folder(settings.raw.output, settings.raw.force);
-  const double white =
-      write_images(settings.raw.output, images, "W/(m^2 sr)", how.channel, settings.exr, raw.field);
-  if (settings.all_in_focus)
-    write_depth(settings.raw.output, stack.depth, stack.confidence, depths.front(), depths.back(),
-                raw.field);
+  ResultFolder folder(settings.raw.output);
+  double white = 0;
+  folder.write([&](const std::string& path) {
+    white = write_images(path, images, raw.field.unit + "/(m^2 sr)", how.channel, settings.exr,
+                         raw.field, execution);
+    if (settings.all_in_focus)
+      write_depth(path, stack.depth, stack.confidence, depths.front(), depths.back(), raw.field);
+  });
+  folder.commit();
 
   Report report;
   report.add("folder", settings.raw.output, "folder", settings.raw.output);
@@ -119,7 +124,7 @@ int run_refocus(const Settings& settings) {
 }  // namespace
 
 void register_refocus(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<RefocusArguments>();
   CLI::App& command =
       add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
@@ -148,7 +153,8 @@ void register_refocus(const Registry& registry) {
                    "depth");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
   add_raw_options(command, settings->raw);
-  on_chosen(command, registry, [settings] { return run_refocus(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_refocus(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

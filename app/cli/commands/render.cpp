@@ -9,21 +9,29 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "commands/commands.h"
 #include "commands/render_options.h"
+#include "commands/render_pictures.h"
+#include "commands/run_record.h"
 #include "commands/scene_input.h"
-#include "interrupt.h"
 #include "medium_loader.h"
+#include "messages.h"
+#include "options.h"
 #include "peak_memory.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/progress_share.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/uniform_medium.h"
-#include "plenoflame/optics/first_order.h"
 #include "plenoflame/render/describe.h"
+#include "plenoflame/render/exposure.h"
 #include "plenoflame/render/ground_truth.h"
+#include "plenoflame/render/render_request.h"
 #include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
@@ -34,24 +42,9 @@ namespace plenoflame::cli {
 namespace {
 
 RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
-  RenderSettings settings;
-  settings.estimator = options.estimator.value_or(scene.render.estimator);
-  settings.target_error = options.target_error.value_or(0);
-  settings.time_limit = options.time_limit.value_or(0);
-  // With a target or a time limit the scene's number of samples is no limit.
-  const bool open_ended = options.target_error || options.time_limit;
-  settings.samples = options.samples.value_or(open_ended ? kMostSamples : scene.render.samples);
-  if (settings.estimator == Estimator::forward) {
-    // A scene that is made for the other estimator says nothing about how many bundles are needed.
-    const bool scene_says = scene.render.estimator == Estimator::forward &&
-                            scene.render.samples != RenderSpec{}.samples;
-    if (!options.samples && !scene_says) settings.samples = kForwardSamples;
-    if (!options.samples && open_ended) settings.samples = kMostBundles;
-    settings.replicates = std::min(kForwardReplicates, settings.samples);
-  }
-  // One sample alone tells nothing of its error.
-  settings.replicates = std::clamp(settings.samples, 1, settings.replicates);
-  settings.seed = options.seed.value_or(scene.render.seed);
+  RenderSettings settings = render_settings(
+      scene,
+      {options.estimator, options.samples, options.target_error, options.time_limit, options.seed});
   if (options.window) settings.window = *options.window;
   settings.skip = options.skip;
   settings.control_variate = options.control_variate;
@@ -67,7 +60,7 @@ void add_skipped(const RenderStatistics& s, Report& report) {
   add(s.lenses_skipped, s.lenses, "microlenses: their beams miss the flame", "lenses_skipped");
   add(s.pixels_skipped, s.pixels_skipped + s.pairs, "pixels: their beams miss the flame",
       "pixels_skipped");
-  add(s.pairs_skipped, s.pairs_skipped + s.pairs + s.pairs_left_to_chance,
+  add(s.pairs_skipped, s.pairs_skipped + s.pairs,
       "pixels of the other microlenses: their beams miss the flame", "pairs_skipped");
   add(s.tiles_skipped, s.tiles, "tiles: no beam meets the flame", "tiles_skipped");
   add(s.medium.skipped_empty, s.medium.skipped_empty + s.medium.cells, "steps: empty bricks",
@@ -107,10 +100,10 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add("time", number(s.seconds) + " s, " + number(compile_seconds) + " s before to compile",
              "seconds", s.seconds);
   report.add_json("seconds_compile", compile_seconds);
-  report.add_json("thread_seconds", {{"generate", s.seconds_generate},
-                                     {"optics", s.seconds_optics},
-                                     {"medium", s.seconds_medium},
-                                     {"surfaces", s.seconds_surfaces}});
+  report.add_json("thread_seconds", {{"generate", s.stages.generate},
+                                     {"optics", s.stages.optics},
+                                     {"medium", s.stages.medium},
+                                     {"surfaces", s.stages.surfaces}});
   report.add("memory", number(1e-6 * peak_memory()) + " MB at most", "peak_memory", peak_memory());
   report.add("threads", std::to_string(s.threads), "threads", s.threads);
   report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
@@ -129,20 +122,21 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   report.add_json("lenses", s.lenses);
   report.add_json("pixels", s.pixels);
   report.add_json("pairs", s.pairs);
-  report.add_json("pairs_left_to_chance", s.pairs_left_to_chance);
   report.add_json("tiles", s.tiles);
-  if (s.table_nodes > 0) {
-    const double all = s.table_looked_up + s.table_corrected + s.table_rough;
+  if (s.table.nodes > 0) {
+    const double all = s.table.looked_up + s.table.corrected + s.table.rough;
     report.add("radiance table",
-               share(s.table_looked_up, all) + " of the rays looked up, " +
-                   share(s.table_corrected, all) + " corrected it, " + share(s.table_rough, all) +
-                   " where it is not smooth; " + number(s.table_nodes) + " filled it",
-               "table_looked_up", s.table_looked_up);
-    report.add_json("table_corrected", s.table_corrected);
-    report.add_json("table_rough", s.table_rough);
-    report.add_json("table_nodes", s.table_nodes);
-    report.add_json("table_clamped", s.table_clamped);
-    report.add_json("table_bias_bound", s.table_sum > 0 ? s.table_clamped_sum / s.table_sum : 0.0);
+               share(s.table.looked_up, all) + " of the rays took their radiance from it, " +
+                   share(s.table.corrected, all) + " were traced to correct it, " +
+                   share(s.table.rough, all) + " were traced where radiance varies too fast for " +
+                   "a table; it was filled with " + number(s.table.nodes) + " rays",
+               "table_looked_up", s.table.looked_up);
+    report.add_json("table_corrected", s.table.corrected);
+    report.add_json("table_rough", s.table.rough);
+    report.add_json("table_nodes", s.table.nodes);
+    report.add_json("table_clamped", s.table.clamped);
+    report.add_json("table_bias_bound",
+                    s.table.total > 0 ? s.table.clamped_sum / s.table.total : 0.0);
   }
   report.add_json("medium_counters", {{"rays", s.medium.rays},
                                       {"cells", s.medium.cells},
@@ -152,157 +146,331 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   return report;
 }
 
-/// What a kept state belongs to: anything that changes the image's bits.
-std::string state_key(const Scene& scene, const RenderSettings& s, bool white) {
-  nlohmann::ordered_json key;
-  key["version"] = version();
-  key["scene"] = write_scene(scene);
-  key["estimator"] = s.estimator == Estimator::forward ? "forward" : "backward";
-  key["white"] = white;
-  key["seed"] = s.seed;
-  key["samples"] = s.samples;
-  key["control_variate"] = s.control_variate;
-  key["replicates"] = s.replicates;
-  key["target_error"] = s.target_error;
-  // Then parts of the picture are finished, and get no more samples.
-  key["fixed_samples"] = has_fixed_samples(s);
-  key["isa"] = name(s.isa);
-  // Files that changed under the same name make another picture.
-  for (const InputFile& file : input_files(scene))
-    key["files"].push_back({file.name, file.size, file.modified});
-  key["window"] = {s.window.x, s.window.y, s.window.width, s.window.height};
-  return key.dump();
+/// The record that is kept with the state of this run.
+RunRecord record_of(const RenderOptions& options, const Scene& scene,
+                    const RenderSettings& settings) {
+  RunRecord record;
+  record.version = version();
+  record.scene_text = write_scene(scene);
+  record.scene_file = std::filesystem::absolute(scene.file).string();
+  record.files = input_files(scene);
+  record.settings = settings;
+  record.white = options.white;
+  record.truth = options.truth;
+  record.stats = options.stats.empty() ? "" : std::filesystem::absolute(options.stats).string();
+  record.compression = options.compression;
+  return record;
+}
+
+/// Keeps the state of a run every now and then.
+class StateKeeper {
+ public:
+  StateKeeper(std::string path, RunRecord record, const Execution& execution)
+      : path_(std::move(path)), record_(std::move(record)), execution_(execution) {}
+  /// @throws FileError
+  void write(const Film& film) {
+    RunRecord now = record_;
+    now.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    write_checkpoint(path_, film, to_text(now));
+  }
+  /// That there is no room for it is no reason to lose what has been rendered.
+  void offer(const Film& film) {
+    try {
+      write(film);
+    } catch (const FileError& error) {
+      if (!warned_)
+        execution_.warn(std::string("the state of the run cannot be kept: ") + error.what());
+      warned_ = true;
+    }
+  }
+
+ private:
+  std::string path_;
+  RunRecord record_;
+  const Execution& execution_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  bool warned_ = false;
+};
+
+/// Adds time and energy to the report of a flame that changes, or of an exposure.
+void add_exposure(const LightField& field, Report& report) {
+  const auto number = [&](const char* key) {
+    const auto found = field.numbers.find(key);
+    return found == field.numbers.end() ? std::nullopt : std::optional(found->second);
+  };
+  if (const auto frame = number("frame.number"))
+    report.add("frame", fmt::format("{}", *frame), "frame", *frame);
+  if (const auto begin = number("exposure.begin"))
+    report.add("begin", readable(*begin, Dimension::time), "exposure_begin", *begin);
+  if (const auto time = number("exposure.time"))
+    report.add("exposure", readable(*time, Dimension::time), "exposure_time", *time);
+  if (const auto moments = number("exposure.moments"))
+    report.add("moments", fmt::format("mean of {}", *moments), "moments", *moments);
+  if (const auto energy = number("exposure.energy"))
+    report.add("energy", fmt::format("{:.4g} J over the image", *energy), "energy", *energy);
+}
+
+/// The figures of one of many frames.
+std::string frame_line(const std::string& file, const RenderStatistics& s, double compile_seconds) {
+  return fmt::format("{}: {:.4g} W{}, {:.3g} s, {:.3g} s before to compile", file, s.flux,
+                     s.relative_error >= 0 ? fmt::format(", error {:.3g} %", 100 * s.relative_error)
+                                           : std::string(),
+                     s.seconds, compile_seconds);
 }
 
 /// The same radiance from everywhere, for a white image.
 void fill_with_light(CompiledScene& compiled) {
-  compiled.medium = make_uniform_medium(1, compiled.node_count());
-  compiled.scatterers.clear();
-  for (CompiledScene& part : compiled.parts) {
-    // Of a channel that several wavelengths stand for each sees its share.
+  const auto fill = [](CompiledScene& path, double radiance) {
+    path.medium = make_uniform_medium(radiance, path.node_count());
+    path.scatterers.clear();
+  };
+  fill(compiled, 1);
+  for (CompiledScene& path : compiled.paths()) {
+    // Each of several wavelengths that stand for a channel sees a share of its light.
     double sharing = 0;
-    for (const CompiledScene& other : compiled.parts)
-      sharing += other.film_channel == part.film_channel ? 1 : 0;
-    part.medium = make_uniform_medium(1 / sharing, 1);
-    part.scatterers.clear();
+    for (const CompiledScene& other : compiled.paths())
+      sharing += other.film_channel == path.film_channel ? 1 : 0;
+    fill(path, 1 / sharing);
   }
 }
 
-/// Renders one light field. `document`: the scene of the options, perhaps with another aperture.
-int render_one(const RenderOptions& options, const SceneDocument& document) {
+constexpr double kNoTruth = -1;
+
+/// Adds layers of ground truth. A run that is stopped goes without them: they take long, and what
+/// was rendered is to be saved.
+/// @return seconds, or kNoTruth when it was stopped
+double add_truth(const CompiledScene& compiled, LightField& light_field,
+                 const Execution& execution) {
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    add_ground_truth(compiled, light_field, execution);
+  } catch (const Cancelled&) {
+    return kNoTruth;
+  }
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What share of a run with ground truth is rendering: a ray of the truth, one for each pixel,
+/// takes about as long as so many of the picture's.
+double rendering_share(bool with_truth, const RenderSettings& settings) {
+  constexpr double kTruthRays = 30;
+  if (!with_truth) return 1;
+  if (settings.target_error > 0 || settings.time_limit > 0) return 0.9;
+  return settings.samples / (settings.samples + kTruthRays);
+}
+
+std::string how_to_go_on(const RenderOptions& options, const CameraSpec& camera) {
+  if (options.frames) return fmt::format("the same frames and --resume {}", options.all_frames);
+  return "--resume " + options.output + (camera.name.empty() ? "" : " --camera " + camera.name);
+}
+
+/// Values that go from one picture of a run to the next.
+struct RenderRun {
+  std::optional<CompiledScene> last;  ///< what the next has in common with it is not made again
+  std::set<std::string> said;         ///< warnings of compiling
+  SeriesCheck check_lattice = series_check();
+  double begin = 0, end = 1;  ///< share of all the pictures' work that this one is
+};
+
+/// Messages about a run that did not come to its end.
+/// @return the exit status
+int conclude(const RenderOptions& options, const CameraSpec& camera,
+             const RenderStatistics& statistics, const Execution& execution, bool rendering_stopped,
+             bool truth_missing) {
+  const bool stopped = execution.stop.stop_requested();
+  const char* const missing = truth_missing ? ", without its layers of ground truth" : "";
+  if (stopped && statistics.complete)
+    say(fmt::format("stopped; {} holds the whole picture{}{}", options.output, missing,
+                    options.frames ? "; go on with " + how_to_go_on(options, camera) : ""));
+  else if (rendering_stopped)
+    say(fmt::format("stopped; {} holds what was rendered, marked partial{}; go on with {}",
+                    options.output, missing, how_to_go_on(options, camera)));
+  if (!stopped && !statistics.complete)
+    execution.warn("the time limit ended before every part of the picture had a ray; " +
+                   options.output + " is marked partial; go on with " +
+                   how_to_go_on(options, camera));
+  if (!stopped && !statistics.target_reached)
+    say("error: the target error was not reached within the limit of samples or time: " +
+        (statistics.flux > 0
+             ? fmt::format("the error is below {:.3g} %", 100 * statistics.relative_error_bound)
+             : std::string("the picture is black")));
+  return stopped || !statistics.target_reached ? 1 : 0;
+}
+
+/// Files of a series that have another lattice than the first are refused, with their place.
+void check_series(const Picture& picture, const Scene& now, const SeriesCheck& check) {
+  if (!picture.time) return;
+  const std::string folder = std::filesystem::path(now.file).parent_path().string();
+  for (const SceneTimeline::FlameTime& flame : picture.time->timeline->flames()) {
+    if (flame.files.empty()) continue;
+    FlameSpec first = now.flames[flame.flame];
+    first.file = flame.first_file;
+    try {
+      check(flame.flame, first, folder);
+      check(flame.flame, now.flames[flame.flame], folder);
+    } catch (const InputError& error) {
+      throw InputError(picture.document.positions.find(fmt::format("flames[{}].file", flame.flame)),
+                       error.what());
+    }
+  }
+}
+
+/// Renders one light field.
+/// @param earlier to go on with; nullptr: none
+int render_one(const Picture& picture, RenderRun& run, const std::stop_token& stop,
+               const Continuation* earlier = nullptr) {
+  const RenderOptions& options = picture.options;
+  const SceneDocument& document = picture.document;
   ProgressBar bar(options.quiet);
   Execution execution;
   execution.threads = options.threads;
+  execution.stop = stop;
   bar.connect(execution);
-  check_window(options, document.scene.camera.sensor);
-  check_files(options);
-  const auto start = std::chrono::steady_clock::now();
+  execution = share_of(execution, run.begin, run.end);
   Execution compiling = execution;
-  // That a white image has no flame is not worth a warning.
-  if (options.white)
-    compiling.message = [&](Severity severity, const std::string& text) {
-      if (text.find("has no flame") == std::string::npos) execution.message(severity, text);
-    };
-  CompiledScene compiled = compile(document.scene, medium_loader(), compiling, document.positions);
-  if (options.white) fill_with_light(compiled);
-  const double compile_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  RenderSettings settings = settings_of(options, document.scene);
-  const std::string key = state_key(document.scene, settings, options.white);
-  Film earlier;
-  if (!options.resume.empty()) {
-    earlier = read_checkpoint(state_path(options.resume), key);
-    settings.resume = &earlier;
+  compiling.message = [&](Severity severity, const std::string& text) {
+    if (run.said.insert(text).second) execution.message(severity, text);
+  };
+  std::vector<IssueCode> unsaid;
+  if (options.white) unsaid.push_back(IssueCode::no_flame);  // its light comes from everywhere
+  double compile_seconds = 0;
+  const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
+    const auto start = std::chrono::steady_clock::now();
+    check_series(picture, scene, run.check_lattice);
+    run.last = compile(scene, medium_loader(), compiling, document.positions,
+                       run.last ? &*run.last : nullptr, unsaid);
+    if (options.white) fill_with_light(*run.last);
+    compile_seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return *run.last;
+  };
+  const std::vector<SceneMoment> moments = picture.moments();
+  RenderSettings settings =
+      earlier ? continued_settings(options, *earlier) : settings_of(options, document.scene);
+  if (options.checkpoint) settings.checkpoint_seconds = *options.checkpoint;
+  RunRecord record = record_of(options, moments.front().scene, settings);
+  add_exposure(picture, settings, record);
+  if (earlier) {
+    record.seconds = earlier->record.seconds;
+    record.numbers.insert(earlier->record.numbers.begin(), earlier->record.numbers.end());
+    for (const auto& [key, text] : earlier->record.texts) record.texts[key] = text;
+    settings.resume = &earlier->film;
+    // All of the limit, as far as it is the run's and not only its rest's.
+    if (settings.time_limit > 0) record.settings.time_limit += record.seconds;
   }
   const std::string state = state_path(options.output);
-  settings.checkpoint = [&](const Film& film) { write_checkpoint(state, film, key); };
-  RenderResult result;
-  bool interrupted = false;
-  {
-    const InterruptHandler interrupt;
-    execution.stop = interrupt.token();
-    result = render(compiled, settings, execution);
-    interrupted = interrupt.interrupted();
+  StateKeeper keeper(state, record, execution);
+  settings.checkpoint = [&](const Film& film) { keeper.offer(film); };
+  const double share = rendering_share(options.truth, settings);
+  RenderResult result = render_exposure(moments, compiled, settings, share_of(execution, 0, share));
+  const bool rendering_stopped = stop.stop_requested();
+  if (rendering_stopped &&
+      (result.light_field.channels.empty() || (!(result.statistics.rays > 0) && !earlier))) {
+    bar.finish();
+    say(fmt::format("stopped before {} was rendered; {}",
+                    moments.size() > 1 ? "every moment of " + options.output : "anything",
+                    options.frames ? "go on with " + how_to_go_on(options, document.scene.camera)
+                                   : "nothing was written"));
+    return 1;
   }
-  describe(compiled, result.light_field);
+  describe(*run.last, result.light_field);
+  put_exposure(record, result.statistics.flux, result.light_field);
   if (options.white) result.light_field.texts["white"] = "1 W/(m^2 sr)";
-  if (options.truth) {
-    Execution rest = execution;
-    rest.stop = {};  // a run that was stopped is kept, too
-    add_ground_truth(compiled, result.light_field, rest);
-  }
+  if (earlier && earlier->picture && !options.truth)  // of the same scene
+    result.light_field.layers = earlier->picture->layers;
+  const auto save = [&] {
+    write_light_field(options.output, result.light_field, {}, exr_compression(options.compression));
+    if (result.statistics.complete) std::filesystem::remove(state);
+  };
+  if (!result.statistics.complete && moments.size() == 1) keeper.offer(result.film);
+  // What took long to render is not to be lost with what is added to it.
+  if (options.truth && result.statistics.complete &&
+      result.statistics.seconds > settings.checkpoint_seconds)
+    save();
+  const double truth_seconds =
+      options.truth ? add_truth(*run.last, result.light_field, share_of(execution, share, 1))
+                    : kNoTruth;
   bar.finish();
-  write_light_field(options.output, result.light_field);
-  if (!result.statistics.complete) write_checkpoint(state, result.film, key);
-  if (result.statistics.complete) std::filesystem::remove(state);
-  const Report report = report_of(result.statistics, compile_seconds);
+  save();
+  Report report = report_of(result.statistics, compile_seconds);
+  add_exposure(result.light_field, report);
+  if (truth_seconds >= 0)
+    report.add("ground truth", fmt::format("{:.4g} s, one ray a pixel", truth_seconds),
+               "seconds_truth", truth_seconds);
   if (!options.stats.empty()) write_file(options.stats, report.json_text());
-  if (options.json || !options.quiet) report.print(options.json);
-  if (interrupted)
-    std::cerr << "plenoflame: stopped; " << options.output
-              << " holds what was rendered, marked partial; go on with --resume " << options.output
-              << '\n';
-  if (!interrupted && !result.statistics.complete)
-    execution.warn("the time limit ended before every part of the picture had a ray; " +
-                   options.output + " is marked partial; go on with --resume " + options.output);
-  if (!interrupted && !result.statistics.target_reached)
-    std::cerr << fmt::format(
-        "plenoflame: error: the target error was not reached within the limit of samples or time: "
-        "{}\n",
-        result.statistics.flux > 0 ? fmt::format("the error is below {:.3g} %",
-                                                 100 * result.statistics.relative_error_bound)
-                                   : "the picture is black");
-  return interrupted || !result.statistics.target_reached ? 1 : 0;
+  if (options.frames && !options.json && !options.quiet)
+    std::cout << frame_line(options.output, result.statistics, compile_seconds) << std::endl;
+  else if (options.json || !options.quiet)
+    report.print(options.json);
+  if (options.white) run.last.reset();  // its light is not the scene's
+  return conclude(options, document.scene.camera, result.statistics, execution, rendering_stopped,
+                  options.truth && truth_seconds < 0);
 }
 
-/// Narrows the stop to focal length over entrance pupil = `f_number`.
-void stop_down(MainLensSpec& lens, double f_number) {
-  const FirstOrder open = first_order(lens);
-  const double factor = open.focal_length / f_number / open.entrance_pupil_diameter;
-  if (!(factor <= 1 + 1e-9)) {
-    char text[120];
-    std::snprintf(text, sizeof text, "--f-numbers: f/%g is wider than the lens, which is f/%.4g",
-                  f_number, open.focal_length / open.entrance_pupil_diameter);
-    throw UsageError(text);
+/// Goes on with a run, as its record and the options say.
+int go_on(Picture picture, const Continuation& earlier, RenderRun& run,
+          const std::stop_token& stop) {
+  RenderOptions& options = picture.options;
+  options.white = earlier.record.white;
+  options.truth = options.truth || earlier.record.truth;
+  if (options.stats.empty()) options.stats = earlier.record.stats;
+  if (options.compression.empty()) options.compression = earlier.record.compression;
+  return render_one(picture, run, stop, &earlier);
+}
+
+int resume(const RenderOptions& options, const std::stop_token& stop) {
+  check_files(options);
+  const Continuation earlier = read_continuation(options);
+  RenderRun run;
+  return go_on({options, earlier.document}, earlier, run, stop);
+}
+
+/// A frame of several: one that was begun is gone on with, one that is done is left as it is.
+int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& stop) {
+  RenderOptions options = picture.options;
+  if (options.resume.empty()) return render_one(picture, run, stop);
+  options.resume = options.output;
+  if (std::filesystem::exists(state_path(options.output))) {
+    SceneDocument now = picture.document;
+    now.scene = picture.moments().front().scene;
+    Picture same = picture;
+    same.options = options;
+    return go_on(same, read_continuation(options, &now), run, stop);
   }
-  lens.diameter *= factor;
-  for (SurfaceSpec& surface : lens.surfaces)
-    if (surface.stop) surface.diameter *= factor;
+  if (!frame_is_done(picture, settings_of(options, picture.document.scene)))
+    return render_one(picture, run, stop);
+  if (!options.quiet && !options.json) std::cout << options.output << ": done before" << std::endl;
+  return kSuccess;
 }
 
-/// "white.exr" -> "white-f5.6.exr".
-std::string with_f_number(const std::string& path, double f_number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "-f%g", f_number);
-  const std::filesystem::path whole(path);
-  return (whole.parent_path() / (whole.stem().string() + text + whole.extension().string()))
-      .string();
-}
-
-int run_render(const RenderArguments& arguments) {
-  const RenderOptions options = checked_options(arguments);
-  SceneDocument document = read_valid_scene(options.scene);
-  if (!options.white) return render_one(options, document);
-  document.scene.flames.clear();
-  if (options.f_numbers.empty()) return render_one(options, document);
-  // All are tried before the first picture is begun.
-  for (std::size_t i = 0; i < options.f_numbers.size(); ++i) {
-    MainLensSpec lens = document.scene.camera.lens;
-    stop_down(lens, options.f_numbers[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (with_f_number("", options.f_numbers[k]) == with_f_number("", options.f_numbers[i]))
-        throw UsageError(
-            fmt::format("--f-numbers: f/{:g} is asked for twice", options.f_numbers[i]));
+int run_render(const RenderArguments& arguments, const std::stop_token& stop) {
+  if (!arguments.options.scene.empty()) check_is_scene(arguments.options.scene);
+  const RenderOptions asked = checked_options(arguments);
+  if (!asked.resume.empty() && !asked.frames) return resume(asked, stop);
+  const std::vector<Picture> pictures = pictures_of(asked);
+  // What is wrong with one of them is said before the first is begun.
+  for (const Picture& picture : pictures) {
+    check_window(picture.options, picture.document.scene.camera.sensor);
+    check_files(picture.options);
+    if (asked.truth && picture.time && picture.moments().size() > 1)
+      throw UsageError(
+          "--truth: the exposure covers several moments of the flames, and ground truth is of one; "
+          "take one with --set camera.sensor.exposure_time=0s");
   }
+  if (pictures.front().time && !asked.frames && !asked.time && !asked.quiet)
+    say("the scene changes with time, and this is its first frame; --frames and --time choose");
   int status = 0;
-  for (const double number : options.f_numbers) {
-    SceneDocument stopped = document;
-    stop_down(stopped.scene.camera.lens, number);
-    RenderOptions one = options;
-    one.output = with_f_number(options.output, number);
-    if (!options.stats.empty()) one.stats = with_f_number(options.stats, number);
-    if (one.json || !one.quiet) std::cout << (one.json ? "" : one.output + "\n");
-    status = std::max(status, render_one(one, stopped));
+  RenderRun run;
+  const auto count = static_cast<double>(pictures.size());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Picture& picture = pictures[i];
+    const RenderOptions& options = picture.options;
+    run.begin = static_cast<double>(i) / count;
+    run.end = static_cast<double>(i + 1) / count;
+    if (pictures.size() > 1 && !asked.frames && !options.json && !options.quiet)
+      std::cout << options.output << '\n';
+    status = std::max(status, render_frame(picture, run, stop));
+    if (stop.stop_requested()) break;
   }
   return status;
 }
@@ -315,7 +483,8 @@ void register_render(const Registry& registry) {
       add_command(registry, "render", "Render the light field of a scene",
                   "plenoflame render examples/paper-flame-1m.toml -o flame.exr --samples 16");
   add_render_options(command, *arguments);
-  on_chosen(command, registry, [arguments] { return run_render(*arguments); });
+  on_chosen(command, registry,
+            [arguments](const std::stop_token& stop) { return run_render(*arguments, stop); });
 }
 
 }  // namespace plenoflame::cli

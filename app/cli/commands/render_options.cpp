@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <sstream>
 
+#include "choice.h"
+#include "commands/scene_input.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -21,16 +23,31 @@ bool has_extension(const std::string& path, const char* extension) {
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
   RenderOptions& options = arguments.options;
-  command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
+  command.add_option("SCENE", options.scene, "Scene file (.toml); --resume FILE knows its own");
+  add_set_option(command, options.set);
   command
       .add_option(
           "-o,--output", options.output,
           "Light field to write (.exr); without it, that of --resume, or SCENE's name in the "
-          "current folder")
+          "current folder. Of several cameras each gets its own: OUT-NAME.exr")
       ->check([](const std::string& file) {
         return file.empty() ? std::string("the name of the file is empty") : std::string();
       })
       ->option_text("FILE");
+  add_cameras_option(command, options.cameras);
+  auto* const frames =
+      command
+          .add_option(
+              "--frames", arguments.frames,
+              "Frames of flames that change with time, A to B, each into a file of its own, "
+              "OUT.0007.exr; with --resume OUT.exr those that are there are left out")
+          ->option_text("A:B[:STEP]");
+  command
+      .add_option("--time", arguments.time,
+                  "A picture whose exposure begins so long after the first frame, with unit, e.g. "
+                  "2.5ms; without this and --frames the first frame")
+      ->excludes(frames)
+      ->option_text("TIME");
   command
       .add_option("--samples", arguments.samples,
                   "Rays per pixel and microlens (forward: energy bundles in total, 1e6 unless "
@@ -49,7 +66,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--estimator", arguments.estimator,
                   "backward: from the sensor (quasi-Monte Carlo); forward: energy bundles from the "
                   "flame, slow")
-      ->check(CLI::IsMember({"backward", "forward"}))
+      ->check(one_of({"backward", "forward"}))
       ->option_text("NAME");
   command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 4096))
@@ -64,14 +81,26 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                   "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
       ->option_text("X,Y,W,H");
   command
+      .add_option("--checkpoint", arguments.checkpoint,
+                  "Keep the state of the run at least so often, beside the light field in "
+                  "OUT.exr.state: what ends the process loses no more, e.g. 5min (60s)")
+      ->option_text("TIME");
+  command
       .add_option("--resume", options.resume,
                   "Go on with the run that was to write this light field (.exr) and was "
-                  "stopped; its state is beside it in FILE.state")
+                  "stopped: scene and options are in its state, FILE.state. More for a light field "
+                  "that is complete: with --samples, --target-error, --time-limit or --truth")
       ->option_text("FILE");
   command
       .add_option("--stats", options.stats,
                   "Write times, rays, error and what was skipped to this file (.json)")
       ->option_text("FILE");
+  command
+      .add_option("--compression", options.compression,
+                  "How the light field is packed, without loss: rle (quick), zip (some percent "
+                  "smaller), piz or none (rle)")
+      ->check(one_of({"none", "rle", "zip", "piz"}))
+      ->option_text("NAME");
   command.add_flag("--truth", options.truth,
                    "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
                    "distance and temperature of what is seen, first and last place with "
@@ -85,9 +114,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       "some of them (for comparison)");
   command.add_flag("--white", options.white,
                    "A white image: 1 W/(m^2 sr) from everywhere in place of the flames");
-  command.add_option("--f-numbers", arguments.f_numbers,
-                     "With --white: apertures such as 4,5.6,8, each written to a file of its own "
-                     "(OUT-f4.exr); the stop is narrowed");
+  command
+      .add_option("--f-numbers", arguments.f_numbers,
+                  "With --white: apertures such as 4,5.6,8, each written to a file of its own "
+                  "(OUT-f4.exr); the stop is narrowed")
+      ->option_text("LIST");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");
 }
@@ -110,9 +141,16 @@ std::vector<double> f_number_list(const std::string& text) {
 
 RenderOptions checked_options(const RenderArguments& arguments) {
   RenderOptions options = arguments.options;
+  if (options.scene.empty() && options.resume.empty())
+    throw UsageError(
+        "SCENE is required; only --resume FILE knows its scene (see plenoflame render "
+        "--help)");
+  if (options.scene.empty() && !options.set.empty())
+    throw UsageError("--set needs SCENE: a run that goes on keeps the scene that it began with");
   // A run that goes on ends where it began.
   if (options.output.empty()) options.output = options.resume;
-  if (options.output.empty())
+  options.output_given = !options.output.empty();
+  if (!options.output_given)
     options.output = std::filesystem::path(options.scene).stem().string() + ".exr";
   if (!has_extension(options.output, ".exr"))
     throw UsageError("--output: '" + options.output +
@@ -141,6 +179,13 @@ RenderOptions checked_options(const RenderArguments& arguments) {
                        "'");
     options.time_limit = limit;
   }
+  if (!arguments.checkpoint.empty()) {
+    const double interval = quantity_option("--checkpoint", arguments.checkpoint, Dimension::time);
+    if (!(interval > 0))
+      throw UsageError("--checkpoint: a time above 0 s, e.g. 5min, not '" + arguments.checkpoint +
+                       "'");
+    options.checkpoint = interval;
+  }
   if (!arguments.estimator.empty())
     options.estimator = arguments.estimator == "forward" ? Estimator::forward : Estimator::backward;
   if (!arguments.window.empty()) options.window = window_option("--window", arguments.window);
@@ -150,11 +195,28 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     if (!options.resume.empty())
       throw UsageError("--f-numbers: a stopped run is resumed one file at a time");
   }
+  if (!arguments.frames.empty()) options.frames = frame_range_option("--frames", arguments.frames);
+  if (!arguments.time.empty()) options.time = time_option("--time", arguments.time);
+  if (options.frames || options.time) {
+    const char* const name = options.frames ? "--frames" : "--time";
+    if (options.white)
+      throw UsageError(std::string(name) +
+                       ": a white image (--white) has no flames that could change");
+    if (options.scene.empty()) throw UsageError(std::string(name) + " needs SCENE");
+    if (options.frames && !options.resume.empty() && options.output != options.resume)
+      throw UsageError("--frames: --resume names the same file as --output, without number");
+  }
   if (options.white && options.estimator == Estimator::forward)
     throw UsageError(
         "--white: light from everywhere has no place to start bundles from; use the "
         "backward estimator");
   return options;
+}
+
+ExrCompression exr_compression(const std::string& name) {
+  if (name == "none") return ExrCompression::none;
+  if (name == "zip") return ExrCompression::zip;
+  return name == "piz" ? ExrCompression::piz : ExrCompression::rle;
 }
 
 std::string state_path(const std::string& light_field) {
@@ -164,10 +226,6 @@ std::string state_path(const std::string& light_field) {
 void check_files(const RenderOptions& options) {
   check_writable(options.output);
   if (!options.stats.empty()) check_writable(options.stats);
-  if (!options.resume.empty() && !std::filesystem::exists(state_path(options.resume)))
-    throw FileError(state_path(options.resume) +
-                    ": no such file; only a run that was stopped leaves one, and only while the "
-                    "light field stands beside it");
 }
 
 void check_window(const RenderOptions& options, const SensorSpec& sensor) {

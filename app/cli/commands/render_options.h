@@ -5,8 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "commands/moment_options.h"
 #include "plenoflame/image/image.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/render_spec.h"
+#include "plenoflame/scene/sensor_spec.h"
 
 namespace CLI {
 class App;
@@ -16,15 +19,22 @@ namespace plenoflame::cli {
 
 /// What the command line of `render` asks for, checked. What is not given stays as the scene says.
 struct RenderOptions {
-  std::string scene;                   ///< path of the scene file
+  std::string scene;                   ///< path of the scene file; empty: that of `resume`
+  std::vector<std::string> set;        ///< of --set
   std::string output;                  ///< .exr
+  std::vector<std::string> cameras;    ///< which of the scene's; empty: all
+  bool output_given = false;           ///< false: `output` is made of the scene's name
   std::optional<int> samples;          ///< rays per pixel and microlens; with a target or a time
                                        ///< limit: at most
   std::optional<double> target_error;  ///< relative RMSE over lit pixels, in (0, 1)
   std::optional<double> time_limit;    ///< [s] > 0
+  std::optional<double> checkpoint;    ///< [s] > 0, between two states that are kept
   std::optional<Estimator> estimator;
   std::optional<std::uint64_t> seed;
   std::optional<PixelWindow> window;  ///< of the sensor; not yet checked against its size
+  std::optional<FrameRange> frames;   ///< of --frames
+  std::optional<double> time;         ///< [s] of --time
+  std::string all_frames;             ///< of one of several frames: the name of all, without number
   int threads = 0;                    ///< 0: one per processor
   std::string resume;                 ///< .exr to go on from; empty: none
   std::string stats;                  ///< .json to write; empty: none
@@ -33,7 +43,8 @@ struct RenderOptions {
   bool control_variate = true;
   bool truth = false;  ///< ground truth as layers of the light field
   bool json = false;
-  bool white = false;  ///< a uniform field in place of the flames
+  std::string compression;  ///< as in exr_compression(); empty: that of `resume`, else rle
+  bool white = false;       ///< a uniform field in place of the flames
   /// With it: f-numbers at which it is taken, each into a file of its own; empty: the lens as it
   /// is.
   std::vector<double> f_numbers;
@@ -42,9 +53,9 @@ struct RenderOptions {
 /// The options as they stand on the command line.
 struct RenderArguments {
   RenderOptions options;
-  std::string target_error, time_limit, estimator, window;
+  std::string target_error, time_limit, checkpoint, estimator, window;
   std::string seed, samples;
-  std::string f_numbers;
+  std::string f_numbers, frames, time;
 };
 
 /// Adds render's options to its command.
@@ -53,11 +64,13 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 /// Checks what was given, before anything is read. @throws UsageError
 RenderOptions checked_options(const RenderArguments& arguments);
 
+/// --compression by its name; that of none is rle.
+ExrCompression exr_compression(const std::string& name);
+
 /// Where the state of a stopped run is kept, for the light field that it was to write.
 std::string state_path(const std::string& light_field);
 
-/// Finds out before any work whether the results can be written, and whether the file to go on
-/// from is there. @throws FileError
+/// Finds out before any work whether the results can be written. @throws FileError
 void check_files(const RenderOptions& options);
 
 /// Checks the window against the sensor, now that the scene is known. @throws UsageError

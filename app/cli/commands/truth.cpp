@@ -1,17 +1,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
+#include <algorithm>
+#include <limits>
+#include <map>
 #include <memory>
-#include <sstream>
+#include <optional>
+#include <utility>
 
 #include "commands/commands.h"
+#include "commands/scene_input.h"
+#include "file_set.h"
+#include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/progress_share.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/ground_truth.h"
-#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/render/point_images.h"
 #include "progress_bar.h"
 #include "report.h"
 #include "run.h"
@@ -19,56 +25,56 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
-  std::string input, output, points, projections, attach, chief;
+constexpr int kRays = 4096;
+
+struct TruthArguments {
+  std::string input, output, points, projections, rays, attach, chief;
+  std::vector<std::string> set;
   int threads = 0;
   bool json = false;
 };
 
-/// Points of the world, one "x,y,z" in metres per line; # begins a comment, a header is skipped.
 std::vector<Vec3> read_points(const std::string& path) {
   std::vector<Vec3> points;
-  std::istringstream text(read_file(path));
-  int number = 0;
-  for (std::string line; std::getline(text, line);) {
-    ++number;
-    line = line.substr(0, line.find('#'));
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    double values[3] = {};
-    std::istringstream words(line);
-    std::string word;
-    int count = 0;
-    bool good = true, is_header = true;
-    while (std::getline(words, word, ',')) {
-      const auto begin = word.find_first_not_of(" \t\r");
-      const auto end = word.find_last_not_of(" \t\r");
-      double value = 0;
-      if (begin == std::string::npos) {
-        good = is_header = false;
-        break;
-      }
-      const char* stop = word.data() + end + 1;
-      const auto [at, error] = std::from_chars(word.data() + begin, stop, value);
-      good = good && error == std::errc() && at == stop && std::isfinite(value) && count < 3;
-      is_header = is_header && at == word.data() + begin;
-      if (count < 3) values[count] = value;
-      ++count;
-    }
-    if (good && count == 3)
-      points.push_back({values[0], values[1], values[2]});
-    else if (number > 1 || !is_header)
-      throw InputError(SourcePosition{path, number}, "this is not a point: x,y,z in metres");
-  }
-  if (points.empty()) throw InputError(SourcePosition{path}, "there is no point in it");
+  for (const NumberRow& row : read_number_rows(path, 3, "a point: x,y,z in metres"))
+    points.push_back({row.values[0], row.values[1], row.values[2]});
   return points;
 }
 
-std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points,
-                           const Execution& execution, std::size_t& images) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(10);
-  text << "point,x,y,z,q,r,type,column,row\n";
+/// The two images of a point through one microlens: of the ray through its middle, and of all
+/// light.
+struct Projection {
+  int type = 0;
+  std::optional<Vec2> chief;
+  std::optional<PointImage> light;
+};
+
+using Projections = std::map<std::pair<int, int>, Projection>;  ///< by r, then q
+
+Projections projections_of(const Camera& camera, Vec3 point, int rays, const Execution& execution) {
+  Projections projections;
+  for (const PointTruth& image : project_point(camera, point, execution)) {
+    Projection& projection = projections[{image.lens.r, image.lens.q}];
+    projection.type = image.type;
+    projection.chief = image.pixel;
+  }
+  for (const PointImage& image : point_images(camera, point, rays)) {
+    Projection& projection = projections[{image.lens.r, image.lens.q}];
+    projection.type = std::max(0, image.type);
+    projection.light = image;
+  }
+  return projections;
+}
+
+struct ProjectionCounts {
+  std::size_t images = 0, in_part = 0;
+};
+
+std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points, int rays,
+                           const Execution& execution, ProjectionCounts& counts) {
+  std::string text = "point,x,y,z,q,r,type,column,row,centroid_column,centroid_row,spread,share\n";
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto& types = camera.spec().array.types;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!(camera.to_world().inverse().point(points[i]).z > 0))
       throw InputError(fmt::format("point {} at {}, {}, {} m is not in front of the camera", i,
@@ -79,20 +85,27 @@ std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points
           (static_cast<double>(i) + progress.fraction) / static_cast<double>(points.size());
       execution.progress(progress);
     };
-    for (const PointTruth& image : project_point(camera, points[i], own)) {
-      ++images;
-      const auto& types = camera.spec().array.types;
-      text << i << ',' << points[i].x << ',' << points[i].y << ',' << points[i].z << ','
-           << image.lens.q << ',' << image.lens.r << ','
-           << (types.empty() ? std::string("none")
-                             : types[static_cast<std::size_t>(image.type)].name)
-           << ',' << image.pixel.x << ',' << image.pixel.y << '\n';
+    for (const auto& [lens, image] : projections_of(camera, points[i], rays, own)) {
+      ++counts.images;
+      counts.in_part += !image.chief;
+      text += fmt::format(
+          "{},{},{},{},{},{},{}", i, points[i].x, points[i].y, points[i].z, lens.second, lens.first,
+          types.empty() ? std::string("none") : types[static_cast<std::size_t>(image.type)].name);
+      const Vec2 chief = image.chief.value_or(Vec2{kNone, kNone});
+      const PointImage light = image.light.value_or(PointImage{{}, -1, kNone, kNone, kNone, 0});
+      for (const double value :
+           {chief.x, chief.y, light.column, light.row, light.spread, light.share})
+        text += fmt::format(",{:.10g}", value);
+      text += '\n';
     }
   }
-  return text.str();
+  return text;
 }
 
-int run_truth(const Settings& settings) {
+int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
+  const int rays = settings.rays.empty() ? kRays : whole_number_option("--rays", settings.rays, 1);
+  if (!settings.rays.empty() && settings.projections.empty())
+    throw UsageError("--rays belongs to --projections");
   if (settings.points.empty() != settings.projections.empty())
     throw UsageError("--points and --projections belong together");
   if (settings.output.empty() && settings.projections.empty() && settings.attach.empty() &&
@@ -112,22 +125,29 @@ int run_truth(const Settings& settings) {
                          : read_light_field(settings.input);
   if (field.scene_text.empty())
     throw InputError(settings.input + " does not say which camera took it: it holds no scene");
-  const SceneDocument document = parse_scene(field.scene_text, settings.input);
+  const SceneDocument document = read_scene_of(field, settings.input, settings.set);
   const Camera camera(document.scene.camera);
   Execution execution;
   execution.threads = settings.threads;
+  execution.stop = stop;
   ProgressBar bar(false);
   bar.connect(execution);
   Report report;
+  FileSet files;
   if (!settings.projections.empty()) {
-    std::size_t images = 0;
+    ProjectionCounts counts;
     const auto points = read_points(settings.points);
-    write_file(settings.projections, projection_csv(camera, points, execution, images));
+    const std::string csv = projection_csv(camera, points, rays, execution, counts);
+    files.write(settings.projections, [&](const std::string& name) { write_file(name, csv); });
     report.add("points", std::to_string(points.size()), "points", points.size());
-    report.add("images of them", std::to_string(images), "point_images", images);
+    report.add("images of them", std::to_string(counts.images), "point_images", counts.images);
+    report.add("through part of a lens",
+               std::to_string(counts.in_part) + ": without the ray through its middle",
+               "point_images_in_part", counts.in_part);
   }
   if (settings.output.empty() && settings.attach.empty() && settings.chief.empty()) {
     bar.finish();
+    files.commit();
     report.print(settings.json);
     return kSuccess;
   }
@@ -135,18 +155,22 @@ int run_truth(const Settings& settings) {
   const MicroImages images(camera, false, execution);
   const auto truth = micro_image_truth(images);
   const std::string csv = micro_image_csv(truth, document.scene.camera);
-  if (!settings.output.empty()) write_file(settings.output, csv);
+  if (!settings.output.empty())
+    files.write(settings.output, [&](const std::string& name) { write_file(name, csv); });
   if (!settings.attach.empty()) {
     LightField with = field;
     with.texts["truth.micro_images"] = csv;
-    write_light_field(settings.attach, with);
+    files.write(settings.attach,
+                [&](const std::string& name) { write_light_field(name, with, stop); });
   }
   if (!settings.chief.empty()) {
     add_chief_rays(images, field,
                    execution);  // beside the image: a light field has at least a channel
-    write_light_field(settings.chief, field);
+    files.write(settings.chief,
+                [&](const std::string& name) { write_light_field(name, field, stop); });
   }
   bar.finish();
+  files.commit();
   report.add("micro-images", std::to_string(truth.size()), "micro_images", truth.size());
   report.add(
       "spacing",
@@ -159,11 +183,12 @@ int run_truth(const Settings& settings) {
 }  // namespace
 
 void register_truth(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<TruthArguments>();
   CLI::App& command = add_command(
       registry, "truth", "Ground truth of a raw image: micro-images, projected points, chief rays",
       "plenoflame truth flame.exr -o micro-images.csv");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
+  add_set_option(command, settings->set);
   command
       .add_option("-o,--output", settings->output,
                   "Micro-images as CSV: lens, type, centre and radius in pixels")
@@ -177,9 +202,15 @@ void register_truth(const Registry& registry) {
                   "Points of the world to project: x,y,z in metres, one per line")
       ->option_text("FILE.csv");
   command
-      .add_option("--projections", settings->projections,
-                  "Where they are imaged: a line for every microlens that sees the point")
+      .add_option(
+          "--projections", settings->projections,
+          "Where they are imaged: a line for every microlens that sees the point, by the ray "
+          "through the lens' middle and by the centroid of all light")
       ->option_text("FILE.csv");
+  command
+      .add_option("--rays", settings->rays,
+                  "Rays over the aperture for the centroids, for each point (default: 4096)")
+      ->option_text("N");
   command
       .add_option("--chief-rays", settings->chief,
                   "The raw image with the chief ray of every pixel: layers chief.x .y .z [m], "
@@ -189,7 +220,8 @@ void register_truth(const Registry& registry) {
       ->check(CLI::Range(0, 1024))
       ->option_text("N");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  on_chosen(command, registry, [settings] { return run_truth(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_truth(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

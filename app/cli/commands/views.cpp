@@ -6,6 +6,7 @@
 
 #include "commands/commands.h"
 #include "commands/light_field_output.h"
+#include "file_set.h"
 #include "plenoflame/base/error.h"
 #include "report.h"
 #include "run.h"
@@ -13,7 +14,7 @@
 namespace plenoflame::cli {
 namespace {
 
-struct Settings {
+struct ViewsArguments {
   RawArguments raw;
   ViewArguments views;
   std::string type;
@@ -32,7 +33,7 @@ int type_of(const CameraSpec& camera, const std::string& name) {
   throw InputError("the camera has no type of microlens named '" + name + "'; it has: " + names);
 }
 
-int run_views(const Settings& settings) {
+int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
   check_folder(settings.raw.output, settings.raw.force);
   const RawLightField raw = read_raw(settings.raw);
   ViewSettings how = settings.views.settings();
@@ -42,7 +43,8 @@ int run_views(const Settings& settings) {
   how.channel = find_channel(raw.field, settings.raw.channel).name;
   Execution execution;
   execution.threads = settings.raw.threads;
-  const MicroImages micro(Camera(raw.camera), how.white_correction, execution);
+  execution.stop = stop;
+  const MicroImages micro = raw.micro_images(how.white_correction, execution);
   const Views views = extract_views(raw.field, micro, how, execution);
   std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
   if (!settings.sheet_only)
@@ -63,9 +65,12 @@ int run_views(const Settings& settings) {
   };
   add_slice("epipolar_row", settings.epipolar_row, false);
   add_slice("epipolar_column", settings.epipolar_column, true);
-  prepare_folder(settings.raw.output, settings.raw.force);
-  const double white =
-      write_images(settings.raw.output, images, views.unit, how.channel, settings.exr, raw.field);
+  ResultFolder folder(settings.raw.output);
+  double white = 0;
+  folder.write([&](const std::string& path) {
+    white = write_images(path, images, views.unit, how.channel, settings.exr, raw.field, execution);
+  });
+  folder.commit();
 
   const Image& first = views.views.front().image;
   Report report;
@@ -93,7 +98,7 @@ int run_views(const Settings& settings) {
 }  // namespace
 
 void register_views(const Registry& registry) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ViewsArguments>();
   CLI::App& command =
       add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
                   "plenoflame views flame.exr -o views --grid 5");
@@ -123,7 +128,8 @@ void register_views(const Registry& registry) {
   command.add_flag("--sheet-only", settings->sheet_only,
                    "Write the contact sheet, not the single views");
   add_raw_options(command, settings->raw);
-  on_chosen(command, registry, [settings] { return run_views(*settings); });
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_views(*settings, stop); });
 }
 
 }  // namespace plenoflame::cli

@@ -7,6 +7,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "plenoflame/volumes/vdb_info.h"
 
@@ -33,7 +34,10 @@ std::string moved_path(const std::string& path, const fs::path& from, const fs::
 
 Scene moved_to(Scene scene, const std::string& file) {
   const fs::path from = fs::path(scene.file).parent_path(), to = fs::path(file).parent_path();
-  for (FlameSpec& flame : scene.flames) flame.file = moved_path(flame.file, from, to);
+  for (FlameSpec& flame : scene.flames) {
+    flame.file = moved_path(flame.file, from, to);
+    flame.time.table = moved_path(flame.time.table, from, to);
+  }
   for (SolidSurfaceSpec& surface : scene.surfaces) {
     surface.file = moved_path(surface.file, from, to);
     surface.material.texture.file = moved_path(surface.material.texture.file, from, to);
@@ -64,18 +68,50 @@ std::string Document::name() const {
   return file_.empty() ? "untitled" : fs::path(file_).filename().string();
 }
 
+const CameraSpec& Document::camera() const {
+  for (const CameraSpec& camera : scene().cameras)
+    if (camera.name == camera_) return camera;
+  return scene().camera;
+}
+
+SceneDocument Document::scene_of_camera() const {
+  return for_camera(history_.state(), camera_);
+}
+
+void Document::choose_camera(const std::string& name) {
+  static_cast<void>(for_camera(scene(), name));
+  if (name == camera_ || scene().cameras.empty()) return;
+  camera_ = name;
+  image_current_ = false;
+  SceneChanges changes;
+  changes.camera = changes.develop = true;
+  emit state_changed();
+  emit scene_changed(changes);
+}
+
+void Document::keep_camera() {
+  const std::vector<std::string> names = camera_names(scene());
+  if (scene().cameras.empty())
+    camera_.clear();
+  else if (std::find(names.begin(), names.end(), camera_) == names.end())
+    camera_ = names.front();
+}
+
 void Document::begin(SceneDocument scene, const std::string& file,
                      std::shared_ptr<const LightField> image) {
   history_.reset(std::move(scene));
   empty_ = false;
   file_ = file;
-  issues_ = check_scene(this->scene(), positions());
+  keep_camera();
+  check();
   image_ = std::move(image);
   image_current_ = image_ != nullptr;
   selection_ = {};
   emit state_changed();
   emit selection_changed();
-  emit scene_changed(SceneChanges::all());
+  SceneChanges changes = SceneChanges::all();
+  changes.opened = true;
+  emit scene_changed(changes);
   emit image_changed();
 }
 
@@ -170,19 +206,21 @@ void Document::begin_look(const FlameLook& look) {
 
 void Document::after(const Scene& before, const FlameLook& look_before) {
   const SceneChanges changes = changes_between(before, scene());
-  issues_ = check_scene(scene(), positions());
+  keep_camera();
+  check();
   if (changes.image()) image_current_ = false;
   emit state_changed();
   if (changes.any()) emit scene_changed(changes);
   if (!(look() == look_before)) emit look_changed();
 }
 
-void Document::set_value(const std::string& path, const std::string& text) {
+void Document::set_value(const std::string& path, const std::string& text,
+                         const std::string& merge) {
   SceneDocument state = history_.state();
   set_text(state.scene, path, text);
   if (state.scene == scene()) return;
   state.positions.erase(path);
-  push(std::move(state), "change " + path, path);
+  push(std::move(state), "change " + path, merge);
 }
 
 void Document::insert_item(const std::string& list, std::size_t position) {
@@ -204,16 +242,21 @@ void Document::apply_preset(PresetKind kind, const std::string& name, std::size_
   const std::string quoted = "preset = \"" + name + "\"\n";
   SceneDocument state = history_.state();
   Scene& scene = state.scene;
+  const bool several = !scene.cameras.empty();
+  CameraSpec& old =
+      several ? scene.cameras.at(kind == PresetKind::flame ? 0 : index) : scene.camera;
+  const std::string path = several ? "cameras[" + std::to_string(index) + "]" : "camera";
   if (kind == PresetKind::camera) {
     CameraSpec camera = parse_scene("[camera]\n" + quoted, name).scene.camera;
-    camera.position = scene.camera.position;
-    camera.look_direction = scene.camera.look_direction;
-    camera.up = scene.camera.up;
-    scene.camera = camera;
-    state.positions.erase("camera");
+    camera.name = old.name;
+    camera.position = old.position;
+    camera.look_direction = old.look_direction;
+    camera.up = old.up;
+    old = camera;
+    state.positions.erase(path);
   } else if (kind == PresetKind::lens) {
-    scene.camera.lens = parse_scene("[camera.lens]\n" + quoted, name).scene.camera.lens;
-    state.positions.erase("camera.lens");
+    old.lens = parse_scene("[camera.lens]\n" + quoted, name).scene.camera.lens;
+    state.positions.erase(path + ".lens");
   } else {
     FlameSpec flame = parse_scene("[[flames]]\n" + quoted, name).scene.flames.at(0);
     if (index >= scene.flames.size()) {
@@ -251,9 +294,19 @@ void Document::redo() {
   after(before, look_before);
 }
 
-bool Document::is_valid() const {
-  return !empty_ && std::none_of(issues_.begin(), issues_.end(),
-                                 [](const SceneIssue& issue) { return issue.is_error; });
+void Document::check() {
+  issues_ = check_scene(scene(), positions());
+  valid_ = std::none_of(issues_.begin(), issues_.end(),
+                        [](const SceneIssue& issue) { return issue.is_error; });
+  issues_.insert(issues_.end(), unreadable_.begin(), unreadable_.end());
+}
+
+void Document::set_unreadable(const SceneIssue* issue) {
+  if (unreadable_.empty() && !issue) return;
+  unreadable_.clear();
+  if (issue) unreadable_.push_back(*issue);
+  check();
+  emit issues_changed();
 }
 
 void Document::set_image(std::shared_ptr<const LightField> image) {

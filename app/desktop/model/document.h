@@ -74,6 +74,14 @@ class Document : public QObject {
   bool is_empty() const { return empty_; }
   const Scene& scene() const { return history_.state().scene; }
   const PositionMap& positions() const { return history_.state().positions; }
+  /// Name of the camera that everything is about but the scene's own values: what is rendered,
+  /// traced and shown. Empty where there is but one.
+  const std::string& camera_name() const { return camera_; }
+  const CameraSpec& camera() const;
+  /// The scene with that camera alone. The document must be valid.
+  SceneDocument scene_of_camera() const;
+  /// Chooses another one. It is no change of the scene. @throws InputError when there is none
+  void choose_camera(const std::string& name);
   /// Where the scene is saved; empty: nowhere yet.
   const std::string& file() const { return file_; }
   /// What to call it: the file's name without folder, or "untitled".
@@ -96,11 +104,14 @@ class Document : public QObject {
   void save(const std::string& path);
 
   /// Sets one value from text with a unit. @throws InputError, see set_text() in scene_schema.h
-  void set_value(const std::string& path, const std::string& text);
+  /// @param merge see UndoHistory::push
+  void set_value(const std::string& path, const std::string& text, const std::string& merge);
+  /// The same; values of one path in a row are one step, as of a slider.
+  void set_value(const std::string& path, const std::string& text) { set_value(path, text, path); }
   void insert_item(const std::string& list, std::size_t position);
   void erase_item(const std::string& list, std::size_t position);
-  /// Starts a camera, a lens or a flame from a preset. @param index of the flame; what places a
-  ///        camera or a flame in the world is kept
+  /// Starts a camera, a lens or a flame from a preset. @param index of the flame, or of one of
+  ///        several cameras; what places a camera or a flame in the world is kept
   void apply_preset(PresetKind kind, const std::string& name, std::size_t index = 0);
   /// Any other change. @param what for the menu  @param merge see UndoHistory::push
   void change(const Scene& scene, const std::string& what, const std::string& merge = {});
@@ -119,10 +130,13 @@ class Document : public QObject {
   void undo();
   void redo();
 
-  /// What check_scene() says about the present state.
+  /// The issues that check_scene() finds in the present state, and those of the files it names.
   const std::vector<SceneIssue>& issues() const { return issues_; }
-  /// Whether it has no error, so that it can be computed.
-  bool is_valid() const;
+  /// True if check_scene() finds no error, so that the scene can be computed.
+  bool is_valid() const { return valid_; }
+  /// Sets the issue that was found when the files that the scene names were read; null: none. It is
+  /// forgotten with the next change.
+  void set_unreadable(const SceneIssue* issue);
 
   /// The raw light field that is shown; null: none yet.
   const std::shared_ptr<const LightField>& image() const { return image_; }
@@ -135,6 +149,8 @@ class Document : public QObject {
 
  signals:
   void scene_changed(const plenoflame::desktop::SceneChanges& changes);
+  /// More or less is known to be wrong with it, without a change.
+  void issues_changed();
   void look_changed();
   void image_changed();
   void selection_changed();
@@ -145,13 +161,18 @@ class Document : public QObject {
   void begin(SceneDocument scene, const std::string& file, std::shared_ptr<const LightField> image);
   void push(SceneDocument state, const std::string& what, const std::string& merge = {});
   void after(const Scene& before, const FlameLook& look_before);
+  void check();
 
   UndoHistory history_;
-  std::string file_;
+  /// Chooses the first of several cameras when there is none of the chosen name.
+  void keep_camera();
+
+  std::string file_, camera_;
   std::vector<SceneIssue> issues_;
   std::shared_ptr<const LightField> image_;
   Selection selection_;
-  bool empty_ = true, image_current_ = false;
+  std::vector<SceneIssue> unreadable_;  ///< one, or none
+  bool empty_ = true, valid_ = false, image_current_ = false;
 };
 
 /// The scene with the files that it names as seen from another scene file.

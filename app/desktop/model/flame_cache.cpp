@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "plenoflame/volumes/flame_file.h"
+#include "plenoflame/volumes/load_medium.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -44,9 +44,7 @@ std::shared_ptr<const Medium> FlameCache::load(const FlameSpec& flame, const std
         return entry.medium;
       }
   }
-  std::shared_ptr<const Medium> medium = flame.kind == FlameKind::vdb
-                                             ? load_flame(flame, folder, channels, execution)
-                                             : load_core_medium(flame, folder, channels, execution);
+  std::shared_ptr<const Medium> medium = load_medium(flame, folder, channels, execution);
   const std::lock_guard lock(mutex_);
   ++loads_;
   entries_.push_back({unnamed, folder, channels, file, medium, generation_});

@@ -73,6 +73,12 @@ Image FlameSamples::slice(int axis, double share, bool of_temperature) const {
 
 FlameSampler::FlameSampler(SceneCompiler& compiler, QObject* parent)
     : QObject(parent), compiler_(compiler) {
+  connect(&compiler_, &SceneCompiler::cleared, this, [this] {
+    ++newest_;
+    task_.cancel();
+    samples_ = nullptr;
+    emit samples_changed();
+  });
   connect(&compiler_, &SceneCompiler::compiled_changed, this, [this](const SceneChanges& changes) {
     if (changes.flames || !samples_) request();
   });

@@ -82,6 +82,7 @@ void LightFieldJobs::clear() {
   geometry_.reset();
   refocused_ = {};
   stack_ = nullptr;
+  emit views_changed();
 }
 
 void LightFieldJobs::set_camera(const CameraSpec& camera) {
@@ -120,11 +121,18 @@ void LightFieldJobs::find_white() {
   });
 }
 
-void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera) {
+void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera,
+                               bool other_scene) {
   set_camera(camera);
   if (!camera.array.present || field == field_) return;
   field_ = std::move(field);
   ++image_number_;
+  if (other_scene) {
+    refocus_->cancel();
+    stack_task_->cancel();
+    refocused_ = {};
+    stack_ = nullptr;
+  }
   find_white();
   make_views();
 }

@@ -39,7 +39,9 @@ class LightFieldJobs : public QObject {
   void set_camera(const CameraSpec& camera);
   /// Takes a raw image; pictures that were made from another one are dropped. Cheap when only the
   /// image differs: the white light of a camera's micro-images, which takes long, is found once.
-  void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera);
+  /// @param other_scene whether what was made of the image before shows another scene
+  void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera,
+                 bool other_scene = false);
   void clear();
 
   /// The image that pictures are made of; null: none.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "model/key_relevance.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::desktop {
@@ -32,12 +33,99 @@ QString readable(const std::string& word) {
   return text.replace('_', ' ');
 }
 
+int components_of(const SchemaKey* key) {
+  if (!key) return 0;
+  return key->type == ValueType::vector3 ? 3 : key->type == ValueType::vector2 ? 2 : 0;
+}
+
+/// The parts of "1 m, 0 m, 2 m".
+std::vector<std::string> components(const std::string& text) {
+  std::vector<std::string> out;
+  for (const QString& part : QString::fromStdString(text).split(','))
+    out.push_back(part.trimmed().toStdString());
+  return out;
+}
+
+std::string value_path(const std::string& path) {
+  return ParameterModel::place_of(path).path;
+}
+
+std::string text_of(const Scene& scene, const std::string& path) {
+  const ParameterModel::Place place = ParameterModel::place_of(path);
+  const std::string text = get_text(scene, place.path);
+  return place.component < 0 ? text
+                             : components(text).at(static_cast<std::size_t>(place.component));
+}
+
+/// The whole value with one of its components replaced.
+std::string with_component(const Scene& scene, const ParameterModel::Place& place,
+                           const std::string& text) {
+  if (place.component < 0) return text;
+  std::string out;
+  const std::vector<std::string> parts = components(get_text(scene, place.path));
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    out += (k == 0 ? "" : ", ") + (static_cast<int>(k) == place.component ? text : parts[k]);
+  return out;
+}
+
+/// What may stand in camera.focus.conjugate, as validate() has it.
+QStringList conjugates(const Scene& scene, const std::string& path) {
+  const ParsedPath parsed = parse_path(path);
+  const CameraSpec& camera =
+      parsed.indices.empty() ? scene.camera : scene.cameras.at(parsed.indices.front());
+  if (!camera.array.present) return {"sensor"};
+  QStringList names{"array"};
+  for (const auto& type : camera.array.types)
+    if (!type.name.empty()) names << QString::fromStdString(type.name);
+  return names;
+}
+
+/// "front of lens 2", "stop"; empty where the path is none of a lens' surfaces.
+QString lens_surface_name(const Scene& scene, const std::string& path) {
+  const ParsedPath parsed = parse_path(path);
+  if (!parsed.schema_path.ends_with("lens.surfaces[]")) return {};
+  const MainLensSpec& lens =
+      parsed.indices.size() < 2 ? scene.camera.lens : scene.cameras.at(parsed.indices.front()).lens;
+  const auto in_glass = [](const SurfaceSpec& s) { return s.index != 1 || !s.glass.empty(); };
+  int number = 0;
+  bool before = false;
+  for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
+    const bool behind = in_glass(lens.surfaces[i]);
+    if (behind) ++number;
+    if (i == parsed.indices.back()) {
+      if (!before && !behind)
+        return lens.surfaces[i].stop ? QObject::tr("stop") : QObject::tr("air");
+      const QString stop = lens.surfaces[i].stop ? QObject::tr(", stop") : QString();
+      return (before && behind ? QObject::tr("between lens %1 and %2").arg(number - 1).arg(number)
+              : behind         ? QObject::tr("front of lens %1").arg(number)
+                               : QObject::tr("back of lens %1").arg(number)) +
+             stop;
+    }
+    before = behind;
+  }
+  return {};
+}
+
 }  // namespace
+
+ParameterModel::Place ParameterModel::place_of(const std::string& path) {
+  Place place;
+  place.path = path;
+  place.key = find_schema_key(path);
+  if (place.key || path.size() < 3 || path[path.size() - 2] != '.') return place;
+  const std::string whole = path.substr(0, path.size() - 2);
+  const std::size_t component = std::string("xyz").find(path.back());
+  const SchemaKey* const key = find_schema_key(whole);
+  if (component == std::string::npos || static_cast<int>(component) >= components_of(key))
+    return place;
+  return {key, whole, static_cast<int>(component)};
+}
 
 struct ParameterModel::Node {
   std::string path;     ///< with indices
   std::string segment;  ///< last part of it
   const SchemaKey* key = nullptr;
+  int component = -1;  ///< of the key's vector; -1: all of the value
   bool is_list = false;
   int item = -1;  ///< of the list above
   int row = 0;
@@ -61,6 +149,9 @@ struct ParameterModel::Node {
 ParameterModel::ParameterModel(Document& document, QObject* parent)
     : QAbstractItemModel(parent), document_(document), root_(std::make_unique<Node>()) {
   connect(&document_, &Document::scene_changed, this, [this] { refresh(); });
+  connect(&document_, &Document::issues_changed, this, [this] {
+    for (const auto& child : root_->children) announce(*child);
+  });
   rebuild();
 }
 
@@ -87,13 +178,19 @@ void ParameterModel::rebuild() {
         node = next;
       }
       node->key = find_schema_key(path);
+      const int components = components_of(node->key);
+      for (int k = 0; k < components; ++k) {
+        Node* const part = node->child(std::string(1, "xyz"[k]));
+        part->key = node->key;
+        part->component = k;
+      }
     }
     // Files begin with the camera, the tree does, too.
     auto& top = root_->children;
     std::stable_sort(top.begin(), top.end(), [](const auto& a, const auto& b) {
       const auto rank = [](const Node& node) {
-        const std::vector<std::string> order{"camera",   "flames", "surfaces", "lights",
-                                             "channels", "render", "develop"};
+        const std::vector<std::string> order{"camera", "cameras",  "flames", "surfaces",
+                                             "lights", "channels", "render", "develop"};
         return std::find(order.begin(), order.end(), node.segment) - order.begin();
       };
       return rank(*a) < rank(*b);
@@ -111,7 +208,10 @@ void ParameterModel::announce(Node& node) {
 }
 
 void ParameterModel::refresh() {
-  refused_.clear();
+  if (!refused_.empty()) {
+    refused_.clear();
+    emit refusals_changed();
+  }
   const auto paths =
       document_.is_empty() ? std::vector<std::string>{} : scene_paths(document_.scene());
   if (paths != paths_ || root_->children.empty()) {
@@ -147,10 +247,9 @@ int ParameterModel::columnCount(const QModelIndex&) const {
 }
 
 QString ParameterModel::message_of(const Node& node, bool* is_error) const {
-  const auto refusal = refused_.find(node.path);
-  if (refusal != refused_.end()) {
+  if (const Refusal* const refusal = refusal_of(node.path)) {
     if (is_error) *is_error = true;
-    return refusal->second.message;
+    return refusal->message;
   }
   for (const SceneIssue& issue : document_.issues()) {
     // An issue about a table shows at the table.
@@ -167,14 +266,16 @@ QVariant ParameterModel::data(const QModelIndex& index, int role) const {
   if (!index.isValid()) return {};
   const Node& node = *node_of(index);
   const auto value = [&]() -> QString {
-    const auto refusal = refused_.find(node.path);
-    if (refusal != refused_.end()) return refusal->second.text;
-    return node.key ? QString::fromStdString(get_text(document_.scene(), node.path)) : QString();
+    if (const Refusal* const refusal = refusal_of(node.path)) return refusal->text;
+    return node.key ? QString::fromStdString(text_of(document_.scene(), node.path)) : QString();
   };
   switch (role) {
     case Qt::DisplayRole:
       if (index.column() == kName) {
+        if (node.component >= 0) return readable(node.segment).toUpper();
         if (node.item < 0) return readable(node.segment);
+        if (const QString name = lens_surface_name(document_.scene(), node.path); !name.isEmpty())
+          return QString("%1: %2").arg(node.item + 1).arg(name);
         // Items are told apart by their names where they have some.
         const SchemaKey* const name = find_schema_key(node.path + ".name");
         const QString text =
@@ -222,6 +323,10 @@ QVariant ParameterModel::data(const QModelIndex& index, int role) const {
                                      static_cast<int>(table.description.size()))
                        .toHtmlEscaped();
       }
+      const std::string reason = irrelevance(document_.scene(), value_path(node.path));
+      if (!reason.empty())
+        text +=
+            tr("<br>Without effect now: %1").arg(QString::fromStdString(reason).toHtmlEscaped());
       const QString message = message_of(node, nullptr);
       if (!message.isEmpty()) text += "<br><b>" + message.toHtmlEscaped() + "</b>";
       return text;
@@ -236,8 +341,12 @@ QVariant ParameterModel::data(const QModelIndex& index, int role) const {
       if (node.key && node.key->type == ValueType::choice)
         for (const std::string_view word : node.key->choices)
           choices << QString::fromUtf8(word.data(), static_cast<int>(word.size()));
+      if (node.key && node.path.ends_with("focus.conjugate"))
+        choices = conjugates(document_.scene(), node.path);
       return choices;
     }
+    case kReasonRole:
+      return QString::fromStdString(irrelevance(document_.scene(), value_path(node.path)));
     case kMessageRole:
       return message_of(node, nullptr);
     case kIsErrorRole: {
@@ -284,22 +393,50 @@ Qt::ItemFlags ParameterModel::flags(const QModelIndex& index) const {
 }
 
 bool ParameterModel::setData(const QModelIndex& index, const QVariant& value, int role) {
-  if (role != Qt::EditRole || !index.isValid() || index.column() != kValue) return false;
+  return role == Qt::EditRole && set_value(index, value.toString(), {});
+}
+
+const ParameterModel::Refusal* ParameterModel::refusal_of(const std::string& path) const {
+  const auto found = std::find_if(refused_.begin(), refused_.end(), [&](const Refusal& refusal) {
+    return refusal.path == QString::fromStdString(path);
+  });
+  return found == refused_.end() ? nullptr : &*found;
+}
+
+void ParameterModel::forget_refusal() {
+  if (refused_.empty()) return;
+  const std::string path = refused_.back().path.toStdString();
+  refused_.pop_back();
+  const QModelIndex here = find(path, kName);
+  if (here.isValid()) emit dataChanged(here, here.siblingAtColumn(kAllowed));
+  emit refusals_changed();
+}
+
+bool ParameterModel::set_value(const QModelIndex& index, const QString& text,
+                               const std::string& merge) {
+  if (!index.isValid() || index.column() != kValue) return false;
   Node& node = *node_of(index);
   if (!node.key) return false;
   const std::string path = node.path;
-  const QString text = value.toString();
+  const auto same = [&](const Refusal& refusal) {
+    return refusal.path == QString::fromStdString(path);
+  };
   try {
-    document_.set_value(path, text.toStdString());
+    const Place place = place_of(path);
+    document_.set_value(place.path, with_component(document_.scene(), place, text.toStdString()),
+                        merge);
     // The tree may be another one now; what was refused before is corrected.
-    if (refused_.erase(path) > 0) {
+    if (std::erase_if(refused_, same) > 0) {
+      emit refusals_changed();
       const QModelIndex here = find(path, kName);
       emit dataChanged(here, here.siblingAtColumn(kAllowed));
     }
     return true;
   } catch (const Error& error) {
     const QString message = QString::fromUtf8(error.what());
-    refused_[path] = {text, message};
+    std::erase_if(refused_, same);
+    refused_.push_back({QString::fromStdString(path), text, message});
+    emit refusals_changed();
     emit dataChanged(index.siblingAtColumn(kName), index.siblingAtColumn(kAllowed));
     emit refused(QString::fromStdString(path), message);
     return false;

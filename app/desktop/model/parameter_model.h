@@ -1,7 +1,6 @@
 #pragma once
 #include <QAbstractItemModel>
 #include <QStringList>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +26,7 @@ class ParameterModel : public QAbstractItemModel {
     kIsErrorRole,              ///< whether that is an error, not a warning
     kListRole,                 ///< path of the list that this is, or that this is an item of
     kItemRole,                 ///< number of the item in that list, -1: the list itself
+    kReasonRole,               ///< why it has no effect as the scene is; empty: it has one
     kPresetRole,               ///< PresetKind as int of a table that takes presets, otherwise -1
   };
 
@@ -43,10 +43,32 @@ class ParameterModel : public QAbstractItemModel {
   /// False when the value is refused; its message is then at the field.
   bool setData(const QModelIndex& index, const QVariant& value, int role = Qt::EditRole) override;
 
+  /// Sets a value; with a word that is not empty, values in a row are one step (a slider).
+  bool set_value(const QModelIndex& index, const QString& text, const std::string& merge);
+
+  /// Values that were refused and are still on display, the newest last: path, text, message.
+  struct Refusal {
+    QString path, text, message;
+  };
+  const std::vector<Refusal>& refusals() const { return refused_; }
+  /// Puts the value of the scene in the place of the newest of them.
+  void forget_refusal();
+
+  /// What a path with or without a component means: "flames[0].position.x" is the first component
+  /// of the key flames[0].position.
+  struct Place {
+    const SchemaKey* key = nullptr;  ///< null: there is no such value
+    std::string path;
+    int component = -1;  ///< -1: the whole value
+  };
+  static Place place_of(const std::string& path);
+
   /// Where a path stands; invalid when it does not. @param column of the result
   QModelIndex find(const std::string& path, int column = kName) const;
 
  signals:
+  /// What refusals() says is other than before.
+  void refusals_changed();
   /// A value was refused. @param message as the command line says it
   void refused(const QString& path, const QString& message);
 
@@ -61,10 +83,8 @@ class ParameterModel : public QAbstractItemModel {
   Document& document_;
   std::unique_ptr<Node> root_;
   std::vector<std::string> paths_;
-  struct Refusal {
-    QString text, message;
-  };
-  std::map<std::string, Refusal> refused_;
+  const Refusal* refusal_of(const std::string& path) const;
+  std::vector<Refusal> refused_;
 };
 
 }  // namespace plenoflame::desktop

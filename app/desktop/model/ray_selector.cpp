@@ -160,7 +160,7 @@ LensIndex microlens_of_pixel(const Camera& camera, int column, int row) {
                            ? (pupil - camera.lens_place(straight).z) / (pupil - camera.sensor())
                            : 1.0;
   const Vec2 middle = camera.foot() + share * (point - camera.foot());
-  const double reach = 1.5 * camera.spec().array.pitch;
+  const double reach = 1.5 * longest_pitch(camera.spec().array);
   LensIndex best = lattice.nearest(middle);
   double least = std::numeric_limits<double>::infinity();
   for (const LensIndex lens :
@@ -231,6 +231,7 @@ bool flame_point(const Medium& medium, const Ray& ray, Vec3& point) {
 RaySelector::RaySelector(Document& document, SceneCompiler& compiler, QObject* parent)
     : QObject(parent), document_(document), compiler_(compiler) {
   connect(&document_, &Document::selection_changed, this, &RaySelector::request);
+  connect(&compiler_, &SceneCompiler::cleared, this, &RaySelector::request);
   connect(&compiler_, &SceneCompiler::compiled_changed, this, [this](const SceneChanges& changes) {
     if (changes.compiled() || !rays_) request();
   });

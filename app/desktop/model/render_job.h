@@ -2,22 +2,21 @@
 #include <QObject>
 #include <QString>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "model/latest_task.h"
-#include "plenoflame/render/render.h"
+#include "plenoflame/render/render_request.h"
 #include "plenoflame/scene/compile.h"
 
 namespace plenoflame::desktop {
 
-/// What the command line would render a scene with.
-RenderSettings render_settings(const Scene& scene);
-
 /// Samples of the passes that lead up to `samples`, each several times the one before.
 std::vector<int> pass_samples(int samples, int replicates);
 
-/// Renders in the background, coarsely first: every pass replaces the picture of the one before,
-/// tile by tile. The last pass is what the command line does with the same scene, bit for bit.
+/// Renders in the background, coarsely first: a picture of large pixels, then passes of which each
+/// replaces the picture of the one before, tile by tile. Every picture is one of the whole sensor.
+/// The last pass is what the command line does with the same scene, bit for bit.
 class RenderJob : public QObject {
   Q_OBJECT
  public:
@@ -31,10 +30,10 @@ class RenderJob : public QObject {
   struct Status {
     int pass = 0, passes = 0;  ///< counted from 1
     int samples = 0;           ///< of this pass
-    double fraction = 0;       ///< of this pass
+    double fraction = 0;       ///< of the samples of all passes
     double rays = 0;           ///< sent in this pass
     double rays_per_second = 0;
-    double relative_error = -1;     ///< of the picture; negative: not known yet
+    double relative_error = -1;     ///< of the whole picture; negative: not known yet
     double seconds = 0;             ///< spent since the start
     double remaining_seconds = -1;  ///< of all passes; negative: not known yet
   };
@@ -48,12 +47,17 @@ class RenderJob : public QObject {
   const RenderStatistics& statistics() const { return statistics_; }
 
   /// Begins anew. @param threads 0: one per processor
-  void start(std::shared_ptr<const CompiledScene> scene, int threads = 0);
+  /// @param shown a picture of the same scene and seed, of the whole sensor, which is to be
+  ///        bettered and not to be begun again; null: none
+  void start(std::shared_ptr<const CompiledScene> scene, int threads = 0,
+             std::shared_ptr<const LightField> shown = nullptr);
   /// Keeps what is there; resume() goes on as if there had been no break.
   void pause();
   void resume();
   /// Ends; the picture stays as it is.
   void stop();
+  /// The same, and forgets what was known of it: another document is there.
+  void clear();
 
  signals:
   void state_changed();
@@ -65,7 +69,15 @@ class RenderJob : public QObject {
  private:
   struct Run;  ///< of the worker
   void set_state(State state);
+  void forget();
   void launch();
+  // Of the worker.
+  void begin(const std::shared_ptr<Run>& run, const std::stop_token& stop);
+  /// False: it was stopped.
+  bool make_pass(const std::shared_ptr<Run>& run, const std::stop_token& stop);
+  void show(const std::shared_ptr<Run>& run, std::shared_ptr<const LightField> field,
+            const RenderStatistics* done);
+  void tell(const std::shared_ptr<Run>& run, const Progress& progress);
 
   State state_ = State::idle;
   Status status_;

@@ -9,6 +9,7 @@ SensorSpec optical(const SensorSpec& sensor) {
   part.columns = sensor.columns;
   part.rows = sensor.rows;
   part.pixel_pitch = sensor.pixel_pitch;
+  part.pixel_pitch_y = sensor.pixel_pitch_y;
   return part;
 }
 
@@ -21,6 +22,14 @@ Scene without_names(Scene scene) {
   }
   for (SolidSurfaceSpec& surface : scene.surfaces) surface.name.clear();
   for (LightSpec& light : scene.lights) light.name.clear();
+  if (scene.cameras.empty()) scene.camera.name.clear();  // those of several say which is shown
+  return scene;
+}
+
+/// The same but for how the cameras' sensors turn light into numbers.
+Scene without_electronics(Scene scene) {
+  scene.camera.sensor = optical(scene.camera.sensor);
+  for (CameraSpec& camera : scene.cameras) camera.sensor = optical(camera.sensor);
   return scene;
 }
 
@@ -30,10 +39,8 @@ SceneChanges changes_between(const Scene& first, const Scene& second) {
   const Scene a = without_names(first), b = without_names(second);
   SceneChanges changes;
   const bool moved = first.file != second.file;  // relative paths start elsewhere
-  CameraSpec camera_a = a.camera, camera_b = b.camera;
-  camera_a.sensor = optical(a.camera.sensor);
-  camera_b.sensor = optical(b.camera.sensor);
-  changes.camera = !(camera_a == camera_b);
+  const Scene optics_a = without_electronics(a), optics_b = without_electronics(b);
+  changes.camera = !(optics_a.camera == optics_b.camera && optics_a.cameras == optics_b.cameras);
   changes.flames = !(a.flames == b.flames) || (moved && !b.flames.empty());
   changes.solids =
       !(a.surfaces == b.surfaces && a.lights == b.lights) || (moved && !b.surfaces.empty());
@@ -42,7 +49,8 @@ SceneChanges changes_between(const Scene& first, const Scene& second) {
   RenderSpec rest = a.render;
   rest.samples = b.render.samples;
   changes.sampling = !(rest == b.render);
-  changes.develop = !(a.develop == b.develop) || (!changes.camera && !(a.camera == b.camera));
+  changes.develop = !(a.develop == b.develop) ||
+                    (!changes.camera && !(a.camera == b.camera && a.cameras == b.cameras));
   changes.names = !(first == second) && !changes.any();
   return changes;
 }

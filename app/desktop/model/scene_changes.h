@@ -13,11 +13,12 @@ struct SceneChanges {
   bool samples = false;   ///< how many rays
   bool develop = false;   ///< how the image is shown: nothing is rendered again
   bool names = false;     ///< labels only
+  bool opened = false;    ///< another document: nothing of the scene before is of use
 
   bool compiled() const { return camera || flames || solids || channels; }
   bool image() const { return compiled() || sampling || samples; }
   bool any() const { return image() || develop || names; }
-  static SceneChanges all() { return {true, true, true, true, true, true, true, true}; }
+  static SceneChanges all() { return {true, true, true, true, true, true, true, true, false}; }
 };
 
 SceneChanges changes_between(const Scene& a, const Scene& b);

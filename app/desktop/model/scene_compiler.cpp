@@ -1,8 +1,11 @@
 #include "model/scene_compiler.h"
 
+#include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/scene_schema.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -16,7 +19,45 @@ SceneChanges both(SceneChanges a, const SceneChanges& b) {
   a.samples |= b.samples;
   a.develop |= b.develop;
   a.names |= b.names;
+  a.opened |= b.opened;
   return a;
+}
+
+/// Where in the scene stands what a compilation failed for; empty: unknown.
+/// @param flame number of the one that could not be loaded; -1: none
+std::string key_of_failure(const SceneDocument& state, int flame, const std::string& message) {
+  if (flame >= 0) {
+    const std::string key = "flames[" + std::to_string(flame) + "]";
+    return state.scene.flames[static_cast<std::size_t>(flame)].kind == FlameKind::vdb
+               ? key + ".file"
+               : key;
+  }
+  // Otherwise by the message: it begins with the key's place, or names the file.
+  for (const std::string& path : scene_paths(state.scene)) {
+    const SourcePosition place = state.positions.find(path);
+    if (place.line > 0 && message.starts_with(to_string(place) + ":")) return path;
+    if (!path.ends_with(".file")) continue;
+    const std::string name = get_text(state.scene, path);
+    if (!name.empty() && message.find(name) != std::string::npos) return path;
+  }
+  return {};
+}
+
+/// A loader that remembers which flame could not be loaded; -1: none.
+MediumLoader watched(MediumLoader loader, const Scene& scene, std::atomic<int>& failed) {
+  return [loader = std::move(loader), &scene, &failed](
+             const FlameSpec& flame, const std::string& folder,
+             const std::vector<SourceFunction>& channels, const Execution& execution) {
+    try {
+      return loader(flame, folder, channels, execution);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const std::exception&) {
+      const auto found = std::find(scene.flames.begin(), scene.flames.end(), flame);
+      if (found != scene.flames.end()) failed = static_cast<int>(found - scene.flames.begin());
+      throw;
+    }
+  };
 }
 
 }  // namespace
@@ -30,17 +71,23 @@ void SceneCompiler::request(const SceneChanges& changes) {
   if (!changes.image()) return;
   pending_ = both(pending_, changes);
   current_ = false;
+  failure_.clear();
+  document_.set_unreadable(nullptr);
+  if (changes.opened) {
+    compiled_ = nullptr;
+    emit cleared();
+  }
   const unsigned number = ++newest_;
   if (!document_.is_valid()) {
     task_.cancel();
     for (const SceneIssue& issue : document_.issues())
       if (issue.is_error) {
-        emit failed(QString::fromStdString(to_string(issue)));
+        fail(QString::fromStdString(to_string(issue)));
         return;
       }
     return;
   }
-  const SceneDocument state{document_.scene(), document_.positions()};
+  const SceneDocument state = document_.scene_of_camera();
   task_.request([this, state, number](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
@@ -48,10 +95,11 @@ void SceneCompiler::request(const SceneChanges& changes) {
       if (severity != Severity::warning) return;
       post(this, [this, text] { emit warned(QString::fromStdString(text)); });
     };
+    std::atomic<int> flame{-1};
     try {
       flames_.next_generation();
-      auto compiled = std::make_shared<const CompiledScene>(
-          compile(state.scene, flames_.loader(), execution, state.positions));
+      auto compiled = std::make_shared<const CompiledScene>(compile(
+          state.scene, watched(flames_.loader(), state.scene, flame), execution, state.positions));
       post(this, [this, number, compiled] {
         if (number != newest_) return;
         compiled_ = compiled;
@@ -61,11 +109,30 @@ void SceneCompiler::request(const SceneChanges& changes) {
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
       const std::string message = error.what();
-      post(this, [this, number, message] {
-        if (number == newest_) emit failed(QString::fromStdString(message));
+      const std::string key = key_of_failure(state, flame, message);
+      post(this, [this, number, message, key] {
+        if (number != newest_) return;
+        SceneIssue issue;
+        issue.is_error = true;
+        issue.key = key;
+        issue.message = message;
+        document_.set_unreadable(&issue);
+        fail(QString::fromStdString(message));
       });
     }
   });
+}
+
+void SceneCompiler::fail(const QString& message) {
+  failure_ = message;
+  emit failed(message);
+}
+
+void SceneCompiler::retry() {
+  if (failure_.isEmpty()) return;
+  SceneChanges changes;
+  changes.flames = true;
+  request(changes);
 }
 
 }  // namespace plenoflame::desktop

@@ -12,7 +12,8 @@
 namespace plenoflame::desktop {
 
 /// Compiles the document's scene in the background whenever something changes that matters, and
-/// hands it to whoever traces rays. While a scene has errors the last one that had none stays.
+/// hands it to whoever traces rays. While a scene has errors the last one of the same document that
+/// had none stays.
 class SceneCompiler : public QObject {
   Q_OBJECT
  public:
@@ -21,9 +22,15 @@ class SceneCompiler : public QObject {
   /// Null until the first one is ready.
   const std::shared_ptr<const CompiledScene>& compiled() const { return compiled_; }
   bool is_current() const { return current_; }
+  /// Why the present scene cannot be compiled; empty: it can, or is being so.
+  const QString& failure() const { return failure_; }
+  /// Compiles once more what failed: its files may be others now.
+  void retry();
   const FlameCache& flames() const { return flames_; }
 
  signals:
+  /// What was compiled before belongs to another document, and is gone.
+  void cleared();
   /// @param changes since the scene that was compiled before
   void compiled_changed(const plenoflame::desktop::SceneChanges& changes);
   void failed(const QString& message);
@@ -31,11 +38,13 @@ class SceneCompiler : public QObject {
 
  private:
   void request(const SceneChanges& changes);
+  void fail(const QString& message);
 
   Document& document_;
   FlameCache flames_;
   std::shared_ptr<const CompiledScene> compiled_;
   SceneChanges pending_;  ///< of scenes that were replaced before they were compiled
+  QString failure_;
   bool current_ = false;
   unsigned newest_ = 0;
   LatestTask task_{Urgency::waited_for};  ///< last: it ends first

@@ -21,8 +21,7 @@ Selection target_of(const CompiledScene& scene, const Ray& sight, Targets target
   const double t = (scene.camera.sensor() - local.origin.z) / local.direction.z;
   if (t <= 0) return {};
   const Vec3 p = local.at(t);
-  const double column = 0.5 * spec.sensor.columns - p.x / spec.sensor.pixel_pitch,
-               row = 0.5 * spec.sensor.rows - p.y / spec.sensor.pixel_pitch;
+  const auto [column, row] = scene.camera.image_point({p.x, p.y});
   if (column < 0 || row < 0 || column >= spec.sensor.columns || row >= spec.sensor.rows) return {};
   return Selection::of_pixel(static_cast<int>(column), static_cast<int>(row));
 }

@@ -9,7 +9,11 @@ Session::Session(QObject* parent)
     // An image of another scene is no use to anybody.
     if (!changes.image()) return;
     render_.stop();
-    viewed_is_old_ = true;
+    viewed_is_old_ = views_are_old_ = true;
+    image_is_other_ |= changes.compiled() || changes.sampling;
+    if (!changes.opened) return;
+    render_.clear();
+    light_field_.clear();
   });
   connect(&compiler_, &SceneCompiler::compiled_changed, this, &Session::on_compiled);
   connect(&compiler_, &SceneCompiler::failed, this,
@@ -27,6 +31,9 @@ Session::Session(QObject* parent)
           [this](const QString& message) { emit failed("rays", message); });
   connect(&light_field_, &LightFieldJobs::failed, this,
           [this](const QString& message) { emit failed("light field", message); });
+  connect(&light_field_, &LightFieldJobs::views_changed, this, [this] {
+    if (!viewed_is_old_) views_are_old_ = false;
+  });
   connect(&design_, &DesignJob::failed, this,
           [this](const QString& message) { emit failed("design", message); });
   connect(&document_, &Document::image_changed, this, &Session::on_image);
@@ -34,6 +41,7 @@ Session::Session(QObject* parent)
 
 void Session::on_image() {
   const auto& image = document_.image();
+  image_is_other_ = false;
   // While an image is being refined, views are made of whole passes only.
   const bool refined = render_.state() == RenderJob::State::running && image && !image->complete;
   if (!refined) return take_image();
@@ -68,12 +76,22 @@ void Session::set_views_wanted(bool on) {
 }
 
 void Session::start_render() {
-  if (!compiler_.compiled()) return;
   if (!compiler_.is_current()) {
-    start_when_compiled_ = true;
+    start_when_compiled_ = !document_.is_empty();
+    compiler_.retry();
     return;
   }
-  render_.start(compiler_.compiled(), threads_);
+  render_.start(compiler_.compiled(), threads_, bettered());
+}
+
+/// The picture that is there, where it is one of the present scene with any number of samples.
+std::shared_ptr<const LightField> Session::bettered() const {
+  const auto& image = document_.image();
+  const Scene& scene = compiler_.compiled()->scene;
+  const SensorSpec& sensor = scene.camera.sensor;
+  if (!image || image_is_other_ || image->seed != scene.render.seed) return nullptr;
+  const bool whole = image->window.width == sensor.columns && image->window.height == sensor.rows;
+  return whole && image->channels.size() == scene.channels.size() ? image : nullptr;
 }
 
 void Session::on_compiled(const SceneChanges& changes) {
@@ -84,12 +102,14 @@ void Session::on_compiled(const SceneChanges& changes) {
     on_image();
   else if ((outlines_wanted_ || views_wanted_) && changes.camera)
     light_field_.set_camera(compiler_.compiled()->scene.camera);
-  if (wanted && !document_.image_is_current()) render_.start(compiler_.compiled(), threads_);
+  if (wanted && !document_.image_is_current())
+    render_.start(compiler_.compiled(), threads_, bettered());
 }
 
 void Session::update_light_field() {
   if (!compiler_.compiled() || !(outlines_wanted_ || views_wanted_)) return;
-  if (views_wanted_ && viewed_) return light_field_.set_image(viewed_, viewed_camera_);
+  if (views_wanted_ && viewed_)
+    return light_field_.set_image(viewed_, viewed_camera_, views_are_old_);
   if (views_wanted_ && !document_.image()) light_field_.clear();
   light_field_.set_camera(compiler_.compiled()->scene.camera);
 }

@@ -34,6 +34,8 @@ class Session : public QObject {
   void set_views_wanted(bool on);
   /// Renders the present scene from the beginning.
   void start_render();
+  /// Whether the views are of the scene before the last change.
+  bool views_are_old() const { return views_are_old_ && light_field_.views(); }
   /// Threads for rendering; 0: one per processor.
   void set_threads(int threads) { threads_ = threads; }
 
@@ -46,6 +48,7 @@ class Session : public QObject {
   void on_compiled(const SceneChanges& changes);
   void on_image();
   void take_image();
+  std::shared_ptr<const LightField> bettered() const;
   void update_light_field();
 
   Document document_;
@@ -59,6 +62,8 @@ class Session : public QObject {
   std::shared_ptr<const LightField> viewed_;
   CameraSpec viewed_camera_;
   bool viewed_is_old_ = false;  ///< of an earlier scene
+  bool views_are_old_ = false;  ///< of an earlier scene than the document's
+  bool image_is_other_ = true;  ///< of a scene that differs by more than its number of samples
   bool auto_render_ = true, outlines_wanted_ = false, views_wanted_ = false,
        start_when_compiled_ = false;
   int threads_ = 0;

@@ -4,7 +4,10 @@
 #include <QLabel>
 #include <QSplitter>
 #include <QTableWidget>
+#include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,23 +15,45 @@
 #include "widgets/plot_widget.h"
 
 namespace plenoflame::desktop {
+namespace {
+
+constexpr int kWarningsShown = 2;  ///< more of them are folded away at first
+
+/// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma or
+/// bracket.
+std::array<QString, 2> value_and_remark(const QString& text) {
+  int end = text.size();
+  for (const char* mark : {", ", " (", ": "}) {
+    const int at = text.indexOf(mark);
+    if (at > 0) end = std::min(end, at);
+  }
+  QString rest = text.mid(end);
+  if (rest.startsWith(", ") || rest.startsWith(": ")) rest = rest.mid(2);
+  return {text.left(end), rest.trimmed()};
+}
+
+}  // namespace
 
 DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
     : QWidget(parent),
       job_(job),
-      table_(new QTableWidget(0, 2, this)),
+      table_(new QTableWidget(0, 3, this)),
+      fold_(new QToolButton(this)),
       warnings_(new QLabel(this)),
       resolution_(new PlotWidget(this)) {
   table_->setObjectName("designTable");
-  table_->setHorizontalHeaderLabels({tr("Figure"), tr("Value")});
+  table_->setHorizontalHeaderLabels({tr("Figure"), tr("Value"), tr("Remark")});
   table_->verticalHeader()->setVisible(false);
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
+  table_->horizontalHeader()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setStretchLastSection(true);
+  table_->setWordWrap(true);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setAlternatingRowColors(true);
   table_->setToolTip(
-      tr("What `plenoflame design` says about this camera; it follows every change"));
+      tr("What `plenoflame design` says about this camera; it "
+         "follows every change"));
   warnings_->setObjectName("designWarnings");
   warnings_->setWordWrap(true);
   warnings_->setMargin(4);
@@ -38,9 +63,10 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   resolution_->set_axes(tr("object distance [m]"), tr("pixels kept along an axis"), false, false);
   resolution_->set_empty_text(
       tr("Effective resolution appears for cameras with a microlens array."));
-  resolution_->setToolTip(tr(
-      "Effective resolution of each microlens type against the object's distance: by rays solid, "
-      "paraxial dashed"));
+  resolution_->setToolTip(
+      tr("Effective resolution of each microlens type "
+         "against the object's distance: by rays solid, "
+         "paraxial dashed"));
   auto* split = new QSplitter(Qt::Vertical, this);
   split->addWidget(table_);
   split->addWidget(resolution_);
@@ -48,9 +74,23 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   split->setStretchFactor(1, 2);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(2, 2, 2, 2);
+  fold_->setObjectName("designWarningsFold");
+  fold_->setCheckable(true);
+  fold_->setAutoRaise(true);
+  fold_->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+  fold_->setToolTip(tr("Shows the warnings, or hides them"));
+  fold_->hide();
+  connect(fold_, &QToolButton::toggled, this, &DesignPanel::show_fold);
+  layout->addWidget(fold_);
   layout->addWidget(warnings_);
   layout->addWidget(split, 1);
   connect(&job_, &DesignJob::result_changed, this, &DesignPanel::fill);
+}
+
+void DesignPanel::show_fold() {
+  fold_->setText(shown_count_ == 1 ? tr("1 warning") : tr("%1 warnings").arg(shown_count_));
+  fold_->setArrowType(fold_->isChecked() ? Qt::DownArrow : Qt::RightArrow);
+  warnings_->setVisible(fold_->isChecked() && shown_count_ > 0);
 }
 
 void DesignPanel::fill() {
@@ -60,19 +100,25 @@ void DesignPanel::fill() {
   table_->setRowCount(rows);
   for (int i = 0; i < rows; ++i) {
     const auto& [label, text] = result->lines[static_cast<std::size_t>(i)];
-    const std::array<QString, 2> texts{QString::fromStdString(label), QString::fromStdString(text)};
-    for (int k = 0; k < 2; ++k) {
+    const auto [value, remark] = value_and_remark(QString::fromStdString(text));
+    const std::array<QString, 3> texts{QString::fromStdString(label), value, remark};
+    for (int k = 0; k < 3; ++k) {
       QTableWidgetItem* item = table_->item(i, k);
       if (!item) {
         item = new QTableWidgetItem;
         table_->setItem(i, k, item);
       }
       item->setText(texts[static_cast<std::size_t>(k)]);
-      if (k == 1) item->setToolTip(texts[1]);
+      if (k > 0) item->setToolTip(QString::fromStdString(text));
     }
   }
   warnings_->setText(result->warnings.join("\n"));
-  warnings_->setVisible(!result->warnings.isEmpty());
+  table_->resizeRowsToContents();
+  const int count = result->warnings.size();
+  fold_->setVisible(count > 0);
+  if (count != shown_count_) fold_->setChecked(count <= kWarningsShown);
+  shown_count_ = count;
+  show_fold();
   if (!result->complete) return;  // rays are still being traced: the old curves stay so long
   std::vector<PlotWidget::Series> series;
   for (std::size_t k = 0; k < result->figures.types.size(); ++k) {

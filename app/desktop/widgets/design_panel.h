@@ -5,12 +5,14 @@
 
 class QLabel;
 class QTableWidget;
+class QToolButton;
 
 namespace plenoflame::desktop {
 
 class PlotWidget;
 
-/// The design report, live: figures, warnings, effective resolution against distance.
+/// The design report, live: figures, warnings, effective resolution against
+/// distance.
 class DesignPanel : public QWidget {
   Q_OBJECT
  public:
@@ -18,11 +20,14 @@ class DesignPanel : public QWidget {
 
  private:
   void fill();
+  void show_fold();
 
   DesignJob& job_;
   QTableWidget* table_;
+  QToolButton* fold_;
   QLabel* warnings_;
   PlotWidget* resolution_;
+  int shown_count_ = 0;
 };
 
 }  // namespace plenoflame::desktop

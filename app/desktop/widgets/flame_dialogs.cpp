@@ -10,7 +10,7 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
-#include "model/flame_generator.h"
+#include "plenoflame/volumes/flame_generators.h"
 
 namespace plenoflame::desktop {
 
@@ -23,7 +23,10 @@ GenerateDialog::GenerateDialog(QWidget* parent)
   setWindowTitle(tr("Generate a flame"));
   setObjectName("generateDialog");
   kind_->setObjectName("generatorKind");
-  for (const std::string& name : generator_names()) kind_->addItem(QString::fromStdString(name));
+  for (const FlameGenerator& generator : flame_generators()) {
+    const std::string name(generator.name);
+    kind_->addItem(QString::fromStdString(name));
+  }
   message_->setWordWrap(true);
   message_->setStyleSheet("background: #b3261e; color: white;");
   message_->setMargin(4);
@@ -45,12 +48,13 @@ void GenerateDialog::fill() {
   edits_.clear();
   fields_ = new QWidget(this);
   form_ = new QFormLayout(fields_);
-  for (const GeneratorField& field : generator_fields(name())) {
-    auto* edit = new QLineEdit(QString::fromStdString(field.value), fields_);
-    edit->setToolTip(QString::fromStdString(field.about));
-    edit->setObjectName(QString::fromStdString("field-" + field.name));
-    form_->addRow(QString::fromStdString(field.name), edit);
-    edits_[field.name] = edit;
+  for (const FlameParameter& parameter : flame_generator(name()).parameters()) {
+    auto* edit = new QLineEdit(QString::fromStdString(parameter.value), fields_);
+    const QString label = QString::fromStdString(parameter.name).replace('_', ' ');
+    edit->setToolTip(QString::fromStdString(parameter.about));
+    edit->setObjectName("field-" + label);
+    form_->addRow(label, edit);
+    edits_[parameter.name] = edit;
   }
   static_cast<QVBoxLayout*>(layout())->insertWidget(1, fields_);
 }

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/flame_spec.h"
 #include "plenoflame/volumes/vdb_info.h"
 
 class QComboBox;

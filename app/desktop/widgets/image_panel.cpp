@@ -3,6 +3,7 @@
 #include <QAbstractItemView>
 #include <QAction>
 #include <QComboBox>
+#include <QHBoxLayout>
 #include <QLabel>
 #include <QLineEdit>
 #include <QSignalBlocker>
@@ -13,6 +14,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/develop.h"
+#include "widgets/colour_bar.h"
 #include "widgets/image_view.h"
 #include "widgets/plot_widget.h"
 
@@ -39,7 +41,8 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
       profile_plot_(new PlotWidget) {
   view_->setObjectName("rawImage");
   view_->setToolTip(
-      tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: its microlens. "
+      tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: "
+         "its microlens. "
          "Ctrl+drag: line profile. Arrow keys move the selected pixel."));
   auto* tools = new QToolBar(this);
   tools->setToolButtonStyle(Qt::ToolButtonTextOnly);
@@ -51,17 +54,18 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
     tools->addWidget(box);
     return box;
   };
-  quantity_ = combo(
-      "quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
-      tr("What is shown: radiant flux of each pixel [W], its standard error [W], or their ratio"));
+  quantity_ = combo("quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
+                    tr("What is shown: radiant flux of each pixel [W], its "
+                       "standard error [W], or their ratio"));
   channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
   channel_->setSizeAdjustPolicy(QComboBox::AdjustToContents);  // names come with the image
   channel_->setMaximumWidth(260);
-  scale_ = combo(
-      "scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
-      tr("Brightness by value: as displays do, in proportion, or by its logarithm (3 decades)"));
+  scale_ = combo("scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
+                 tr("Brightness by value: as displays do, in proportion, or by "
+                    "its logarithm (3 decades)"));
   map_ = combo("map", {tr("Grey"), tr("Viridis"), tr("Cividis"), tr("Inferno")},
-               tr("Colours; all are even in lightness and safe for colour-blind people"));
+               tr("Colours; all are even in lightness and safe for "
+                  "colour-blind people"));
   auto* more = new QToolBar(this);
   more->setToolButtonStyle(Qt::ToolButtonTextOnly);
   auto* white_label = new QLabel(tr(" White "), more);
@@ -70,21 +74,24 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   white_->setObjectName("white");
   white_->setPlaceholderText(tr("auto"));
   white_->setMaximumWidth(90);
-  white_->setToolTip(tr(
-      "Value that is shown as white, with its unit (e.g. 500 nW); empty: 99.9 % of the lit pixels "
-      "are darker"));
+  white_->setToolTip(
+      tr("Value that is shown as white, with its unit (e.g. 500 "
+         "nW); empty: 99.9 % of the lit pixels "
+         "are darker"));
   more->addWidget(white_);
   saturation_ = more->addAction(tr("Saturation"));
   saturation_->setObjectName("saturation");
   saturation_->setCheckable(true);
   saturation_->setToolTip(
-      tr("Mark pixels that the sensor of this scene saturates (develop.saturation)"));
+      tr("Mark pixels that the sensor of this scene "
+         "saturates (develop.saturation)"));
   outlines_ = more->addAction(tr("Outlines"));
   outlines_->setObjectName("outlines");
   outlines_->setCheckable(true);
   outlines_->setShortcut(Qt::Key_O);
-  outlines_->setToolTip(tr(
-      "Outlines of the micro-images, coloured by the type of their lens; zoom in to see them (O)"));
+  outlines_->setToolTip(
+      tr("Outlines of the micro-images, coloured by the type "
+         "of their lens; zoom in to see them (O)"));
   QAction* const fit = more->addAction(tr("Fit"));
   fit->setToolTip(tr("The whole image (F)"));
   QAction* const one = more->addAction(tr("1:1"));
@@ -96,7 +103,13 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   layout->setSpacing(0);
   layout->addWidget(tools);
   layout->addWidget(more);
-  layout->addWidget(view_, 1);
+  auto* bar = new ColourBar(this);
+  bar->setObjectName("imageBar");
+  auto* row = new QHBoxLayout;
+  row->setSpacing(0);
+  row->addWidget(view_, 1);
+  row->addWidget(bar);
+  layout->addLayout(row, 1);
 
   histogram_plot_->setObjectName("histogram");
   histogram_plot_->set_empty_text(tr("The histogram appears with the first picture."));
@@ -169,7 +182,8 @@ void ImagePanel::request() {
                            : quantity == Quantity::relative_error
                                ? 1.0
                                : automatic_saturation(shown->level(0));
-      // Of a level that is quickly counted; means of pixels when the image is large.
+      // Of a level that is quickly counted; means of pixels when the image is
+      // large.
       const Histogram counts =
           histogram(shown->level(shown->level_within(kCountedSide)), 80, true, 4);
       post(this, [this, number, flux, shown, white, saturation, counts] {
@@ -224,6 +238,7 @@ void ImagePanel::apply_tone() {
     tone.saturation = given > 0 ? given : automatic_saturation_;
   }
   view_->set_tone(tone);
+  findChild<ColourBar*>("imageBar")->set_tone(tone, relative ? Dimension::none : Dimension::flux);
 }
 
 void ImagePanel::update_profile() {
@@ -264,6 +279,12 @@ void ImagePanel::show_histogram(const Histogram& counts) {
 }
 
 QString ImagePanel::describe(int column, int row) const {
+  const QString flux = flux_text(column, row);
+  if (flux.isEmpty()) return {};
+  return tr("pixel %1, %2   flux %3").arg(column).arg(row).arg(flux);
+}
+
+QString ImagePanel::flux_text(int column, int row) const {
   const auto field = document_.image();
   if (!field || column < 0) return {};
   const auto index = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
@@ -271,11 +292,8 @@ QString ImagePanel::describe(int column, int row) const {
   const LightFieldChannel& channel = field->channels[index];
   const int x = column - field->window.x, y = row - field->window.y;
   if (x < 0 || y < 0 || x >= channel.flux.width || y >= channel.flux.height) return {};
-  QString text = tr("pixel %1, %2   flux %3")
-                     .arg(column)
-                     .arg(row)
-                     .arg(QString::fromStdString(readable_quantity(
-                         static_cast<double>(channel.flux.at(x, y)), Dimension::flux)));
+  QString text = QString::fromStdString(
+      readable_quantity(static_cast<double>(channel.flux.at(x, y)), Dimension::flux));
   if (!channel.standard_error.empty())
     text += tr(" \302\261 %1")
                 .arg(QString::fromStdString(readable_quantity(

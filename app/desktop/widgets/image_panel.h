@@ -36,6 +36,8 @@ class ImagePanel : public QWidget {
   QAction* outlines_action() { return outlines_; }
   /// What is at a pixel, for the status bar: "flux 1.2 nW +- 0.1 nW".
   QString describe(int column, int row) const;
+  /// The flux alone: "1.2 nW +- 0.1 nW"; empty: there is no such pixel.
+  QString flux_text(int column, int row) const;
 
  signals:
   /// The flux, ready to be shown elsewhere, too.

@@ -199,8 +199,8 @@ void ImageView::draw_micro_images(QPainter& painter) {
   const QPointF low = to_image({0, 0}), high = to_image(QPointF(width(), height()));
   const Vec2 upper = camera.sensor_point(low.x(), low.y()),
              lower = camera.sensor_point(high.x(), high.y());
-  const double scale = camera.spec().array.pitch / micro_images_->spacing(),
-               margin = 2 * camera.spec().array.pitch;
+  const double scale = shortest_pitch(camera.spec().array) / micro_images_->spacing(),
+               margin = 2 * longest_pitch(camera.spec().array);
   std::vector<LensIndex> lenses;
   const bool all = micro_images_->spacing() / pixel * screen_scale() >= kLeastCircle;
   if (all)
@@ -210,11 +210,11 @@ void ImageView::draw_micro_images(QPainter& painter) {
   const auto draw = [&](LensIndex lens, const QPen& pen, double least) {
     const MicroImages::Place place = micro_images_->place(lens);
     if (place.dark) return;
-    const QPointF centre(0.5 * sensor.columns - place.centre.x / pixel,
-                         0.5 * sensor.rows - place.centre.y / pixel);
-    const double radius = std::max(least, place.radius / pixel * screen_scale());
+    const Vec2 centre = camera.image_point(place.centre);
+    const double across = std::max(least, place.radius / sensor.pixel().x * screen_scale());
+    const double down = std::max(least, place.radius / sensor.pixel().y * screen_scale());
     painter.setPen(pen);
-    painter.drawEllipse(to_widget(centre), radius, radius);
+    painter.drawEllipse(to_widget(QPointF(centre.x, centre.y)), across, down);
   };
   painter.setBrush(Qt::NoBrush);
   for (const LensIndex lens : lenses)
@@ -247,12 +247,34 @@ void ImageView::draw_marks(QPainter& painter) {
   }
 }
 
+void ImageView::set_badge(const QString& text) {
+  if (text == badge_) return;
+  badge_ = text;
+  update();
+}
+
+void ImageView::set_empty_text(const QString& text) {
+  if (text == empty_text_) return;
+  empty_text_ = text;
+  update();
+}
+
+void ImageView::draw_badge(QPainter& painter) {
+  if (badge_.isEmpty()) return;
+  const QRect needed = painter.fontMetrics().boundingRect(badge_).adjusted(-6, -3, 6, 3);
+  const QRect place(QPoint(8, 8), needed.size());
+  painter.fillRect(place, QColor(230, 159, 0));
+  painter.setPen(Qt::black);
+  painter.drawText(place, Qt::AlignCenter, badge_);
+}
+
 void ImageView::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   if (!image_ || image_->empty()) {
     painter.fillRect(rect(), palette().color(QPalette::Dark));
     painter.setPen(palette().color(QPalette::BrightText));
-    painter.drawText(rect(), Qt::AlignCenter, tr("no picture yet"));
+    painter.drawText(rect().adjusted(12, 0, -12, 0), Qt::AlignCenter | Qt::TextWordWrap,
+                     empty_text_.isEmpty() ? tr("no picture yet") : empty_text_);
     return;
   }
   draw_image(painter);
@@ -260,6 +282,7 @@ void ImageView::paintEvent(QPaintEvent*) {
   draw_values(painter);
   draw_micro_images(painter);
   draw_marks(painter);
+  draw_badge(painter);
   if (hasFocus()) {
     painter.setRenderHint(QPainter::Antialiasing, false);
     painter.setPen(palette().color(QPalette::Highlight));

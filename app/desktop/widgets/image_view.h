@@ -29,6 +29,11 @@ class ImageView : public QWidget {
   const std::shared_ptr<const ImagePyramid>& image() const { return image_; }
   void set_tone(const ToneSettings& settings);
   const ToneSettings& tone_settings() const { return tone_; }
+  /// A word in the corner about the whole picture; empty: none.
+  void set_badge(const QString& text);
+  const QString& badge() const { return badge_; }
+  /// Shown where there is no picture; empty: that there is none yet.
+  void set_empty_text(const QString& text);
   /// Pixels are smoothed when they are enlarged.
   void set_smooth(bool on);
   /// Unit of the values for people, e.g. "W".
@@ -79,12 +84,14 @@ class ImageView : public QWidget {
   void draw_values(QPainter& painter);
   void draw_micro_images(QPainter& painter);
   void draw_marks(QPainter& painter);
+  void draw_badge(QPainter& painter);
   void moved();
 
   std::shared_ptr<const ImagePyramid> image_;
   ToneSettings tone_;
   std::unique_ptr<ToneTable> table_;
   QImage canvas_;
+  QString badge_, empty_text_;
   double scale_ = 1;
   QPointF centre_;
   bool fitted_ = true, smooth_ = false;

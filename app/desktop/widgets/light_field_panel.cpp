@@ -21,6 +21,7 @@
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/refocus.h"
 #include "widgets/image_view.h"
+#include "widgets/notice.h"
 #include "widgets/pointer.h"
 
 namespace plenoflame::desktop {
@@ -133,6 +134,9 @@ LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidg
   connect(save, &QPushButton::clicked, this, &LightFieldPanel::export_requested);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(2, 2, 2, 2);
+  notice_ = new Notice(this);
+  notice_->setObjectName("lightFieldNotice");
+  layout->addWidget(notice_);
   layout->addWidget(tabs_, 1);
   layout->addWidget(save, 0, Qt::AlignRight);
   connect(&jobs_, &LightFieldJobs::views_changed, this, &LightFieldPanel::on_views_changed);
@@ -289,6 +293,12 @@ QWidget* LightFieldPanel::make_epipolar_tab() {
   return page;
 }
 
+void LightFieldPanel::set_notice(const QString& failure, bool old) {
+  notice_->say(failure, Notice::Kind::error);
+  for (ImageView* view : {view_, refocused_, slice_, total_})
+    view->set_badge(old ? tr("older than the last change") : QString());
+}
+
 void LightFieldPanel::set_depth(double depth) {
   if (!(depth > 0) || !std::isfinite(depth))
     throw InputError("a depth is a distance in front of the lens, above 0");
@@ -330,11 +340,12 @@ void LightFieldPanel::on_views_changed() {
   const auto& views = jobs_.views();
   if (!views || views->views.empty()) {
     const QString text = document_.is_empty() ? QString()
-                         : document_.scene().camera.array.present
+                         : document_.camera().array.present
                              ? tr("Views are being made from the image...")
                              : tr("This camera has no microlens array, so there are no views.");
-    for (QLabel* label : {view_label_, refocus_label_, slice_label_}) label->setText(text);
-    for (ImageView* view : {view_, refocused_, slice_}) view->set_image(nullptr);
+    for (QLabel* label : {view_label_, refocus_label_, slice_label_, total_label_})
+      label->setText(text);
+    for (ImageView* view : {view_, refocused_, slice_, total_}) view->set_image(nullptr);
     return;
   }
   const View& middle = views->views[views->views.size() / 2];
@@ -357,6 +368,11 @@ void LightFieldPanel::on_views_changed() {
     }
   }
   white_ = automatic_saturation(middle.image);
+  if (!jobs_.stack()) {
+    total_->set_image(nullptr);
+    total_label_->setText(tr("A stack of depths takes some seconds."));
+  }
+  if (!jobs_.refocused().image) refocused_->set_image(nullptr);
   const bool vertical = slice_direction_->currentIndex() == 1;
   const int lines = vertical ? middle.image.width : middle.image.height;
   const bool first = line_->maximum() != lines - 1;

@@ -19,6 +19,7 @@ class QTabWidget;
 namespace plenoflame::desktop {
 
 class ImageView;
+class Notice;
 
 /// The stop of the main lens, with the places that views are made from: drag the point.
 class AperturePad : public QWidget {
@@ -60,6 +61,9 @@ class LightFieldPanel : public QWidget {
   std::shared_ptr<const Image> shown_image() const;
   QString shown_name() const;
   QTabWidget& tabs() { return *tabs_; }
+  /// @param failure why there are no pictures; empty: they are there or come
+  /// @param old whether those that are shown are of the scene before
+  void set_notice(const QString& failure, bool old);
 
  signals:
   void export_requested();
@@ -82,6 +86,7 @@ class LightFieldPanel : public QWidget {
   Document& document_;
   LightFieldJobs& jobs_;
   QTabWidget* tabs_;
+  Notice* notice_;
   AperturePad* pad_;
   ImageView *view_, *refocused_, *total_, *slice_;
   QLabel *view_label_, *refocus_label_, *total_label_, *slice_label_;

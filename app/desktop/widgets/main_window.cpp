@@ -186,125 +186,7 @@ void MainWindow::make_docks() {
   connect(rays_, &RaysPanel::export_requested, this, &MainWindow::export_rays);
   connect(render_, &RenderPanel::failed, this, &MainWindow::fail);
   connect(scene_, &ScenePanel::failed, this, &MainWindow::fail);
-}
-
-void MainWindow::connect_session() {
-  Document& document = session_.document();
-  connect(&document, &Document::state_changed, this, &MainWindow::update_title);
-  connect(&document, &Document::scene_changed, this, [this](const SceneChanges& changes) {
-    if (changes.camera) image_->view().set_micro_images(nullptr);
-  });
-  connect(&session_.compiler(), &SceneCompiler::compiled_changed, this,
-          [this](const SceneChanges& changes) {
-            const auto& scene = session_.compiler().compiled();
-            scene_view_->set_scene(scene, changes);
-            section_->set_scene(scene);
-          });
-  connect(&session_.rays(), &RaySelector::rays_changed, this, [this] {
-    const auto& rays = session_.rays().rays();
-    scene_view_->set_rays(rays, rays_->chosen());
-    section_->set_rays(rays, rays_->chosen());
-    image_->view().set_marks(rays ? rays->pixels : std::vector<Pixel>{});
-  });
-  connect(image_, &ImagePanel::pyramid_changed, this,
-          [this] { scene_view_->set_image(image_->flux_pyramid()); });
-  connect(&session_, &Session::failed, this, [this](const QString& what, const QString& message) {
-    last_message_ = message;
-    statusBar()->showMessage(what + ": " + message);
-  });
-  connect(&session_, &Session::warned, this, [this](const QString& message) {
-    statusBar()->showMessage(tr("warning: ") + message, 15000);
-  });
-  connect(&session_.light_field(), &LightFieldJobs::outlines_changed, this, [this] {
-    if (image_->outlines_action()->isChecked())
-      image_->view().set_micro_images(session_.light_field().outlines());
-  });
-  connect(image_->outlines_action(), &QAction::toggled, this, [this](bool on) {
-    if (on) session_.set_outlines_wanted(true);
-    image_->view().set_micro_images(on ? session_.light_field().outlines() : nullptr);
-  });
-  const auto show_busy = [this] {
-    const RenderJob& job = session_.render();
-    const bool running = job.state() == RenderJob::State::running;
-    const Document& shown = session_.document();
-    const bool compiling =
-        !shown.is_empty() && shown.is_valid() && !session_.compiler().is_current();
-    const bool old = shown.image() && !shown.image_is_current();
-    busy_label_->setText(running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
-                         : compiling ? tr("preparing the scene")
-                         : old       ? tr("the picture is older than the last change; F5 renders")
-                                     : QString());
-  };
-  connect(&session_.render(), &RenderJob::progressed, this, show_busy);
-  connect(&session_.render(), &RenderJob::state_changed, this, show_busy);
-  connect(&document, &Document::scene_changed, this, show_busy);
-  connect(&document, &Document::image_changed, this, show_busy);
-  connect(&session_.compiler(), &SceneCompiler::compiled_changed, this, show_busy);
-}
-
-void MainWindow::connect_selection() {
-  Document& document = session_.document();
-  const auto select_pixel = [this](int column, int row) {
-    session_.document().select(Selection::of_pixel(column, row));
-  };
-  const auto select_lens = [this](const LensIndex& lens) {
-    session_.document().select(Selection::of_microlens(lens));
-  };
-  const auto select_point = [this](const Vec3& point) {
-    session_.document().select(Selection::of_point(point));
-  };
-  ImageView& view = image_->view();
-  connect(&view, &ImageView::pixel_clicked, this, select_pixel);
-  connect(&view, &ImageView::lens_clicked, this, &MainWindow::select_lens_at);
-  connect(&view, &ImageView::hovered, this, [this](int column, int row, double) {
-    pointer_label_->setText(column < 0 ? QString() : image_->describe(column, row));
-  });
-  connect(section_, &SectionView::pointed, pointer_label_, &QLabel::setText);
-  connect(scene_view_, &SceneView::pointed, this, &MainWindow::show_pointed);
-  connect(scene_view_, &SceneView::pixel_picked, this, select_pixel);
-  connect(scene_view_, &SceneView::lens_picked, this, select_lens);
-  connect(scene_view_, &SceneView::point_picked, this, select_point);
-  connect(scene_view_, &SceneView::measured_changed, this, [this](double distance) {
-    statusBar()->showMessage(
-        tr("distance %1")
-            .arg(QString::fromStdString(readable_quantity(distance, Dimension::length, 4))));
-  });
-  connect(scene_view_, &SceneView::picture_requested, this, &MainWindow::export_picture_of_scene);
-  connect(rays_, &RaysPanel::pixel_requested, this, select_pixel);
-  connect(section_, &SectionView::lens_clicked, this, select_lens);
-  connect(section_, &SectionView::point_clicked, this, select_point);
-  connect(&document, &Document::selection_changed, this, &MainWindow::show_selection);
-}
-
-void MainWindow::select_lens_at(int column, int row) {
-  const auto& scene = session_.compiler().compiled();
-  if (!scene || !scene->camera.has_array()) return;
-  const LensIndex lens = microlens_of_pixel(scene->camera, column, row);
-  session_.document().select(Selection::of_microlens(lens));
-}
-
-void MainWindow::show_pointed(const Selection& target) {
-  const auto& scene = session_.compiler().compiled();
-  QString text;
-  if (scene && target.kind == Selection::Kind::pixel)
-    text = image_->describe(target.column, target.row);
-  if (scene && target.kind == Selection::Kind::microlens)
-    text = microlens_text(*scene, target.lens);
-  if (scene && target.kind == Selection::Kind::point) text = place_text(*scene, target.point);
-  pointer_label_->setText(text);
-}
-
-void MainWindow::show_selection() {
-  const Selection& selection = session_.document().selection();
-  ImageView& view = image_->view();
-  view.set_selected_pixel(selection.kind == Selection::Kind::pixel
-                              ? std::optional(Pixel{selection.column, selection.row})
-                              : std::nullopt);
-  view.set_selected_lens(
-      selection.kind == Selection::Kind::microlens ? std::optional(selection.lens) : std::nullopt);
-  if (auto* dock = findChild<QDockWidget*>("raysDock");
-      dock && selection.kind != Selection::Kind::none)
-    dock->raise();
+  connect(&scene_->model(), &ParameterModel::refusals_changed, this, &MainWindow::update_title);
 }
 
 bool MainWindow::guarded(const std::function<void()>& function) {
@@ -377,25 +259,27 @@ bool MainWindow::open_example(const QString& name) {
 }
 
 bool MainWindow::save() {
+  scene_->finish_editing();
   const std::string& file = session_.document().file();
   if (file.empty()) return save_as();
   const QString name = QFileInfo(QString::fromStdString(file)).fileName();
   // A file that somebody wrote keeps its comments and its order until there is something to save.
   if (!session_.document().is_modified() && QFileInfo::exists(QString::fromStdString(file))) {
-    statusBar()->showMessage(tr("%1 has no changes to save").arg(name), 8000);
+    statusBar()->showMessage(tr("%1 has no changes to save").arg(name) + not_taken(), 8000);
     return true;
   }
   if (!guarded([&] { session_.document().save(file); })) return false;
-  statusBar()->showMessage(tr("%1 saved").arg(name), 8000);
+  statusBar()->showMessage(tr("%1 saved").arg(name) + not_taken(), 8000);
   return true;
 }
 
 bool MainWindow::save_as() {
+  scene_->finish_editing();
   const QString name = ask_save_name(tr("Save the scene"), "scene.toml", tr("Scenes (*.toml)"));
   if (name.isEmpty()) return false;
   if (!guarded([&] { session_.document().save(name.toStdString()); })) return false;
   add_recent(QFileInfo(name).absoluteFilePath());
-  statusBar()->showMessage(tr("%1 saved").arg(QFileInfo(name).fileName()), 8000);
+  statusBar()->showMessage(tr("%1 saved").arg(QFileInfo(name).fileName()) + not_taken(), 8000);
   return true;
 }
 
@@ -421,8 +305,19 @@ bool MainWindow::may_discard() {
   return answer == QMessageBox::Discard;
 }
 
-void MainWindow::offer_recovery() {
-  if (!recovery_) return;
+bool MainWindow::begin(const QString& file, const std::function<void()>& then) {
+  if (!unattended_ && offer_recovery()) {
+    if (!file.isEmpty())
+      statusBar()->showMessage(
+          tr("%1 was not opened: what you recovered is open").arg(QFileInfo(file).fileName()),
+          20000);
+    return true;
+  }
+  return !file.isEmpty() && open(file, then);
+}
+
+bool MainWindow::offer_recovery() {
+  if (!recovery_) return false;
   const auto left = recovery_->left_behind();
   if (recovery_->ended_badly() && left.empty())
     statusBar()->showMessage(
@@ -441,8 +336,9 @@ void MainWindow::offer_recovery() {
       recovery_->keep(session_.document());
     }
     Recovery::discard(scene);
-    if (wanted) return;
+    if (wanted) return true;
   }
+  return false;
 }
 
 void MainWindow::add_recent(const QString& path) {
@@ -461,14 +357,31 @@ void MainWindow::update_title() {
                      : tr("%1[*] - Plenoflame").arg(QString::fromStdString(document.name())));
   setWindowModified(document.is_modified());
   welcome_->set_open(!document.is_empty());
-  undo_->setEnabled(document.can_undo());
+  const auto& refused = scene_->model().refusals();
+  undo_->setEnabled(document.can_undo() || !refused.empty());
   redo_->setEnabled(document.can_redo());
-  undo_->setText(document.can_undo()
+  undo_->setText(!refused.empty() ? tr("Undo refused value of %1").arg(refused.back().path)
+                 : document.can_undo()
                      ? tr("Undo %1").arg(QString::fromStdString(document.undo_text()))
                      : tr("Undo"));
   redo_->setText(document.can_redo()
                      ? tr("Redo %1").arg(QString::fromStdString(document.redo_text()))
                      : tr("Redo"));
+}
+
+/// A value that was refused is an edit, too: the last one is taken back.
+void MainWindow::undo() {
+  if (scene_->model().refusals().empty()) return session_.document().undo();
+  scene_->model().forget_refusal();
+}
+
+/// What is on display but was refused, and is therefore not in the file.
+QString MainWindow::not_taken() const {
+  QStringList parts;
+  for (const auto& refusal : scene_->model().refusals())
+    parts << tr("%1 = %2").arg(refusal.path, refusal.text);
+  return parts.isEmpty() ? QString()
+                         : tr("; not taken, as it was refused: %1").arg(parts.join(", "));
 }
 
 bool MainWindow::is_settled() const {
@@ -491,7 +404,7 @@ QString MainWindow::apply_options(const QString& pixel, const QString& part, con
     const int x = parts.value(0).toInt(&x_good), y = parts.value(1).toInt(&y_good);
     if (parts.size() != 2 || !x_good || !y_good)
       return "--pixel: '" + pixel + "' is not of the form X,Y: two whole numbers";
-    const SensorSpec& sensor = session_.document().scene().camera.sensor;
+    const SensorSpec& sensor = session_.document().camera().sensor;
     if (!session_.document().is_empty() &&
         (x < 0 || y < 0 || x >= sensor.columns || y >= sensor.rows))
       return QString("--pixel: %1 is outside of the sensor of %2 x %3 pixels")

@@ -19,6 +19,7 @@ namespace plenoflame::desktop {
 class DesignPanel;
 class FileTasks;
 class FlamePanel;
+class HelpWindow;
 class ImagePanel;
 class LightFieldPanel;
 class RaysPanel;
@@ -58,8 +59,13 @@ class MainWindow : public QMainWindow {
   bool open_example(const QString& name);
   bool save();
   bool save_as();
-  /// Offers what was left behind by a program that ended without saving.
-  void offer_recovery();
+  /// Offers what was left behind by a program that ended without saving. @return whether it was
+  /// taken, and is open now
+  bool offer_recovery();
+  /// What the program begins with: what was left behind is offered first, and when it is taken the
+  /// file, whose place it has, is not opened, which is said.
+  /// @param file empty: none was given  @return whether something was opened, or begun to be
+  bool begin(const QString& file, const std::function<void()>& then = {});
   /// Whether files are being read or written.
   bool is_file_busy() const;
   /// Everything that was asked for is on display: nothing is being computed.
@@ -84,12 +90,16 @@ class MainWindow : public QMainWindow {
   void make_menus();
   void make_view_menu(QMenu& menu);
   void connect_session();
+  void show_state();
+  void show_pixel_of_picture();
   void connect_selection();
   QDockWidget* add_dock(const char* name, const QString& title, QWidget* content,
                         Qt::DockWidgetArea area);
   void show_part(int index);
   void set_dark(bool dark);
   void update_title();
+  void undo();
+  QString not_taken() const;
   void show_selection();
   void add_recent(const QString& path);
   void update_recent();
@@ -136,8 +146,10 @@ class MainWindow : public QMainWindow {
   QTimer autosave_;
   bool unattended_ = false;
   QString last_message_;
+  QString standing_failure_;    ///< in the status bar until it is mended
   unsigned scenes_opened_ = 0;  ///< at once, without files_
   FileTasks* files_ = nullptr;
+  HelpWindow* help_ = nullptr;
 };
 
 }  // namespace plenoflame::desktop

@@ -11,8 +11,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "commands/light_field_output.h"
-#include "model/flame_generator.h"
+#include "image_files.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
@@ -21,6 +20,7 @@
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/export.h"
 #include "plenoflame/scene/scene_file.h"
+#include "plenoflame/volumes/flame_generators.h"
 #include "plenoflame/volumes/vdb_info.h"
 #include "vtk_commands.h"
 #include "widgets/file_tasks.h"
@@ -119,7 +119,7 @@ void MainWindow::export_views() {
       tr("export of %1 views").arg(views->views.size()),
       [folder, field, views](const Execution& execution) {
         StagingFolder staging(folder.toStdString());
-        std::vector<cli::NamedImage> images;
+        std::vector<NamedImage> images;
         for (const View& view : views->views)
           images.push_back({QString("view_%1_%2")
                                 .arg(view.row, 2, 10, QChar('0'))
@@ -128,8 +128,8 @@ void MainWindow::export_views() {
                             view.image,
                             {}});
         images.push_back({"contact", contact_sheet(*views), {}});
-        cli::write_images(staging.path(), images, views->unit, field->channels.front().name, true,
-                          *field, execution);
+        write_images(staging.path(), images, views->unit, field->channels.front().name, true,
+                     *field, execution);
         staging.commit();
       },
       [] {});
@@ -184,8 +184,10 @@ void MainWindow::generate_flame() {
   files_->add(
       tr("flame %1").arg(QString::fromStdString(kind)),
       [kind, values, path](const Execution& execution) {
-        write_flame(path.toStdString(),
-                    plenoflame::desktop::generate_flame(kind, values, execution), execution.stop);
+        GridWriteOptions options;
+        options.stop = execution.stop;
+        write_flame(path.toStdString(), plenoflame::generate_flame(kind, values, execution),
+                    options);
       },
       [this, path] { open(path); });
 }
@@ -193,7 +195,7 @@ void MainWindow::generate_flame() {
 void MainWindow::import_flame() {
   ImportDialog dialog(settings_->value("files/folder").toString(), this);
   if (dialog.exec() != QDialog::Accepted) return;
-  cli::FlameImportRequest request;
+  FlameImportRequest request;
   if (!guarded([&] { request = dialog.request(); })) return;
   const QString path = ask_save_name(tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
   if (path.isEmpty()) return;
@@ -202,9 +204,9 @@ void MainWindow::import_flame() {
       [request, path](const Execution& execution) {
         const std::filesystem::path output(path.toStdString());
         StagingFolder staging(output.parent_path().string());
-        cli::FlameImportRequest staged = request;
+        FlameImportRequest staged = request;
         staged.output = (staging.path() / output.filename()).string();
-        cli::import_flames(staged, execution);
+        import_flames(staged, execution);
         staging.commit();
       },
       [this, path] { open(path); });

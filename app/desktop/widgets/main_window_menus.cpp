@@ -1,6 +1,5 @@
 #include <QAction>
 #include <QApplication>
-#include <QDesktopServices>
 #include <QDir>
 #include <QDockWidget>
 #include <QFileDialog>
@@ -10,17 +9,18 @@
 #include <QMessageBox>
 #include <QStackedWidget>
 #include <QStatusBar>
-#include <QUrl>
 #include <array>
 
 #include <vtkVersion.h>
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
+#include "widgets/help_window.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/main_window.h"
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
+#include "widgets/view_commands.h"
 #include "widgets/welcome_page.h"
 
 namespace plenoflame::desktop {
@@ -44,6 +44,8 @@ void MainWindow::make_menus() {
     settings_->setValue("files/folder", QFileInfo(path).absolutePath());
     open(path);
   };
+  add(file, tr("&New"), QKeySequence::New, "actionNew",
+      [this] { open_example("paper-previous-60x60"); });
   add(file, tr("&Open..."), QKeySequence::Open, "actionOpen", ask_open);
   connect(welcome_, &WelcomePage::open_requested, this, ask_open);
   recent_menu_ = file->addMenu(tr("Open &recent"));
@@ -61,8 +63,7 @@ void MainWindow::make_menus() {
   add(file, tr("&Quit"), QKeySequence::Quit, "actionQuit", [this] { close(); });
 
   QMenu* const edit = menuBar()->addMenu(tr("&Edit"));
-  undo_ = add(edit, tr("Undo"), QKeySequence::Undo, "actionUndo",
-              [this] { session_.document().undo(); });
+  undo_ = add(edit, tr("Undo"), QKeySequence::Undo, "actionUndo", [this] { undo(); });
   redo_ = add(edit, tr("Redo"), QKeySequence::Redo, "actionRedo",
               [this] { session_.document().redo(); });
   edit->addSeparator();
@@ -82,6 +83,7 @@ void MainWindow::make_menus() {
 
   QMenu* const view = menuBar()->addMenu(tr("&View"));
   make_view_menu(*view);
+  new ViewCommands(*this, *scene_view_, {scene_view_, section_, image_}, *view, *edit);
 
   QMenu* const help = menuBar()->addMenu(tr("&Help"));
   add(help, tr("Documentation"), QKeySequence::HelpContents, "actionHelp", [this] { open_help(); });
@@ -92,7 +94,7 @@ void MainWindow::make_menus() {
                                 "O outlines\n3-D view: Ctrl+1 scene, 2 flame, 3 camera, 4 array, 5 "
                                 "pixel\nF5 render, F6 pause or resume, "
                                 "Shift+F5 stop\nCtrl+O open, Ctrl+S save, Ctrl+Z undo, "
-                                "Ctrl+Shift+Z redo\nEscape selects nothing\nF1 opens "
+                                "Ctrl+Shift+Z redo\nEscape clears the selection\nF1 opens "
                                 "the documentation of what has the focus"));
   });
   add(help, tr("About Plenoflame"), {}, "actionAbout", [this] { show_about(); });
@@ -140,8 +142,10 @@ void MainWindow::update_recent() {
 void MainWindow::show_about() {
   QMessageBox::about(
       this, tr("About Plenoflame"),
-      tr("<h3>Plenoflame %1</h3><p>What a light-field (plenoptic) camera sees of a flame.</p>"
-         "<p>Qt %2, VTK %3, OpenVDB, Embree, OpenEXR. Kernels: %4.</p><p>Licence: Apache 2.0</p>")
+      tr("<h3>Plenoflame %1</h3><p>What a light-field (plenoptic) camera sees "
+         "of a flame.</p>"
+         "<p>Qt %2, VTK %3, OpenVDB, Embree, OpenEXR. Kernels: "
+         "%4.</p><p>Licence: Apache 2.0</p>")
           .arg(QString::fromUtf8(version().data(), static_cast<int>(version().size())), qVersion(),
                vtkVersion::GetVTKVersion(),
                QString::fromUtf8(name(best_isa()).data(),
@@ -149,7 +153,8 @@ void MainWindow::show_about() {
 }
 
 void MainWindow::open_help() {
-  // The page about what has the focus; in the build tree and where docs are installed.
+  // The page about what has the focus; in the build tree and where docs are
+  // installed.
   QString page = "desktop.md";
   for (QWidget* w = QApplication::focusWidget(); w; w = w->parentWidget()) {
     if (w->objectName() == "sceneTree") page = "reference/scene.md";
@@ -162,7 +167,8 @@ void MainWindow::open_help() {
                                 QString(PLENOFLAME_SOURCE_DOCS)}) {
     const QString path = QDir(folder).filePath(page);
     if (!QFileInfo::exists(path)) continue;
-    QDesktopServices::openUrl(QUrl::fromLocalFile(path));
+    if (!help_) help_ = new HelpWindow(this);
+    help_->show_page(QFileInfo(path).canonicalFilePath());
     return;
   }
   fail(tr("The documentation page %1 is not installed.").arg(page));

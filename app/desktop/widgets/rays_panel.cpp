@@ -1,5 +1,6 @@
 #include "widgets/rays_panel.h"
 
+#include <QEvent>
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QLabel>
@@ -44,7 +45,8 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   auto* split = new QSplitter(Qt::Horizontal, this);
   table_ = make_table(
       {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle at sensor"),
-       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance"), tr("Weight")},
+       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance [W/(m\302\262 sr)]"),
+       tr("Weight [m\302\262 sr]")},
       {tr("Number of the ray"),
        tr("Column and row of the pixel that it belongs to; double click or Return selects it"),
        tr("How it ended, and where"), tr("Type and place (q, r) of its microlens"),
@@ -66,6 +68,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   split->addWidget(surfaces_);
   split->setStretchFactor(0, 3);
   split->setStretchFactor(1, 2);
+  title_->setObjectName("raysTitle");
   title_->setWordWrap(true);
   title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   export_ = new QPushButton(tr("Export rays..."), this);
@@ -110,33 +113,7 @@ void RaysPanel::fill() {
     return;
   }
   const std::vector<RayRow> rows = ray_rows(*rays);
-  double flux = 0;
-  for (const RayRow& row : rows) flux += row.weight * row.radiance;
-  const Selection& selection = rays->selection;
-  switch (selection.kind) {
-    case Selection::Kind::pixel:
-      title_->setText(tr("Pixel %1, %2: %3 rays, flux %4")
-                          .arg(selection.column)
-                          .arg(selection.row)
-                          .arg(rows.size())
-                          .arg(quantity(flux, Dimension::flux)));
-      break;
-    case Selection::Kind::microlens:
-      title_->setText(tr("Microlens (%1, %2): %3 pixels, %4 of its rays")
-                          .arg(selection.lens.q)
-                          .arg(selection.lens.r)
-                          .arg(rays->pixels.size())
-                          .arg(rows.size()));
-      break;
-    default:
-      title_->setText(tr("Point %1, %2, %3: seen by %4 pixels")
-                          .arg(quantity(selection.point.x, Dimension::length),
-                               quantity(selection.point.y, Dimension::length),
-                               quantity(selection.point.z, Dimension::length))
-                          .arg(rays->pixels.size()));
-  }
   table_->setRowCount(static_cast<int>(rows.size()));
-  const bool dark = palette().color(QPalette::Base).lightness() < 128;
   for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
     const RayRow& row = rows[static_cast<std::size_t>(i)];
     const QStringList texts{
@@ -152,15 +129,73 @@ void RaysPanel::fill() {
     for (int k = 0; k < texts.size(); ++k) {
       auto* item = new QTableWidgetItem(texts[k]);
       item->setData(Qt::UserRole, row.ray);
-      if (k == kEndedColumn)
-        item->setForeground(
-            status_colour(rays->paths.rays[static_cast<std::size_t>(row.ray)].status.status, dark));
       table_->setItem(i, k, item);
     }
   }
+  colour_endings();
+  show_title();
   if (!rows.empty()) table_->setCurrentCell(0, 0);
   table_->blockSignals(quiet);
   fill_surfaces(chosen());
+}
+
+void RaysPanel::set_pixel_of_picture(const QString& text) {
+  if (text == pixel_of_picture_) return;
+  pixel_of_picture_ = text;
+  if (rays_.rays()) show_title();
+}
+
+void RaysPanel::show_title() {
+  const auto rays = rays_.rays();
+  const std::vector<RayRow> rows = ray_rows(*rays);
+  double flux = 0;
+  for (const RayRow& row : rows) flux += row.weight * row.radiance;
+  const Selection& selection = rays->selection;
+  QString text;
+  switch (selection.kind) {
+    case Selection::Kind::pixel:
+      text = tr("Pixel %1, %2: %3 rays, flux %4")
+                 .arg(selection.column)
+                 .arg(selection.row)
+                 .arg(rows.size())
+                 .arg(quantity(flux, Dimension::flux));
+      // Both are estimates of one flux, from rays of their own number.
+      if (!pixel_of_picture_.isEmpty()) text += tr("; %1").arg(pixel_of_picture_);
+      break;
+    case Selection::Kind::microlens:
+      text = tr("Microlens (%1, %2): %3 pixels, %4 of its rays")
+                 .arg(selection.lens.q)
+                 .arg(selection.lens.r)
+                 .arg(rays->pixels.size())
+                 .arg(rows.size());
+      break;
+    default:
+      text = tr("Point %1, %2, %3: seen by %4 pixels")
+                 .arg(quantity(selection.point.x, Dimension::length),
+                      quantity(selection.point.y, Dimension::length),
+                      quantity(selection.point.z, Dimension::length))
+                 .arg(rays->pixels.size());
+  }
+  title_->setText(text);
+}
+
+/// The colours that the rays have in the views, as they read on this theme.
+void RaysPanel::colour_endings() {
+  const auto rays = rays_.rays();
+  if (!rays) return;
+  const bool dark = palette().color(QPalette::Base).lightness() < 128;
+  for (int i = 0; i < table_->rowCount(); ++i) {
+    QTableWidgetItem* const item = table_->item(i, kEndedColumn);
+    if (!item) continue;
+    const auto ray = static_cast<std::size_t>(item->data(Qt::UserRole).toInt());
+    if (ray < rays->paths.rays.size())
+      item->setForeground(status_colour(rays->paths.rays[ray].status.status, dark));
+  }
+}
+
+void RaysPanel::changeEvent(QEvent* event) {
+  QWidget::changeEvent(event);
+  if (event->type() == QEvent::PaletteChange) colour_endings();
 }
 
 int RaysPanel::chosen() const {

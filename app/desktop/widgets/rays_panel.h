@@ -15,6 +15,9 @@ class RaysPanel : public QWidget {
  public:
   explicit RaysPanel(RaySelector& rays, QWidget* parent = nullptr);
   QTableWidget& table() { return *table_; }
+  /// What the picture has for the selected pixel, to be said beside the rays' own sum; empty: it
+  /// has none.
+  void set_pixel_of_picture(const QString& text);
   /// Number of the ray that is chosen; -1: none.
   int chosen() const;
 
@@ -24,14 +27,20 @@ class RaysPanel : public QWidget {
   void pixel_requested(int column, int row);
   void export_requested();
 
+ protected:
+  void changeEvent(QEvent* event) override;
+
  private:
   void fill();
   void fill_surfaces(int ray);
+  void show_title();
+  void colour_endings();
 
   RaySelector& rays_;
   QLabel* title_;
   QTableWidget *table_, *surfaces_;
   QPushButton* export_;
+  QString pixel_of_picture_;
 };
 
 }  // namespace plenoflame::desktop

@@ -114,7 +114,7 @@ void RenderPanel::multiply_samples(double factor) {
   const double wanted = std::clamp(std::round(document.scene().render.samples * factor), 1.0,
                                    static_cast<double>(most));
   try {
-    document.set_value("render.samples", std::to_string(static_cast<int>(wanted)));
+    document.set_value("render.samples", std::to_string(static_cast<int>(wanted)), {});
   } catch (const Error& error) {
     emit failed(QString::fromUtf8(error.what()));
   }

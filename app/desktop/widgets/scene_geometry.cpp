@@ -16,7 +16,22 @@
 
 namespace plenoflame::desktop {
 
-SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel) {
+SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
+                             const std::vector<CameraSpec>& other_cameras) {
+  for (const CameraSpec& neighbour : other_cameras) {
+    Scene seen_by = scene;
+    seen_by.camera = neighbour;
+    vtkNew<vtkPlenoflameScene> holder;
+    holder->SetScene(seen_by);
+    vtkNew<vtkPlenoflameCameraSource> source;
+    source->SetInputDataObject(holder);
+    source->SetLevelOfDetail(vtkPlenoflameCameraSource::PLATE);
+    source->Update();
+    Other other{vtkSmartPointer<vtkMultiBlockDataSet>::New(), vtkSmartPointer<vtkImageData>::New()};
+    other.camera->ShallowCopy(source->GetOutput());
+    other.plate_texture->DeepCopy(source->GetPlateTexture());
+    others.push_back(other);
+  }
   vtkNew<vtkPlenoflameScene> holder;
   holder->SetScene(scene);
   vtkNew<vtkPlenoflameCameraSource> source;

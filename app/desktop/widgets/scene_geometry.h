@@ -4,6 +4,7 @@
 #include <vtkSmartPointer.h>
 
 #include <array>
+#include <vector>
 
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
@@ -17,8 +18,16 @@ struct SceneGeometry {
   vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
   vtkSmartPointer<vtkImageData> plate_texture, flame;
 
-  /// The camera, and the microlenses near a pixel; no flame yet.
-  SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel);
+  /// A camera beside the one that everything is about.
+  struct Other {
+    vtkSmartPointer<vtkMultiBlockDataSet> camera;
+    vtkSmartPointer<vtkImageData> plate_texture;
+  };
+  std::vector<Other> others;
+
+  /// The cameras, and the microlenses near a pixel; no flame yet.
+  SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
+                const std::vector<CameraSpec>& others = {});
 };
 
 /// Hot and dense everywhere, in some points.

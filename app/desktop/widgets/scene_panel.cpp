@@ -1,5 +1,6 @@
 #include "widgets/scene_panel.h"
 
+#include <QApplication>
 #include <QComboBox>
 #include <QHeaderView>
 #include <QLabel>
@@ -19,6 +20,14 @@ namespace {
 
 constexpr int kSliderSteps = 400;    ///< to each side of the middle
 constexpr double kSliderFactor = 2;  ///< by which the ends differ from the middle
+
+constexpr double kReachOfNothing = 0.1;  ///< of components that are all 0, in SI units
+
+std::vector<double> components_of(const SchemaValue& value) {
+  if (const auto* const v = std::get_if<Vec3>(&value)) return {v->x, v->y, v->z};
+  if (const auto* const v = std::get_if<Vec2>(&value)) return {v->x, v->y};
+  return {0};
+}
 
 /// Choices as a list; wrong values on red.
 class ValueDelegate : public QStyledItemDelegate {
@@ -55,7 +64,8 @@ class ValueDelegate : public QStyledItemDelegate {
  protected:
   void initStyleOption(QStyleOptionViewItem* option, const QModelIndex& index) const override {
     QStyledItemDelegate::initStyleOption(option, index);
-    if (index.column() == ParameterModel::kAllowed)
+    if (index.column() == ParameterModel::kAllowed ||
+        !index.data(ParameterModel::kReasonRole).toString().isEmpty())
       option->palette.setColor(QPalette::Text,
                                option->palette.color(QPalette::Disabled, QPalette::Text));
     if (index.data(ParameterModel::kMessageRole).toString().isEmpty()) return;
@@ -71,10 +81,14 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
     : QWidget(parent),
       document_(document),
       model_(new ParameterModel(document, this)),
+      camera_(new QComboBox(this)),
       tree_(new QTreeView(this)),
       message_(new QLabel(this)),
       slider_(new QSlider(Qt::Horizontal, this)),
       slider_label_(new QLabel(this)) {
+  camera_->setObjectName("cameraChoice");
+  camera_->setToolTip(tr("The camera that is rendered, traced and shown"));
+  camera_->hide();
   tree_->setObjectName("sceneTree");
   tree_->setModel(model_);
   tree_->setItemDelegate(new ValueDelegate(tree_));
@@ -99,6 +113,7 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
   slider_label_->setText(tr("Select a number to move it"));
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(2, 2, 2, 2);
+  layout->addWidget(camera_);
   layout->addWidget(tree_, 1);
   layout->addWidget(message_);
   layout->addWidget(slider_label_);
@@ -115,6 +130,28 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
   connect(slider_, &QSlider::valueChanged, this, &ScenePanel::move_slider);
   connect(slider_, &QSlider::sliderReleased, this, &ScenePanel::start_slider);
   connect(&document_, &Document::scene_changed, this, &ScenePanel::show_message);
+  connect(&document_, &Document::issues_changed, this, [this] {
+    show_message();
+    reveal_unreadable();
+  });
+  connect(&document_, &Document::scene_changed, this, &ScenePanel::show_cameras);
+  connect(camera_, QOverload<int>::of(&QComboBox::activated), this, [this](int chosen) {
+    try {
+      document_.choose_camera(camera_->itemData(chosen).toString().toStdString());
+    } catch (const Error& error) {
+      emit failed(QString::fromUtf8(error.what()));
+    }
+  });
+}
+
+void ScenePanel::show_cameras() {
+  camera_->clear();
+  for (const CameraSpec& camera : document_.scene().cameras) {
+    const QString name = QString::fromStdString(camera.name);
+    camera_->addItem(tr("Camera %1").arg(name), name);
+    if (camera.name == document_.camera_name()) camera_->setCurrentIndex(camera_->count() - 1);
+  }
+  camera_->setVisible(camera_->count() > 1);
 }
 
 void ScenePanel::remember_expanded() {
@@ -131,7 +168,8 @@ void ScenePanel::remember_expanded() {
 }
 
 void ScenePanel::restore_expanded() {
-  if (expanded_.empty()) expanded_ = {"camera", "camera.focus", "flames", "flames[0]", "render"};
+  if (expanded_.empty())
+    expanded_ = {"camera", "camera.focus", "cameras", "flames", "flames[0]", "render"};
   for (const QString& path : expanded_) {
     const QModelIndex index = model_->find(path.toStdString());
     if (index.isValid()) tree_->setExpanded(index, true);
@@ -144,6 +182,20 @@ void ScenePanel::reveal(const QString& path) {
   for (QModelIndex up = index.parent(); up.isValid(); up = up.parent()) tree_->expand(up);
   tree_->setCurrentIndex(index);
   tree_->scrollTo(index);
+}
+
+void ScenePanel::finish_editing() {
+  if (tree_->isAncestorOf(QApplication::focusWidget())) tree_->setFocus();
+}
+
+/// The value that names a file that cannot be read is opened to view, without being selected.
+void ScenePanel::reveal_unreadable() {
+  for (const SceneIssue& issue : document_.issues()) {
+    if (!issue.is_error || issue.key.empty()) continue;
+    const QModelIndex index = model_->find(issue.key);
+    for (QModelIndex up = index.parent(); up.isValid(); up = up.parent()) tree_->expand(up);
+    if (index.isValid()) tree_->scrollTo(index);
+  }
 }
 
 void ScenePanel::show_message() {
@@ -170,14 +222,25 @@ void ScenePanel::show_message() {
 void ScenePanel::start_slider() {
   const QModelIndex current = tree_->currentIndex();
   const QString path = current.isValid() ? current.data(ParameterModel::kPathRole).toString() : "";
-  const SchemaKey* const key = path.isEmpty() ? nullptr : find_schema_key(path.toStdString());
-  bool usable = key && key->type == ValueType::number;
+  const auto place = ParameterModel::place_of(path.toStdString());
+  bool usable = place.key && (place.key->type == ValueType::number || place.component >= 0);
   if (usable) {
-    const ParsedPath parsed = parse_path(path.toStdString());
-    slider_start_ = std::get<double>(key->get(document_.scene(), parsed.indices));
-    usable = std::isfinite(slider_start_) && slider_start_ != 0;
+    const SchemaValue value = place.key->get(document_.scene(), parse_path(place.path).indices);
+    if (place.component < 0) {
+      slider_start_ = std::get<double>(value);
+      slider_reach_ = 0;
+      usable = slider_start_ != 0;
+    } else {
+      const std::vector<double> parts = components_of(value);
+      slider_start_ = parts.at(static_cast<std::size_t>(place.component));
+      double longest = 0;
+      for (const double part : parts) longest = std::max(longest, std::fabs(part));
+      slider_reach_ = longest > 0 && std::isfinite(longest) ? longest : kReachOfNothing;
+    }
+    usable = usable && std::isfinite(slider_start_);
   }
   slider_path_ = usable ? path : QString();
+  ++stroke_;
   const bool was = slider_->blockSignals(true);
   slider_->setValue(0);
   slider_->blockSignals(was);
@@ -187,14 +250,31 @@ void ScenePanel::start_slider() {
 
 void ScenePanel::move_slider(int value) {
   if (slider_path_.isEmpty()) return;
-  const SchemaKey* const key = find_schema_key(slider_path_.toStdString());
-  if (!key) return;
-  // Three digits are enough for a slider, and read well in the tree.
-  const double wanted = slider_start_ * std::pow(kSliderFactor, double(value) / kSliderSteps);
-  const double digits = std::pow(10.0, std::floor(std::log10(std::fabs(wanted))) - 3);
+  const auto place = ParameterModel::place_of(slider_path_.toStdString());
+  if (!place.key) return;
+  // Three digits are enough for a slider, and read well in the tree. A number goes to half and to
+  // twice its value, a component by the length of its vector to both sides.
+  const double share = double(value) / kSliderSteps;
+  const double wanted = slider_reach_ > 0 ? slider_start_ + share * slider_reach_
+                                          : slider_start_ * std::pow(kSliderFactor, share);
+  const double of = slider_reach_ > 0 ? slider_reach_ : std::fabs(wanted);
+  const double digits = std::pow(10.0, std::floor(std::log10(of)) - 3);
   const double rounded = value == 0 ? slider_start_ : std::round(wanted / digits) * digits;
+  SchemaValue moved = rounded;
+  std::string text;
+  if (place.component >= 0) {
+    // Written as the vector is, so that every component has its unit.
+    const Vec3 of_parts{rounded, rounded, rounded};
+    moved = place.key->type == ValueType::vector3 ? SchemaValue(of_parts)
+                                                  : SchemaValue(Vec2{rounded, rounded});
+    text = value_to_text(*place.key, moved);
+    text = text.substr(0, text.find(','));
+  } else {
+    text = value_to_text(*place.key, moved);
+  }
   const QModelIndex index = model_->find(slider_path_.toStdString(), ParameterModel::kValue);
-  model_->setData(index, QString::fromStdString(value_to_text(*key, rounded)));
+  model_->set_value(index, QString::fromStdString(text),
+                    slider_path_.toStdString() + " " + std::to_string(stroke_));
 }
 
 void ScenePanel::show_menu(const QPoint& place) {
@@ -223,6 +303,8 @@ void ScenePanel::show_menu(const QPoint& place) {
         guarded([&] { document_.erase_item(list.toStdString(), static_cast<std::size_t>(item)); });
       });
   }
+  const ParsedPath parsed =
+      parse_path(index.data(ParameterModel::kPathRole).toString().toStdString());
   int kind = index.data(ParameterModel::kPresetRole).toInt();
   if (list == "flames") kind = static_cast<int>(PresetKind::flame);
   if (kind >= 0) {
@@ -232,7 +314,7 @@ void ScenePanel::show_menu(const QPoint& place) {
         guarded([&] {
           document_.apply_preset(
               static_cast<PresetKind>(kind), name,
-              item >= 0 ? static_cast<std::size_t>(item) : document_.scene().flames.size());
+              parsed.indices.empty() ? document_.scene().flames.size() : parsed.indices.front());
         });
       });
       action->setToolTip(

@@ -4,6 +4,7 @@
 
 #include "model/parameter_model.h"
 
+class QComboBox;
 class QLabel;
 class QSlider;
 class QTreeView;
@@ -21,13 +22,17 @@ class ScenePanel : public QWidget {
   QTreeView& tree() { return *tree_; }
   /// Opens the tree at a value and selects it.
   void reveal(const QString& path);
+  /// What is being typed counts as typed.
+  void finish_editing();
 
  signals:
   void failed(const QString& message);
 
  private:
+  void show_cameras();
   void show_menu(const QPoint& place);
   void show_message();
+  void reveal_unreadable();
   void start_slider();
   void move_slider(int value);
   void remember_expanded();
@@ -35,12 +40,15 @@ class ScenePanel : public QWidget {
 
   Document& document_;
   ParameterModel* model_;
+  QComboBox* camera_;  ///< hidden where there is but one
   QTreeView* tree_;
   QLabel* message_;
   QSlider* slider_;
   QLabel* slider_label_;
   QString slider_path_;
   double slider_start_ = 0;
+  double slider_reach_ = 0;  ///< of a component, to each side; 0: it is moved by a factor
+  int stroke_ = 0;           ///< of the slider: what it does in one is one step to undo
   std::set<QString> expanded_;
 };
 

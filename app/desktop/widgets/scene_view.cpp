@@ -19,8 +19,11 @@
 
 #include <QAction>
 #include <QActionGroup>
+#include <QLayout>
 #include <QMouseEvent>
+#include <QStyle>
 #include <QToolBar>
+#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
@@ -38,10 +41,12 @@
 #include "plenoflame/scene/scene_file.h"
 #include "scene_props.h"
 #include "widgets/flame_opacity.h"
+#include "widgets/notice.h"
 #include "widgets/pointer.h"
 #include "widgets/ray_lines.h"
 #include "widgets/ruler.h"
 #include "widgets/scene_geometry.h"
+#include "widgets/scene_view_parts.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -50,33 +55,6 @@ constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing 
 constexpr int kSensorTexture = 640;
 
 }  // namespace
-
-struct SceneView::View {
-  QVTKOpenGLNativeWidget* widget = nullptr;
-  vtkNew<vtkGenericOpenGLRenderWindow> window;
-  vtkNew<vtkRenderer> renderer;
-  vtkNew<vtkInteractorStyleTrackballCamera> style;
-  vtkNew<vtkCallbackCommand> before_drawing;
-  vtkNew<vtkDistanceWidget> ruler;
-  vtkNew<vtkCallbackCommand> ruler_moved;
-  std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
-  std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
-
-  /// Replaces what the layer shows by what add(renderer) adds.
-  template <class Add>
-  void replace(const std::string& layer, Add add) {
-    for (const auto& prop : layers[layer]) renderer->RemoveViewProp(prop);
-    layers[layer].clear();
-    const int before = renderer->GetViewProps()->GetNumberOfItems();
-    add(*renderer);
-    vtkPropCollection* const props = renderer->GetViewProps();
-    for (int i = before; i < props->GetNumberOfItems(); ++i)
-      layers[layer].push_back(vtkProp::SafeDownCast(props->GetItemAsObject(i)));
-  }
-  void show(const std::string& layer, bool on) {
-    for (const auto& prop : layers[layer]) prop->SetVisibility(on);
-  }
-};
 
 SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<View>()) {
   View& v = *view_;
@@ -112,7 +90,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
 
   tools_ = new QToolBar(this);
   tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  tools_->setStyleSheet("QToolBar { spacing: 0px; } QToolButton { padding: 2px 3px; }");  // all fit
+  tools_->layout()->setSpacing(0);
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
@@ -139,16 +117,24 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   connect(measure_, &QAction::toggled, this, [this](bool on) {
     view_->ruler->SetWidgetStateToStart();
     view_->ruler->SetEnabled(on ? 1 : 0);
+    emit measured_changed(0);
     render();
   });
   QAction* const save = tools_->addAction(tr("Picture..."));
   save->setToolTip(tr("Save this view as a picture"));
   connect(save, &QAction::triggered, this, &SceneView::picture_requested);
+  // As an icon: the texts of the others fill the bar.
+  save->setIcon(style()->standardIcon(QStyle::SP_DialogSaveButton));
+  if (auto* button = qobject_cast<QToolButton*>(tools_->widgetForAction(save)))
+    button->setToolButtonStyle(Qt::ToolButtonIconOnly);
 
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools_);
+  notice_ = new Notice(this);
+  notice_->setObjectName("sceneViewNotice");
+  layout->addWidget(notice_);
   layout->addWidget(v.widget, 1);
   render_later_.setSingleShot(true);
   connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
@@ -161,15 +147,6 @@ SceneView::~SceneView() {
   task_.cancel();
   view_->ruler->RemoveObserver(view_->ruler_moved);
   view_->ruler->SetInteractor(nullptr);
-}
-
-QPointF SceneView::to_widget(const Vec3& world) const {
-  const double ratio = view_->widget->devicePixelRatioF();
-  const int* const size = view_->renderer->GetSize();
-  view_->renderer->SetWorldPoint(world.x, world.y, world.z, 1);
-  view_->renderer->WorldToDisplay();
-  const double* const p = view_->renderer->GetDisplayPoint();
-  return {p[0] / ratio, (size[1] - 1 - p[1]) / ratio};
 }
 
 double SceneView::measured() const {
@@ -197,6 +174,7 @@ void SceneView::set_dark(bool dark) {
     view_->renderer->SetBackground(0.97, 0.97, 0.98);
   set_ruler_dark(*view_->ruler, dark);
   if (geometry_) add_flame();
+  add_rays();
   render();
 }
 
@@ -234,10 +212,32 @@ void SceneView::warm_up() {
   view_->window->Render();
 }
 
-void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes) {
+void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes,
+                          std::vector<CameraSpec> others) {
   scene_ = std::move(scene);
+  others_ = std::move(others);
   if (!changes.compiled() && geometry_) return;
   build_geometry();
+}
+
+void SceneView::clear() {
+  task_.cancel();
+  built_ = ++newest_;
+  show_all();
+  scene_ = nullptr;
+  geometry_ = nullptr;
+  rays_ = nullptr;
+  image_ = nullptr;
+  others_.clear();
+  temperatures_ = {0, 0};
+  aimed_ = false;
+  for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  if (measure_->isChecked()) measure_->setChecked(false);
+  render();
+}
+
+void SceneView::set_notice(const QString& text) {
+  notice_->say(text);
 }
 
 void SceneView::build_geometry() {
@@ -247,19 +247,22 @@ void SceneView::build_geometry() {
                            scene_->scene.camera.sensor.rows / 2};
   if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
     pixel = {rays_->selection.column, rays_->selection.row};
-  task_.request([this, scene = scene_, number, pixel](std::stop_token stop) {
+  task_.request([this, scene = scene_, others = others_, number, pixel](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     try {
-      const auto built = std::make_shared<SceneGeometry>(scene->scene, pixel);
+      const auto built = std::make_shared<SceneGeometry>(scene->scene, pixel, others);
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       if (built->flame) show_glow(*scene->medium, *built->flame, execution);
       post(this, [this, number, built] {
         if (number != newest_) return;
         built_ = number;
+        std::array<double, 6> before{};
+        if (geometry_ && geometry_->flame) geometry_->flame->GetBounds(before.data());
         geometry_ = built;
         add_geometry();
+        if (aimed_) follow(before);
       });
     } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
       post(this, [this, number] { built_ = number; });
@@ -320,6 +323,8 @@ void SceneView::add_camera() {
   view_->replace("camera", [&](vtkRenderer& renderer) {
     views::add_camera(close ? *geometry_->detail : *geometry_->camera, geometry_->plate_texture,
                       texture, close ? 0.45 : 0.4, renderer);
+    for (const SceneGeometry::Other& other : geometry_->others)
+      views::add_camera(*other.camera, other.plate_texture, nullptr, 0.4, renderer);
   });
 }
 
@@ -415,66 +420,6 @@ void SceneView::show_part(Part part) {
   render();
 }
 
-void SceneView::aim() {
-  if (!scene_ || !geometry_) return;
-  const CameraSpec& spec = scene_->scene.camera;
-  const RigidTransform& to_world = scene_->camera.to_world();
-  const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
-             up = cross(right, axis);
-  const auto camera_corners = [&] {
-    const double half = 0.5 * std::max(scene_->camera.lens_first_order().entrance_pupil_diameter,
-                                       spec.sensor.columns * spec.sensor.pixel_pitch);
-    std::vector<Vec3> points;
-    for (const double x : {-half, half})
-      for (const double y : {-half, half})
-        for (const double z : {0.0, scene_->camera.sensor()})
-          points.push_back(to_world.point({x, y, z}));
-    return points;
-  };
-  std::array<double, 6> flame{};
-  if (geometry_->flame) geometry_->flame->GetBounds(flame.data());
-  std::vector<Vec3> points;
-  Vec3 from;
-  switch (part_) {
-    case Part::scene:
-      points = camera_corners();
-      if (geometry_->flame)
-        for (const Vec3 p : views::corners(flame)) points.push_back(p);
-      from = 0.3 * axis - 1.0 * right + 0.35 * up;
-      break;
-    case Part::flame:
-      points = geometry_->flame ? views::corners(flame) : camera_corners();
-      from = -0.55 * axis - 0.8 * right + 0.2 * up;
-      break;
-    case Part::camera:
-      points = camera_corners();
-      from = 0.35 * axis - 1.0 * right + 0.35 * up;
-      break;
-    case Part::array:
-    case Part::pixel: {
-      std::array<double, 2> pixel{0.5 * spec.sensor.columns, 0.5 * spec.sensor.rows};
-      if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
-        pixel = {rays_->selection.column + 0.5, rays_->selection.row + 0.5};
-      const Vec2 place = scene_->camera.sensor_point(pixel[0], pixel[1]);
-      const double pitch = spec.array.present ? spec.array.pitch : 10 * spec.sensor.pixel_pitch;
-      const double half = (part_ == Part::array ? 2.5 : 0.75) * pitch;
-      const double depth =
-          spec.array.present ? scene_->camera.array_front() - scene_->camera.sensor() : 4 * half;
-      for (const double x : {-half, half})
-        for (const double y : {-half, half})
-          for (const double z : {0.0, depth})
-            points.push_back(
-                to_world.point({place.x + x, place.y + y, scene_->camera.sensor() + z}));
-      from = 0.75 * axis - 0.8 * right + 0.55 * up;
-      break;
-    }
-  }
-  const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
-                        std::max(1, view_->widget->height());
-  views::look_at(points, -from, up, aspect, 10, *view_->renderer);
-  aimed_ = true;
-}
-
 double SceneView::view_height() const {
   vtkCamera* const camera = view_->renderer->GetActiveCamera();
   return 2 * camera->GetDistance() *
@@ -508,68 +453,6 @@ QImage SceneView::picture() {
   QImage picture = view_->widget->grabFramebuffer();
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
   return picture;
-}
-
-bool SceneView::eventFilter(QObject* object, QEvent* event) {
-  if (object == view_->widget && !measure_->isChecked()) {
-    if (event->type() == QEvent::MouseButtonPress)
-      pressed_ = pointer_place(static_cast<QMouseEvent*>(event));
-    if (event->type() == QEvent::MouseButtonRelease) {
-      const auto* const mouse = static_cast<QMouseEvent*>(event);
-      const QPointF at = pointer_place(mouse);
-      if (mouse->button() == Qt::LeftButton && (at - pressed_).manhattanLength() < 4) pick(at);
-    }
-  }
-  if (object == view_->widget) {
-    // VTK's own keys, from wire frames to pictures for red and green glasses, are not for users:
-    // what is typed goes on to the window.
-    if (event->type() == QEvent::KeyPress || event->type() == QEvent::KeyRelease) {
-      event->ignore();
-      return true;
-    }
-    if (event->type() == QEvent::MouseMove) {
-      const auto* const mouse = static_cast<QMouseEvent*>(event);
-      if (mouse->buttons() == Qt::NoButton) emit pointed(target_at(pointer_place(mouse)));
-    }
-    if (event->type() == QEvent::Leave) emit pointed({});
-  }
-  return QWidget::eventFilter(object, event);
-}
-
-Selection SceneView::target_at(const QPointF& place) const {
-  if (!scene_) return {};
-  const double ratio = view_->widget->devicePixelRatioF();
-  const int* const size = view_->renderer->GetSize();
-  const auto world_at = [&](double depth) {
-    view_->renderer->SetDisplayPoint(place.x() * ratio, size[1] - 1 - place.y() * ratio, depth);
-    view_->renderer->DisplayToWorld();
-    const double* const p = view_->renderer->GetWorldPoint();
-    return Vec3{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
-  };
-  const Vec3 near = world_at(0), far = world_at(0.5);
-  const Ray ray{near, normalize(far - near)};
-  const bool close = part_ == Part::array || part_ == Part::pixel;
-  return target_of(*scene_, ray,
-                   close                   ? Targets::microlenses
-                   : part_ == Part::camera ? Targets::sensor
-                                           : Targets::flame);
-}
-
-void SceneView::pick(const QPointF& place) {
-  const Selection target = target_at(place);
-  switch (target.kind) {
-    case Selection::Kind::none:
-      break;
-    case Selection::Kind::point:
-      emit point_picked(target.point);
-      break;
-    case Selection::Kind::microlens:
-      emit lens_picked(target.lens);
-      break;
-    case Selection::Kind::pixel:
-      emit pixel_picked(target.column, target.row);
-      break;
-  }
 }
 
 }  // namespace plenoflame::desktop

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "model/flame_look.h"
 #include "model/image_display.h"
@@ -18,6 +19,7 @@ class QToolBar;
 
 namespace plenoflame::desktop {
 
+class Notice;
 struct SceneGeometry;
 
 /// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
@@ -33,7 +35,13 @@ class SceneView : public QWidget {
   ~SceneView() override;
 
   /// Geometry follows in the background. @param changes since the scene before
-  void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes);
+  /// @param others further cameras, which are shown in the whole scene
+  void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes,
+                 std::vector<CameraSpec> others = {});
+  /// Shows nothing, and looks at the next scene anew.
+  void clear();
+  /// Why it does not show the present scene; empty: it does.
+  void set_notice(const QString& text);
   /// @param chosen the ray that stands out; -1: none
   void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
   void set_highlighted(int ray);
@@ -84,7 +92,10 @@ class SceneView : public QWidget {
   void add_flame();
   void add_rays();
   void add_camera();
+  /// Corners of what the present part shows [m], and from which side it is seen.
+  std::vector<Vec3> subject(Vec3& from) const;
   void aim();
+  void follow(const std::array<double, 6>& flame_before);
   /// What a click there would select.
   Selection target_at(const QPointF& place) const;
   void pick(const QPointF& place);
@@ -93,16 +104,19 @@ class SceneView : public QWidget {
 
   std::unique_ptr<View> view_;
   std::shared_ptr<const CompiledScene> scene_;
+  std::vector<CameraSpec> others_;
   std::shared_ptr<const SelectedRays> rays_;
   std::shared_ptr<const ImagePyramid> image_;
   std::shared_ptr<SceneGeometry> geometry_;
   FlameLook look_;
   Part part_ = Part::scene;
   std::array<double, 2> temperatures_{0, 0};
+  std::array<double, 3> aimed_from_{};
   int highlighted_ = -1;
   bool aimed_ = false, dark_ = false, warm_ = false;
   bool first_ = true;  ///< geometry: its parts come one by one
   QToolBar* tools_ = nullptr;
+  Notice* notice_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
   QAction* measure_ = nullptr;
   QPointF pressed_;

@@ -18,6 +18,20 @@
 namespace plenoflame::desktop {
 namespace {
 
+/// Half the width of a microlens in a plane beside its middle [m]; 0: it is not met.
+/// @param off of the plane from the middle @param horizontal the plane is camera x, z
+double half_chord(const MicrolensAperture& aperture, double off, bool horizontal) {
+  const double square = aperture.radius() * aperture.radius() - off * off;
+  double half = square > 0 ? std::sqrt(square) : 0;
+  for (int pair = 0; pair < aperture.pairs(); ++pair) {
+    const Vec2 n = aperture.normal(pair);
+    const double along = std::fabs(horizontal ? n.x : n.y);
+    const double rest = aperture.half_width(pair) - std::fabs((horizontal ? n.y : n.x) * off);
+    if (along * half > rest) half = std::max(0.0, rest / along);
+  }
+  return half;
+}
+
 constexpr int kFlameSide = 160;   ///< points along the longer side of the flame's picture
 constexpr double kLeastLens = 5;  ///< [screen pixel] pitch from which microlenses are drawn
 constexpr int kArcPoints = 24;
@@ -59,7 +73,8 @@ void SectionView::set_scene(std::shared_ptr<const CompiledScene> scene) {
   const bool first = !scene_;
   scene_ = std::move(scene);
   sample_flame();
-  if (first) aim();
+  if (first) touched_ = false;
+  if (!touched_) aim();
   update();
 }
 
@@ -76,6 +91,7 @@ void SectionView::set_highlighted(int ray) {
 }
 
 void SectionView::set_horizontal(bool on) {
+  touched_ = false;
   horizontal_ = on;
   sample_flame();
   aim();
@@ -83,6 +99,7 @@ void SectionView::set_horizontal(bool on) {
 }
 
 void SectionView::show_part(Part part) {
+  touched_ = false;
   part_ = part;
   aim();
   update();
@@ -166,8 +183,7 @@ void SectionView::aim() {
   const Camera& camera = scene_->camera;
   double z0 = camera.sensor(), z1 = 0, half = 0;
   const CameraSpec& spec = camera.spec();
-  const double sensor =
-      0.5 * spec.sensor.pixel_pitch * (horizontal_ ? spec.sensor.columns : spec.sensor.rows);
+  const double sensor = 0.5 * (horizontal_ ? spec.sensor.size().x : spec.sensor.size().y);
   half = std::max(sensor, 0.6 * camera.lens_first_order().entrance_pupil_diameter);
   double middle = 0;
   if (part_ == Part::scene && !flame_.isNull()) {
@@ -260,11 +276,10 @@ void SectionView::draw_lens(QPainter& painter) {
 void SectionView::draw_array(QPainter& painter) {
   const Camera& camera = scene_->camera;
   const CameraSpec& spec = camera.spec();
-  const double half =
-      0.5 * spec.sensor.pixel_pitch * (horizontal_ ? spec.sensor.columns : spec.sensor.rows);
+  const double half = 0.5 * (horizontal_ ? spec.sensor.size().x : spec.sensor.size().y);
   painter.setPen(QPen(palette().color(QPalette::Text), 2));
   painter.drawLine(to_widget(camera.sensor(), -half), to_widget(camera.sensor(), half));
-  const double pixel = spec.sensor.pixel_pitch;
+  const double pixel = horizontal_ ? spec.sensor.pixel().x : spec.sensor.pixel().y;
   const QPointF low = from_widget(QPointF(0, height())), high = from_widget(QPointF(0, 0));
   if (pixel * scale_ > 4) {  // pixels as ticks
     painter.setPen(QPen(palette().color(QPalette::Text), 1));
@@ -290,7 +305,7 @@ void SectionView::draw_array(QPainter& painter) {
         camera.sensor_point(rays_->selection.column + 0.5, rays_->selection.row + 0.5);
     across = horizontal_ ? place.y : place.x;
   }
-  const double pitch = spec.array.pitch, y0 = std::max(low.y(), -1.1 * half) - pitch,
+  const double pitch = longest_pitch(spec.array), y0 = std::max(low.y(), -1.1 * half) - pitch,
                y1 = std::min(high.y(), 1.1 * half) + pitch;
   const Vec2 a = horizontal_ ? Vec2{y0, across - 0.5 * pitch} : Vec2{across - 0.5 * pitch, -y1};
   const Vec2 b = horizontal_ ? Vec2{y1, across + 0.5 * pitch} : Vec2{across + 0.5 * pitch, -y0};
@@ -300,9 +315,8 @@ void SectionView::draw_array(QPainter& painter) {
     const int type = camera.lattice().type(lens);
     const Microlens& micro = camera.microlenses()[static_cast<std::size_t>(type)];
     const double off = (horizontal_ ? centre.y : centre.x) - across;
-    const double square = 0.25 * spec.array.diameter * spec.array.diameter - off * off;
-    if (square <= 0) continue;
-    const double r = std::sqrt(square);
+    const double r = half_chord(camera.aperture(), off, horizontal_);
+    if (r <= 0) continue;
     QPainterPath path;
     for (int i = -kArcPoints; i <= kArcPoints; ++i) {
       const double y = r * i / kArcPoints;
@@ -369,7 +383,7 @@ void SectionView::draw_scale(QPainter& painter) {
 void SectionView::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   painter.fillRect(rect(), palette().color(QPalette::Base));
-  if (!scene_) return;
+  if (!scene_) return draw_notice(painter);
   painter.setRenderHint(QPainter::Antialiasing);
   painter.setPen(QPen(palette().color(QPalette::Mid), 1, Qt::DashDotLine));
   painter.drawLine(QPointF(0, to_widget(0, 0).y()), QPointF(width(), to_widget(0, 0).y()));
@@ -378,6 +392,22 @@ void SectionView::paintEvent(QPaintEvent*) {
   draw_array(painter);
   draw_rays(painter);
   draw_scale(painter);
+  draw_notice(painter);
+}
+
+void SectionView::set_notice(const QString& text) {
+  if (text == notice_) return;
+  notice_ = text;
+  update();
+}
+
+void SectionView::draw_notice(QPainter& painter) {
+  if (notice_.isEmpty()) return;
+  const QRect room = rect().adjusted(4, 0, -4, 0);
+  const QRect needed = painter.boundingRect(room, Qt::TextWordWrap, notice_);
+  painter.fillRect(QRect(0, 0, width(), needed.height() + 8), QColor(179, 38, 30));
+  painter.setPen(Qt::white);
+  painter.drawText(room.adjusted(0, 4, 0, 0), Qt::TextWordWrap, notice_);
 }
 
 void SectionView::resizeEvent(QResizeEvent* event) {
@@ -386,6 +416,7 @@ void SectionView::resizeEvent(QResizeEvent* event) {
 }
 
 void SectionView::wheelEvent(QWheelEvent* event) {
+  touched_ = true;
   const QPointF fixed = from_widget(event->position());
   scale_ = std::clamp(scale_ * std::pow(2.0, event->angleDelta().y() / 240.0), 10.0, 1e9);
   centre_ += fixed - from_widget(event->position());
@@ -409,6 +440,7 @@ void SectionView::mouseMoveEvent(QMouseEvent* event) {
   }
   if ((at - pressed_).manhattanLength() > 4) dragging_ = true;
   if (!dragging_) return;
+  touched_ = true;
   centre_ += from_widget(last_) - from_widget(at);
   last_ = at;
   update();

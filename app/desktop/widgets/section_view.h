@@ -20,7 +20,10 @@ class SectionView : public QWidget {
 
   explicit SectionView(QWidget* parent = nullptr);
 
+  /// Null: nothing is shown.
   void set_scene(std::shared_ptr<const CompiledScene> scene);
+  /// Why it does not show the present scene; empty: it does.
+  void set_notice(const QString& text);
   /// @param chosen the ray that stands out; -1: none
   void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
   void show_part(Part part);
@@ -60,6 +63,7 @@ class SectionView : public QWidget {
   void draw_array(QPainter& painter);
   void draw_rays(QPainter& painter);
   void draw_scale(QPainter& painter);
+  void draw_notice(QPainter& painter);
   void aim();
   void sample_flame();
 
@@ -67,10 +71,12 @@ class SectionView : public QWidget {
   std::shared_ptr<const SelectedRays> rays_;
   Part part_ = Part::scene;
   bool horizontal_ = false, dragging_ = false;
+  bool touched_ = false;  ///< moved or zoomed by hand, and therefore left there
   int highlighted_ = -1;
   double scale_ = 1000;   ///< screen pixels per metre
   QPointF centre_{0, 0};  ///< camera z, height
   QPointF pressed_, last_;
+  QString notice_;
   QImage flame_;
   QRectF flame_place_;  ///< left: largest z; in metres
 };

@@ -2,12 +2,15 @@
 
 #include <QApplication>
 #include <QPalette>
+#include <QStyle>
 #include <QStyleFactory>
 
 namespace plenoflame::desktop {
 
 void apply_theme(bool dark) {
-  QApplication::setStyle(QStyleFactory::create("Fusion"));
+  // A style that is set again has every widget made up anew, which takes as long as opening it.
+  if (QApplication::style()->objectName().compare("fusion", Qt::CaseInsensitive) != 0)
+    QApplication::setStyle(QStyleFactory::create("Fusion"));
   QPalette palette;
   const auto all = [&](QPalette::ColorRole role, const QColor& colour) {
     palette.setColor(role, colour);

@@ -4,12 +4,36 @@
 #include <QFileInfo>
 #include <QHBoxLayout>
 #include <QIcon>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QListWidget>
+#include <QPainter>
 #include <QPushButton>
 #include <QVBoxLayout>
 
 namespace plenoflame::desktop {
+namespace {
+
+/// An example to open: Return does what a click does, and the focus is seen.
+class ExampleButton : public QCommandLinkButton {
+ public:
+  using QCommandLinkButton::QCommandLinkButton;
+
+ protected:
+  void keyPressEvent(QKeyEvent* event) override {
+    if (event->key() == Qt::Key_Return || event->key() == Qt::Key_Enter) return click();
+    QCommandLinkButton::keyPressEvent(event);
+  }
+  void paintEvent(QPaintEvent* event) override {
+    QCommandLinkButton::paintEvent(event);
+    if (!hasFocus()) return;
+    QPainter painter(this);
+    painter.setPen(QPen(palette().color(QPalette::Highlight), 3));
+    painter.drawRect(rect().adjusted(1, 1, -2, -2));
+  }
+};
+
+}  // namespace
 
 WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWidget(this)) {
   auto* icon = new QLabel(this);
@@ -22,7 +46,7 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   head->addWidget(title, 1);
   auto* left = new QVBoxLayout;
   const auto example = [&](const char* name, const QString& text, const QString& about) {
-    auto* button = new QCommandLinkButton(text, about, this);
+    auto* button = new ExampleButton(text, about, this);
     button->setObjectName(QString("example-") + name);
     connect(button, &QCommandLinkButton::clicked, this,
             [this, name] { emit example_chosen(QString(name)); });
@@ -38,6 +62,7 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   example("lenslets-30", tr("A small camera"), tr("30 microlenses across, rendered in a blink"));
   auto* open = new QPushButton(tr("Open a file..."), this);
   open->setObjectName("welcomeOpen");
+  open->setAutoDefault(true);
   open->setToolTip(
       tr("A scene (.toml), a flame (.vdb) or a raw light field (.exr); or drop it on this window"));
   left->addWidget(open, 0, Qt::AlignLeft);

@@ -9,7 +9,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/execution.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 /// Turns error events into an exception, and passes warning events on.
 class ErrorLog {
@@ -43,4 +43,4 @@ class ErrorLog {
   std::string first_;
 };
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

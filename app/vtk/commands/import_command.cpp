@@ -13,7 +13,7 @@
 #include "vtkPlenoflameFlameWriter.h"
 #include "vtk_commands.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
 constexpr double kReading = 0.9;  ///< of the work on one flame, the rest is writing
@@ -55,13 +55,13 @@ class ProgressWatch {
 };
 
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame
 
 extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
-    const plenoflame::cli::FlameImportRequest& request, const plenoflame::Execution& execution,
-    std::vector<plenoflame::cli::ImportedFlame>& written) {
+    const plenoflame::FlameImportRequest& request, const plenoflame::Execution& execution,
+    std::vector<plenoflame::ImportedFlame>& written) {
   using namespace plenoflame;
-  using namespace plenoflame::cli;
+  using namespace plenoflame;
   int number = 0;
   for (const std::string& file : request.files) {
     ErrorLog log(execution);
@@ -117,4 +117,18 @@ extern "C" __attribute__((visibility("default"))) void plenoflame_import_flames(
       written.push_back({output, source->GetTime(step)});
     }
   }
+}
+
+extern "C" __attribute__((visibility("default"))) void plenoflame_list_simulation_arrays(
+    const std::string& file, const plenoflame::Execution& execution,
+    std::vector<plenoflame::SimulationArray>& arrays) {
+  using namespace plenoflame;
+  ErrorLog log(execution);
+  vtkNew<vtkPlenoflameFlameImport> source;
+  log.watch(source);
+  ProgressWatch watch(execution, *source);
+  source->SetFileName(file.c_str());
+  source->ListArrays([&](const std::string& name, double lowest, double highest, bool of_cells) {
+    arrays.push_back({name, lowest, highest, of_cells});
+  });
 }

@@ -1,11 +1,15 @@
+#include <vtkAppendPolyData.h>
 #include <vtkExecutive.h>
 #include <vtkImageData.h>
 #include <vtkPolyData.h>
 #include <vtkXMLPolyDataReader.h>
 
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "error_log.h"
+#include "plenoflame/base/printable.h"
 #include "plenoflame/image/atomic_file.h"
 #include "vtkPlenoflameLightFieldReader.h"
 #include "vtkPlenoflameRayPathSource.h"
@@ -13,7 +17,7 @@
 #include "vtkPlenoflameScenePicture.h"
 #include "vtk_commands.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
 void update(vtkAlgorithm* algorithm, ErrorLog& log) {
@@ -23,15 +27,9 @@ void update(vtkAlgorithm* algorithm, ErrorLog& log) {
   log.check();
 }
 
-vtkSmartPointer<vtkPolyData> rays_of(const PictureRequest& request, vtkPlenoflameScene* scene,
-                                     ErrorLog& log) {
-  if (!request.rays_file.empty()) {
-    static_cast<void>(read_file(request.rays_file));  // a message of ours when it is not there
-    vtkNew<vtkXMLPolyDataReader> reader;
-    reader->SetFileName(request.rays_file.c_str());
-    update(reader, log);
-    return reader->GetOutput();
-  }
+/// Rays of one camera, which the scene names.
+vtkSmartPointer<vtkPolyData> traced_rays(const PictureRequest& request, vtkPlenoflameScene* scene,
+                                         ErrorLog& log) {
   vtkNew<vtkPlenoflameRayPathSource> source;
   source->SetInputDataObject(scene);
   for (const auto& pixel : request.pixels) source->AddPixel(pixel[0], pixel[1]);
@@ -46,23 +44,56 @@ vtkSmartPointer<vtkPolyData> rays_of(const PictureRequest& request, vtkPlenoflam
   return source->GetOutput();
 }
 
+vtkSmartPointer<vtkPolyData> rays_of(const PictureRequest& request, vtkPlenoflameScene* scene,
+                                     ErrorLog& log) {
+  if (!request.rays_file.empty()) {
+    static_cast<void>(read_file(request.rays_file));  // a message of ours when it is not there
+    vtkNew<vtkXMLPolyDataReader> reader;
+    reader->SetFileName(request.rays_file.c_str());
+    update(reader, log);
+    return reader->GetOutput();
+  }
+  if (request.pixels.empty() && request.microlenses.empty() && request.points.empty() &&
+      !request.chief && request.random == 0)
+    return vtkSmartPointer<vtkPolyData>::New();
+  std::vector<std::string> cameras = request.cameras;
+  if (cameras.empty())
+    for (int i = 0; i < scene->GetNumberOfCameras(); ++i)
+      cameras.push_back(scene->GetCameraName(i));
+  const std::string chosen = scene->GetCamera();
+  vtkNew<vtkAppendPolyData> all;
+  for (const std::string& camera : cameras) {
+    scene->SetCamera(camera);
+    log.check();
+    all->AddInputData(traced_rays(request, scene, log));
+  }
+  scene->SetCamera(chosen);
+  all->Update();
+  return all->GetOutput();
+}
+
 }  // namespace
-}  // namespace plenoflame::cli
+}  // namespace plenoflame
 
 extern "C" __attribute__((visibility("default"))) void plenoflame_make_picture(
-    const plenoflame::cli::PictureRequest& request) {
+    const plenoflame::PictureRequest& request) {
   using namespace plenoflame;
-  using namespace plenoflame::cli;
+  using namespace plenoflame;
   if (!vtkPlenoflameScenePicture::CanRender())
     throw InputError(vtkPlenoflameScenePicture::GetWhyNot());
   Execution execution;
   execution.message = [](Severity, const std::string& text) {
-    std::cerr << "plenoflame: warning: " << text << '\n';
+    std::cerr << "plenoflame: warning: " << printable(text) << '\n';
   };
   ErrorLog log(execution);
   vtkNew<vtkPlenoflameScene> scene;
   log.watch(scene);
-  scene->ReadFile(request.scene);
+  if (request.values)
+    scene->SetScene(*request.values);
+  else
+    scene->ReadFile(request.scene);
+  log.check();
+  if (!request.cameras.empty()) scene->SetCamera(request.cameras.front());
   log.check();
   vtkNew<vtkPlenoflameScenePicture> picture;
   log.watch(picture);

@@ -3,10 +3,11 @@
 #include <vtkBoundingBox.h>
 #include <vtkCell.h>
 #include <vtkCellData.h>
-#include <vtkCellDataToPointData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
+#include <vtkDataSetAttributes.h>
+#include <vtkDoubleArray.h>
 #include <vtkGenericCell.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -21,6 +22,7 @@
 #include <limits>
 #include <set>
 
+#include "cell_to_point.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/math/vector.h"
 
@@ -97,11 +99,10 @@ vtkSmartPointer<vtkDataSet> with_point_array(vtkDataSet& part, const std::string
     alone->GetPointData()->AddArray(array);
     return alone;
   }
-  alone->GetCellData()->AddArray(array);
-  vtkNew<vtkCellDataToPointData> average;
-  average->SetInputData(alone);
-  average->Update();
-  return vtkDataSet::SafeDownCast(average->GetOutputDataObject(0));
+  const auto at_points = cells_to_points(part, *array);
+  at_points->SetName(name.c_str());
+  alone->GetPointData()->AddArray(at_points);
+  return alone;
 }
 
 /// Layers, first and last along z, that are probed at a time: VTK's filter looks at no wish to
@@ -160,6 +161,31 @@ void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std
     throw InputError("'" + path + "': " + std::to_string(inverted) + " of " +
                      std::to_string(regular) + " cells are inside out, the first is cell " +
                      std::to_string(first));
+}
+
+std::vector<ArrayRange> ranges_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts) {
+  std::vector<ArrayRange> out;
+  const auto add = [&](vtkDataSetAttributes& data, bool of_cells) {
+    for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
+      vtkDataArray* const array = data.GetArray(i);
+      if (!array || !array->GetName() || array->GetNumberOfComponents() != 1) continue;
+      std::array<double, 2> range{};
+      array->GetFiniteRange(range.data());
+      const auto known = std::find_if(out.begin(), out.end(), [&](const ArrayRange& other) {
+        return other.name == array->GetName();
+      });
+      if (known == out.end()) {
+        out.push_back({array->GetName(), range, of_cells});
+        continue;
+      }
+      known->range = {std::min(known->range[0], range[0]), std::max(known->range[1], range[1])};
+    }
+  };
+  for (const auto& part : parts) {
+    add(*part->GetPointData(), false);
+    add(*part->GetCellData(), true);
+  }
+  return out;
 }
 
 std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts) {

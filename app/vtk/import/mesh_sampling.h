@@ -18,6 +18,14 @@ namespace plenoflame::simulation {
 ///         tetrahedra, hexahedra, wedges or pyramids inside out
 void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std::string& path);
 
+/// An array of single numbers, over all parts; not finite values do not count.
+struct ArrayRange {
+  std::string name;
+  std::array<double, 2> range{};
+  bool of_cells = false;
+};
+std::vector<ArrayRange> ranges_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts);
+
 /// Bounds of all parts, in their units: x low, high, y low, ...
 std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts);
 

@@ -45,7 +45,7 @@ vtkSmartPointer<vtkDataSet> read_raw_bricks(const std::string& path) {
   const std::size_t count = static_cast<std::size_t>(image->GetNumberOfPoints());
   for (const auto& [name, file] : json["arrays"].items()) {
     if (!file.is_string())
-      throw InputError("'" + path + "': the file of \"" + name + "\" is no text");
+      throw InputError("'" + path + "': the file of \"" + name + "\" is not given as text");
     const std::string full =
         (std::filesystem::path(path).parent_path() / file.get<std::string>()).string();
     const std::string bytes = read_file(full);

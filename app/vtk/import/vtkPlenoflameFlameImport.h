@@ -18,6 +18,7 @@
 #include "vtkPlenoflameImportModule.h"  // for export macro
 
 #ifndef __VTK_WRAP__
+#include <functional>
 #include <memory>
 #endif
 
@@ -117,6 +118,14 @@ class VTKPLENOFLAMEIMPORT_EXPORT vtkPlenoflameFlameImport : public vtkImageAlgor
   vtkSetMacro(AmbientTemperature, double);
   vtkGetMacro(AmbientTemperature, double);
   ///@}
+
+#ifndef __VTK_WRAP__
+  /**
+   * Arrays of single numbers at the present step, with their ranges: name, lowest, highest, whether
+   * of cells. Throws what is wrong with the file.
+   */
+  void ListArrays(const std::function<void(const std::string&, double, double, bool)>& take);
+#endif
 
  protected:
   vtkPlenoflameFlameImport();

@@ -1,8 +1,10 @@
 #include "array_geometry.h"
 
 #include <vtkCellArray.h>
+#include <vtkCellData.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
+#include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -14,25 +16,6 @@
 #include <cmath>
 
 namespace plenoflame::pipeline {
-namespace {
-
-/// Sides of the repeating rectangle [m], along the lattice's axes.
-Vec2 period(const ArraySpec& array) {
-  const int types = static_cast<int>(array.types.size());
-  if (array.lattice == Lattice::square) return {array.pitch * types, array.pitch * types};
-  // Two rows up and one lens back is straight up; it changes the type by 3, none of 1 or 3 types.
-  return {array.pitch * types, array.pitch * std::sqrt(3.0) * (types == 2 ? 2 : 1)};
-}
-
-/// From the array's plane to the lattice's own axes.
-Vec2 unturned(const ArraySpec& array, Vec2 p) {
-  const Vec2 d = p - array.offset;
-  const double c = std::cos(array.rotation), s = std::sin(array.rotation);
-  return {c * d.x + s * d.y, -s * d.x + c * d.y};
-}
-
-}  // namespace
-
 Vec3 type_colour(int type) {
   // Okabe and Ito's palette: told apart with any colour vision.
   constexpr std::array<Vec3, 3> colours{
@@ -40,63 +23,44 @@ Vec3 type_colour(int type) {
   return type < 0 ? Vec3{0.5, 0.5, 0.5} : colours[static_cast<std::size_t>(type) % colours.size()];
 }
 
-std::vector<LensIndex> microlenses_over(const Camera& camera, PixelWindow window) {
-  const SensorSpec& sensor = camera.spec().sensor;
-  if (window.width == 0) window = {0, 0, sensor.columns, sensor.rows};
-  // Columns and rows run against the camera's axes.
-  const Vec2 upper = camera.sensor_point(window.x, window.y);
-  const Vec2 lower = camera.sensor_point(window.x + window.width, window.y + window.height);
-  const double pitch = camera.spec().array.pitch;
-  return camera.lattice().within(lower - Vec2{pitch, pitch}, upper + Vec2{pitch, pitch});
-}
-
-vtkSmartPointer<vtkPolyData> microlens_surfaces(const Camera& camera,
-                                                const std::vector<LensIndex>& lenses,
-                                                const Tessellation& tessellation) {
-  SurfaceBuilder builder(camera.to_world(), tessellation);
-  const double diameter = camera.spec().array.diameter;
-  const int front = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
-  for (const LensIndex lens : lenses) {
-    const Vec2 centre = camera.lattice().centre(lens);
-    const int type = camera.lattice().type(lens);
-    const Microlens& kind = camera.microlenses()[static_cast<std::size_t>(type)];
-    builder.tag(front, type, lens);
-    if (camera.ideal_array()) {
-      builder.cap(centre, kind.rear_principal, kInfinity, diameter);
-      continue;
-    }
-    builder.cap(centre, camera.array_front(), kind.radius_front, diameter);
-    builder.tag(front + 1, type, lens);
-    // Convex towards the sensor: the centre is on the scene's side.
-    builder.cap(centre, camera.array_back(), -kind.radius_back, diameter);
-  }
-  return builder.take();
-}
-
-vtkSmartPointer<vtkPolyData> array_plate(const Camera& camera) {
-  const SensorSpec& sensor = camera.spec().sensor;
-  const ArraySpec& array = camera.spec().array;
-  const auto out = vtkSmartPointer<vtkPolyData>::New();
+vtkSmartPointer<vtkPolyData> polydata_of(const CameraMesh& mesh) {
+  auto out = vtkSmartPointer<vtkPolyData>::New();
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetName("TextureCoordinates");
-  coordinates->SetNumberOfComponents(2);
-  const Vec2 repeat = period(array);
-  for (const auto& [u, v] :
-       std::array<std::array<double, 2>, 4>{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}}) {
-    const Vec2 at = camera.sensor_point(u * sensor.columns, v * sensor.rows);
-    const Vec3 p = camera.to_world().point({at.x, at.y, camera.array_front()});
-    points->InsertNextPoint(p.x, p.y, p.z);
-    const Vec2 own = unturned(array, at);
-    coordinates->InsertNextTuple2(own.x / repeat.x, own.y / repeat.y);
-  }
+  for (const Vec3 p : mesh.points) points->InsertNextPoint(p.x, p.y, p.z);
   vtkNew<vtkCellArray> cells;
-  const std::array<vtkIdType, 4> ids{0, 1, 2, 3};
-  cells->InsertNextCell(4, ids.data());
+  for (std::size_t k = 0; k < mesh.polygons(); ++k) {
+    cells->InsertNextCell(static_cast<int>(mesh.offsets[k + 1] - mesh.offsets[k]));
+    for (std::int64_t at = mesh.offsets[k]; at < mesh.offsets[k + 1]; ++at)
+      cells->InsertCellPoint(mesh.connectivity[static_cast<std::size_t>(at)]);
+  }
   out->SetPoints(points);
   out->SetPolys(cells);
-  out->GetPointData()->SetTCoords(coordinates);
+  if (!mesh.normals.empty()) {
+    vtkNew<vtkFloatArray> normals;
+    normals->SetName("Normals");
+    normals->SetNumberOfComponents(3);
+    for (const Vec3 n : mesh.normals) normals->InsertNextTuple3(n.x, n.y, n.z);
+    out->GetPointData()->SetNormals(normals);
+  }
+  if (!mesh.texture.empty()) {
+    vtkNew<vtkFloatArray> coordinates;
+    coordinates->SetName("TextureCoordinates");
+    coordinates->SetNumberOfComponents(2);
+    for (const Vec2 t : mesh.texture) coordinates->InsertNextTuple2(t.x, t.y);
+    out->GetPointData()->SetTCoords(coordinates);
+  }
+  if (mesh.surfaces.empty()) return out;
+  vtkNew<vtkIntArray> surfaces, types, lenses;
+  surfaces->SetName("surface");
+  types->SetName("type");
+  lenses->SetName("microlens");
+  lenses->SetNumberOfComponents(2);
+  for (const int surface : mesh.surfaces) surfaces->InsertNextValue(surface);
+  for (const int type : mesh.types) types->InsertNextValue(type);
+  for (const LensIndex lens : mesh.lenses) lenses->InsertNextTuple2(lens.q, lens.r);
+  for (vtkIntArray* array : {surfaces.Get(), types.Get(), lenses.Get()})
+    out->GetCellData()->AddArray(array);
   return out;
 }
 
@@ -104,8 +68,10 @@ vtkSmartPointer<vtkImageData> array_texture(const Camera& camera) {
   ArraySpec array = camera.spec().array;
   array.rotation = 0;
   array.offset = {};
+  array.columns = array.rows = 0;
+  const MicrolensAperture aperture(array);
   const MicrolensLattice lattice(array);
-  const Vec2 side = period(array);
+  const Vec2 side = array_period(array);
   constexpr int kPerPitch = 48;
   const int width = static_cast<int>(std::lround(side.x / array.pitch * kPerPitch));
   const int height = static_cast<int>(std::lround(side.y / array.pitch * kPerPitch));
@@ -117,7 +83,8 @@ vtkSmartPointer<vtkImageData> array_texture(const Camera& camera) {
     for (int x = 0; x < width; ++x) {
       const Vec2 at{side.x * (x + 0.5) / width, side.y * (y + 0.5) / height};
       const LensIndex lens = lattice.nearest(at);
-      const double r = length(at - lattice.centre(lens)) / (0.5 * array.diameter);
+      const Vec2 off = at - lattice.centre(lens);
+      const double r = length(off) / reach_of(aperture, std::atan2(off.y, off.x));
       // Brighter in the middle, so that they look like lenses; dark between them.
       const Vec3 colour = type_colour(lattice.type(lens));
       const double light = r < 1 ? 1 - 0.55 * r * r : 0.12;

@@ -6,11 +6,16 @@
 #include <vtkPointData.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
 
+#include "plenoflame/base/error.h"
 #include "plenoflame/media/medium_samples.h"
+#include "plenoflame/scene/spectral.h"
+#include "voxel_image.h"
 
 namespace plenoflame::pipeline {
-
 vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
                                           const Execution& execution) {
   const MediumSamples samples = sample_medium(medium, SamplePlaces::nodes, longest, execution);
@@ -30,6 +35,40 @@ vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
   add("temperature", samples.temperature);
   image->GetPointData()->SetActiveScalars("temperature");
   return image;
+}
+
+void flame_to_image(FlameFields flame, vtkImageData& image) {
+  flame.temperature.name = "temperature";
+  flame.absorption.name = "absorption";
+  std::vector<const VoxelField*> fields{&flame.temperature, &flame.absorption};
+  for (const VoxelField& line : flame.lines) fields.push_back(&line);
+  IndexBox box;
+  for (const VoxelField* field : fields) box.add(stored_box(*field));
+  if (box.empty()) throw InputError("the flame is empty: every voxel has the background's value");
+  image.Initialize();
+  place_image(flame.temperature.index_to_world, box, false, image);
+  for (const VoxelField* field : fields) add_array(voxel_values(*field, box), image);
+  image.GetPointData()->SetActiveScalars("temperature");
+}
+
+FlameFields image_to_flame(vtkImageData& image, const std::string& temperature,
+                           const std::string& absorption, double ambient,
+                           const std::stop_token& stop) {
+  const auto voxels = [&](const std::string& array, double background) {
+    VoxelField field = image_to_voxels(image, array, static_cast<float>(background));
+    if (stop.stop_requested()) throw Cancelled();
+    check_flame_values(field);
+    return field;
+  };
+  FlameFields flame{voxels(temperature, ambient), voxels(absorption, 0)};
+  flame.temperature.name = "temperature";
+  flame.absorption.name = "absorption";
+  for (const LineGrid& line : line_grids()) {
+    const std::string name(line.name);
+    if (name != temperature && name != absorption && image.GetPointData()->HasArray(name.c_str()))
+      flame.lines.push_back(voxels(name, 0));
+  }
+  return flame;
 }
 
 }  // namespace plenoflame::pipeline

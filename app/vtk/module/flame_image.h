@@ -1,7 +1,13 @@
 #pragma once
 #include <vtkSmartPointer.h>
 
+#include <stop_token>
+#include <string>
+#include <vector>
+
 #include "plenoflame/base/execution.h"
+#include "plenoflame/radiometry/source_function.h"
+#include "plenoflame/volumes/flame_file.h"
 
 class vtkImageData;
 
@@ -16,5 +22,16 @@ namespace plenoflame::pipeline {
 /// @throws Cancelled
 vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
                                           const Execution& execution);
+
+/// All grids of a flame as float arrays "temperature" [K], "absorption" [1/m] and one per emission
+/// line [W/m^3]; the lattice must be the same for all. @throws InputError: nothing but background
+void flame_to_image(FlameFields flame, vtkImageData& image);
+
+/// The flame of an image: temperature, absorption, and the other arrays that are named after
+/// emission lines. @param ambient temperature outside [K]
+/// @throws InputError as image_to_voxels, and for values that are not finite or negative
+FlameFields image_to_flame(vtkImageData& image, const std::string& temperature,
+                           const std::string& absorption, double ambient,
+                           const std::stop_token& stop);
 
 }  // namespace plenoflame::pipeline

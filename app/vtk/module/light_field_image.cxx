@@ -14,8 +14,6 @@
 #include <cstdlib>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/lightfield/micro_images.h"
-#include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame::pipeline {
 namespace {
@@ -66,18 +64,6 @@ std::vector<double> numbers_of(vtkFieldData& data, const std::string& name, vtkI
   return numbers;
 }
 
-void add_image(const Image& in, const std::string& name, vtkImageData& out) {
-  vtkNew<vtkFloatArray> array;
-  array->SetName(name.c_str());
-  array->SetNumberOfValues(static_cast<vtkIdType>(in.pixels.size()));
-  float* const to = array->GetPointer(0);
-  const auto width = static_cast<std::size_t>(in.width),
-             height = static_cast<std::size_t>(in.height);
-  for (std::size_t row = 0; row < height; ++row)
-    std::copy_n(in.pixels.data() + row * width, width, to + (height - 1 - row) * width);
-  out.GetPointData()->AddArray(array);
-}
-
 Image image_of(vtkImageData& in, const std::string& name, const PixelWindow& window) {
   vtkDataArray* const array = in.GetPointData()->GetArray(name.c_str());
   if (!array) throw InputError("the image has no point data '" + name + "'");
@@ -101,6 +87,18 @@ Image image_of(vtkImageData& in, const std::string& name, const PixelWindow& win
 }
 
 }  // namespace
+
+void add_image(const Image& in, const std::string& name, vtkImageData& out) {
+  vtkNew<vtkFloatArray> array;
+  array->SetName(name.c_str());
+  array->SetNumberOfValues(static_cast<vtkIdType>(in.pixels.size()));
+  float* const to = array->GetPointer(0);
+  const auto width = static_cast<std::size_t>(in.width),
+             height = static_cast<std::size_t>(in.height);
+  for (std::size_t row = 0; row < height; ++row)
+    std::copy_n(in.pixels.data() + row * width, width, to + (height - 1 - row) * width);
+  out.GetPointData()->AddArray(array);
+}
 
 void image_to_vtk(const Image& in, const char* name, vtkImageData& out) {
   out.Initialize();
@@ -189,14 +187,6 @@ LightField image_to_light_field(vtkImageData& image) {
       numbers_of(data, "numbers", static_cast<vtkIdType>(names.size()));
   for (std::size_t i = 0; i < names.size(); ++i) field.numbers[names[i]] = values[i];
   return field;
-}
-
-CameraSpec camera_of(const LightField& field) {
-  if (field.scene_text.empty())
-    throw InputError("the light field holds no scene, so its camera is not known");
-  const CameraSpec camera = parse_scene(field.scene_text, "scene of the light field").scene.camera;
-  check_raw_image(field, camera);
-  return camera;
 }
 
 }  // namespace plenoflame::pipeline

@@ -1,7 +1,8 @@
 #pragma once
 #include <vtkSmartPointer.h>
 
-#include "plenoflame/camera/camera.h"
+#include <string>
+
 #include "plenoflame/image/light_field.h"
 
 class vtkImageData;
@@ -23,7 +24,7 @@ LightField image_to_light_field(vtkImageData& image);
 /// One image as a float array `name`; rows turned over.
 void image_to_vtk(const Image& in, const char* name, vtkImageData& out);
 
-/// The camera of a light field's scene text. @throws InputError
-CameraSpec camera_of(const LightField& field);
+/// Adds a further one of the same size.
+void add_image(const Image& in, const std::string& name, vtkImageData& out);
 
 }  // namespace plenoflame::pipeline

@@ -8,14 +8,9 @@
 #include <vtkObjectFactory.h>
 #include <vtkPolyData.h>
 
-#include <algorithm>
-
 #include "array_geometry.h"
-#include "lens_geometry.h"
 #include "pipeline_run.h"
-#include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene.h"
-#include "plenoflame/scene/validate.h"
 #include "scene_algorithm.h"
 #include "vtkPlenoflameScene.h"
 
@@ -58,42 +53,31 @@ int vtkPlenoflameCameraSource::RequestData(vtkInformation*, vtkInformationVector
   vtkPlenoflameScene* const scene = plenoflame::pipeline::scene_of(inputs);
   auto* const out = vtkMultiBlockDataSet::GetData(outputs, 0);
   return plenoflame::pipeline::run_here(*this, [&] {
-    plenoflame::validate(plenoflame::SceneDocument{scene->GetScene(), {}});
-    const plenoflame::Camera camera(scene->GetScene().camera);
-    const plenoflame::pipeline::Tessellation lens{this->LensResolution,
-                                                  std::max(2, this->LensResolution / 6)};
-    const plenoflame::pipeline::Tessellation microlens{this->MicrolensResolution,
-                                                       std::max(1, this->MicrolensResolution / 4)};
-    auto microlenses = vtkSmartPointer<vtkPolyData>::New();
-    auto plate = vtkSmartPointer<vtkPolyData>::New();
+    using plenoflame::ArrayDetail;
+    const plenoflame::Scene one = scene->GetSceneOfCamera();
+    plenoflame::CameraMeshRequest request;
+    request.detail = this->LevelOfDetail == WINDOW            ? ArrayDetail::window
+                     : this->LevelOfDetail == ALL_MICROLENSES ? ArrayDetail::all
+                     : this->LevelOfDetail == AUTOMATIC       ? ArrayDetail::automatic
+                                                              : ArrayDetail::plate;
+    request.most_microlenses = static_cast<std::size_t>(this->MaximumNumberOfMicrolenses);
+    request.window = {this->Window[0], this->Window[1], this->Window[2], this->Window[3]};
+    request.lens_sectors = this->LensResolution;
+    request.microlens_sectors = this->MicrolensResolution;
+    const plenoflame::CameraMeshes meshes = plenoflame::camera_meshes(one, request);
     this->PlateTexture->Initialize();
-    if (camera.has_array()) {
-      const bool in_window = this->LevelOfDetail == WINDOW;
-      if (in_window && (this->Window[2] < 1 || this->Window[3] < 1))
-        throw plenoflame::UsageError("the window for microlenses is empty: set Window");
-      const plenoflame::PixelWindow window =
-          in_window ? plenoflame::PixelWindow{this->Window[0], this->Window[1], this->Window[2],
-                                              this->Window[3]}
-                    : plenoflame::PixelWindow{};
-      const auto lenses = plenoflame::pipeline::microlenses_over(camera, window);
-      const bool few = static_cast<int>(lenses.size()) <= this->MaximumNumberOfMicrolenses;
-      const bool single = this->LevelOfDetail == ALL_MICROLENSES || in_window ||
-                          (this->LevelOfDetail == AUTOMATIC && few);
-      if (single) microlenses = plenoflame::pipeline::microlens_surfaces(camera, lenses, microlens);
-      if (!single || in_window) {
-        plate = plenoflame::pipeline::array_plate(camera);
-        this->PlateTexture->ShallowCopy(plenoflame::pipeline::array_texture(camera));
-      }
-    }
-    const auto set = [&](unsigned block, vtkPolyData* data, const char* name) {
-      out->SetBlock(block, data);
+    if (meshes.plate.polygons() > 0)
+      this->PlateTexture->ShallowCopy(
+          plenoflame::pipeline::array_texture(plenoflame::Camera(one.camera)));
+    const auto set = [&](unsigned block, const plenoflame::CameraMesh& mesh, const char* name) {
+      out->SetBlock(block, plenoflame::pipeline::polydata_of(mesh));
       out->GetMetaData(block)->Set(vtkCompositeDataSet::NAME(), name);
     };
-    set(LENS_SURFACES, plenoflame::pipeline::lens_surfaces(camera, lens), "lens surfaces");
-    set(LENS_EDGES, plenoflame::pipeline::lens_edges(camera, lens), "lens edges");
-    set(STOP, plenoflame::pipeline::stop_ring(camera, lens), "stop");
-    set(MICROLENSES, microlenses, "microlenses");
-    set(ARRAY_PLATE, plate, "array plate");
-    set(SENSOR, plenoflame::pipeline::sensor_rectangle(camera), "sensor");
+    set(LENS_SURFACES, meshes.lens_surfaces, "lens surfaces");
+    set(LENS_EDGES, meshes.lens_edges, "lens edges");
+    set(STOP, meshes.stop, "stop");
+    set(MICROLENSES, meshes.microlenses, "microlenses");
+    set(ARRAY_PLATE, meshes.plate, "array plate");
+    set(SENSOR, meshes.sensor, "sensor");
   });
 }

@@ -73,21 +73,21 @@ int vtkPlenoflameFlameReader::RequestData(vtkInformation*, vtkInformationVector*
       return field.index_to_world.linear == transform.linear &&
              field.index_to_world.translation == transform.translation;
     };
-    pipeline::IndexBox box;
+    IndexBox box;
     for (const VoxelField& field : fields)
-      if (same(field)) box.add(pipeline::stored_box(field));
+      if (same(field)) box.add(stored_box(field));
     if (box.empty()) throw InputError("'" + path + "': every voxel has the background's value");
     image->Initialize();
     pipeline::place_image(transform, box, this->LocalFrame, *image);
     pipeline::local_to_world(transform, box, *this->LocalToWorld);
     for (const VoxelField& field : fields) {
       if (same(field)) {
-        pipeline::add_values(field, box, field.name.c_str(), *image);
+        pipeline::add_array(voxel_values(field, box), *image);
       } else {
         execution.warn("'" + path + "': " + field.name +
                        " has a lattice of its own and was "
                        "interpolated; read it alone with SetGridName() to keep it");
-        pipeline::add_interpolated(field, transform, box, field.name.c_str(), *image);
+        pipeline::add_array(interpolated_values(field, transform, box), *image);
       }
     }
     image->GetPointData()->SetActiveScalars(fields.front().name.c_str());

@@ -13,7 +13,8 @@
 #include "pipeline_run.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/render/describe.h"
-#include "plenoflame/render/render.h"
+#include "plenoflame/render/ground_truth.h"
+#include "plenoflame/render/render_request.h"
 #include "scene_algorithm.h"
 #include "vtkPlenoflameScene.h"
 
@@ -34,6 +35,7 @@ void vtkPlenoflameLightFieldSource::PrintSelf(ostream& os, vtkIndent indent) {
      << " " << this->Window[3] << "\n"
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
      << indent << "StandardError: " << this->StandardError << "\n"
+     << indent << "Truth: " << this->Truth << "\n"
      << indent << "Complete: " << this->Complete << "\n"
      << indent << "RelativeError: " << this->RelativeError << "\n"
      << indent << "NumberOfRays: " << this->NumberOfRays << "\n";
@@ -48,7 +50,10 @@ int vtkPlenoflameLightFieldSource::RequestInformation(vtkInformation*,
                                                       vtkInformationVector** inputs,
                                                       vtkInformationVector* outputs) {
   vtkPlenoflameScene* const scene = plenoflame::pipeline::scene_of(inputs);
-  const auto& sensor = scene->GetScene().camera.sensor;
+  plenoflame::SensorSpec sensor;
+  if (!plenoflame::pipeline::run_here(*this,
+                                      [&] { sensor = scene->GetSceneOfCamera().camera.sensor; }))
+    return 0;
   const int width = this->Window[2] > 0 ? this->Window[2] : std::max(1, sensor.columns);
   const int height = this->Window[2] > 0 ? this->Window[3] : std::max(1, sensor.rows);
   const std::array<int, 6> extent{0, width - 1, 0, height - 1, 0, 0};
@@ -69,33 +74,24 @@ int vtkPlenoflameLightFieldSource::RequestData(vtkInformation*, vtkInformationVe
   return plenoflame::pipeline::run(
       *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
         const auto compiled = scene->Compile(execution);
-        const plenoflame::RenderSpec& spec = compiled->scene.render;
-        plenoflame::RenderSettings settings;
-        settings.estimator = this->Estimator == BACKWARD  ? plenoflame::Estimator::backward
-                             : this->Estimator == FORWARD ? plenoflame::Estimator::forward
-                                                          : spec.estimator;
-        settings.target_error = this->TargetError;
-        settings.time_limit = this->TimeLimit;
-        const bool open_ended = this->TargetError > 0 || this->TimeLimit > 0;
-        const bool forward = settings.estimator == plenoflame::Estimator::forward;
-        // A scene made for the other estimator says nothing about the number of bundles.
-        const bool scene_says = spec.estimator == settings.estimator;
-        if (this->Samples > 0)
-          settings.samples = this->Samples;
-        else if (open_ended)
-          settings.samples = forward ? plenoflame::kMostBundles : plenoflame::kMostSamples;
-        else if (forward && !(scene_says && spec.samples != plenoflame::RenderSpec{}.samples))
-          settings.samples = plenoflame::kForwardSamples;
-        else
-          settings.samples = spec.samples;
-        settings.replicates = std::clamp(
-            settings.samples, 1, forward ? plenoflame::kForwardReplicates : settings.replicates);
-        settings.seed = this->Seed >= 0 ? static_cast<std::uint64_t>(this->Seed) : spec.seed;
+        plenoflame::RenderRequest request;
+        if (this->Estimator == BACKWARD) request.estimator = plenoflame::Estimator::backward;
+        if (this->Estimator == FORWARD) request.estimator = plenoflame::Estimator::forward;
+        if (this->Samples > 0) request.samples = this->Samples;
+        if (this->TargetError > 0) request.target_error = this->TargetError;
+        if (this->TimeLimit > 0) request.time_limit = this->TimeLimit;
+        if (this->Seed >= 0) request.seed = static_cast<std::uint64_t>(this->Seed);
+        plenoflame::RenderSettings settings = plenoflame::render_settings(compiled->scene, request);
         if (this->Window[2] != 0)  // render() checks it
           settings.window = {this->Window[0], this->Window[1], this->Window[2], this->Window[3]};
         settings.standard_error = this->StandardError;
         plenoflame::RenderResult result = plenoflame::render(*compiled, settings, execution);
         plenoflame::describe(*compiled, result.light_field);
+        if (this->Truth) {
+          plenoflame::Execution rest = execution;
+          rest.stop = {};  // a run that was stopped is kept, too
+          plenoflame::add_ground_truth(*compiled, result.light_field, rest);
+        }
         this->Complete = result.statistics.complete;
         this->RelativeError = result.statistics.relative_error;
         this->NumberOfRays = result.statistics.rays;

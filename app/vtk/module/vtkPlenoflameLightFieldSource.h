@@ -93,6 +93,15 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
 
   ///@{
   /**
+   * Whether to add the layers of ground truth, "truth.NAME", as `render --truth` (default: off).
+   */
+  vtkSetMacro(Truth, bool);
+  vtkGetMacro(Truth, bool);
+  vtkBooleanMacro(Truth, bool);
+  ///@}
+
+  ///@{
+  /**
    * About the last run: false when it was aborted; the estimated relative RMSE over lit pixels (-1:
    * not known); rays sent.
    */
@@ -120,6 +129,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
   int Window[4] = {0, 0, 0, 0};
   int NumberOfThreads = 0;
   bool StandardError = true;
+  bool Truth = false;
   bool Complete = true;
   double RelativeError = -1, NumberOfRays = 0;
 

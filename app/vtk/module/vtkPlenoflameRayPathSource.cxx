@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "pipeline_run.h"
-#include "plenoflame/base/error.h"
-#include "plenoflame/render/ray_paths.h"
-#include "plenoflame/render/render.h"
+#include "plenoflame/render/ray_path_request.h"
 #include "ray_path_data.h"
 #include "scene_algorithm.h"
 #include "vtkPlenoflameScene.h"
@@ -94,36 +92,20 @@ int vtkPlenoflameRayPathSource::RequestData(vtkInformation*, vtkInformationVecto
   vtkPolyData* const out = vtkPolyData::GetData(outputs);
   return plenoflame::pipeline::run(*this, this->NumberOfThreads, [&](const Execution& execution) {
     const auto scene = input->Compile(execution);
-    RenderSettings settings;
-    settings.samples = this->RaysPerPixel;
-    settings.seed =
-        this->Seed >= 0 ? static_cast<std::uint64_t>(this->Seed) : scene->scene.render.seed;
-    RayPaths paths = empty_ray_paths(*scene);
-    paths.flame_samples = this->FlameSamples;
-    std::vector<Pixel> pixels = this->Internal->Pixels;
-    const std::vector<Pixel> drawn =
-        random_pixels(scene->camera.spec().sensor, this->NumberOfRandomPixels, settings.seed);
-    pixels.insert(pixels.end(), drawn.begin(), drawn.end());
-    add_pixel_rays(*scene, settings, pixels, execution, paths);
-    for (const LensIndex lens : this->Internal->Microlenses)
-      add_microlens_rays(*scene, settings, lens, execution, paths);
-    for (const Vec3 point : this->Internal->ObjectPoints)
-      add_object_rays(*scene, point, this->RaysPerPoint, paths);
-    if (this->ChiefRays) add_chief_rays(*scene, paths);
-    RaySelection selection;
-    bool all = true;
-    for (int status = 0; status < 4; ++status) {
-      all = all && this->StatusSelected[status];
-      if (this->StatusSelected[status])
-        selection.statuses.push_back(static_cast<RayStatus>(status));
-    }
-    if (all) selection.statuses.clear();
-    if (this->SelectedType >= 0) selection.types = {this->SelectedType};
-    selection.most = static_cast<std::size_t>(this->MaximumNumberOfRays);
-    if (!all && selection.statuses.empty())
-      paths = empty_ray_paths(*scene);  // nothing is selected
-    else
-      select_rays(selection, paths);
-    plenoflame::pipeline::ray_paths_to_polydata(paths, *out);
+    RayPathRequest request;
+    request.pixels = this->Internal->Pixels;
+    request.microlenses = this->Internal->Microlenses;
+    request.points = this->Internal->ObjectPoints;
+    request.random_pixels = this->NumberOfRandomPixels;
+    request.chief_rays = this->ChiefRays;
+    request.rays_per_pixel = this->RaysPerPixel;
+    request.rays_per_point = this->RaysPerPoint;
+    request.flame_samples = this->FlameSamples;
+    if (this->Seed >= 0) request.seed = static_cast<std::uint64_t>(this->Seed);
+    for (std::size_t status = 0; status < request.statuses.size(); ++status)
+      request.statuses[status] = this->StatusSelected[status];
+    request.type = this->SelectedType;
+    request.most = static_cast<std::size_t>(this->MaximumNumberOfRays);
+    plenoflame::pipeline::ray_paths_to_polydata(trace_ray_paths(*scene, request, execution), *out);
   });
 }

@@ -8,8 +8,8 @@
 
 #include <array>
 
+#include "light_field_camera.h"
 #include "light_field_image.h"
-#include "micro_image_cache.h"
 #include "pipeline_run.h"
 #include "plenoflame/lightfield/refocus.h"
 
@@ -29,7 +29,28 @@ void vtkPlenoflameRefocus::PrintSelf(ostream& os, vtkIndent indent) {
      << indent << "Aperture: " << this->Aperture << "\n"
      << indent << "Channel: " << this->Channel << "\n"
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
-     << indent << "PixelSize: " << this->PixelSize << "\n";
+     << indent << "PixelSize: " << this->PixelSize << "\n"
+     << indent << "Corner: " << this->Corner[0] << " " << this->Corner[1] << "\n";
+}
+
+plenoflame::RefocusSettings vtkPlenoflameRefocus::refocus_settings() const {
+  plenoflame::RefocusSettings settings;
+  settings.depth = this->Depth;
+  settings.width = this->Width;
+  settings.aperture = this->Aperture;
+  settings.channel = this->Channel;
+  return settings;
+}
+
+const plenoflame::MicroImages& vtkPlenoflameRefocus::micro_images(
+    const plenoflame::CameraSpec& camera, const plenoflame::Execution& execution) {
+  return this->Internal->MicroImages.get(camera, true, execution);
+}
+
+void vtkPlenoflameRefocus::set_geometry(const plenoflame::RefocusedImage& picture) {
+  this->PixelSize = picture.pixel;
+  this->Corner[0] = picture.corner.x;
+  this->Corner[1] = picture.corner.y;
 }
 
 int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVector**,
@@ -58,18 +79,11 @@ int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** in
   return plenoflame::pipeline::run(
       *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
         const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
-        const plenoflame::CameraSpec camera = plenoflame::pipeline::camera_of(field);
+        const plenoflame::CameraSpec camera = plenoflame::camera_of(field);
         plenoflame::check_refocus_depth(plenoflame::Camera(camera), this->Depth);
-        plenoflame::RefocusSettings settings;
-        settings.depth = this->Depth;
-        settings.width = this->Width;
-        settings.aperture = this->Aperture;
-        settings.channel = this->Channel;
-        const plenoflame::MicroImages& micro =
-            this->Internal->MicroImages.get(camera, true, execution);
-        const plenoflame::RefocusedImage picture =
-            plenoflame::refocus(field, micro, settings, execution);
-        this->PixelSize = picture.pixel;
+        const plenoflame::RefocusedImage picture = plenoflame::refocus(
+            field, this->micro_images(camera, execution), this->refocus_settings(), execution);
+        this->set_geometry(picture);
         plenoflame::pipeline::image_to_vtk(picture.image, "radiance", *out);
       });
 }

@@ -16,6 +16,14 @@
 
 #ifndef __VTK_WRAP__
 #include <memory>
+
+namespace plenoflame {
+class MicroImages;
+struct CameraSpec;
+struct Execution;
+struct RefocusedImage;
+struct RefocusSettings;
+}  // namespace plenoflame
 #endif
 
 class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
@@ -69,6 +77,12 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
    */
   vtkGetMacro(PixelSize, double);
 
+  /**
+   * Of the last picture: where its upper left corner lies on the object plane, in the camera's x
+   * and y [m].
+   */
+  vtkGetVector2Macro(Corner, double);
+
  protected:
   vtkPlenoflameRefocus();
   ~vtkPlenoflameRefocus() override;
@@ -86,6 +100,14 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
   std::string Channel;
   int NumberOfThreads = 0;
   double PixelSize = 0;
+  double Corner[2] = {0, 0};
+
+#ifndef __VTK_WRAP__
+  plenoflame::RefocusSettings refocus_settings() const;
+  const plenoflame::MicroImages& micro_images(const plenoflame::CameraSpec& camera,
+                                              const plenoflame::Execution& execution);
+  void set_geometry(const plenoflame::RefocusedImage& picture);
+#endif
 
  private:
   vtkPlenoflameRefocus(const vtkPlenoflameRefocus&) = delete;

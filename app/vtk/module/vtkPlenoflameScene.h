@@ -3,15 +3,19 @@
  * @brief   a camera, its flames and how to render them
  *
  * The scene of a TOML file as a data object: it comes from a vtkPlenoflameSceneReader, or stands
- * alone and is given to other algorithms with SetInputDataObject(). Values are read and set as text
- * with units, by the paths of docs/reference/scene.md: SetValue("camera.lens.surfaces[0].radius",
- * "30 mm"). Change a scene that stands alone: what a reader gave is replaced when it reads again.
+ * alone and is given to other algorithms with SetInputDataObject(). A scene with several cameras is
+ * about one of them, which SetCamera() chooses, for everything but its values and texts. Values are
+ * read and set as text with units, by the paths of docs/reference/scene.md:
+ * SetValue("camera.lens.surfaces[0].radius", "30 mm"). Change a scene that stands alone: what a
+ * reader gave is replaced when it reads again.
  */
 #ifndef vtkPlenoflameScene_h
 #define vtkPlenoflameScene_h
 
 #include "vtkDataObject.h"
 #include "vtkPlenoflameModule.h"  // for export macro
+
+class vtkImageData;
 
 #ifndef __VTK_WRAP__
 #include <memory>
@@ -57,6 +61,20 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
   bool SetValue(const std::string& path, const std::string& text);
   ///@}
 
+  /**
+   * A value by its path as JSON: a number (quantities in SI), text, true or false, a list of
+   * numbers; {"value": ..., "unit": "m", "text": "100 um"}, the unit empty where there is none.
+   * Empty after an error event.
+   */
+  std::string GetValueAsJson(const std::string& path);
+
+  /**
+   * Keep an image (arrays temperature [K] and absorption [1/m], others as emission lines [W/m^3])
+   * under a name that stands for a file: flames whose "file" is this name are made of it. False
+   * after an error event. A copy of the scene keeps it, a file of the scene does not.
+   */
+  bool SetFlameImage(const std::string& name, vtkImageData* image, double ambient_temperature);
+
   ///@{
   /**
    * All paths that the scene has values for.
@@ -84,6 +102,43 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
    * What `plenoflame design --json` prints; empty after an error event.
    */
   std::string GetDesignAsJson();
+
+  ///@{
+  /**
+   * Its cameras by their names; the one of a scene with a single camera may have none.
+   */
+  int GetNumberOfCameras();
+  std::string GetCameraName(int i);
+  ///@}
+
+  ///@{
+  /**
+   * Which of them it is about: what is rendered, designed, traced. Empty (default): the only one;
+   * where there are several, that is an error event of whatever needs one. SetCamera gives false
+   * after an error event (no camera has that name). What cameras have in common is kept.
+   */
+  bool SetCamera(const std::string& name);
+  std::string GetCamera();
+  ///@}
+
+  ///@{
+  /**
+   * Frames of flames that change with time (docs/user/time.md), as the camera takes them that it is
+   * about, or the first; the last is below the first where there are none.
+   */
+  int GetFirstFrame();
+  int GetLastFrame();
+  ///@}
+
+  ///@{
+  /**
+   * Make it the scene of one moment: at a time [s], or at the begin of a frame's exposure. Values
+   * and text are then of that moment. False after an error event: nothing changes with time, or
+   * that moment is before or beyond what is known, or its file is missing.
+   */
+  bool MoveToTime(double time);
+  bool MoveToFrame(int frame);
+  ///@}
 
   ///@{
   /**
@@ -115,6 +170,8 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
 #ifndef __VTK_WRAP__
   /// For C++: the plain values.
   const plenoflame::Scene& GetScene() const;
+  /// The same with the chosen camera alone. @throws plenoflame::InputError when none is chosen
+  plenoflame::Scene GetSceneOfCamera() const;
   void SetScene(const plenoflame::Scene& scene);
   /// The same with the places of its keys in a file, for messages.
   void SetDocument(const plenoflame::SceneDocument& document);

@@ -12,8 +12,8 @@
 #include <array>
 #include <cstdio>
 
+#include "light_field_camera.h"
 #include "light_field_image.h"
-#include "micro_image_cache.h"
 #include "pipeline_run.h"
 #include "plenoflame/lightfield/views.h"
 
@@ -81,7 +81,7 @@ int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector** inpu
         settings.white_correction = this->WhiteCorrection;
         settings.channel = this->Channel;
         const plenoflame::MicroImages& micro = this->Internal->MicroImages.get(
-            plenoflame::pipeline::camera_of(field), this->WhiteCorrection, execution);
+            plenoflame::camera_of(field), this->WhiteCorrection, execution);
         const plenoflame::Views views =
             plenoflame::extract_views(field, micro, settings, execution);
         const char* const name = this->WhiteCorrection ? "radiance" : "flux";

@@ -50,6 +50,19 @@ void add_text(const std::string& text, double x, double y, bool from_top, int fo
   renderer.AddActor2D(actor);
 }
 
+/// Before everything: no solid hides it.
+void add_world_text(const std::string& text, Vec3 place, int font_size,
+                    const std::array<double, 3>& rgb, vtkRenderer& renderer) {
+  vtkNew<vtkTextActor> label;
+  label->SetInput(text.c_str());
+  label->GetPositionCoordinate()->SetCoordinateSystemToWorld();
+  label->GetPositionCoordinate()->SetValue(place.x, place.y, place.z);
+  set_text_style(*label->GetTextProperty(), font_size);
+  label->GetTextProperty()->SetColor(rgb[0], rgb[1], rgb[2]);
+  set_paper(*label->GetTextProperty(), 0.65);  // rays are seen through it
+  renderer.AddActor2D(label);
+}
+
 }  // namespace
 
 std::string length_label(double metres) {
@@ -92,15 +105,13 @@ void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) 
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->SetLineWidth(2);
     renderer.AddActor(actor);
-    vtkNew<vtkTextActor> label;  // before everything: no solid hides it
-    label->SetInput((std::string(names[k]) + "  " + length_label(length)).c_str());
-    label->GetPositionCoordinate()->SetCoordinateSystemToWorld();
-    label->GetPositionCoordinate()->SetValue(end.x, end.y, end.z);
-    set_text_style(*label->GetTextProperty(), font_size);
-    label->GetTextProperty()->SetColor(colours[k][0], colours[k][1], colours[k][2]);
-    set_paper(*label->GetTextProperty(), 0.65);  // rays are seen through it
-    renderer.AddActor2D(label);
+    add_world_text(std::string(names[k]) + "  " + length_label(length), end, font_size, colours[k],
+                   renderer);
   }
+}
+
+void add_label(const std::string& text, Vec3 place, int font_size, vtkRenderer& renderer) {
+  add_world_text(text, place, font_size, {kInk, kInk, kInk}, renderer);
 }
 
 void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& renderer) {

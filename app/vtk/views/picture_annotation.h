@@ -15,6 +15,9 @@ std::string length_label(double metres);
 /// Axes of the world as three lines from `origin`, each `length` [m] long and labelled with it.
 void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer);
 
+/// A text at a place of the world, before everything.
+void add_label(const std::string& text, Vec3 place, int font_size, vtkRenderer& renderer);
+
 /// The scale of temperatures, in kelvin, at the right edge.
 void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& renderer);
 

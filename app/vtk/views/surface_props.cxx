@@ -20,7 +20,7 @@
 #include <filesystem>
 
 #include "plenoflame/scene/scene.h"
-#include "plenoflame/surfaces/surface_mesh.h"
+#include "plenoflame/solids/surface_mesh.h"
 
 namespace plenoflame::views {
 namespace {
@@ -80,20 +80,20 @@ SolidSurfaces solid_surfaces(const Scene& scene, vtkBoundingBox others) {
   const auto add = [&](const SolidSurfaceSpec& spec, const SurfaceMeshSettings& settings) {
     SolidSurfaces::Part part;
     part.data = polydata_of(surface_mesh(spec, folder, settings), spec.material);
-    part.flat = spec.shape == SurfaceShape::plane || spec.shape == SurfaceShape::disc;
+    part.flat = spec.shape == SolidShape::plane || spec.shape == SolidShape::disc;
     part.glows = spec.material.kind == MaterialKind::blackbody ||
                  spec.material.kind == MaterialKind::emitter;
     out.parts.push_back(part);
   };
   const auto endless = [](const SolidSurfaceSpec& spec) {
-    return spec.shape == SurfaceShape::plane &&
+    return spec.shape == SolidShape::plane &&
            (std::isinf(spec.extent.x) || std::isinf(spec.extent.y));
   };
   for (const SolidSurfaceSpec& spec : scene.surfaces) {
     if (endless(spec)) continue;
     add(spec, {});
     out.all.AddBounds(out.parts.back().data->GetBounds());
-    if (spec.shape != SurfaceShape::plane) out.bodies.AddBounds(out.parts.back().data->GetBounds());
+    if (spec.shape != SolidShape::plane) out.bodies.AddBounds(out.parts.back().data->GetBounds());
   }
   // What has no end comes last: it is as large as all that has one.
   if (out.all.IsValid()) others.AddBox(out.all);

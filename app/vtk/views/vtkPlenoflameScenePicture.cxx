@@ -37,6 +37,7 @@
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameFlameSource.h"
 #include "vtkPlenoflameScene.h"
+#include "window_props.h"
 
 VTK_MODULE_INIT(vtkRenderingOpenGL2);
 VTK_MODULE_INIT(vtkRenderingFreeType);
@@ -97,7 +98,7 @@ std::string vtkPlenoflameScenePicture::GetWhyNot() {
 vtkSmartPointer<vtkImageData> vtkPlenoflameScenePicture::Flame() {
   if (!this->ShowFlame || this->Scene->GetListSize("flames") < 1) return nullptr;
   vtkNew<vtkPlenoflameFlameSource> source;
-  source->SetInputDataObject(this->Scene);
+  source->SetInputDataObject(this->OfCamera);
   source->SetResolution(this->FlameResolution);
   source->Update();
   return source->GetOutput()->GetNumberOfPoints() > 0 ? source->GetOutput() : nullptr;
@@ -147,26 +148,77 @@ std::unique_ptr<plenoflame::views::SolidSurfaces> vtkPlenoflameScenePicture::Sur
   if (!this->ShowSurfaces) return surfaces;
   const plenoflame::Scene& scene = this->Scene->GetScene();
   vtkBoundingBox others;
-  const Vec3 place = scene.camera.position;
-  others.AddPoint(place.x, place.y, place.z);
+  const auto add_place = [&](const plenoflame::CameraSpec& camera) {
+    others.AddPoint(camera.position.x, camera.position.y, camera.position.z);
+  };
+  if (scene.cameras.empty()) add_place(scene.camera);
+  for (const plenoflame::CameraSpec& camera : scene.cameras) add_place(camera);
   if (flame) others.AddBounds(flame->GetBounds());
   const bool good = plenoflame::pipeline::run_here(
       *this, [&] { *surfaces = plenoflame::views::solid_surfaces(scene, others); });
   return good ? std::move(surfaces) : nullptr;
 }
 
+/// The cameras beside the chosen one, and the names of all.
+/// @param points gets what has to be in the picture of them
+bool vtkPlenoflameScenePicture::AddOtherCameras(vtkRenderer* renderer, int font_size,
+                                                std::vector<Vec3>& points) {
+  namespace views = plenoflame::views;
+  using Source = vtkPlenoflameCameraSource;
+  const std::string chosen = this->OfCamera->GetSceneOfCamera().camera.name;
+  const plenoflame::Scene& scene = this->Scene->GetScene();
+  for (const plenoflame::CameraSpec& camera : scene.cameras) {
+    const double side = camera.lens.surfaces.empty() ? 0.5 * camera.lens.diameter
+                                                     : 0.5 * camera.lens.surfaces.front().diameter;
+    const Vec3 top = camera.position + 1.5 * side * plenoflame::normalize(camera.up);
+    views::add_label(camera.name, top, font_size, *renderer);
+    points.push_back(top);
+    if (camera.name == chosen) continue;
+    vtkNew<vtkPlenoflameScene> other;
+    other->DeepCopy(this->Scene);
+    other->SetCamera(camera.name);
+    vtkNew<Source> source;
+    source->SetInputDataObject(other);
+    source->SetLevelOfDetail(Source::PLATE);
+    source->Update();
+    vtkMultiBlockDataSet* const parts = source->GetOutput();
+    if (parts->GetNumberOfBlocks() == 0) return false;  // after an error event of the source
+    views::add_camera(*parts, source->GetPlateTexture(), nullptr, 0.4, *renderer);
+    vtkBoundingBox box;
+    for (unsigned block = 0; block < parts->GetNumberOfBlocks(); ++block)
+      if (auto* data = vtkPolyData::SafeDownCast(parts->GetBlock(block));
+          data && data->GetNumberOfPoints() > 0)
+        box.AddBounds(data->GetBounds());
+    std::array<double, 6> bounds{};
+    box.GetBounds(bounds.data());
+    const auto corners = views::corners(bounds);
+    points.insert(points.end(), corners.begin(), corners.end());
+  }
+  return true;
+}
+
+/// The scene with a camera chosen: its own choice, or the first.
+vtkSmartPointer<vtkPlenoflameScene> vtkPlenoflameScenePicture::WithCamera() {
+  if (this->Scene->GetNumberOfCameras() == 1 || !this->Scene->GetCamera().empty())
+    return this->Scene;
+  const auto scene = vtkSmartPointer<vtkPlenoflameScene>::New();
+  scene->DeepCopy(this->Scene);
+  scene->SetCamera(this->Scene->GetCameraName(0));
+  return scene;
+}
+
 bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool inset,
                                         vtkImageData* flame,
                                         const plenoflame::views::SolidSurfaces& surfaces) {
   namespace views = plenoflame::views;
-  const plenoflame::Scene& scene = this->Scene->GetScene();
+  const plenoflame::Scene scene = this->OfCamera->GetSceneOfCamera();
   const plenoflame::CameraSpec& spec = scene.camera;
   const Vec3 axis = plenoflame::normalize(spec.look_direction);
   const Vec3 right = plenoflame::normalize(plenoflame::cross(axis, spec.up));
   const Vec3 up = plenoflame::cross(right, axis);
 
   vtkNew<vtkPlenoflameCameraSource> source;
-  source->SetInputDataObject(this->Scene);
+  source->SetInputDataObject(this->OfCamera);
   const bool close = view == ARRAY;
   // The pixel in the middle of the close-up, and a window of a few microlenses around it.
   std::array<int, 2> pixel{spec.sensor.columns / 2, spec.sensor.rows / 2};
@@ -179,6 +231,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
                static_cast<int>(pixels->GetComponent(0, 1))};
   }
   const bool array = spec.array.present;
+  const bool scene_has_several = this->Scene->GetNumberOfCameras() > 1;
   const double pitch = array ? spec.array.pitch : 10 * spec.sensor.pixel_pitch;
   const int span = std::max(4, static_cast<int>(5 * pitch / spec.sensor.pixel_pitch));
   if (close && array) {
@@ -222,6 +275,9 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
   }
 
   if (view == WHOLE_SCENE || view == FLAME) views::add_surfaces(surfaces, *renderer);
+  std::vector<std::vector<Vec3>> windows;
+  if (view == WHOLE_SCENE || view == FLAME) windows = views::window_outlines(scene);
+  views::add_windows(windows, *renderer);
 
   // What has to be in the picture, and from where.
   std::vector<Vec3> points;
@@ -232,11 +288,11 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
                             (surfaces.all.IsValid() ? 2 * surfaces.all.GetDiagonalLength() : 0) + 1;
   if (close) {
     // In front of the pixel, from the sensor to beyond the array.
-    const double p = spec.sensor.pixel_pitch;
+    const plenoflame::Vec2 p = spec.sensor.pixel();
     const Vec3 centre = middle_of(sensor_bounds) +
-                        (0.5 * spec.sensor.columns - pixel[0] - 0.5) * p * right +
-                        (0.5 * spec.sensor.rows - pixel[1] - 0.5) * p * -up;
-    const double half = 0.5 * span * p;
+                        (0.5 * spec.sensor.columns - pixel[0] - 0.5) * p.x * right +
+                        (0.5 * spec.sensor.rows - pixel[1] - 0.5) * p.y * -up;
+    const double half = 0.5 * span * p.x;
     const double depth = array ? spec.array.sensor_distance + 2 * spec.array.thickness : 4 * half;
     for (const double x : {-half, half})
       for (const double y : {-half, half})
@@ -257,6 +313,8 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     far = 4 * scene_size;
   } else {
     points = views::corners(camera_bounds);
+    if (view == WHOLE_SCENE && !this->AddOtherCameras(renderer, inset ? 12 : 15, points))
+      return false;
     if (view == WHOLE_SCENE && flame) {
       const auto more = views::corners(flame_bounds);
       points.insert(points.end(), more.begin(), more.end());
@@ -267,10 +325,15 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
       const auto more = views::corners(bounds);
       points.insert(points.end(), more.begin(), more.end());
     }
+    for (const std::vector<Vec3>& loop : windows)
+      points.insert(points.end(), loop.begin(), loop.end());
     // With walls and floors from the camera's side, so that they do not hide what is before them.
+    // Several cameras are looked down on, so that none hides another.
+    const bool several = view == WHOLE_SCENE && scene_has_several;
     from = (view == WHOLE_SCENE && surfaces.all.IsValid() ? -0.35 : 0.35) * axis + 1.0 * right +
-           0.35 * up;
-    far = 4 * scene_size;
+           (several ? 0.9 : 0.35) * up;
+    for (const Vec3 p : points) far = std::max(far, plenoflame::length(p - points.front()));
+    far = 4 * std::max(far, scene_size);
   }
   const int font = inset ? 12 : 15;
   if (this->ShowAxes) {
@@ -282,16 +345,17 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     }
     const double axis_length = views::round_length(0.25 * extent);
     views::add_axes(low, axis_length, font, *renderer);
-    if (view == WHOLE_SCENE && surfaces.all.IsValid()) points.push_back(low);
+    if (view == WHOLE_SCENE && (surfaces.all.IsValid() || scene_has_several)) points.push_back(low);
   }
   int* const size = renderer->GetSize();
   const double aspect = size[1] > 0 ? static_cast<double>(size[0]) / size[1] : 1.5;
   views::look_at(points, -from, up, aspect, far, *renderer);
-  if (view == WHOLE_SCENE && this->ShowInsets && surfaces.all.IsValid())
-    views::keep_below(0.64, *renderer);  // the insets would cover walls and floors
+  if (view == WHOLE_SCENE && this->ShowInsets && (surfaces.all.IsValid() || scene_has_several))
+    views::keep_below(0.64, *renderer);  // the insets would cover walls, floors and other cameras
   const std::array<const char*, 4> titles{"", "camera", "microlenses", ""};
   if (inset) {
-    views::add_title(titles[static_cast<std::size_t>(view)], font + 1, *renderer);
+    const std::string title = titles[static_cast<std::size_t>(view)];
+    views::add_title(scene_has_several ? spec.name + ": " + title : title, font + 1, *renderer);
     return true;
   }
   if (this->Rays && this->Rays->GetNumberOfLines() > 0)
@@ -307,6 +371,7 @@ bool vtkPlenoflameScenePicture::AddTo(vtkRenderer* renderer) {
     vtkErrorMacro("there is no scene to show: call SetScene()");
     return false;
   }
+  this->OfCamera = this->WithCamera();
   const auto flame = this->Flame();
   const auto surfaces = this->Surfaces(flame);
   return surfaces && this->AddView(renderer, this->View, false, flame, *surfaces);
@@ -327,6 +392,7 @@ vtkImageData* vtkPlenoflameScenePicture::RenderToImage() {
   window->SetMultiSamples(0);
   window->SetAlphaBitPlanes(1);
   window->SetSize(this->Size);
+  this->OfCamera = this->WithCamera();
   const auto flame = this->Flame();
   const auto surfaces = this->Surfaces(flame);
   if (!surfaces) return nullptr;

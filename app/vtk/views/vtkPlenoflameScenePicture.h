@@ -15,6 +15,7 @@
 
 #include <memory>  // for std::unique_ptr
 #include <string>  // for messages
+#include <vector>  // for places
 
 #include "vtkObject.h"
 #include "vtkPlenoflameViewsModule.h"  // for export macro
@@ -26,6 +27,7 @@ class vtkPolyData;
 class vtkRenderer;
 // Written apart: VTK's wrapping tools do not know the short form.
 namespace plenoflame {
+struct Vec3;
 namespace views {
 struct SolidSurfaces;
 }
@@ -47,7 +49,8 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
 
   ///@{
   /**
-   * What is shown.
+   * What is shown. Of a scene with several cameras all are in the views of the whole scene; the
+   * views of one are of that which the scene names (vtkPlenoflameScene::SetCamera), or the first.
    */
   void SetScene(vtkPlenoflameScene* scene);
   vtkPlenoflameScene* GetScene();
@@ -162,6 +165,7 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
   int FlameResolution = 96;
   bool ShowFlame = true, ShowSurfaces = true, ShowInsets = true, ShowAxes = true;
   vtkSmartPointer<vtkPlenoflameScene> Scene;
+  vtkSmartPointer<vtkPlenoflameScene> OfCamera;  ///< the same, a camera chosen; while drawing
   vtkSmartPointer<vtkPolyData> Rays;
   vtkSmartPointer<vtkImageData> SensorImage, Picture;
 
@@ -169,10 +173,12 @@ class VTKPLENOFLAMEVIEWS_EXPORT vtkPlenoflameScenePicture : public vtkObject {
   vtkPlenoflameScenePicture(const vtkPlenoflameScenePicture&) = delete;
   void operator=(const vtkPlenoflameScenePicture&) = delete;
 
+  bool AddOtherCameras(vtkRenderer* renderer, int font_size, std::vector<plenoflame::Vec3>& points);
   bool AddView(vtkRenderer* renderer, int view, bool inset, vtkImageData* flame,
                const plenoflame::views::SolidSurfaces& surfaces);
   std::unique_ptr<plenoflame::views::SolidSurfaces> Surfaces(vtkImageData* flame);
   vtkSmartPointer<vtkImageData> Flame();
+  vtkSmartPointer<vtkPlenoflameScene> WithCamera();
 };
 
 #endif

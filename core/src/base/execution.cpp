@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -37,7 +38,11 @@ bool parallel_for(const Execution& execution, std::size_t count,
       static_cast<std::size_t>(execution.thread_count()), std::max<std::size_t>(count, 1)));
   {
     std::vector<std::jthread> pool;
-    for (int worker = 1; worker < workers; ++worker) pool.emplace_back(work, worker);
+    try {
+      for (int worker = 1; worker < workers; ++worker) pool.emplace_back(work, worker);
+    } catch (const std::system_error&) {
+      // The system gives no more threads: those that there are do the work.
+    }
     work(0);
   }
   if (first_failure) std::rethrow_exception(first_failure);

@@ -48,6 +48,7 @@ constexpr Unit kSpectralRadiance[] = {
     {"W/(m^3 sr)", 0, 1, 1, 0, false}, {"W/(m^2 sr nm)", 9}, {"W/(m^2 sr um)", 6}};
 constexpr Unit kIrradiance[] = {
     {"W/m^2", 0}, {"mW/m^2", -3}, {"kW/m^2", 3}, {"W/cm^2", 4, 1, 1, 0, false}};
+constexpr Unit kFrequency[] = {{"Hz", 0}, {"kHz", 3}, {"MHz", 6}};
 
 std::span<const Unit> units(Dimension dimension) {
   switch (dimension) {
@@ -71,6 +72,8 @@ std::span<const Unit> units(Dimension dimension) {
       return kSpectralRadiance;
     case Dimension::irradiance:
       return kIrradiance;
+    case Dimension::frequency:
+      return kFrequency;
   }
   return kNone;
 }
@@ -97,6 +100,8 @@ std::string_view dimension_name(Dimension dimension) {
       return "spectral radiance";
     case Dimension::irradiance:
       return "irradiance";
+    case Dimension::frequency:
+      return "frequency";
   }
   return "number";
 }
@@ -208,6 +213,13 @@ const Unit* find_unit(std::string_view name, Dimension dimension) {
   throw InputError(message);
 }
 
+/// A decimal comma, "2,534 mm". @param rest from the comma on
+[[noreturn]] void fail_at_comma(std::string_view text, std::string_view rest, Dimension dimension) {
+  std::string with_point(text);
+  with_point[static_cast<std::size_t>(rest.data() - text.data())] = '.';
+  fail(text, dimension, "decimals follow a point, not a comma: " + quoted(with_point));
+}
+
 /// Shortest decimal text that reads back as `value` * 10^-shift does not exist in binary, so the
 /// power of ten is taken off the text: shortest digits of the value, decimal point moved.
 std::string decimal_text(double value, int shift) {
@@ -296,6 +308,7 @@ double parse_quantity(std::string_view text, Dimension dimension) {
     fail(text, dimension, "it does not begin with a number");
   }
   const std::string_view name = trim(rest);
+  if (name.size() > 1 && name[0] == ',' && is_digit(name[1])) fail_at_comma(text, name, dimension);
   if (name.empty() && dimension != Dimension::none)
     fail(text, dimension, "its unit is missing (one of " + unit_list(dimension) + ")");
   const Unit* unit = find_unit(name, dimension);

@@ -39,6 +39,7 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
                  static_cast<Real>(lens.stop_slope),
                  static_cast<Real>(lens.stop_radius * lens.stop_radius)};
     out.exit_gap = static_cast<Real>(anchor_z - lens.rear_principal);
+    out.per_stop_radius = static_cast<Real>(1 / lens.stop_radius);
     return;
   }
   const auto& surfaces = camera.lens().surfaces();
@@ -62,10 +63,27 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
     if (out.aspheric[k]) out.aspheres[k] = kernel_asphere<Real>(surfaces[i], true);
     out.refracts[k] = curvature != 0 || before != behind;
     out.surface_number[k] = static_cast<int>(i);
+    if (surfaces[i].stop) {
+      out.stop = k;
+      out.per_stop_radius = static_cast<Real>(2 / surfaces[i].diameter);
+    }
     out.coatings[k] = kernel_coating<Real>(coating_of(layer, before, behind));
     z = vertex;
   }
   out.exit_gap = static_cast<Real>(anchor_z - z);
+}
+
+template <class Real>
+KernelPolygon<Real> kernel_polygon(const MicrolensAperture& aperture) {
+  static_assert(MicrolensAperture::kMostPairs == kMostSidePairs);
+  KernelPolygon<Real> polygon{};
+  polygon.pairs = aperture.pairs();
+  for (int k = 0; k < aperture.pairs(); ++k) {
+    polygon.normal_x[k] = static_cast<Real>(aperture.normal(k).x);
+    polygon.normal_y[k] = static_cast<Real>(aperture.normal(k).y);
+    polygon.half_width[k] = static_cast<Real>(aperture.half_width(k));
+  }
+  return polygon;
 }
 
 template <class Real>
@@ -143,10 +161,12 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
     return lenses;
   }
   const ArraySpec& array = camera.spec().array;
+  const double diameter = 2 * camera.aperture().radius();
   const int main_surfaces = camera.surface_count() - (camera.ideal_array() ? 1 : 2);
   for (std::size_t type = 0; type < camera.microlenses().size(); ++type) {
     const Microlens& lens = camera.microlenses()[type];
     KernelMicrolens<Real> kernel{};
+    kernel.aperture = kernel_polygon<Real>(camera.aperture());
     kernel.distance = static_cast<Real>(camera.aim_plane(static_cast<int>(type)) - camera.sensor());
     kernel.cover_index = cover;
     if (camera.ideal_array()) {
@@ -157,14 +177,14 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
                       static_cast<Real>(1.0 / lens.first_order.focal_length),
                       1,
                       0,
-                      static_cast<Real>(0.25 * array.diameter * array.diameter)};
+                      static_cast<Real>(0.25 * diameter * diameter)};
       kernel.surface_number[0] = main_surfaces;
     } else {
       kernel.kind = 1;
       kernel.surfaces[0] =
-          kernel_surface<Real>(0, 1.0 / lens.radius_back, array.diameter, 1.0, lens.index);
-      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front,
-                                                array.diameter, lens.index, 1.0);
+          kernel_surface<Real>(0, 1.0 / lens.radius_back, diameter, 1.0, lens.index);
+      kernel.surfaces[1] = kernel_surface<Real>(array.thickness, -1.0 / lens.radius_front, diameter,
+                                                lens.index, 1.0);
       kernel.fresnel = transmission.fresnel;
       kernel.coatings[0] = kernel_coating<Real>(coating_of({}, 1.0, lens.index));
       kernel.coatings[1] = kernel_coating<Real>(coating_of({}, lens.index, 1.0));

@@ -21,7 +21,8 @@ RigidTransform camera_to_world(const CameraSpec& spec) {
 
 }  // namespace
 
-Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings) : spec_(spec) {
+Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings)
+    : spec_(spec), pupil_filters_(spec.pupil_filters) {
   to_world_ = camera_to_world(spec_);
   place_lens();
   solve_focus(warnings);
@@ -62,6 +63,17 @@ Camera Camera::aligned() const {
   return Camera(spec);
 }
 
+Camera Camera::with_circles() const {
+  if (aperture_.pairs() == 0) return *this;
+  CameraSpec spec = spec_;
+  spec.array = with_circumscribed_circles(spec.array);
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = lens_distance_;
+  spec.array.sensor_distance = array_back_ - sensor_;
+  spec.array.measured_from = ArrayReference::vertex;
+  return Camera(spec);
+}
+
 Vec3 Camera::lens_place(LensIndex lens) const {
   const Vec2 centre = lattice_.centre(lens);
   const Vec3 place{centre.x, centre.y, aim_plane(lattice_.type(lens))};
@@ -76,6 +88,34 @@ const LensSystem& Camera::microlens_system(LensIndex lens, LensSystem& own) cons
   for (SurfaceSpec& surface : surfaces) surface.radius *= factor;
   own = LensSystem(std::move(surfaces), array_front_);
   return own;
+}
+
+/// Through the faces of a real microlens, in the array's frame about its centre. What lies outside
+/// of an aperture with sides ends at the first face that it meets there.
+TraceStatus Camera::pass_faces(LensIndex lens, bool to_scene, Ray& ray, std::vector<Vec3>* points,
+                               double& passed) const {
+  LensSystem own;
+  const LensSystem& system = microlens_system(lens, own);
+  PassedLight light;
+  PassedLight* const lost = spec_.transmission.fresnel ? &light : nullptr;
+  std::vector<Vec3> met;
+  std::vector<Vec3>* const path = points || aperture_.pairs() == 0 ? points : &met;
+  const std::size_t first = path ? path->size() : 0;
+  TraceStatus status =
+      to_scene ? system.trace_to_scene(ray, path, lost) : system.trace_to_sensor(ray, path, lost);
+  passed *= light.share;
+  if (aperture_.pairs() == 0) return status;
+  for (std::size_t i = first; i < path->size(); ++i) {
+    const auto step = static_cast<int>(i - first);
+    const int face = to_scene ? 1 - step : step;
+    if (status.status != RayStatus::reached && status.surface == face) break;
+    if (aperture_.holds({(*path)[i].x, (*path)[i].y})) continue;
+    status = {RayStatus::vignetted, face};
+    ray.origin = (*path)[i];
+    path->resize(i + 1);
+    break;
+  }
+  return status;
 }
 
 double Camera::microlens_power(LensIndex lens) const {
@@ -104,7 +144,24 @@ double Camera::through_cover(Vec3 direction) const {
   return index > 1 ? plate_transmission(index, std::fabs(direction.z)) : 1;
 }
 
-TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points, double& passed) const {
+/// Through the surfaces of a real main lens, in its frame.
+TraceStatus Camera::trace_surfaces(Ray& ray, bool to_scene, std::vector<Vec3>* points,
+                                   PassedLight* passed, int& pupil_part) const {
+  std::vector<Vec3> met;
+  std::vector<Vec3>* const path = points || pupil_filters_.empty() ? points : &met;
+  const std::size_t first = path ? path->size() : 0;
+  const TraceStatus status =
+      to_scene ? lens_.trace_to_scene(ray, path, passed) : lens_.trace_to_sensor(ray, path, passed);
+  if (pupil_filters_.empty()) return status;
+  const auto stop = static_cast<std::size_t>(lens_first_order_.stop);
+  const std::size_t at = first + (to_scene ? spec_.lens.surfaces.size() - 1 - stop : stop);
+  if (at >= path->size()) return status;
+  const double per_radius = 2 / spec_.lens.surfaces[stop].diameter;
+  pupil_part = pupil_filters_.part_at(per_radius * Vec2{(*path)[at].x, (*path)[at].y});
+  return status;
+}
+
+TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points, Path& path) const {
   const std::size_t first = points ? points->size() : 0;
   if (lens_moved_) {
     const RigidTransform inverse = lens_pose_.inverse();
@@ -112,10 +169,10 @@ TraceStatus Camera::trace_main_lens(Ray& ray, std::vector<Vec3>* points, double&
   }
   PassedLight light = light_of_lens();
   const TraceStatus status =
-      ideal_lens()
-          ? trace_ideal(ray, points)
-          : lens_.trace_to_scene(ray, points, spec_.transmission.fresnel ? &light : nullptr);
-  passed *= light.share;
+      ideal_lens() ? trace_ideal(ray, points, path.pupil_part)
+                   : trace_surfaces(ray, true, points,
+                                    spec_.transmission.fresnel ? &light : nullptr, path.pupil_part);
+  path.passed *= light.share;
   if (!lens_moved_) return status;
   ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
   if (points)
@@ -187,6 +244,8 @@ void Camera::place_array() {
     return;
   }
   lattice_ = MicrolensLattice(array);
+  aperture_ = MicrolensAperture(array);
+  const double diameter = 2 * aperture_.radius();
   const bool thin = ideal_array() && array.types.front().focal_length != 0;
   array_front_ = rear_vertex_ - lens_distance_;
   array_back_ = array_front_ - (thin ? 0 : array.thickness);
@@ -215,9 +274,8 @@ void Camera::place_array() {
     lens.sharp_distance = 1.0 / (1.0 / lens.first_order.focal_length - 1.0 / lens.sensor_distance);
     microlenses_.push_back(lens);
     microlens_systems_.emplace_back(
-        std::vector<SurfaceSpec>{
-            {type.radius_front, array.thickness, type.index, array.diameter, false},
-            {-type.radius_back, 0, 1, array.diameter, false}},
+        std::vector<SurfaceSpec>{{type.radius_front, array.thickness, type.index, diameter, false},
+                                 {-type.radius_back, 0, 1, diameter, false}},
         array_front_);
   }
 }
@@ -244,13 +302,15 @@ double Camera::aim_plane(int type) const {
   return ideal_array() ? microlenses_[static_cast<std::size_t>(type)].rear_principal : array_back_;
 }
 
-TraceStatus Camera::trace_ideal(Ray& ray, std::vector<Vec3>* points) const {
+TraceStatus Camera::trace_ideal(Ray& ray, std::vector<Vec3>* points, int& pupil_part) const {
   const double t = (ideal_.rear_principal - ray.origin.z) / ray.direction.z;
   const Vec3 p = ray.at(t);
   const Vec2 slope{ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z};
   const Vec2 height{p.x, p.y};
   if (points) points->push_back(p);
   const Vec2 at_stop = ideal_.stop_height * height + ideal_.stop_slope * slope;
+  if (!pupil_filters_.empty())
+    pupil_part = pupil_filters_.part_at((1 / ideal_.stop_radius) * at_stop);
   const Vec2 out = slope - (1.0 / ideal_.focal_length) * height;
   ray = {{p.x, p.y, ideal_.front_principal}, normalize({out.x, out.y, 1})};
   if (points && ideal_.front_principal != ideal_.rear_principal) points->push_back(ray.origin);
@@ -282,17 +342,14 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
       if (array_tilted_) p = ray.at((microlens.rear_principal - ray.origin.z) / ray.direction.z);
       const double k = microlens_power(*lens);
       if (points) points->push_back(p);
-      if (std::hypot(p.x, p.y) > 0.5 * spec_.array.diameter)
+      if (aperture_.pairs() > 0 ? !aperture_.holds({p.x, p.y})
+                                : std::hypot(p.x, p.y) > aperture_.radius())
         path.status = {RayStatus::vignetted, lens_surfaces};
       ray = {{p.x, p.y, microlens.front_principal},
              normalize({ray.direction.x / ray.direction.z - k * p.x,
                         ray.direction.y / ray.direction.z - k * p.y, 1})};
     } else {
-      LensSystem own;
-      PassedLight light;
-      path.status = microlens_system(*lens, own)
-                        .trace_to_scene(ray, points, spec_.transmission.fresnel ? &light : nullptr);
-      path.passed *= light.share;
+      path.status = pass_faces(*lens, true, ray, points, path.passed);
       if (path.status.status != RayStatus::reached) path.status.surface += lens_surfaces;
     }
     ray.origin.x += centre.x;
@@ -308,8 +365,7 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
     path.status = {RayStatus::vignetted, lens_surfaces};
     if (points) points->push_back(ray.at((array_front_ - ray.origin.z) / ray.direction.z));
   }
-  if (path.status.status == RayStatus::reached)
-    path.status = trace_main_lens(ray, points, path.passed);
+  if (path.status.status == RayStatus::reached) path.status = trace_main_lens(ray, points, path);
   path.exit = ray;
   return path;
 }

@@ -25,6 +25,8 @@ struct KernelCamera {
   int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
   bool fresnel;                          ///< weights fall by what surfaces reflect
   KernelCoating<Real> coatings[kMaxLensSurfaces];
+  int stop;                 ///< which of the surfaces, in their order here
+  Real per_stop_radius;     ///< [1/m] of the stop, or of what stands for it in an ideal lens
   bool moved;               ///< whether the main lens is decentred or tilted
   Real lens_turn[9];        ///< moved: camera to lens axes, row major
   Real lens_shift[3];       ///< moved: of the origin, applied after the turn
@@ -39,6 +41,7 @@ struct KernelMicrolens {
   int kind;                         ///< 0 none, 1 real, 2 ideal
   KernelSurface<Real> surfaces[2];  ///< back, front
   KernelIdealLens<Real> ideal;
+  KernelPolygon<Real> aperture;  ///< of both faces, beside the circles around it
   int surface_number[2];
   Real distance;  ///< sensor to aim plane
   bool fresnel;   ///< its faces reflect
@@ -56,6 +59,9 @@ struct KernelBlock {
   Real *x, *y, *z, *dx, *dy, *dz, *weight;
   Real* scratch[2];  ///< for the making of rays
   int* code;
+  /// Where rays cross the stop, in its radii, in the frame of the main lens; nullptr where nobody
+  /// asks.
+  Real *stop_x = nullptr, *stop_y = nullptr;
 };
 
 #define PLENOFLAME_CAMERA_KERNELS                                                                  \

@@ -150,6 +150,49 @@ PLENOFLAME_INLINE void pass_stop(const KernelSurface<Real>& surface, int number,
   }
 }
 
+/// Ends rays of the block that are outside of an aperture with sides. @param surface of the status
+template <class Real>
+[[gnu::noinline]] void clip(const KernelPolygon<Real>& aperture, int surface, int first, int count,
+                            const KernelBlock<Real>& block) {
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
+  int* __restrict code = block.code + first;
+  const int vignetted = 4 * surface + kCauseVignetted;
+  for (int pair = 0; pair < aperture.pairs; ++pair) {
+    const Real nx = aperture.normal_x[pair], ny = aperture.normal_y[pair];
+    const Real half = aperture.half_width[pair];
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      const int failure = magnitude(nx * x[i] + ny * y[i]) <= half ? 0 : vignetted;
+      code[i] = code[i] != 0 ? code[i] : failure;
+    }
+  }
+}
+
+/// The same in the aim plane of ideal microlenses, to which tilted rays have still to go.
+template <class Real>
+[[gnu::noinline]] void clip_in_plane(const KernelPolygon<Real>& aperture, int surface, int first,
+                                     int count, const KernelBlock<Real>& block) {
+  const Real* __restrict x = block.x + first;
+  const Real* __restrict y = block.y + first;
+  const Real* __restrict z = block.z + first;
+  const Real* __restrict dx = block.dx + first;
+  const Real* __restrict dy = block.dy + first;
+  const Real* __restrict dz = block.dz + first;
+  int* __restrict code = block.code + first;
+  const int vignetted = 4 * surface + kCauseVignetted;
+  for (int pair = 0; pair < aperture.pairs; ++pair) {
+    const Real nx = aperture.normal_x[pair], ny = aperture.normal_y[pair];
+    const Real half = aperture.half_width[pair];
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+      const Real px = x[i] - z[i] * (dx[i] / dz[i]), py = y[i] - z[i] * (dy[i] / dz[i]);
+      const int failure = magnitude(nx * px + ny * py) <= half ? 0 : vignetted;
+      code[i] = code[i] != 0 ? code[i] : failure;
+    }
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y, int first,
                             int count, const KernelBlock<Real>& block) {
@@ -167,6 +210,7 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
     for (int s = 0; s < 2; ++s) {
       if (c.fresnel) before.keep(first, padded, block);
       pass_sphere(c.surfaces[s], c.surface_number[s], first, padded, block);
+      if (c.aperture.pairs > 0) clip(c.aperture, c.surface_number[s], first, padded, block);
       if (c.fresnel) lose_reflected(c.coatings[s], before, first, padded, block);
     }
 #pragma omp simd
@@ -176,6 +220,7 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
     }
   } else if (c.kind == 2) {
     const int number = 4 * c.surface_number[0];
+    if (c.aperture.pairs > 0) clip_in_plane(c.aperture, c.surface_number[0], first, padded, block);
 #pragma omp simd
     for (int i = 0; i < padded; ++i) {
       Real px = x[i], py = y[i], pz = z[i], vx = dx[i], vy = dy[i], vz = dz[i];
@@ -250,6 +295,31 @@ PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
   }
 }
 
+/// Where rays that have just passed the stop did so.
+template <class Real>
+[[gnu::noinline]] void keep_stop_crossing(const KernelCamera<Real>& camera, int count,
+                                          const KernelBlock<Real>& block) {
+  const Real per_radius = camera.per_stop_radius;
+  for (int i = 0; i < count; ++i) {
+    block.stop_x[i] = per_radius * block.x[i];
+    block.stop_y[i] = per_radius * block.y[i];
+  }
+}
+
+/// Where rays that come to an ideal lens cross what stands for its stop (pass_ideal()).
+template <class Real>
+[[gnu::noinline]] void keep_pupil_crossing(const KernelCamera<Real>& camera, int count,
+                                           const KernelBlock<Real>& block) {
+  const KernelIdealLens<Real> c = camera.ideal;
+  for (int i = 0; i < count; ++i) {
+    const Real sx = block.dx[i] / block.dz[i], sy = block.dy[i] / block.dz[i];
+    const Real x = block.x[i] + (c.gap - block.z[i]) * sx,
+               y = block.y[i] + (c.gap - block.z[i]) * sy;
+    block.stop_x[i] = camera.per_stop_radius * (c.stop_height * x + c.stop_slope * sx);
+    block.stop_y[i] = camera.per_stop_radius * (c.stop_height * y + c.stop_slope * sy);
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
                              const KernelBlock<Real>& block) {
@@ -265,6 +335,7 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
     turn_rays(camera.lens_turn, false, camera.lens_shift[0], camera.lens_shift[1],
               camera.lens_shift[2], count, block, 0);
   if (camera.ideal_lens) {
+    if (block.stop_x) keep_pupil_crossing(camera, count, block);
     const KernelIdealLens<Real> c = camera.ideal;
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
@@ -290,6 +361,7 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
         pass_sphere(camera.surfaces[s], camera.surface_number[s], 0, count, block);
       else
         pass_stop(camera.surfaces[s], camera.surface_number[s], count, block);
+      if (block.stop_x && s == camera.stop) keep_stop_crossing(camera, count, block);
       if (camera.fresnel) lose_reflected(camera.coatings[s], before, 0, count, block);
     }
   }

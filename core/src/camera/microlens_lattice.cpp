@@ -14,18 +14,37 @@ std::uint64_t number_of(LensIndex lens) {
          static_cast<std::uint32_t>(lens.r);
 }
 
+int floor_half(int number) {
+  return (number - (number & 1)) / 2;
+}
+
 }  // namespace
+
+double shortest_pitch(const ArraySpec& array) {
+  return is_regular(array) ? array.pitch : std::min(array.pitch, array.pitch_y);
+}
+
+double longest_pitch(const ArraySpec& array) {
+  return is_regular(array) ? array.pitch : std::max(array.pitch, array.pitch_y);
+}
+
+bool is_regular(const ArraySpec& array) {
+  return array.lattice == Lattice::hexagonal || !(array.pitch_y > 0) ||
+         array.pitch_y == array.pitch;
+}
 
 MicrolensLattice::MicrolensLattice(const ArraySpec& array)
     : offset_(array.offset),
       jitter_(array.centre_jitter),
       focal_jitter_(array.focal_jitter),
       jitter_seed_(array.jitter_seed),
-      type_count_(std::max<int>(1, static_cast<int>(array.types.size()))) {
-  const bool hexagonal = array.lattice == Lattice::hexagonal;
+      type_count_(std::max<int>(1, static_cast<int>(array.types.size()))),
+      columns_(array.columns),
+      rows_(array.rows),
+      hexagonal_(array.lattice == Lattice::hexagonal) {
   const Vec2 q{array.pitch, 0};
-  const Vec2 r =
-      hexagonal ? Vec2{0.5 * array.pitch, std::sqrt(0.75) * array.pitch} : Vec2{0, array.pitch};
+  const Vec2 r = hexagonal_ ? Vec2{0.5 * array.pitch, std::sqrt(0.75) * array.pitch}
+                            : Vec2{0, array.pitch_y > 0 ? array.pitch_y : array.pitch};
   const double c = std::cos(array.rotation), s = std::sin(array.rotation);
   const auto turned = [&](Vec2 v) { return Vec2{c * v.x - s * v.y, s * v.x + c * v.y}; };
   step_q_ = turned(q);
@@ -63,7 +82,47 @@ Vec2 MicrolensLattice::axial(Vec2 point) const {
           (step_q_.x * p.y - step_q_.y * p.x) / determinant};
 }
 
+/// Rows of a hexagonal lattice begin at the camera's y axis or half a pitch right of it.
+int MicrolensLattice::column(LensIndex lens) const {
+  return hexagonal_ ? lens.q + floor_half(lens.r) : lens.q;
+}
+
+bool MicrolensLattice::has(LensIndex lens) const {
+  const auto within_count = [](int number, int count) {
+    return count == 0 || (number >= -(count - 1) / 2 && number <= count / 2);
+  };
+  return within_count(lens.r, rows_) && within_count(column(lens), columns_);
+}
+
 LensIndex MicrolensLattice::nearest(Vec2 point) const {
+  const LensIndex place = nearest_place(point);
+  if (has(place)) return place;
+  // Beyond an edge. In each of the rows next to where the point is, or of the last ones, the lens
+  // that stands across from it, or the row's end.
+  LensIndex best;
+  double best_distance = kInfinity;
+  const auto clamped = [](int number, int count) {
+    return count == 0 ? number : std::clamp(number, -(count - 1) / 2, count / 2);
+  };
+  constexpr int kAround = 2;
+  const double across = axial(point).x + (hexagonal_ ? 0.5 * axial(point).y : 0.0);
+  for (int dr = -kAround; dr <= kAround; ++dr)
+    for (int dc = -kAround; dc <= kAround; ++dc) {
+      const int r = clamped(clamped(place.r, rows_) + dr, rows_);
+      // `across` counts from the axis; the first column of every second row stands at a half.
+      const double start = hexagonal_ ? 0.5 * (r & 1) : 0.0;
+      const int c = clamped(static_cast<int>(std::floor(across - start + 0.5)) + dc, columns_);
+      const LensIndex lens{c - (hexagonal_ ? floor_half(r) : 0), r};
+      const double distance = length(centre(lens) - point);
+      if (distance < best_distance) {
+        best_distance = distance;
+        best = lens;
+      }
+    }
+  return best;
+}
+
+LensIndex MicrolensLattice::nearest_place(Vec2 point) const {
   const Vec2 a = axial(point);
   const int q = static_cast<int>(std::floor(a.x)), r = static_cast<int>(std::floor(a.y));
   LensIndex best;
@@ -84,6 +143,7 @@ LensIndex MicrolensLattice::nearest(Vec2 point) const {
 
 std::vector<LensIndex> MicrolensLattice::within(Vec2 lower, Vec2 upper) const {
   std::vector<LensIndex> lenses;
+  if (!(lower.x <= upper.x && lower.y <= upper.y)) return lenses;
   const Vec2 low = lower - Vec2{jitter_, jitter_}, high = upper + Vec2{jitter_, jitter_};
   const Vec2 corners[] = {axial(low), axial({high.x, low.y}), axial({low.x, high.y}), axial(high)};
   double q0 = kInfinity, q1 = -kInfinity, r0 = kInfinity, r1 = -kInfinity;
@@ -96,7 +156,7 @@ std::vector<LensIndex> MicrolensLattice::within(Vec2 lower, Vec2 upper) const {
   for (int r = static_cast<int>(std::floor(r0)); r <= static_cast<int>(std::ceil(r1)); ++r)
     for (int q = static_cast<int>(std::floor(q0)); q <= static_cast<int>(std::ceil(q1)); ++q) {
       const Vec2 c = centre({q, r});
-      if (c.x >= lower.x && c.x <= upper.x && c.y >= lower.y && c.y <= upper.y)
+      if (c.x >= lower.x && c.x <= upper.x && c.y >= lower.y && c.y <= upper.y && has({q, r}))
         lenses.push_back({q, r});
     }
   return lenses;

@@ -38,36 +38,38 @@ double rim_depth(double radius, double height) {
 
 }  // namespace
 
-TraceStatus Camera::trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
+TraceStatus Camera::trace_main_lens_inwards(Ray& ray, Arrival& arrival,
                                             std::vector<Vec3>* points) const {
   if (lens_moved_) {
     const RigidTransform inverse = lens_pose_.inverse();
     ray = {inverse.point(ray.origin), inverse.direction(ray.direction)};
-    const TraceStatus status = trace_aligned_lens_inwards(ray, etendue_ratio, points);
+    const TraceStatus status = trace_aligned_lens_inwards(ray, arrival, points);
     ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
     if (points)
       for (Vec3& point : *points) point = lens_pose_.point(point);
     return status;
   }
-  return trace_aligned_lens_inwards(ray, etendue_ratio, points);
+  return trace_aligned_lens_inwards(ray, arrival, points);
 }
 
 /// In the frame of the main lens.
-TraceStatus Camera::trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
+TraceStatus Camera::trace_aligned_lens_inwards(Ray& ray, Arrival& arrival,
                                                std::vector<Vec3>* points) const {
   if (!ideal_lens()) {
     PassedLight passed = light_of_lens();
-    const TraceStatus status =
-        lens_.trace_to_sensor(ray, points, spec_.transmission.fresnel ? &passed : nullptr);
-    etendue_ratio *= passed.share;
+    const TraceStatus status = trace_surfaces(
+        ray, false, points, spec_.transmission.fresnel ? &passed : nullptr, arrival.pupil_part);
+    arrival.etendue_ratio *= passed.share;
     return status;
   }
   const Vec2 height = at_plane(ray, ideal_.front_principal);
   const Vec2 outer = slope(ray);
   const Vec2 inner = outer + (1.0 / ideal_.focal_length) * height;
   const Vec2 at_stop = ideal_.stop_height * height + ideal_.stop_slope * inner;
+  if (!pupil_filters_.empty())
+    arrival.pupil_part = pupil_filters_.part_at((1 / ideal_.stop_radius) * at_stop);
   ray = inwards(height, ideal_.rear_principal, inner);
-  etendue_ratio *= cos4(inner) / cos4(outer);
+  arrival.etendue_ratio *= cos4(inner) / cos4(outer);
   if (points) {
     if (ideal_.front_principal != ideal_.rear_principal)
       points->push_back({height.x, height.y, ideal_.front_principal});
@@ -93,13 +95,9 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
     ray = inwards(height, microlens.rear_principal, inner);
     arrival.etendue_ratio *= cos4(inner) / cos4(outer);
     if (points) points->push_back(ray.origin);
-    if (length(height) > 0.5 * spec_.array.diameter) status = {RayStatus::vignetted, 0};
+    if (!aperture_.holds(height)) status = {RayStatus::vignetted, 0};
   } else {
-    LensSystem own;
-    PassedLight passed;
-    status = microlens_system(lens, own).trace_to_sensor(
-        ray, points, spec_.transmission.fresnel ? &passed : nullptr);
-    arrival.etendue_ratio *= passed.share;
+    status = pass_faces(lens, false, ray, points, arrival.etendue_ratio);
   }
   if (points)
     for (Vec3& point : *points) point = array_pose_.point(point + Vec3{centre.x, centre.y, 0});
@@ -125,7 +123,7 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
                               std::vector<Vec3>* points) const {
   const Ray ray = to_array(in_camera);
   // The layer of space in which the front faces (or principal planes) lie.
-  const double radius = 0.5 * spec_.array.diameter;
+  const double radius = aperture_.radius();
   double high = -kInfinity, low = kInfinity;
   for (const Microlens& lens : microlenses_) {
     const double vertex = ideal_array() ? lens.front_principal : array_front_;
@@ -154,7 +152,7 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
   if (nearest == lattice_.nearest(b)) {
     attempt(nearest);  // cells are convex: so is everything between
   } else {
-    const double reach = spec_.array.pitch;
+    const double reach = longest_pitch(spec_.array);
     for (const LensIndex lens :
          lattice_.within({std::min(a.x, b.x) - reach, std::min(a.y, b.y) - reach},
                          {std::max(a.x, b.x) + reach, std::max(a.y, b.y) + reach}))
@@ -167,7 +165,7 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
 bool Camera::passes_between(const Ray& ray) const {
   const Vec3 away = ray.direction.z > 0 ? ray.direction : -ray.direction;
   // Back from well in front of the array.
-  const double ahead = (array_front_ + spec_.array.pitch - ray.origin.z) / away.z;
+  const double ahead = (array_front_ + longest_pitch(spec_.array) - ray.origin.z) / away.z;
   std::vector<Arrival> arrivals;
   TraceStatus status;
   return !meet_microlenses({ray.origin + ahead * away, -away}, {}, arrivals, status, nullptr);
@@ -177,7 +175,7 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
                                      std::vector<Vec3>* points) const {
   Ray ray = from_scene;
   Arrival arrival;
-  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival.etendue_ratio, points);
+  const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival, points);
   if (main_lens.status != RayStatus::reached) return main_lens;
   if (!has_array()) {
     arrival.sensor_point = at_plane(ray, sensor_);

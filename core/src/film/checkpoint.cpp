@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <string_view>
 #include <vector>
@@ -96,6 +98,27 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   file.write(present);
   for_tiles(film, [&](std::string_view bytes) { file.write(bytes); });
   file.commit();
+}
+
+std::string read_checkpoint_key(const std::string& path) {
+  // Only the beginning: the film may take much more memory than there is twice.
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw FileError("cannot read '" + path + "'");
+  std::string magic(kMagic.size(), '\0');
+  file.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  if (!file || magic != kMagic) throw FileError(path + ": is not the state of an interrupted run");
+  std::uint64_t size = 0;
+  file.read(reinterpret_cast<char*>(&size), sizeof size);
+  std::error_code error;
+  const auto whole = std::filesystem::file_size(path, error);
+  std::string key;
+  if (file && !error && size <= whole) {
+    key.resize(static_cast<std::size_t>(size));
+    file.read(key.data(), static_cast<std::streamsize>(size));
+  }
+  if (!file || key.size() != size)
+    throw FileError(path + ": is damaged (too short); start the run again without it");
+  return key;
 }
 
 Film read_checkpoint(const std::string& path, const std::string& key) {

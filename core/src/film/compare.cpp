@@ -65,14 +65,40 @@ double largest_probability(double z, double n, double freedom) {
   return one >= 1 ? 1 : -std::expm1(n * std::log1p(-one));
 }
 
-/// Least flux of a lit pixel: kLitShare of the reference's largest in the window.
-double lit_flux(const SensorImage& reference, const PixelWindow& window) {
-  double largest = 0;
+/// Mean of the squared standard errors over the common window [W^2]; 0 without them.
+double mean_variance(const SensorImage& error, const PixelWindow& window) {
+  double sum = 0;
   for (int row = window.y; row < window.y + window.height; ++row)
     for (int column = window.x; column < window.x + window.width; ++column)
-      largest = std::max(largest, reference.at(column, row));
-  return kLitShare * largest;
+      sum += error.at(column, row) * error.at(column, row);
+  return sum / window.width / window.height;
 }
+
+/// Which pixels are lit. They are chosen by a mean of both images in which each has the weight of
+/// the other's variance, the same in all pixels: the noise of this mean is not correlated with that
+/// of the difference (E[(v_b e_a + v_a e_b)(e_a - e_b)] = v_b v_a - v_a v_b = 0). A choice by one
+/// image alone takes pixels in which that one is too bright and leaves out those in which it is too
+/// dark.
+class LitChoice {
+ public:
+  LitChoice(const SensorImage& a, const SensorImage& b, double variance_a, double variance_b,
+            const PixelWindow& window) {
+    const double sum = variance_a + variance_b;
+    share_a_ = sum > 0 ? variance_b / sum : 0.5;
+    double largest = 0;
+    for (int row = window.y; row < window.y + window.height; ++row)
+      for (int column = window.x; column < window.x + window.width; ++column)
+        largest = std::max(largest, mean(a.at(column, row), b.at(column, row)));
+    above_ = kLitShare * largest;
+  }
+  /// Flux above which a pixel is lit.
+  double above() const { return above_; }
+  bool operator()(double a, double b) const { return mean(a, b) > above_; }
+
+ private:
+  double mean(double a, double b) const { return share_a_ * a + (1 - share_a_) * b; }
+  double share_a_ = 0.5, above_ = 0;
+};
 
 /// Whether differences are alike among the pixels of a block. Where they are independent, and 0 in
 /// the mean, the square of their sum has the sum of their squares as its mean, and its variance is
@@ -127,6 +153,15 @@ class BlockTest {
 
 }  // namespace
 
+Verdict verdict(const Comparison& c) {
+  if (!c.has_standard_errors || c.dark_in_one_share > kTooManyDark) return Verdict::unknown;
+  const bool biased = std::fabs(c.relative_bias) > kVerdictLimit * c.relative_bias_error;
+  const bool pixel =
+      c.freedom >= kFreedomForPixels && c.largest_z_probability < kVerdictProbability;
+  return biased || pixel || c.block_score > kVerdictLimit ? Verdict::more_than_noise
+                                                          : Verdict::noise;
+}
+
 Comparison compare(const LightField& a, const LightField& reference, const std::string& channel) {
   if (a.sensor_width != reference.sensor_width || a.sensor_height != reference.sensor_height)
     throw InputError("the images are of different sensors: " + std::to_string(a.sensor_width) +
@@ -147,14 +182,15 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   result.has_standard_errors = !error_a.empty() || !error_b.empty();
 
   result.freedom = fewest_freedom(a, !error_a.empty(), reference, !error_b.empty());
-  const double lit_above = lit_flux(flux_b, window);
+  const LitChoice lit(flux_a, flux_b, mean_variance(error_a, window),
+                      mean_variance(error_b, window), window);
   constexpr int kBlock = Comparison::kBlock;
   // Half a unit in the last place of single precision: values were rounded when stored.
   constexpr double kRounding = 0x1p-24;
   double sum_a = 0, sum_b = 0, difference_sum = 0, square_sum = 0, variance_sum = 0;
   double flux = 0, stray = 0, chi_sum = 0;
   BlockTest::Sums block_sums;
-  const double dark_block = lit_above * kBlock * kBlock;
+  const double dark_block = lit.above() * kBlock * kBlock;
   double lit_in_either = 0, dark_in_one = 0;
   std::vector<BlockTest> blocks(static_cast<std::size_t>((window.width + kBlock - 1) / kBlock));
   for (int y = 0; y < window.height; ++y) {
@@ -173,11 +209,11 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
       }
       const double rounding = kRounding * kRounding * (va * va + vb * vb);
       const double variance = result.has_standard_errors ? ea * ea + eb * eb + rounding : 0;
-      if (std::max(va, vb) > lit_above) {
+      if (std::max(va, vb) > lit.above()) {
         lit_in_either += 1;
         dark_in_one += va == 0 || vb == 0 ? 1 : 0;
       }
-      if (vb > lit_above) {
+      if (lit(va, vb)) {
         ++result.lit_pixels;
         sum_a += va;
         sum_b += vb;
@@ -202,7 +238,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
     if ((y + 1) % kBlock != 0 && y + 1 != window.height) continue;
     for (BlockTest& block : blocks) block.close(dark_block, block_sums);
   }
-  if (result.lit_pixels == 0)
+  if (!(sum_b > 0))
     throw InputError("the reference is dark: no pixel in common has a flux above 0");
 
   const auto n = static_cast<double>(result.lit_pixels);

@@ -15,7 +15,7 @@ double student_tail(double t, double freedom);
 /// do (Satterthwaite, Biometrics Bull. 2 (1946) 110), from 1 to as many as there are. Where a few
 /// of them make most of the sum, it is fewer than the estimate from their variances: that is
 /// largest just when these few came out too small, which is when the sum itself is. By how many was
-/// found by trial (docs/theory.md, "Quasi-Monte Carlo and standard errors").
+/// found by trial (docs/theory/errors.md).
 /// @param squares, fourth sums of estimated variances, and of their squares
 /// @param freedom degrees of freedom that each variance was estimated with: the expectation of its
 /// square is (freedom + 2) / freedom times that of the variance, squared

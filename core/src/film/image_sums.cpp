@@ -5,10 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/isa_dispatch.h"
 #include "film/error_bound.h"
-#include "film/picture_sums_kernel.h"
-#include "plenoflame/base/isa.h"
 
 namespace plenoflame {
 namespace {
@@ -25,30 +22,40 @@ std::vector<Result> of_parts(const ImageParts& parts, const Execution& execution
   return results;
 }
 
-using Lanes = std::array<double, kSumLanes>;
+/// Sums go on side by side: one alone would wait for each of its additions.
+constexpr std::size_t kLanes = 8;
+using Lanes = std::array<double, kLanes>;
 
-template <class Numbers>
-double total(const Numbers& lanes) {
+double total(const Lanes& lanes) {
   double sum = 0;
   for (const double lane : lanes) sum += lane;
   return sum;
 }
 
-struct PictureSumsKernels {
-  void (*add_lit)(const float*, const float*, int, double, LitSums&);
-  void (*add_pixels)(const float*, int, double*);
-  void (*keep_largest)(const float*, int, float*);
+/// Over the pixels that are lit.
+struct LitSums {
+  Lanes squares{}, fourth{};  ///< of the standard errors
+  Lanes total{};              ///< of the flux
+  Lanes pixels{};             ///< that are lit
+  Lanes may_be{};             ///< that may be lit
 };
 
-PictureSumsKernels sums_kernels(Isa isa) {
-  PLENOFLAME_DISPATCH(isa, return {kernels::add_lit, kernels::add_pixels, kernels::keep_largest};)
+/// Pixels above `limit` are lit, those within two standard errors of it may be.
+void add_lit(double flux, double error, double limit, std::size_t lane, LitSums& sums) {
+  if (flux + 2 * error > limit) sums.may_be[lane] += 1;
+  if (!(flux > limit)) return;
+  const double square = error * error;
+  sums.squares[lane] += square;
+  sums.fourth[lane] += square * square;
+  sums.total[lane] += flux;
+  sums.pixels[lane] += 1;
 }
 
-/// Calls `take` with numbers of pixels and how many they are, for all lit runs.
+/// Calls `take` with a lane and the number of a pixel, for all lit runs.
 template <class Take>
-void for_runs(const Image& image, const PixelWindow& part, const Take& take) {
+void for_pixels(const Image& image, const PixelWindow& part, const Take& take) {
   for_lit_runs(image, part, [&](std::size_t first, std::size_t end) {
-    take(first, static_cast<int>(end - first));
+    for (std::size_t i = first; i < end; ++i) take((i - first) % kLanes, i);
   });
 }
 
@@ -61,13 +68,12 @@ ImageParts whole_of(const Image& image) {
   return parts;
 }
 
-float largest_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
-  const auto keep_largest = sums_kernels(isa).keep_largest;
+float largest_of(const Image& image, const ImageParts& parts, const Execution& execution) {
   float largest = 0;
   for (const float of_part : of_parts<float>(parts, execution, [&](const PixelWindow& part) {
-         std::array<float, kSumLanes> most{};
-         for_runs(image, part, [&](std::size_t first, int count) {
-           keep_largest(image.pixels.data() + first, count, most.data());
+         std::array<float, kLanes> most{};
+         for_pixels(image, part, [&](std::size_t lane, std::size_t i) {
+           most[lane] = std::max(most[lane], image.pixels[i]);
          });
          return *std::max_element(most.begin(), most.end());
        }))
@@ -75,13 +81,12 @@ float largest_of(const Image& image, const ImageParts& parts, const Execution& e
   return largest;
 }
 
-double sum_of(const Image& image, const ImageParts& parts, const Execution& execution, Isa isa) {
-  const auto add_pixels = sums_kernels(isa).add_pixels;
+double sum_of(const Image& image, const ImageParts& parts, const Execution& execution) {
   double sum = 0;
   for (const double of_part : of_parts<double>(parts, execution, [&](const PixelWindow& part) {
          Lanes sums{};
-         for_runs(image, part, [&](std::size_t first, int count) {
-           add_pixels(image.pixels.data() + first, count, sums.data());
+         for_pixels(image, part, [&](std::size_t lane, std::size_t i) {
+           sums[lane] += static_cast<double>(image.pixels[i]);
          });
          return total(sums);
        }))
@@ -90,25 +95,23 @@ double sum_of(const Image& image, const ImageParts& parts, const Execution& exec
 }
 
 StatedError stated_error(const Image& flux, const Image& standard_error, int replicates,
-                         const ImageParts& parts, const Execution& execution, Isa isa) {
+                         const ImageParts& parts, const Execution& execution) {
   StatedError stated;
   if (flux.empty()) return stated;
   if (standard_error.empty() || replicates < 2) {
     stated.bound = std::numeric_limits<double>::infinity();
     return stated;
   }
-  const double limit = kLitShare * static_cast<double>(largest_of(flux, parts, execution, isa));
+  const double limit = kLitShare * static_cast<double>(largest_of(flux, parts, execution));
   struct {
     double squares = 0, fourth = 0, total = 0, pixels = 0, may_be = 0;
   } sums;
-  const auto add_lit = sums_kernels(isa).add_lit;
-  const float* of_flux = flux.pixels.data();
-  const float* of_error = standard_error.pixels.data();
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {
          LitSums of_part{};
          // Where there is no flux there is no scatter.
-         for_runs(flux, window, [&](std::size_t first, int count) {
-           add_lit(of_flux + first, of_error + first, count, limit, of_part);
+         for_pixels(flux, window, [&](std::size_t lane, std::size_t i) {
+           add_lit(static_cast<double>(flux.pixels[i]),
+                   static_cast<double>(standard_error.pixels[i]), limit, lane, of_part);
          });
          return of_part;
        })) {

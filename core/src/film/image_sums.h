@@ -3,7 +3,6 @@
 
 #include "film/lit_runs.h"
 #include "plenoflame/base/execution.h"
-#include "plenoflame/base/isa.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/image.h"
 
@@ -32,15 +31,13 @@ void for_lit_runs(const Image& image, const PixelWindow& part, const Take& take)
 }
 
 /// The largest pixel, none of which is negative; outside of the parts all are 0.
-float largest_of(const Image& image, const ImageParts& parts, const Execution& execution,
-                 Isa isa = best_isa());
+float largest_of(const Image& image, const ImageParts& parts, const Execution& execution);
 
 /// Sum of all pixels, in double precision; outside of the parts all are 0.
-double sum_of(const Image& image, const ImageParts& parts, const Execution& execution,
-              Isa isa = best_isa());
+double sum_of(const Image& image, const ImageParts& parts, const Execution& execution);
 
 /// stated_error() of pictures that are 0 outside of the parts.
 StatedError stated_error(const Image& flux, const Image& standard_error, int replicates,
-                         const ImageParts& parts, const Execution& execution, Isa isa = best_isa());
+                         const ImageParts& parts, const Execution& execution);
 
 }  // namespace plenoflame

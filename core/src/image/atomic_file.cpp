@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/open_file.h"
 
 namespace plenoflame {
 namespace {
@@ -48,16 +49,61 @@ namespace fs = std::filesystem;
   }
 }
 
+constexpr int kMostLinks = 40;  ///< as the system follows
+
+/// Whether a link is one of the system's for the open files of a process: /proc/PID/fd/N.
+bool is_descriptor(const fs::path& link) {
+  std::error_code error;
+  const fs::path folder = fs::canonical(link.parent_path(), error);
+  return !error && folder.filename() == "fd" && folder.string().starts_with("/proc/");
+}
+
 /// Where the bytes go: `path` itself, or what it links to.
 std::string follow_links(const std::string& path) {
   std::error_code error;
   fs::path target = path;
-  for (int links = 0; links < 40 && fs::is_symlink(target, error); ++links) {
+  for (int links = 0; fs::is_symlink(target, error); ++links) {
+    if (links == kMostLinks)
+      throw FileError("cannot write '" + path + "': its symbolic links lead round in a circle");
+    // /dev/stdout and its like: what is open is written to by its descriptor, not by replacing it.
+    if (is_descriptor(target))
+      throw FileError("cannot write '" + path +
+                      "': it stands for a stream that is open already; give the name of a file");
     const fs::path next = fs::read_symlink(target, error);
     if (error) return path;
     target = next.is_absolute() ? next : target.parent_path() / next;
   }
   return target.string();
+}
+
+/// The first name beside the target that `make` takes, which returns 0 or an errno value.
+/// @return the last errno value
+template <class Make>
+int make_beside(const fs::path& target, std::string& name, const Make& make) {
+  // Room for the suffix within the 255 bytes that a name may have.
+  std::string stem = ".";
+  stem += target.filename().string().substr(0, 200) + "." + std::to_string(getpid()) + "-";
+  int error = EEXIST;
+  for (int attempt = 0; error == EEXIST && attempt < 1000; ++attempt) {
+    name = (target.parent_path() / (stem + std::to_string(attempt) + ".tmp")).string();
+    error = make(name.c_str());
+  }
+  return error;
+}
+
+std::string descriptor_name(int descriptor) {
+  return "/proc/self/fd/" + std::to_string(descriptor);
+}
+
+/// A file without a name, which is gone with the process, however that ends; -1 where the system
+/// makes none.
+int open_unnamed(const fs::path& folder) {
+  const int descriptor =
+      open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  // Its name is made from there.
+  if (descriptor < 0 || access(descriptor_name(descriptor).c_str(), F_OK) == 0) return descriptor;
+  close(descriptor);
+  return -1;
 }
 
 }  // namespace
@@ -77,24 +123,20 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(follow_li
   const fs::path target(target_);
   if (target.filename().empty())
     throw FileError("cannot write '" + path_ + "': it is a folder; give a file name");
-  // Room for the suffix within the 255 bytes that a name may have.
-  std::string stem = ".";
-  stem += target.filename().string().substr(0, 200);
-  int descriptor = -1;
-  for (int attempt = 0; descriptor < 0 && attempt < 1000; ++attempt) {
-    temporary_ = (target.parent_path() /
-                  (stem + "." + std::to_string(getpid()) + "-" + std::to_string(attempt) + ".tmp"))
-                     .string();
-    descriptor = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0 && errno != EEXIST) break;
+  int descriptor = open_unnamed(target.parent_path());
+  if (descriptor < 0) {
+    const int error = make_beside(target, temporary_, [&](const char* name) {
+      descriptor = open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      return descriptor < 0 ? errno : 0;
+    });
+    if (descriptor < 0) fail_for(path_, error);
   }
-  if (descriptor < 0) fail_for(path_, errno);
   if (replaces) static_cast<void>(fchmod(descriptor, existing.st_mode & 07777));
   stream_ = fdopen(descriptor, "w+b");
   if (stream_ == nullptr) {
     const int error = errno;
     close(descriptor);
-    unlink(temporary_.c_str());
+    if (!temporary_.empty()) unlink(temporary_.c_str());
     fail_for(path_, error);
   }
 }
@@ -123,6 +165,13 @@ void AtomicFile::commit() {
   int error = 0;
   errno = 0;
   if (std::ferror(stream_) != 0 || std::fflush(stream_) != 0) error = errno != 0 ? errno : EIO;
+  if (error == 0 && temporary_.empty()) {
+    const std::string unnamed = descriptor_name(fileno(stream_));
+    error = make_beside(target_, temporary_, [&](const char* name) {
+      return linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW) != 0 ? errno : 0;
+    });
+    if (error != 0) temporary_.clear();
+  }
   if (std::fclose(stream_) != 0 && error == 0) error = errno;
   stream_ = nullptr;
   if (error == 0 && std::rename(temporary_.c_str(), target_.c_str()) != 0) error = errno;
@@ -150,8 +199,7 @@ std::string read_file(const std::string& path) {
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
-  if (!file) fail(errno);
+  const std::unique_ptr<std::FILE, Closer> file(open_for_reading(path));
   std::string contents;
   std::array<char, 65536> block{};
   for (;;) {

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/open_file.h"
 
 namespace plenoflame {
 namespace {
@@ -33,7 +34,7 @@ void ExrOutput::seekp(std::uint64_t position) {
 }
 
 ExrInput::ExrInput(const std::string& path)
-    : Imf::IStream(path.c_str()), path_(path), file_(std::fopen(path.c_str(), "rb")) {
+    : Imf::IStream(path.c_str()), path_(path), file_(open_for_reading(path)) {
   struct stat status {};
   if (!file_ || fstat(fileno(file_.get()), &status) != 0)
     throw FileError("cannot read '" + path + "': " + std::strerror(errno));

@@ -18,12 +18,14 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "exr_stream.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/printable.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field_channel.h"
 
@@ -34,7 +36,9 @@ constexpr std::string_view kPrefix = "plenoflame.";
 constexpr std::string_view kNumberPrefix = "plenoflame.number.";
 constexpr std::string_view kTextPrefix = "plenoflame.text.";
 constexpr std::string_view kErrorSuffix = ".error";
-constexpr int kFormat = 1;
+/// Format 1 had numbers as doubles and lists as string vectors, which many tools drop; format 2 has
+/// texts, one name a line in lists.
+constexpr int kFormat = 2, kOldestFormat = 1;
 constexpr int kRows = 32;  ///< that are read or written between looks at whether to stop
 
 std::string joined(std::string_view a, std::string_view b) {
@@ -60,8 +64,9 @@ void check(const LightField& light_field) {
   if (light_field.channels.empty()) throw InputError("a light field needs a channel");
   std::set<std::string> names;
   for_each_image(light_field, [&](const std::string& name, const Image& image) {
-    if (name.empty() || name.size() > 255 || name.find('\0') != std::string::npos)
-      throw InputError("a channel's name has 1 to 255 characters: '" + name + "'");
+    if (name.empty() || name.size() > 255 || name.find('\0') != std::string::npos ||
+        name.find('\n') != std::string::npos)
+      throw InputError("a channel's name has 1 to 255 characters in one line: '" + name + "'");
     if (!names.insert(name).second)
       throw InputError("two images of a light field have the name '" + name + "'");
     const bool optional = name.ends_with(kErrorSuffix);
@@ -93,32 +98,80 @@ void add_standard_attributes(Imf::Header& header, const LightField& light_field)
   with("focus.object_distance", [&](double distance) { insert("focus", distance); });
   with("sensor.pixel_pitch", [&](double pitch) {
     insert("sensorPhotositePitch", 1e6 * pitch);
+    double down = pitch;
+    with("sensor.pixel_pitch_y", [&](double pitch_y) {
+      down = pitch_y;
+      header.pixelAspectRatio() = static_cast<float>(pitch / pitch_y);
+    });
     header.insert("sensorOverallDimensions",
                   Imf::V2fAttribute({static_cast<float>(1e3 * pitch * light_field.sensor_width),
-                                     static_cast<float>(1e3 * pitch * light_field.sensor_height)}));
+                                     static_cast<float>(1e3 * down * light_field.sensor_height)}));
   });
 }
 
-Imf::Header make_header(const LightField& light_field) {
+/// The shortest decimal text that is read as this number again.
+std::string text_of(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string lines_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text.append(text.empty() ? "" : "\n").append(name);
+  return text;
+}
+
+std::vector<std::string> names_of(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    names.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return names;
+}
+
+Imf::Compression compression_of(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::none:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::rle:
+      return Imf::RLE_COMPRESSION;
+    case ExrCompression::zip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::piz:
+      return Imf::PIZ_COMPRESSION;
+  }
+  return Imf::NO_COMPRESSION;
+}
+
+Imf::Header make_header(const LightField& light_field, ExrCompression compression) {
   const PixelWindow& window = light_field.window;
   const Imath::Box2i display({0, 0}, {light_field.sensor_width - 1, light_field.sensor_height - 1});
   const Imath::Box2i data({window.x, window.y},
                           {window.x + window.width - 1, window.y + window.height - 1});
-  // Noise does not compress: ZIP makes files 3 % smaller and takes ten times as long.
-  Imf::Header header(display, data, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::NO_COMPRESSION);
+  Imf::Header header(display, data, 1, {0, 0}, 1, Imf::INCREASING_Y, compression_of(compression));
+  header.zipCompressionLevel() = 1;  // higher ones take longer for nothing: noise is what is left
   for_each_image(light_field, [&](const std::string& name, const Image& image) {
     if (!image.empty()) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   });
-  Imf::StringVector channels, layers;
+  std::vector<std::string> channels, layers;
   for (const auto& channel : light_field.channels) channels.push_back(channel.name);
   for (const auto& layer : light_field.layers) layers.push_back(layer.first);
   const auto text = [&](const std::string& key, const std::string& value) {
     header.insert(joined(kPrefix, key), Imf::StringAttribute(value));
   };
   header.insert(joined(kPrefix, "format"), Imf::IntAttribute(kFormat));
-  header.insert(joined(kPrefix, "channels"), Imf::StringVectorAttribute(channels));
-  header.insert(joined(kPrefix, "layers"), Imf::StringVectorAttribute(layers));
-  header.insert(joined(kPrefix, "samples"), Imf::DoubleAttribute(light_field.samples));
+  text("channels", lines_of(channels));
+  if (!layers.empty()) text("layers", lines_of(layers));  // empty texts get lost elsewhere
+  text("samples", text_of(light_field.samples));
   header.insert(joined(kPrefix, "complete"), Imf::IntAttribute(light_field.complete ? 1 : 0));
   text("unit", light_field.unit);
   text("version", light_field.version);
@@ -126,7 +179,7 @@ Imf::Header make_header(const LightField& light_field) {
   text("estimator", light_field.estimator);
   text("seed", std::to_string(light_field.seed));
   for (const auto& [key, value] : light_field.numbers)
-    header.insert(joined(kNumberPrefix, key), Imf::DoubleAttribute(value));
+    header.insert(joined(kNumberPrefix, key), Imf::StringAttribute(text_of(value)));
   for (const auto& [key, value] : light_field.texts)
     header.insert(joined(kTextPrefix, key), Imf::StringAttribute(value));
   header.insert("comments", Imf::StringAttribute("Raw light-field image of Plenoflame: radiant "
@@ -159,13 +212,46 @@ class Attributes {
   const T& get(const std::string& key) const {
     const auto* attribute =
         header_.findTypedAttribute<Imf::TypedAttribute<T>>(joined(kPrefix, key));
-    if (attribute == nullptr)
-      throw InputError("'" + path_ + "' is not a light field of Plenoflame: the attribute '" +
-                       joined(kPrefix, key) + "' is missing");
+    if (attribute == nullptr) fail(key);
     return attribute->value();
+  }
+  void require(const std::string& key) const {
+    if (header_.find(joined(kPrefix, key).c_str()) == header_.end()) fail(key);
+  }
+  /// A number of either format.
+  double number(const std::string& key) const {
+    if (const auto* old = find<Imf::DoubleAttribute>(key)) return old->value();
+    const std::string& text = get<std::string>(key);
+    const std::optional<double> value = number_of(text);
+    if (!value)
+      throw InputError("'" + path_ + "': the attribute '" + joined(kPrefix, key) +
+                       "' is not a number: '" + text + "'");
+    return *value;
+  }
+  /// A list of either format; empty when it is missing.
+  std::vector<std::string> list(const std::string& key) const {
+    if (const auto* old = find<Imf::StringVectorAttribute>(key)) return old->value();
+    if (const auto* names = find<Imf::StringAttribute>(key)) return names_of(names->value());
+    return {};
   }
 
  private:
+  template <class Attribute>
+  const Attribute* find(const std::string& key) const {
+    return header_.findTypedAttribute<Attribute>(joined(kPrefix, key));
+  }
+  [[noreturn]] void fail(const std::string& key) const {
+    // Where some are there, another program has written the file anew and dropped the rest.
+    bool some = false;
+    for (auto entry = header_.begin(); entry != header_.end(); ++entry)
+      some = some || std::string_view(entry.name()).starts_with(kPrefix);
+    throw InputError("'" + path_ + "' " +
+                     (some ? "has lost a part of what a light field of Plenoflame needs"
+                           : "is not a light field of Plenoflame") +
+                     ": the attribute '" + joined(kPrefix, key) + "' is missing" +
+                     (some ? "; the program that wrote it anew keeps only some" : ""));
+  }
+
   const std::string& path_;
   const Imf::Header& header_;
 };
@@ -201,10 +287,10 @@ LightField from_foreign_header(const std::string& path, const Imf::Header& heade
 LightField from_header(const std::string& path, const Imf::Header& header) {
   const Attributes attributes(path, header);
   const int format = attributes.get<int>("format");
-  if (format != kFormat)
+  if (format < kOldestFormat || format > kFormat)
     throw InputError("'" + path + "' has format " + std::to_string(format) +
-                     " of light fields; this version of Plenoflame reads format " +
-                     std::to_string(kFormat));
+                     " of light fields; this version of Plenoflame reads formats " +
+                     std::to_string(kOldestFormat) + " to " + std::to_string(kFormat));
   LightField light_field;
   read_windows(path, header, light_field);
   light_field.scene_text = attributes.get<std::string>("scene");
@@ -212,28 +298,37 @@ LightField from_header(const std::string& path, const Imf::Header& header) {
   light_field.version = attributes.get<std::string>("version");
   if (const auto* unit = header.findTypedAttribute<Imf::StringAttribute>(joined(kPrefix, "unit")))
     light_field.unit = unit->value();
-  light_field.samples = attributes.get<double>("samples");
+  light_field.samples = attributes.number("samples");
   light_field.complete = attributes.get<int>("complete") != 0;
   const std::string& seed = attributes.get<std::string>("seed");
   const auto parsed = std::from_chars(seed.data(), seed.data() + seed.size(), light_field.seed);
   if (parsed.ec != std::errc() || parsed.ptr != seed.data() + seed.size())
     throw InputError("'" + path + "': the attribute '" + joined(kPrefix, "seed") +
                      "' is not a number: '" + seed + "'");
-  for (const std::string& name : attributes.get<Imf::StringVector>("channels"))
+  attributes.require("channels");
+  for (const std::string& name : attributes.list("channels"))
     light_field.channels.push_back({name, {}, {}});
-  for (const std::string& name : attributes.get<Imf::StringVector>("layers"))
-    light_field.layers[name];
+  for (const std::string& name : attributes.list("layers")) light_field.layers[name];
   for (auto entry = header.begin(); entry != header.end(); ++entry) {
     const std::string name = entry.name();
     if (name.starts_with(kNumberPrefix)) {
-      if (const auto* number = dynamic_cast<const Imf::DoubleAttribute*>(&entry.attribute()))
-        light_field.numbers[name.substr(kNumberPrefix.size())] = number->value();
+      if (const auto* old = dynamic_cast<const Imf::DoubleAttribute*>(&entry.attribute()))
+        light_field.numbers[name.substr(kNumberPrefix.size())] = old->value();
+      const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
+      if (const auto value = text ? number_of(text->value()) : std::nullopt)
+        light_field.numbers[name.substr(kNumberPrefix.size())] = *value;
     } else if (name.starts_with(kTextPrefix)) {
       if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute()))
         light_field.texts[name.substr(kTextPrefix.size())] = text->value();
     }
   }
   if (light_field.channels.empty()) throw InputError("'" + path + "' has no channels");
+  for (const LightFieldChannel& channel : light_field.channels)
+    if (const Imf::Channel* stored = header.channels().findChannel(channel.name);
+        stored && stored->type == Imf::HALF && light_field.unit == "W")
+      throw InputError("'" + path +
+                       "' holds its flux in 16 bits, in which less than 6e-8 W is 0: " +
+                       "the program that wrote it anew has to keep 32 (oiiotool: -d float)");
   return light_field;
 }
 
@@ -308,7 +403,7 @@ LightField read(const std::string& path, bool with_pixels, bool foreign = false,
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& failure) {
-    throw FileError("cannot read '" + path + "': damaged EXR (" + failure.what() + ")");
+    throw FileError("cannot read '" + path + "': damaged EXR (" + printable(failure.what()) + ")");
   }
 }
 
@@ -326,12 +421,12 @@ const LightFieldChannel& find_channel(const LightField& light_field, const std::
 }
 
 void write_light_field(const std::string& path, const LightField& light_field,
-                       const std::stop_token& stop) {
+                       const std::stop_token& stop, ExrCompression compression) {
   check(light_field);
   AtomicFile file(path);
   ExrOutput output(file, path);
   try {
-    Imf::OutputFile exr(output, make_header(light_field));
+    Imf::OutputFile exr(output, make_header(light_field, compression));
     exr.setFrameBuffer(make_frame_buffer(light_field));
     for (int row = 0; row < light_field.window.height; row += kRows) {
       if (stop.stop_requested()) throw Cancelled();

@@ -11,6 +11,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/open_file.h"
 
 namespace plenoflame {
 namespace {
@@ -171,7 +172,7 @@ PngImage read_png(const std::string& path) {
   struct Closer {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  std::unique_ptr<std::FILE, Closer> stream(std::fopen(path.c_str(), "rb"));
+  std::unique_ptr<std::FILE, Closer> stream(open_for_reading(path));
   if (!stream) throw FileError("cannot read '" + path + "': " + std::strerror(errno));
   png_byte signature[8] = {};
   if (std::fread(signature, 1, sizeof signature, stream.get()) != sizeof signature ||
@@ -179,6 +180,15 @@ PngImage read_png(const std::string& path) {
     throw FileError("cannot read '" + path + "': not a PNG file");
   std::fseek(stream.get(), 0, SEEK_END);
   const auto file_size = static_cast<std::uint64_t>(std::ftell(stream.get()));
+  // libpng takes memory for what a chunk's header states before it reads the chunk.
+  for (std::uint64_t at = sizeof signature; at + 12 <= file_size;) {
+    png_byte length[4] = {};
+    std::fseek(stream.get(), static_cast<long>(at), SEEK_SET);
+    if (std::fread(length, 1, sizeof length, stream.get()) != sizeof length) break;
+    at += 12 + std::uint64_t{png_get_uint_32(length)};
+    if (at > file_size)
+      throw FileError("cannot read '" + path + "': damaged PNG (it ends too early)");
+  }
   std::rewind(stream.get());
 
   Failure failure;
@@ -191,6 +201,11 @@ PngImage read_png(const std::string& path) {
   if (reader.png == nullptr) throw std::bad_alloc();
   reader.info = png_create_info_struct(reader.png);
   if (reader.info == nullptr) throw std::bad_alloc();
+
+  // A chunk cannot be longer than the file; the lengths that it states are not believed. Texts
+  // that are packed may grow to what libpng allows by itself.
+  constexpr std::uint64_t kLeastChunk = 1 << 16, kMostChunk = 8000000;
+  png_set_chunk_malloc_max(reader.png, std::clamp(file_size, kLeastChunk, kMostChunk));
 
   const auto damaged = [&](const std::string& what) {
     throw FileError("cannot read '" + path + "': damaged PNG (" + what + ")");

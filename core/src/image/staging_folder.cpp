@@ -109,16 +109,22 @@ StagingFolder::~StagingFolder() {
 }
 
 void StagingFolder::commit() {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
-    files.push_back(entry.path());
-  if (error) throw FileError("cannot read '" + path_ + "': " + error.message());
-  std::sort(files.begin(), files.end());
+  commit({this});
+}
+
+void StagingFolder::commit(const std::vector<const StagingFolder*>& folders) {
   // What may fail comes first. What fails nevertheless takes back what was moved before it.
   std::vector<std::unique_ptr<Move>> moves;
-  for (const fs::path& file : files)
-    moves.push_back(std::make_unique<Move>(file, fs::path(folder_) / file.filename()));
+  for (const StagingFolder* folder : folders) {
+    std::vector<fs::path> files;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder->path_, error))
+      files.push_back(entry.path());
+    if (error) throw FileError("cannot read '" + folder->path_ + "': " + error.message());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files)
+      moves.push_back(std::make_unique<Move>(file, fs::path(folder->folder_) / file.filename()));
+  }
   for (std::size_t i = 0; i < moves.size(); ++i) moves[i]->prepare(i);
   for (const auto& move : moves) move->go();
   for (const auto& move : moves) move->stay();

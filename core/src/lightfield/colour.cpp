@@ -49,4 +49,55 @@ PngImage colour_picture(const std::array<const Image*, 3>& images, const ColourS
   return picture;
 }
 
+ColourChannels colour_channels(const Scene& scene) {
+  using Says = bool (*)(const ChannelSpec&, const char*);
+  const Says by_standard = [](const ChannelSpec& channel, const char* response) {
+    return channel.kind == ChannelKind::named && channel.response == response;
+  };
+  const Says by_camera = [](const ChannelSpec& channel, const char* ending) {
+    return channel.kind == ChannelKind::named && channel.response.ends_with(ending);
+  };
+  const Says by_name = [](const ChannelSpec& channel, const char* name) {
+    return channel.name == name;
+  };
+  struct Way {
+    Says says;
+    std::array<const char*, 3> words;
+    bool is_xyz;
+  };
+  const Way ways[] = {{by_standard, {"cie_x", "cie_y", "cie_z"}, true},
+                      {by_camera, {"_red", "_green", "_blue"}, false},
+                      {by_name, {"red", "green", "blue"}, false},
+                      {by_name, {"R", "G", "B"}, false}};
+  for (const Way& way : ways) {
+    ColourChannels colours;
+    colours.is_xyz = way.is_xyz;
+    std::size_t found = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (const ChannelSpec& channel : scene.channels)
+        if (colours.names[c].empty() && way.says(channel, way.words[c])) {
+          colours.names[c] = channel.name;
+          ++found;
+        }
+    if (found == 3) return colours;
+  }
+  return {};
+}
+
+LightField colour_field(const LightField& light_field, const ColourChannels& colours) {
+  std::array<const Image*, 3> images{};
+  for (std::size_t c = 0; c < 3; ++c) images[c] = &find_channel(light_field, colours.names[c]).flux;
+  LightField field = light_field;
+  field.channels = {{"red", *images[0], {}}, {"green", *images[1], {}}, {"blue", *images[2], {}}};
+  if (!colours.is_xyz) return field;
+  for (std::size_t i = 0; i < images[0]->pixels.size(); ++i) {
+    const std::array<double, 3> rgb = linear_srgb({static_cast<double>(images[0]->pixels[i]),
+                                                   static_cast<double>(images[1]->pixels[i]),
+                                                   static_cast<double>(images[2]->pixels[i])});
+    for (std::size_t c = 0; c < 3; ++c)
+      field.channels[c].flux.pixels[i] = static_cast<float>(rgb[c]);
+  }
+  return field;
+}
+
 }  // namespace plenoflame

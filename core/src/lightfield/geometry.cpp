@@ -34,7 +34,6 @@ Vec2 MicroImageGrid::point(int i, int j) const {
 
 MicroImageGrid fit_grid(const MicroImages& micro_images, const PixelWindow& window) {
   const Camera& camera = micro_images.camera();
-  const SensorSpec& sensor = camera.spec().sensor;
   MicroImageGrid grid;
   grid.hexagonal = camera.spec().array.lattice == Lattice::hexagonal;
   using Complex = std::complex<double>;
@@ -42,8 +41,8 @@ MicroImageGrid fit_grid(const MicroImages& micro_images, const PixelWindow& wind
   for (const LensIndex lens : lenses_of(micro_images, window)) {
     const MicroImages::Place place = micro_images.place(lens);
     if (place.dark) continue;
-    const Complex at(0.5 * sensor.columns - place.centre.x / sensor.pixel_pitch,
-                     0.5 * sensor.rows - place.centre.y / sensor.pixel_pitch);
+    const Vec2 centre = camera.image_point(place.centre);
+    const Complex at(centre.x, centre.y);
     if (at.real() < window.x || at.imag() < window.y || at.real() > window.x + window.width ||
         at.imag() > window.y + window.height)
       continue;
@@ -69,16 +68,15 @@ MicroImageGrid fit_grid(const MicroImages& micro_images, const PixelWindow& wind
   grid.origin = {origin.real(), origin.imag()};
   grid.pitch = std::abs(scale);
   grid.rotation = std::arg(scale);
-  grid.mean_radius =
-      micro_images.place(camera.lattice().nearest({0, 0})).radius / sensor.pixel_pitch;
+  grid.mean_radius = micro_images.place(camera.lattice().nearest({0, 0})).radius /
+                     camera.spec().sensor.pixel_pitch;
   return grid;
 }
 
 Image white_image(const MicroImages& micro_images, const PixelWindow& window,
                   const Execution& execution) {
   const Camera& camera = micro_images.camera();
-  const SensorSpec& sensor = camera.spec().sensor;
-  const double p = sensor.pixel_pitch;
+  const Vec2 p = camera.spec().sensor.pixel();
   Image image(window.width, window.height);
   const std::vector<LensIndex> lenses = lenses_of(micro_images, window);
   // Bands of rows: each pixel belongs to one, and sums its microlenses in their order.
@@ -91,17 +89,17 @@ Image white_image(const MicroImages& micro_images, const PixelWindow& window,
       const MicroImages::Place place = micro_images.place(lens);
       if (place.dark) continue;
       const MicroImages::WhiteTable white(micro_images, place);
-      const double x = 0.5 * sensor.columns - place.centre.x / p - window.x;
-      const double y = 0.5 * sensor.rows - place.centre.y / p - window.y;
-      const double reach = white.reach() / p;
+      const Vec2 middle = camera.image_point(place.centre);
+      const double x = middle.x - window.x, y = middle.y - window.y;
+      const double reach_x = white.reach() / p.x, reach_y = white.reach() / p.y;
       const auto bound = [](double value, int low, int high) {
         return static_cast<int>(
             std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
       };
-      const int row_end = bound(std::ceil(y + reach), first, last);
-      for (int row = bound(std::floor(y - reach), first, last); row < row_end; ++row) {
-        const int column_end = bound(std::ceil(x + reach), 0, window.width);
-        for (int column = bound(std::floor(x - reach), 0, window.width); column < column_end;
+      const int row_end = bound(std::ceil(y + reach_y), first, last);
+      for (int row = bound(std::floor(y - reach_y), first, last); row < row_end; ++row) {
+        const int column_end = bound(std::ceil(x + reach_x), 0, window.width);
+        for (int column = bound(std::floor(x - reach_x), 0, window.width); column < column_end;
              ++column)
           image.at(column, row) += static_cast<float>(
               white(camera.sensor_point(window.x + column + 0.5, window.y + row + 0.5)));
@@ -122,8 +120,8 @@ ViewGeometry fit_view_geometry(const MicroImages& micro_images, double lens_step
   const double pixel = camera.spec().sensor.pixel_pitch;
   // Line = m * lens centre + o * offset, for position and slope alike: four numbers by least
   // squares over microlenses and offsets within the paraxial half of the field.
-  const double half_width = 0.25 * camera.spec().sensor.columns * pixel;
-  const double half_height = 0.25 * camera.spec().sensor.rows * pixel;
+  const double half_width = 0.25 * camera.spec().sensor.size().x;
+  const double half_height = 0.25 * camera.spec().sensor.size().y;
   const auto lenses =
       camera.lattice().within({-half_width, -half_height}, {half_width, half_height});
   const std::size_t stride = std::max<std::size_t>(1, lenses.size() / 400);

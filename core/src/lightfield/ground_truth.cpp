@@ -14,9 +14,7 @@ namespace plenoflame {
 namespace {
 
 Vec2 pixel_of(const Camera& camera, Vec2 sensor_point) {
-  const SensorSpec& sensor = camera.spec().sensor;
-  return {0.5 * sensor.columns - sensor_point.x / sensor.pixel_pitch,
-          0.5 * sensor.rows - sensor_point.y / sensor.pixel_pitch};
+  return camera.image_point(sensor_point);
 }
 
 /// Where a ray meets the plane z of the camera frame.
@@ -92,17 +90,29 @@ Footprint footprint(const Camera& camera, Vec3 point) {
   return result;
 }
 
+/// The part of a footprint that lies before the sensor and as far beside it as light can go
+/// between array and sensor.
+Footprint near_sensor(const Camera& camera, Footprint beam) {
+  constexpr double kSteepest = 10;  // tangent of 84 degrees
+  const Vec2 corner = camera.sensor_point(0, 0);
+  const double room = kSteepest * (camera.aim_plane(0) - camera.sensor());
+  const Vec2 half = {std::fabs(corner.x) + room, std::fabs(corner.y) + room};
+  beam.lower = {std::max(beam.lower.x, -half.x), std::max(beam.lower.y, -half.y)};
+  beam.upper = {std::min(beam.upper.x, half.x), std::min(beam.upper.y, half.y)};
+  return beam;
+}
+
 /// The part of a footprint whose microlenses can have images on the sensor: those that rays from
 /// the exit pupil to the sensor meet.
 Footprint towards_sensor(const Camera& camera, Footprint beam) {
   const double exit = camera.exit_pupil(), plane = camera.aim_plane(0);
-  if (!std::isfinite(exit) || !(exit > plane)) return beam;
+  if (!std::isfinite(exit) || !(exit > plane)) return near_sensor(camera, beam);
   // Pupils of real lenses move and grow off axis, and misaligned parts a little: with room to
   // spare.
   constexpr double kRoom = 1.1;
   const double share = (exit - plane) / (exit - camera.sensor());  // of the way from the pupil
   const double pupil = kRoom * (1 - share) * camera.lens_first_order().exit_pupil_diameter +
-                       3 * camera.spec().array.pitch;
+                       3 * longest_pitch(camera.spec().array);
   const Vec2 corner = camera.sensor_point(0, 0), foot = camera.foot();
   const Vec2 half = {kRoom * share * (std::fabs(corner.x) + std::fabs(foot.x)) + pupil,
                      kRoom * share * (std::fabs(corner.y) + std::fabs(foot.y)) + pupil};
@@ -134,7 +144,7 @@ std::vector<MicroImageTruth> micro_image_truth(const MicroImages& images) {
   const Camera& camera = images.camera();
   const SensorSpec& sensor = camera.spec().sensor;
   // Micro-images lie farther out than their lenses, by less than the sensor's own size.
-  const double margin = 3 * camera.spec().array.pitch;
+  const double margin = 3 * longest_pitch(camera.spec().array);
   const Vec2 corner = camera.sensor_point(0, 0);
   std::vector<MicroImageTruth> truth;
   for (const LensIndex lens : camera.lattice().within({-corner.x - margin, -corner.y - margin},
@@ -142,9 +152,10 @@ std::vector<MicroImageTruth> micro_image_truth(const MicroImages& images) {
     const MicroImages::Place place = images.place(lens);
     if (place.dark) continue;
     const Vec2 centre = pixel_of(camera, place.centre);
-    const double radius = place.radius / sensor.pixel_pitch;
-    if (centre.x + radius < 0 || centre.y + radius < 0 || centre.x - radius > sensor.columns ||
-        centre.y - radius > sensor.rows)
+    const double radius = place.radius / sensor.pixel().x,
+                 radius_y = place.radius / sensor.pixel().y;
+    if (centre.x + radius < 0 || centre.y + radius_y < 0 || centre.x - radius > sensor.columns ||
+        centre.y - radius_y > sensor.rows)
       continue;
     truth.push_back({lens, place.type, centre, radius});
   }
@@ -172,7 +183,7 @@ std::vector<PointTruth> project_point(const Camera& camera, Vec3 world,
       add({}, 0, *s);
     return images;
   }
-  const double reach = camera.spec().array.pitch;
+  const double reach = longest_pitch(camera.spec().array);
   beam = towards_sensor(camera, beam);
   const std::vector<LensIndex> lenses = camera.lattice().within(
       {beam.lower.x - reach, beam.lower.y - reach}, {beam.upper.x + reach, beam.upper.y + reach});

@@ -15,8 +15,8 @@ struct KernelWhitePart {
 /// Pixels of a micro-image, projected to the plane that is refocused on.
 struct KernelProjection {
   int count;
-  const float *x, *y;  ///< of the pixels from the middle, upright [pixel]
-  float scale;         ///< 1 / radius [1/pixel]
+  const float *x, *y;      ///< of the pixels from the middle, upright [pixel]
+  float scale_x, scale_y;  ///< 1 / radius [1/pixel]
   /// Where they meet the picture [pixel]: over the monomials of degree up to 5 of (x, y) / radius,
   /// x^i y^j with i running faster.
   float along[21], across[21];

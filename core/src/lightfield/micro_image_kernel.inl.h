@@ -74,7 +74,7 @@ bool project(const KernelProjection& projection, const KernelSamples& samples) {
   float bad = 0;  // infinite and undefined values times 0 are undefined
 #pragma omp simd reduction(+ : bad)
   for (int k = 0; k < c.count; ++k) {
-    const float x = c.scale * px[k], y = c.scale * py[k];
+    const float x = c.scale_x * px[k], y = c.scale_y * py[k];
     // Far outside of any picture whole numbers would not do.
     const float along = clamp(polynomial(u, x, y), -1e6f, 1e6f);
     const float across = clamp(polynomial(v, x, y), -1e6f, 1e6f);

@@ -16,22 +16,23 @@ MicroImageKernels micro_image_kernels(Isa isa) {
 
 void MicroImages::Pixels::set(const SensorSpec& sensor, const PixelWindow& window, Vec2 middle,
                               double radius) {
-  pitch = sensor.pixel_pitch;
+  pitch = sensor.pixel();
   centre = middle;
   rows.clear();
   x.clear();
   y.clear();
-  const double centre_x = 0.5 * sensor.columns - middle.x / pitch,
-               centre_y = 0.5 * sensor.rows - middle.y / pitch, reach = radius / pitch;
+  const double centre_x = 0.5 * sensor.columns - middle.x / pitch.x,
+               centre_y = 0.5 * sensor.rows - middle.y / pitch.y;
+  const double reach = radius / pitch.x, reach_y = radius / pitch.y, stretch = pitch.y / pitch.x;
   const auto bound = [](double value, int low, int high) {
     return static_cast<int>(std::clamp(value, static_cast<double>(low), static_cast<double>(high)));
   };
   const int last_row =
-      bound(std::floor(centre_y + reach - 0.5) + 1, window.y, window.y + window.height);
-  for (int row = bound(std::ceil(centre_y - reach - 0.5), window.y, window.y + window.height);
+      bound(std::floor(centre_y + reach_y - 0.5) + 1, window.y, window.y + window.height);
+  for (int row = bound(std::ceil(centre_y - reach_y - 0.5), window.y, window.y + window.height);
        row < last_row; ++row) {
-    const double above = row + 0.5 - centre_y;
-    const double half = std::sqrt(std::max(0.0, reach * reach - above * above));
+    const double above = row + 0.5 - centre_y, in_widths = above * stretch;
+    const double half = std::sqrt(std::max(0.0, reach * reach - in_widths * in_widths));
     const int first = bound(std::ceil(centre_x - half - 0.5), window.x, window.x + window.width);
     const int last =
         bound(std::floor(centre_x + half - 0.5) + 1, window.x, window.x + window.width);
@@ -46,7 +47,7 @@ void MicroImages::Pixels::set(const SensorSpec& sensor, const PixelWindow& windo
   total.resize(x.size());
 }
 
-void MicroImages::WhiteTable::values(Vec2 origin, double pitch, std::size_t count, const float* x,
+void MicroImages::WhiteTable::values(Vec2 origin, Vec2 pitch, std::size_t count, const float* x,
                                      const float* y, Isa isa, float* out) const {
   // In the table's axes; a step to the right of the upright picture is one to -x of the camera.
   const Vec2 from = origin - centre_;
@@ -55,22 +56,23 @@ void MicroImages::WhiteTable::values(Vec2 origin, double pitch, std::size_t coun
   std::array<KernelWhitePart, kMostParts> parts{};
   for (std::size_t n = 0; n < count_; ++n) {
     const Part& part = parts_[n];
-    const double step = -pitch * part.scale;
+    const double step_x = -pitch.x * part.scale, step_y = -pitch.y * part.scale;
     parts[n] = {part.table,
                 static_cast<float>(part.weight),
                 static_cast<float>((v.x + part.half) * part.scale),
-                static_cast<float>(step * outwards_.x),
-                static_cast<float>(step * outwards_.y),
+                static_cast<float>(step_x * outwards_.x),
+                static_cast<float>(step_y * outwards_.y),
                 static_cast<float>((v.y + part.half) * part.scale),
-                static_cast<float>(-step * outwards_.y),
-                static_cast<float>(step * outwards_.x)};
+                static_cast<float>(-step_x * outwards_.y),
+                static_cast<float>(step_y * outwards_.x)};
   }
   micro_image_kernels(isa).white_light(parts.data(), static_cast<int>(count_), kWhiteSide,
                                        static_cast<int>(count), x, y, out);
 }
 
 void MicroImages::LocalWhite::fill(Pixels& pixels, Isa isa) const {
-  const double p = pixels.pitch;
+  const Vec2 p = pixels.pitch;
+  const double stretch = p.y / p.x;
   own_.values(pixels.centre, p, pixels.x.size(), pixels.x.data(), pixels.y.data(), isa,
               pixels.own.data());
   pixels.total = pixels.own;
@@ -80,12 +82,14 @@ void MicroImages::LocalWhite::fill(Pixels& pixels, Isa isa) const {
     some.at.clear();
     some.x.clear();
     some.y.clear();
-    const Vec2 apart = (-1 / p) * (other.centre() - pixels.centre);
-    const double reach = other.reach() / p;
+    const Vec2 between = other.centre() - pixels.centre;
+    const Vec2 apart{(-1 / p.x) * between.x, (-1 / p.y) * between.y};
+    const double reach = other.reach() / p.x;
     for (const Pixels::Row& row : pixels.rows) {
       const double left = static_cast<double>(pixels.x[row.begin]),
                    above = static_cast<double>(pixels.y[row.begin]);
-      const double square = reach * reach - (above - apart.y) * (above - apart.y);
+      const double in_widths = (above - apart.y) * stretch;
+      const double square = reach * reach - in_widths * in_widths;
       if (!(square > 0)) continue;
       const double half = std::sqrt(square), last = static_cast<double>(row.count);
       const auto begin = static_cast<std::size_t>(

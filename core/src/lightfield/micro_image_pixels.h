@@ -1,6 +1,7 @@
 #pragma once
 #include "lightfield/micro_image_kernel.h"
 #include "plenoflame/base/isa.h"
+#include "plenoflame/scene/sensor_spec.h"
 
 namespace plenoflame {
 
@@ -11,5 +12,10 @@ struct MicroImageKernels {
   bool (*project)(const KernelProjection&, const KernelSamples&);
 };
 MicroImageKernels micro_image_kernels(Isa isa);
+
+/// [m] radius of a disc that holds a pixel, a little larger than needed.
+inline double pixel_disc(const SensorSpec& sensor) {
+  return sensor.square_pixels() ? 0.71 * sensor.pixel_pitch : 1.005 * sensor.pixel_reach();
+}
 
 }  // namespace plenoflame

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include "lightfield/micro_image_pixels.h"
+#include "lightfield/outward_frame.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/lightfield/micro_images.h"
 
@@ -16,15 +18,11 @@ namespace {
 constexpr int kTraced = 41, kTracedFine = 65;
 constexpr double kFewPixels = 20;  ///< along the side of that square
 /// Angles of the pixels' sides for which there are tables, over the 90 degrees after which a square
-/// is itself again.
-constexpr int kAngles = 5;
-constexpr double kAngleStep = 0.5 * constants::pi / kAngles;
-
-Vec2 to_local(Vec2 v, Vec2 axis) {
-  return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y};
-}
-Vec2 to_camera(Vec2 v, Vec2 axis) {
-  return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x};
+/// is itself again, or the 180 degrees of a rectangle.
+constexpr int kSquareAngles = 5, kRectangleAngles = 9;
+double angle_step(int angles) {
+  return angles == kSquareAngles ? 0.5 * constants::pi / kSquareAngles
+                                 : constants::pi / kRectangleAngles;
 }
 
 constexpr double kGoldenAngle = 2.399963229728653;  ///< pi (3 - sqrt 5)
@@ -42,7 +40,7 @@ class ApertureLight {
       : camera_(camera),
         gap_(camera.aim_plane(0) - camera.sensor()),
         // An oblique ray may cross the aim plane a little beside the lens that it meets.
-        reach_(1.03 * 0.5 * camera.spec().array.diameter) {}
+        reach_(1.03 * camera.aperture().radius()) {}
 
   /// @param lens centre of the microlens; @param v sensor point relative to it; @param turn angle
   /// at which the directions begin
@@ -120,7 +118,7 @@ class ApertureLight {
   double gap_, reach_;
 };
 
-/// Means of a square table, interpolated by Catmull and Rom's cubic and 0 outside, over squares
+/// Means of a square table, interpolated by Catmull and Rom's cubic and 0 outside, over rectangles
 /// around the points of a finer one.
 ///
 /// A mean is a sum over the table with weights that depend on where the point lies between the
@@ -129,14 +127,17 @@ class BoxMeans {
  public:
   /// @param table as seen through a mirror the same (last row first)
   /// @param width points along the side of the finer one
-  /// @param side of the squares, in steps of the table, and @param samples along it
-  BoxMeans(const std::vector<double>& table, int width, double side, int samples)
+  /// @param side of the rectangles, in steps of the table, and @param samples along it; of both
+  /// sides
+  BoxMeans(const std::vector<double>& table, int width, Vec2 side, std::array<int, 2> samples)
       : width_(width), side_(side), samples_(samples) {
     const int points = static_cast<int>(std::lround(std::sqrt(table.size())));
     const int common = std::gcd(points - 1, width - 1);
     steps_ = (points - 1) / common;
     period_ = (width - 1) / common;
-    reach_ = static_cast<int>(std::ceil(0.71 * side)) + 3;
+    // Half the diagonal; of squares 0.71.
+    const double reach = side.x == side.y ? 0.71 * side.x : 0.51 * std::hypot(side.x, side.y);
+    reach_ = static_cast<int>(std::ceil(reach)) + 3;
     padded_side_ = points + 2 * reach_;
     padded_.assign(static_cast<std::size_t>(padded_side_) * static_cast<std::size_t>(padded_side_),
                    0.0);
@@ -146,7 +147,7 @@ class BoxMeans {
           padded_.begin() + static_cast<std::ptrdiff_t>(row + reach_) * padded_side_ + reach_);
   }
 
-  /// @param angle of the squares' sides [rad]
+  /// @param angle of the rectangles' sides [rad]
   std::vector<float> operator()(double angle) const {
     std::vector<float> means(static_cast<std::size_t>(width_) * static_cast<std::size_t>(width_));
     for (int y = 0; y < period_; ++y)
@@ -160,7 +161,7 @@ class BoxMeans {
     return means;
   }
 
-  /// What operator() gives for squares turned the other way.
+  /// What operator() gives for rectangles turned the other way.
   std::vector<float> mirrored(const std::vector<float>& means) const {
     std::vector<float> result(means.size());
     for (std::size_t row = 0; row < means.size(); row += static_cast<std::size_t>(width_))
@@ -184,10 +185,11 @@ class BoxMeans {
                                    0.5 * t * (1 + t * (4 - 3 * t)), 0.5 * t * t * (t - 1)};
     };
     const Vec2 axis{std::cos(angle), std::sin(angle)};
-    for (int b = 0; b < samples_; ++b)
-      for (int a = 0; a < samples_; ++a) {
+    const auto [across, down] = samples_;
+    for (int b = 0; b < down; ++b)
+      for (int a = 0; a < across; ++a) {
         const Vec2 o = to_camera(
-            {((a + 0.5) / samples_ - 0.5) * side_, ((b + 0.5) / samples_ - 0.5) * side_}, axis);
+            {((a + 0.5) / across - 0.5) * side_.x, ((b + 0.5) / down - 0.5) * side_.y}, axis);
         const double at_x = beyond(x) + o.x, at_y = beyond(y) + o.y;
         const double left = std::floor(at_x), above = std::floor(at_y);
         const auto wx = cubic(at_x - left), wy = cubic(at_y - above);
@@ -196,8 +198,7 @@ class BoxMeans {
         for (int r = 0; r < 4; ++r)
           for (int c = 0; c < 4; ++c)
             weights[static_cast<std::size_t>(first + r * stencil() + c)] +=
-                wx[static_cast<std::size_t>(c)] * wy[static_cast<std::size_t>(r)] /
-                (samples_ * samples_);
+                wx[static_cast<std::size_t>(c)] * wy[static_cast<std::size_t>(r)] / (across * down);
       }
     return weights;
   }
@@ -214,9 +215,10 @@ class BoxMeans {
   }
 
   int width_ = 0;
-  double side_ = 0;
-  int samples_ = 0, steps_ = 0, period_ = 0;  ///< a finer step is steps / period of the table's
-  int reach_ = 0;                             ///< of the weights, in steps of the table
+  Vec2 side_;
+  std::array<int, 2> samples_;
+  int steps_ = 0, period_ = 0;  ///< a finer step is steps / period of the table's
+  int reach_ = 0;               ///< of the weights, in steps of the table
   int padded_side_ = 0;
   std::vector<double> padded_;  ///< the table with that many zeros around it
 };
@@ -224,11 +226,13 @@ class BoxMeans {
 }  // namespace
 
 void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius) const {
-  const double p = own.spec().sensor.pixel_pitch;
+  const SensorSpec& sensor = own.spec().sensor;
+  const auto [width, height] = sensor.pixel();
+  const double p = std::max(width, height);
   const ApertureLight light(own);
   const Vec2 lens = own.lattice().centre({0, 0});
   node.white_half = outer_radius + p;
-  node.reach = outer_radius + 0.71 * p;  // the pixel's corner
+  node.reach = outer_radius + pixel_disc(sensor);  // the pixel's corner
   const int side = 2 * node.white_half < kFewPixels * p ? kTracedFine : kTraced;
   const double step = 2 * node.white_half / (side - 1);
   std::vector<double> traced(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0.0);
@@ -238,25 +242,28 @@ void MicroImages::fill_white(const Camera& own, Node& node, double outer_radius)
       if (length(v - Vec2{node.centre, 0}) > outer_radius) continue;
       // Turned by another angle at each point of the table, so that what is left of the error
       // averages out over a pixel.
-      const double value = p * p * light(lens, v, (j * side + i) * kGoldenAngle);
+      const double value = width * height * light(lens, v, (j * side + i) * kGoldenAngle);
       traced[static_cast<std::size_t>(j * side + i)] = value;
       traced[static_cast<std::size_t>((side - 1 - j) * side + i)] = value;  // mirror symmetry
     }
-  // A pixel is the mean over its square, whose sides run along the sensor's: in the table's axes it
-  // is turned. With large pixels before a sharp rim that matters, and there are tables for several
-  // angles; otherwise one does.
-  const double boxes = std::lround(p / step);
-  const int box = static_cast<int>(std::clamp(boxes, 5.0, 12.0));
-  const BoxMeans means(traced, kWhiteSide, p / step, box);
-  for (int angle = 0; angle < kAngles; ++angle)
+  // A pixel is the mean over its rectangle, whose sides run along the sensor's: in the table's axes
+  // it is turned. With large pixels before a sharp rim that matters, and there are tables for
+  // several angles; otherwise one does.
+  const auto boxes = [&](double extent) {
+    return static_cast<int>(std::clamp(static_cast<double>(std::lround(extent / step)), 5.0, 12.0));
+  };
+  const BoxMeans means(traced, kWhiteSide, {width / step, height / step},
+                       {boxes(width), boxes(height)});
+  const int angles = sensor.square_pixels() ? kSquareAngles : kRectangleAngles;
+  const double turn = angle_step(angles);
+  for (int angle = 0; angle < angles; ++angle)
     node.white.push_back(
-        2 * angle < kAngles
-            ? means(-angle * kAngleStep)
-            : means.mirrored(node.white[static_cast<std::size_t>(kAngles - angle)]));
+        2 * angle < angles ? means(-angle * turn)
+                           : means.mirrored(node.white[static_cast<std::size_t>(angles - angle)]));
   const float largest = *std::max_element(node.white[0].begin(), node.white[0].end());
   float difference = 0;
   for (std::size_t k = 0; k < node.white[0].size(); ++k)
-    for (int angle = 1; angle < kAngles; ++angle)
+    for (int angle = 1; angle < angles; ++angle)
       difference = std::max(
           difference, std::fabs(node.white[static_cast<std::size_t>(angle)][k] - node.white[0][k]));
   if (difference < 1e-3F * largest) node.white.resize(1);
@@ -281,14 +288,18 @@ MicroImages::WhiteTable::WhiteTable(const MicroImages& micro_images, const Place
       parts_[count_++] = {table.data(), weight * share, node.white_half,
                           (kWhiteSide - 1) / (2 * node.white_half)};
     };
-    if (node.white.size() == 1)
+    const auto angles = static_cast<int>(node.white.size());
+    if (angles == 1) {
       add(node.white[0], 1);
-    else  // the two longest waves of period 90 degrees through the values at five angles
-      for (int k = 0; k < kAngles; ++k) {
-        const double wave = 4 * (angle - k * kAngleStep);
-        add(node.white[static_cast<std::size_t>(k)],
-            (1 + 2 * std::cos(wave) + 2 * std::cos(2 * wave)) / kAngles);
+    } else {  // the longest waves of the pixels' period through the values at all angles
+      const double turn = angle_step(angles), waves = 2 * constants::pi / (angles * turn);
+      for (int k = 0; k < angles; ++k) {
+        const double wave = waves * (angle - k * turn);
+        double share = 1;
+        for (int m = 1; m <= angles / 2; ++m) share += 2 * std::cos(m * wave);
+        add(node.white[static_cast<std::size_t>(k)], share / angles);
       }
+    }
     reach_ = std::max(reach_, node.reach);
   }
 }

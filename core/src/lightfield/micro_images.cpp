@@ -1,5 +1,7 @@
 #include "plenoflame/lightfield/micro_images.h"
 
+#include "lightfield/outward_frame.h"
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +10,7 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/design.h"
 #include "plenoflame/camera/pupil_sampling.h"
 
 namespace plenoflame {
@@ -38,19 +41,17 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
   return total;
 }
 
-Vec2 to_local(Vec2 v, Vec2 axis) {
-  return {v.x * axis.x + v.y * axis.y, v.y * axis.x - v.x * axis.y};
-}
-Vec2 to_camera(Vec2 v, Vec2 axis) {
-  return {v.x * axis.x - v.y * axis.y, v.x * axis.y + v.y * axis.x};
-}
-
 /// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
 CameraSpec single_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
   spec.array.focal_jitter = 0;
   spec.array.types = {spec.array.types[type]};
+  // The white image is taken to be alike all around the axis: that of a circle of the same area.
+  if (const MicrolensAperture& aperture = camera.aperture(); aperture.pairs() > 0) {
+    spec.array.aperture = ApertureShape::circular;
+    spec.array.diameter = 2 * std::sqrt(aperture.area() / constants::pi);
+  }
   spec.array.rotation = 0;
   spec.focus.mode = FocusMode::distance;
   spec.focus.lens_distance = camera.lens_distance();
@@ -80,9 +81,9 @@ Camera at_distance(CameraSpec spec, double h) {
 
 void check_raw_image(const LightField& light_field, const CameraSpec& camera,
                      const std::string& what) {
-  if (light_field.unit != "W")
+  if (light_field.unit != "W" && light_field.unit != "e-")
     throw InputError(what + " is not a raw image: it holds " + light_field.unit +
-                     ", not the flux of pixels in W");
+                     ", not the flux of pixels in W or their electrons");
   if (camera.sensor.columns != light_field.sensor_width ||
       camera.sensor.rows != light_field.sensor_height)
     throw InputError("the scene's sensor has " + std::to_string(camera.sensor.columns) + " x " +
@@ -168,7 +169,7 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
 /// Where microlenses at the same distance from the axis are not alike: every centre by itself.
 void MicroImages::find_centres(const Execution& execution) {
   const SensorSpec& sensor = camera_.spec().sensor;
-  const double margin = 4 * camera_.spec().array.pitch + length(camera_.foot());
+  const double margin = 4 * longest_pitch(camera_.spec().array) + length(camera_.foot());
   const Vec2 corner = camera_.sensor_point(0, 0);
   const Vec2 most{corner.x + margin, corner.y + margin};
   const std::vector<LensIndex> lenses = camera_.lattice().within(-1.0 * most, most);
@@ -275,13 +276,18 @@ std::array<double, 21> MicroImages::mixed(const Place& place, std::size_t which)
   return c;
 }
 
+void MicroImages::look_through(const std::vector<WindowSpec>& windows) {
+  windows_ = windows.empty() ? nullptr : std::make_shared<const WindowSet>(windows);
+}
+
 MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) const {
   ToPlane plane;
   plane.place_ = place;
-  if (camera_.lens_moved()) {  // the tables hold lines in the frame of the main lens
+  if (camera_.lens_moved() || windows_) {  // the tables hold lines in the frame of the main lens
     plane.pose_ = camera_.lens_pose();
+    plane.to_world_ = camera_.to_world();
+    plane.windows_ = windows_;
     plane.depth_ = depth;
-    plane.moved_ = true;
     ToPlane& second = plane.second_.emplace_back();
     second.place_ = place;
     set_plane(place, 0, plane);
@@ -306,15 +312,51 @@ Vec2 MicroImages::ToPlane::operator()(Vec2 sensor_point) const {
   const auto terms =
       monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
   const Vec2 here{sum(x_, terms), sum(y_, terms)};
-  if (!moved_) return here;
+  if (second_.empty()) return here;
+  const Ray ray = ray_at(sensor_point);
+  const Vec3 a = ray.origin, d = ray.direction;
+  const double t = (depth_ - a.z) / d.z;
+  return {a.x + t * d.x, a.y + t * d.y};
+}
+
+/// The straight part of the chief ray's way that crosses the plane, in the camera's frame; its
+/// direction is not a unit vector.
+Ray MicroImages::ToPlane::ray_at(Vec2 sensor_point) const {
+  const auto terms =
+      monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
   const ToPlane& second = second_.front();
-  const Vec3 a = pose_.point({here.x, here.y, 0});
+  const Vec3 a = pose_.point({sum(x_, terms), sum(y_, terms), 0});
   const Vec3 b = pose_.point({sum(second.x_, terms), sum(second.y_, terms), 1});
-  const double t = (depth_ - a.z) / (b.z - a.z);
-  return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+  const Ray straight{a, b - a};
+  if (!windows_) return straight;
+  // From the plane of the front vertex on, stretch by stretch; what ends at a window goes on.
+  const Vec3 front = a + (-a.z / (b.z - a.z)) * (b - a);
+  WindowPath path;
+  windows_->trace({to_world_.point(front), to_world_.direction(normalize(b - a))}, path);
+  const RigidTransform to_camera = to_world_.inverse();
+  Vec3 before = front;
+  for (std::size_t k = 0; k < path.segments.size(); ++k) {
+    const AirSegment& stretch = path.segments[k];
+    const Ray ray{to_camera.point(stretch.ray.origin), to_camera.direction(stretch.ray.direction)};
+    // A plane within the glass: between the faces the way is straight, too.
+    if (k > 0 && depth_ < ray.origin.z) return {before, ray.origin - before};
+    if (k + 1 == path.segments.size() || depth_ <= ray.at(stretch.far).z) return ray;
+    before = ray.at(stretch.far);
+  }
+  return straight;
 }
 
 MicroImages::Line MicroImages::chief_ray(const Place& place, Vec2 sensor_point) const {
+  if (windows_) {
+    const FocusSpec& focus = camera_.spec().focus;
+    const double depth =
+        focus.mode == FocusMode::distance
+            ? paraxial_object_distance(camera_.lens_first_order(), camera_.lens_distance())
+            : focus.object_distance;
+    const Ray ray = to_plane(place, depth > 0 ? depth : kInfinity).ray_at(sensor_point);
+    const Vec2 slope{ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z};
+    return {Vec2{ray.origin.x, ray.origin.y} - ray.origin.z * slope, slope};
+  }
   const Vec2 start = to_plane(place, 0)(sensor_point), end = to_plane(place, 1)(sensor_point);
   return {start, end - start};
 }

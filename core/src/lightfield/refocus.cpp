@@ -162,7 +162,8 @@ void add_micro_image(const PlaneJob& job, const MicroImages::Place& place, doubl
   task.count = static_cast<int>(count);
   task.x = pixels.x.data();
   task.y = pixels.y.data();
-  task.scale = static_cast<float>(sensor.pixel_pitch / radius);
+  task.scale_x = static_cast<float>(sensor.pixel().x / radius);
+  task.scale_y = static_cast<float>(sensor.pixel().y / radius);
   // Light that came through neighbours cannot be told apart: the pixel counts as much as its own
   // share of it, as though the scene were the same there.
   task.weight = static_cast<float>(weight);
@@ -193,7 +194,7 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
   const PixelWindow& window = light_field.window;
   const ArraySpec& array = camera.spec().array;
   // Lenses whose micro-images begin inside the window.
-  const double scale = array.pitch / micro_images.spacing();
+  const double scale = shortest_pitch(array) / micro_images.spacing();
   const Vec2 upper = scale * camera.sensor_point(window.x, window.y);
   const Vec2 lower = scale * camera.sensor_point(window.x + window.width, window.y + window.height);
   std::vector<MicroImages::Place> places;
@@ -207,7 +208,7 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
 
   // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
   // bound. The disc always holds the middle of a pixel, however small the micro-images are.
-  const double most = 0.5 * micro_images.spacing(), least = 0.71 * camera.spec().sensor.pixel_pitch;
+  const double most = 0.5 * micro_images.spacing(), least = pixel_disc(camera.spec().sensor);
   const PlanePolynomials polynomials;
   const PlaneJob job{light_field,  flux,          micro_images,
                      target,       polynomials,   micro_image_kernels(settings.isa),

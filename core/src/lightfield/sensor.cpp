@@ -8,6 +8,7 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/sampling/noise.h"
 #include "plenoflame/sampling/sobol.h"
@@ -49,7 +50,22 @@ Defect defect_of(const SensorSpec& sensor, std::uint64_t pixel) {
   return u < sensor.dead_pixels + sensor.hot_pixels ? Defect::hot : Defect::none;
 }
 
+/// A number of one channel, or else of all.
+double number_of(const LightField& field, const std::string& key, const std::string& channel) {
+  auto found = field.numbers.find(key + "." + channel);
+  if (found == field.numbers.end()) found = field.numbers.find(key);
+  return found == field.numbers.end() ? 0 : found->second;
+}
+
 }  // namespace
+
+double channel_exposure(const LightField& electrons, const std::string& channel) {
+  return number_of(electrons, "sensor.exposure_time", channel);
+}
+
+double channel_dark_electrons(const LightField& electrons, const std::string& channel) {
+  return number_of(electrons, "sensor.dark_electrons", channel);
+}
 
 double electrons_per_joule(const SensorSpec& sensor, double wavelength) {
   return sensor.quantum_efficiency * sensor.fill_factor * wavelength /
@@ -90,7 +106,9 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
   frame.exposure_time =
       settings.exposure_time > 0 ? settings.exposure_time : automatic_exposure(channels, sensor);
   const double largest = std::ldexp(1.0, sensor.bits) - 1;
-  frame.gain = sensor.gain > 0 ? sensor.gain : sensor.full_well / (largest - sensor.black_level);
+  const SensorSpec levels = resolved_levels(sensor);
+  frame.gain = levels.gain;
+  frame.black_level = levels.black_level;
   frame.electrons = Image(window.width, window.height);
   frame.numbers.resize(frame.electrons.pixels.size());
   const double time = frame.exposure_time;
@@ -120,7 +138,7 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
       const bool well_is_full = electrons >= sensor.full_well;
       electrons = std::min(electrons, sensor.full_well);
       if (sensor.read_noise > 0) electrons += sensor.read_noise * noise.gaussian();
-      const double number = std::floor(electrons / frame.gain + sensor.black_level + 0.5);
+      const double number = std::floor(electrons / frame.gain + frame.black_level + 0.5);
       frame.electrons.at(column, row) = static_cast<float>(electrons);
       frame.numbers[line * static_cast<std::size_t>(window.width) +
                     static_cast<std::size_t>(column)] =

@@ -103,7 +103,8 @@ double LensSamples::value(Vec2 point, ViewResampling resampling) const {
   }
   const Vec2 p = point - array_.offset;
   const double c = std::cos(array_.rotation), s = std::sin(array_.rotation);
-  const double x = (c * p.x + s * p.y) / array_.pitch, y = (c * p.y - s * p.x) / array_.pitch;
+  const double pitch_y = is_regular(array_) ? array_.pitch : array_.pitch_y;
+  const double x = (c * p.x + s * p.y) / array_.pitch, y = (c * p.y - s * p.x) / pitch_y;
   const bool hexagonal = array_.lattice == Lattice::hexagonal;
   const double r = hexagonal ? y / kCos30 : y;
   if (resampling == ViewResampling::barycentric) return barycentric(hexagonal ? x - 0.5 * r : x, r);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lightfield/view_grid.h"
 #include "lightfield/view_resampling.h"
-#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -38,10 +38,8 @@ class Sampler {
                Vec2 offset) const {
     constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
     if (place.dark) return unknown;
-    const SensorSpec& sensor = micro_.camera().spec().sensor;
-    const Vec2 s = place.centre + offset;
-    const double x = 0.5 * sensor.columns - s.x / sensor.pixel_pitch - 0.5;
-    const double y = 0.5 * sensor.rows - s.y / sensor.pixel_pitch - 0.5;
+    const Vec2 at = micro_.camera().image_point(place.centre + offset);
+    const double x = at.x - 0.5, y = at.y - 0.5;
     const double x_floor = std::floor(x), y_floor = std::floor(y);
     const int column = static_cast<int>(x_floor) - window_.x,
               row = static_cast<int>(y_floor) - window_.y;
@@ -70,56 +68,6 @@ class Sampler {
   double least_;
 };
 
-struct OutputGrid {
-  int width = 0, height = 0;
-  Vec2 first;       ///< [m] array point of pixel (0, 0)
-  double step = 0;  ///< [m]
-};
-
-/// Square pixels that cover the window, one of them centred on the array's offset: a square array
-/// that is not turned then needs no interpolation.
-OutputGrid output_grid(const MicroImages& micro, const ArraySpec& array,
-                       const PixelWindow& window) {
-  OutputGrid grid;
-  grid.step = array.pitch * (array.lattice == Lattice::hexagonal ? std::pow(0.75, 0.25) : 1.0);
-  // The sensor's picture of the array is larger than the array by the micro-images' spacing.
-  const double scale = micro.camera().spec().array.pitch / micro.spacing();
-  const Vec2 upper = micro.camera().sensor_point(window.x, window.y);
-  const Vec2 lower = micro.camera().sensor_point(window.x + window.width, window.y + window.height);
-  const double right = std::floor((scale * upper.x - array.offset.x) / grid.step + 1e-9);
-  const double top = std::floor((scale * upper.y - array.offset.y) / grid.step + 1e-9);
-  const double left = std::ceil((scale * lower.x - array.offset.x) / grid.step - 1e-9);
-  const double bottom = std::ceil((scale * lower.y - array.offset.y) / grid.step - 1e-9);
-  grid.width = static_cast<int>(right - left) + 1;
-  grid.height = static_cast<int>(top - bottom) + 1;
-  if (grid.width < 1 || grid.height < 1)
-    throw InputError(
-        "the light field's window is smaller than a micro-image: nothing to make views of");
-  grid.first = array.offset + Vec2{right * grid.step, top * grid.step};
-  return grid;
-}
-
-/// The lattice of the lenses of one type. Of three types in a hexagonal array (type (q - r) mod 3)
-/// it is hexagonal again, turned by 30 degrees; otherwise lenses of other types are left out.
-struct TypeLattice {
-  ArraySpec array;
-  bool coarse = false;
-  int type = -1;
-  TypeLattice(const Camera& camera, int of_type) : array(camera.spec().array), type(of_type) {
-    coarse = type >= 0 && array.lattice == Lattice::hexagonal && array.types.size() == 3;
-    if (!coarse) return;
-    array.offset = camera.lattice().centre({type, 0});
-    array.pitch *= std::sqrt(3.0);
-    array.rotation += constants::pi / 6;
-  }
-  /// Its index there; only for lenses of the type.
-  LensIndex index(LensIndex lens) const {
-    if (!coarse) return lens;
-    const int b = (lens.r - lens.q + type) / 3;
-    return {lens.r - 2 * b, b};
-  }
-};
-
 }  // namespace
 
 Views extract_views(const LightField& light_field, const MicroImages& micro_images,
@@ -127,26 +75,20 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   const Camera& camera = micro_images.camera();
   check(settings, camera);
   const Image& flux = find_channel(light_field, settings.channel).flux;
-  const double p = camera.spec().sensor.pixel_pitch;
+  const Vec2 p = camera.spec().sensor.pixel();
   const MicroImages::Place axis = micro_images.place(camera.lattice().nearest({0, 0}));
   if (axis.dark) throw InputError("no light reaches the middle of the sensor: there are no views");
   const double least = kLeastWhite * micro_images.white(axis, axis.centre);
   const Sampler sampler(light_field, flux, micro_images, least);
   const TypeLattice lattice(camera, settings.type);
   const OutputGrid grid = output_grid(micro_images, lattice.array, light_field.window);
-  const double pitch = lattice.array.pitch;
-  const Vec2 last = grid.first - grid.step * Vec2{grid.width - 1.0, grid.height - 1.0};
+  const std::vector<LensIndex> lenses = lattice.lenses(camera, grid);
   std::vector<LensIndex> indices;
-  auto lenses = camera.lattice().within({last.x - 2 * pitch, last.y - 2 * pitch},
-                                        {grid.first.x + 2 * pitch, grid.first.y + 2 * pitch});
-  if (settings.type >= 0)
-    std::erase_if(lenses,
-                  [&](LensIndex lens) { return camera.lattice().type(lens) != settings.type; });
   for (const LensIndex lens : lenses) indices.push_back(lattice.index(lens));
   std::vector<MicroImages::Place> places;
   places.reserve(lenses.size());
   std::vector<MicroImages::LocalWhite> whites;
-  const double farthest = std::sqrt(2.0) * (settings.spread * axis.radius + p);
+  const double farthest = std::sqrt(2.0) * (settings.spread * axis.radius + std::max(p.x, p.y));
   for (const LensIndex lens : lenses) {
     places.push_back(micro_images.place(lens));
     if (settings.white_correction) whites.emplace_back(micro_images, lens, farthest);
@@ -154,7 +96,7 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
 
   Views views;
   views.lens_step = grid.step;
-  views.unit = settings.white_correction ? "W/(m^2 sr)" : "W";
+  views.unit = light_field.unit + (settings.white_correction ? "/(m^2 sr)" : "");
   views.views.resize(static_cast<std::size_t>(settings.grid) *
                      static_cast<std::size_t>(settings.grid));
   const bool done = parallel_for(execution, views.views.size(), [&](std::size_t index, int) {
@@ -164,20 +106,12 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
     const double scale = settings.spread * axis.radius;
     const auto place_of = [&](int i) { return scale * (2 * (i + 0.5) / settings.grid - 1); };
     const Vec2 upright{place_of(view.column), place_of(view.row)};
-    view.offset = (1 / p) * upright;
+    view.offset = {(1 / p.x) * upright.x, (1 / p.y) * upright.y};
     LensSamples samples(lattice.array, indices);
     for (std::size_t k = 0; k < lenses.size(); ++k)
       samples.at(indices[k]) =
           sampler.sample(places[k], whites.empty() ? nullptr : &whites[k], -1.0 * upright);
-    view.image = Image(grid.width, grid.height);
-    for (int row = 0; row < grid.height; ++row)
-      for (int column = 0; column < grid.width; ++column) {
-        const Vec2 point =
-            grid.first - grid.step * Vec2{static_cast<double>(column), static_cast<double>(row)};
-        const double value = samples.value(point, settings.resampling);
-        if (std::isinf(value)) throw InputError("the light field holds a value that is not finite");
-        view.image.at(column, row) = std::isnan(value) ? 0.0F : static_cast<float>(value);
-      }
+    view.image = resampled(samples, grid, settings.resampling);
   });
   if (!done) throw Cancelled();
   return views;

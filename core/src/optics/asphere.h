@@ -1,6 +1,7 @@
 #pragma once
 #include "optics/kernel_types.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/base/constants.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {
 

@@ -46,4 +46,13 @@ struct KernelIdealLens {
   Real stop_radius2;
 };
 
+inline constexpr int kMostSidePairs = 3;
+
+/// An aperture between pairs of parallel sides; no pairs: what is not looked at.
+template <class Real>
+struct KernelPolygon {
+  int pairs;
+  Real normal_x[kMostSidePairs], normal_y[kMostSidePairs], half_width[kMostSidePairs];
+};
+
 }  // namespace plenoflame

@@ -14,7 +14,7 @@
 namespace plenoflame {
 namespace {
 
-struct Entry {
+struct LineRow {
   NamedLine line;
   std::array<double, 2> wavelengths;  ///< [nm] vacuum; the second 0: there is one
   double first_share;
@@ -26,7 +26,7 @@ constexpr std::string_view kAtoms =
     "NIST Atomic Spectra Database; in vacuum; 2 : 1, the statistical weights";
 
 // Wavelengths in air 431.42, 473.71, 516.52, 563.55 and 308.9 nm; of sodium 588.995 and 589.592 nm.
-constexpr Entry kEntries[] = {
+constexpr LineRow kNamedLines[] = {
     {{"ch", "CH* A-X (0, 0)", kBands}, {431.54, 0}, 1},
     {{"c2_474", "C2* Swan band (1, 0)", kBands}, {473.84, 0}, 1},
     {{"c2_517", "C2* Swan band (0, 0)", kBands}, {516.66, 0}, 1},
@@ -76,7 +76,7 @@ EmissionLine EmissionLine::at(double wavelength, double width) {
 
 EmissionLine EmissionLine::named(std::string_view name, double width) {
   std::string known;
-  for (const Entry& entry : kEntries) {
+  for (const LineRow& entry : kNamedLines) {
     known.append(known.empty() ? "" : ", ").append(entry.line.name);
     if (entry.line.name != name) continue;
     EmissionLine line = at(1e-9 * entry.wavelengths[0], width);
@@ -105,7 +105,7 @@ double EmissionLine::seen_by(const std::optional<SpectralResponse>& response) co
 
 std::vector<NamedLine> named_lines() {
   std::vector<NamedLine> lines;
-  for (const Entry& entry : kEntries) lines.push_back(entry.line);
+  for (const LineRow& entry : kNamedLines) lines.push_back(entry.line);
   return lines;
 }
 

@@ -14,7 +14,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kShortest = 10e-9, kLongest = 1e-3;  // [m]
+constexpr double kFirstAllowed = 10e-9, kLastAllowed = 1e-3;  // [m]
 
 std::string_view trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\n");
@@ -29,7 +29,7 @@ bool to_number(std::string_view text, double& value) {
 
 /// What is wrong with one more point; empty: nothing.
 std::string trouble(const std::vector<SpectralPoint>& before, const SpectralPoint& point) {
-  if (!(point.wavelength >= kShortest && point.wavelength <= kLongest))
+  if (!(point.wavelength >= kFirstAllowed && point.wavelength <= kLastAllowed))
     return fmt::format("the wavelength {} is not between 10 nm and 1 mm",
                        readable_quantity(point.wavelength, Dimension::length));
   if (!before.empty() && !(point.wavelength > before.back().wavelength))

@@ -19,7 +19,7 @@ struct Lobe {
   double height, middle, below, above;
 };
 
-struct Entry {
+struct ResponseRow {
   NamedResponse name;
   double shortest, longest;  ///< [nm]
   std::array<Lobe, 3> lobes;
@@ -44,7 +44,7 @@ constexpr std::string_view kNikon =
     "three lobes to the response relative to its maximum, RMS 0.3 % (blue), 1 % (green), 1.5 % "
     "(red)";
 
-constexpr Entry kEntries[] = {
+constexpr ResponseRow kNamedResponses[] = {
     {{"cie_x", kCie},
      360,
      830,
@@ -75,7 +75,7 @@ constexpr Entry kEntries[] = {
 
 std::vector<NamedResponse> response_names() {
   std::vector<NamedResponse> list;
-  for (const Entry& entry : kEntries) list.push_back(entry.name);
+  for (const ResponseRow& entry : kNamedResponses) list.push_back(entry.name);
   return list;
 }
 
@@ -130,7 +130,7 @@ SpectralResponse SpectralResponse::curve(std::vector<SpectralPoint> points) {
 
 SpectralResponse SpectralResponse::named(std::string_view name) {
   std::string known;
-  for (const Entry& entry : kEntries) {
+  for (const ResponseRow& entry : kNamedResponses) {
     known.append(known.empty() ? "" : ", ").append(entry.name.name);
     if (entry.name.name != name) continue;
     SpectralResponse response;

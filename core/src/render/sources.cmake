@@ -1,16 +1,17 @@
-list(APPEND core_kernels src/render/backward_kernel.inl.h src/render/pixel_row_kernel.inl.h
-  src/render/radiance_table_kernel.inl.h)
-list(APPEND core_sources src/render/backward.cpp src/render/backward_tile.cpp src/render/backward_rows.cpp src/render/backward_pairs.cpp src/render/render.cpp
-  src/render/beam_bounds.cpp src/render/channel_sum.cpp src/render/bundle_collisions.cpp src/render/phase_function.cpp src/render/scatter_walk.cpp src/render/lit_region.cpp
-  src/render/pixel_beams.cpp src/render/microlens_patch.cpp
-  src/render/scene_beams.cpp src/render/radiance_table.cpp src/render/rounds.cpp src/render/sample_plan.cpp src/render/run_control.cpp src/render/aperture_cone.cpp
-  src/render/ground_truth.cpp
-  src/render/emission_proposal.cpp src/render/forward.cpp src/render/ray_paths.cpp
-  src/render/ray_path_file.cpp src/render/describe.cpp src/render/ray_path_tracer.cpp
-  src/render/ray_selection.cpp
-  src/render/benchmark.cpp src/render/benchmark_reference.cpp
-  src/render/scene_medium.cpp src/render/medium_segments.cpp src/render/surface_light.cpp
-  src/render/worth_levels.cpp
-  src/render/backward_surfaces.cpp src/render/forward_surfaces.cpp src/render/forward_scatter.cpp
-  src/render/endless_planes.cpp
-  src/render/pattern_images.cpp)
+list(APPEND core_kernels src/render/sampling/backward_kernel.inl.h src/render/sampling/pixel_row_kernel.inl.h
+  src/render/transport/radiance_table_kernel.inl.h src/render/transport/window_wall_kernel.inl.h)
+list(APPEND core_sources src/render/estimators/backward.cpp src/render/sampling/backward_tile.cpp src/render/transport/radiance_integrator.cpp src/render/transport/window_integrator.cpp src/render/transport/window_aim.cpp src/render/transport/window_displacement.cpp src/render/medium_behind_windows.cpp src/render/estimators/film_sums.cpp src/render/paths/ray_stream.cpp
+  src/render/transport/camera_front.cpp src/render/estimators/check_settings.cpp src/render/sampling/backward_rows.cpp src/render/sampling/backward_pairs.cpp src/render/estimators/render.cpp
+  src/render/visibility/beam_bounds.cpp src/render/transport/channel_sum.cpp src/render/estimators/bundle_collisions.cpp src/render/transport/phase_function.cpp src/render/transport/scatter_walk.cpp src/render/visibility/occupied_region.cpp
+  src/render/visibility/pixel_beams.cpp src/render/sampling/microlens_frame.cpp
+  src/render/visibility/scene_beams.cpp src/render/transport/radiance_table.cpp src/render/estimators/rounds.cpp src/render/sampling/sample_plan.cpp src/render/estimators/run_control.cpp src/render/estimators/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp
+  src/render/paths/ground_truth.cpp
+  src/render/estimators/emission_proposal.cpp src/render/estimators/exposure.cpp src/render/estimators/forward.cpp src/render/paths/ray_paths.cpp
+  src/render/paths/ray_path_file.cpp src/render/paths/ray_path_npz.cpp src/render/paths/point_images.cpp src/render/estimators/describe.cpp src/render/paths/ray_path_tracer.cpp
+  src/render/paths/ray_selection.cpp src/render/paths/ray_path_request.cpp
+  src/render/estimators/benchmark.cpp src/render/estimators/benchmark_reference.cpp
+  src/render/transport/scene_medium.cpp src/render/transport/medium_segments.cpp src/render/transport/surface_light.cpp
+  src/render/sampling/worth_levels.cpp src/render/work_counters.cpp
+  src/render/transport/backward_surfaces.cpp src/render/estimators/forward_surfaces.cpp src/render/estimators/forward_scatter.cpp
+  src/render/visibility/endless_planes.cpp
+  src/render/paths/pattern_images.cpp)

@@ -5,20 +5,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "media/majorant_grid.h"
+#include "media/voxels/majorant_grid.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/media/brightened_medium.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/glass_indices.h"
+#include "plenoflame/scene/timeline.h"
 #include "plenoflame/scene/validate.h"
+#include "scene/scene_folder.h"
 
 namespace plenoflame {
 namespace {
-
-std::string folder_of(const Scene& scene) {
-  const auto slash = scene.file.find_last_of('/');
-  return slash == std::string::npos ? "" : scene.file.substr(0, slash);
-}
 
 void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
                             const Execution& execution) {
@@ -28,7 +27,7 @@ void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
       execution.warn(what + " is inside of " + surface_name(scene.surfaces, around) +
                      ", which hides everything else; move one of them");
   };
-  check(scene.camera.position, "the camera");
+  check(scene.camera.position, camera_in_words(scene.camera));
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const LightSpec& light = scene.lights[i];
     if (light.kind == LightKind::point)
@@ -93,15 +92,22 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
     if (where.empty()) throw;
     throw FileError(where + ": " + error.what());
   }
+  return brightened(std::move(medium), flame.brightness);
+}
+
+/// Whether the camera sees a flame whose extent is known only now.
+void check_place(const Scene& scene, std::size_t index, const Medium* medium,
+                 const PositionMap& positions, const Execution& execution) {
+  const FlameSpec& flame = scene.flames[index];
   // Where layers lie is known without loading them, and validate() has looked at that.
-  if (flame.kind == FlameKind::layered || !medium) return medium;
+  if (flame.kind == FlameKind::layered || !medium) return;
+  const std::string key = "flames[" + std::to_string(index) + "].position";
   const std::string name = flame.name.empty() ? flame.file : flame.name;
   for (const SceneIssue& issue :
-       check_flame_box(scene.camera, name, medium->bounds(), path + ".position", positions)) {
+       check_flame_box(scene.camera, name, medium->bounds(), key, positions)) {
     if (issue.is_error) throw InputError(issue.position, issue.message);
     execution.warn(to_string(issue));
   }
-  return medium;
 }
 
 /// Places in smoke are drawn without regard to how near they are to a light.
@@ -145,24 +151,106 @@ void warn_of_short_steps(const CompiledScene& compiled, const Execution& executi
 
 using Media = std::vector<std::shared_ptr<const Medium>>;
 
+/// The medium of a flame that another scene has in common with this one, or nullptr.
+std::shared_ptr<const Medium> same_flame(const Scene& scene, std::size_t index,
+                                         const std::vector<SourceFunction>& channels,
+                                         const CompiledScene* like) {
+  if (!like || like->sources != channels || folder_of(like->scene) != folder_of(scene))
+    return nullptr;
+  for (std::size_t i = 0; i < like->flames.size(); ++i)
+    if (like->scene.flames[i] == scene.flames[index]) return like->flames[i];
+  return nullptr;
+}
+
 Media load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
                   const MediumLoader& loader, const Execution& execution,
-                  const PositionMap& positions) {
+                  const PositionMap& positions, const CompiledScene* like) {
   Media media;
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
-    media.push_back(load(scene, i, loader, channels, execution, positions));
+    media.push_back(same_flame(scene, i, channels, like));
+    if (!media.back()) media.back() = load(scene, i, loader, channels, execution, positions);
+    check_place(scene, i, media.back().get(), positions, execution);
     if (media.back()) check_lights_in_smoke(scene, i, *media.back(), positions, execution);
   }
   return media;
 }
 
+std::shared_ptr<const SurfaceScene> compile_surfaces(const Scene& scene,
+                                                     const std::vector<SourceFunction>& emitters,
+                                                     const Execution& execution,
+                                                     const PositionMap& positions,
+                                                     const CompiledScene* like) {
+  if (scene.surfaces.empty()) return nullptr;
+  if (like && like->scene.surfaces == scene.surfaces && like->emitters == emitters &&
+      folder_of(like->scene) == folder_of(scene))
+    return like->surfaces;
+  return make_surface_scene(
+      scene.surfaces, folder_of(scene), emitters, execution, [&](int surface) {
+        return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
+      });
+}
+
+/// Light starts and ends in air: no flame may reach into a window's glass. Where a flame's lattice
+/// is dark it may.
+void check_flames_beside_windows(const Scene& scene, const Media& flames,
+                                 const PositionMap& positions) {
+  if (scene.windows.empty()) return;
+  const WindowSet windows(scene.windows);
+  for (std::size_t w = 0; w < scene.windows.size(); ++w) {
+    const std::vector<Vec3> points = windows.points_of(static_cast<int>(w));
+    for (std::size_t f = 0; f < flames.size(); ++f) {
+      if (!flames[f]) continue;
+      std::vector<double> emission(static_cast<std::size_t>(flames[f]->channel_count()));
+      for (const Vec3 point : points) {
+        const double absorption = flames[f]->coefficients(point, emission.data());
+        if (!(absorption > 0) && !(*std::max_element(emission.begin(), emission.end()) > 0))
+          continue;
+        const FlameSpec& flame = scene.flames[f];
+        throw InputError(positions.find("windows[" + std::to_string(w) + "].position"),
+                         window_name(scene.windows, w) + " stands in " +
+                             (flame.name.empty() ? "flame " + std::to_string(f)
+                                                 : "flame \"" + flame.name + "\"") +
+                             ", whose light must not start within its glass; move one of them");
+      }
+    }
+  }
+}
+
+/// Rays within the glass are straight from face to face: no solid surface may stand in their way.
+/// Looked for along lines through the wall and on to the next one.
+void check_surfaces_beside_windows(const CompiledScene& compiled, const PositionMap& positions) {
+  if (!compiled.windows || !compiled.surfaces) return;
+  constexpr double kRounding = 1e-6;  ///< of a line: a surface may lie on a face
+  for (int w = 0; w < compiled.windows->size(); ++w) {
+    const std::vector<Vec3> points = compiled.windows->points_of(w);
+    int surface = compiled.surfaces->inside_of(points[points.size() / 2]);
+    const double longest = 4 * length(points[3] - points[2]) + 4 * length(points[1] - points[0]);
+    for (std::size_t k = 0; k + 1 < points.size() && surface < 0; ++k) {
+      const Vec3 way = points[k + 1] - points[k];
+      const double along = length(way);
+      SurfaceHit hit;
+      if (!(along > 0) || along > longest) continue;
+      if (compiled.surfaces->intersect({points[k], (1 / along) * way}, kRounding * along,
+                                       (1 - kRounding) * along, {}, hit))
+        surface = hit.where.surface;
+    }
+    if (surface >= 0)
+      throw InputError(positions.find("windows[" + std::to_string(w) + "].position"),
+                       window_name(compiled.scene.windows, static_cast<std::size_t>(w)) + " and " +
+                           surface_name(compiled.scene.surfaces, surface) +
+                           " reach into each other; solid surfaces stand in air: move one of them");
+  }
+}
+
 /// The flames in one of their channels: files are not read once more.
 Media flames_of_channel(const Media& flames, int channel, const Scene& scene,
                         const SourceFunction& source, const MediumLoader& loader,
-                        const Execution& execution, const PositionMap& positions) {
+                        const Execution& execution, const PositionMap& positions,
+                        const CompiledScene* like) {
   Media media;
   for (std::size_t i = 0; i < flames.size(); ++i) {
-    media.push_back(flames[i] ? flames[i]->single_channel(channel) : nullptr);
+    media.push_back(same_flame(scene, i, {source}, like));
+    if (!media.back() && flames[i]) media.back() = flames[i]->single_channel(channel);
     if (!media.back()) media.back() = load(scene, i, loader, {source}, execution, positions);
   }
   return media;
@@ -170,29 +258,31 @@ Media flames_of_channel(const Media& flames, int channel, const Scene& scene,
 
 /// What is compiled from channels, or what stands for them, once camera and flames are there.
 CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils, Media media,
+                              const std::vector<SourceFunction>& sources,
                               const std::vector<SourceFunction>& emitters,
-                              const Execution& execution, const PositionMap& positions) {
+                              const Execution& execution, const PositionMap& positions,
+                              const CompiledScene* like) {
   std::vector<Scatterer> scatterers;
   for (std::size_t i = 0; i < media.size(); ++i)
     if (scene.flames[i].scattering.present())
       scatterers.push_back({media[i].get(), scene.flames[i].scattering});
   std::shared_ptr<const Medium> medium;
-  if (media.size() == 1) medium = std::move(media.front());
-  if (media.size() > 1) medium = make_composite_medium(std::move(media));
-  std::unique_ptr<SurfaceScene> surfaces;
-  if (!scene.surfaces.empty())
-    surfaces =
-        make_surface_scene(scene.surfaces, folder_of(scene), emitters, execution, [&](int surface) {
-          return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
-        });
-  return {scene,
-          std::move(camera),
-          std::move(pupils),
-          std::move(medium),
-          std::move(surfaces),
-          compile_lights(scene.lights, emitters),
-          {},
-          std::move(scatterers)};
+  if (media.size() == 1) medium = media.front();
+  if (media.size() > 1)
+    medium = like && like->flames == media ? like->medium : make_composite_medium(Media(media));
+  CompiledScene compiled{scene,
+                         std::move(camera),
+                         std::move(pupils),
+                         std::move(medium),
+                         compile_surfaces(scene, emitters, execution, positions, like),
+                         compile_lights(scene.lights, emitters),
+                         {},
+                         std::move(scatterers)};
+  compiled.sources = sources;
+  compiled.emitters = emitters;
+  compiled.flames = std::move(media);
+  if (!scene.windows.empty()) compiled.windows = std::make_unique<WindowSet>(scene.windows);
+  return compiled;
 }
 
 /// The camera as it stands, its distances fixed, with the indices of another wavelength [m].
@@ -224,11 +314,18 @@ bool have_same_indices(const CameraSpec& a, const CameraSpec& b) {
 }  // namespace
 
 CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
-                      const PositionMap& positions) {
-  Scene scene = given;
+                      const PositionMap& given_positions, const CompiledScene* like,
+                      const std::vector<IssueCode>& unsaid) {
+  auto [scene, positions] = for_camera(SceneDocument{given, given_positions});
+  if (changes_with_time(scene)) {
+    scene = first_moment(scene, positions);
+    execution.note("the scene changes with time; this is its first frame");
+  }
   read_curves(scene, folder_of(scene), positions);
   set_indices(scene, positions);
-  for (const SceneIssue& issue : validate(scene, positions)) execution.warn(to_string(issue));
+  for (const SceneIssue& issue : validate(scene, positions))
+    if (std::find(unsaid.begin(), unsaid.end(), issue.code) == unsaid.end())
+      execution.warn(to_string(issue));
   const SpectralNodes nodes = spectral_nodes(scene, positions);
   constexpr double kTellingError = 1e-3;
   if (nodes.error > kTellingError)
@@ -239,13 +336,19 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
                     100 * nodes.error));
   if (nodes.sources.front().wavelength() > 0)
     scene.camera.wavelength = nodes.sources.front().wavelength();
-  Camera camera(scene.camera);  // its warnings are among those of validate()
-  PupilSampling pupils(camera, execution);
-  const Media flames = load_flames(scene, nodes.sources, loader, execution, positions);
-  CompiledScene compiled = compile_content(scene, std::move(camera), std::move(pupils), flames,
-                                           nodes.emitters, execution, positions);
+  const bool same_camera = like && like->scene.camera == scene.camera;
+  // Warnings of a camera are among those of validate().
+  Camera camera = same_camera ? like->camera : Camera(scene.camera);
+  PupilSampling pupils = same_camera ? like->pupils : PupilSampling(camera, execution);
+  const Media flames = load_flames(scene, nodes.sources, loader, execution, positions, like);
+  check_flames_beside_windows(scene, flames, positions);
+  CompiledScene compiled =
+      compile_content(scene, std::move(camera), std::move(pupils), flames, nodes.sources,
+                      nodes.emitters, execution, positions, like);
   if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
+  check_surfaces_beside_windows(compiled, positions);
   compiled.mix = nodes.mix;
+  compiled.part_mixes = nodes.part_mixes;
   compiled.spectral_error = nodes.error;
   warn_of_short_steps(compiled, execution);
   if (!is_dispersive(scene)) return compiled;
@@ -259,16 +362,24 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     part.channels = {scene.channels[static_cast<std::size_t>(channel)]};
     part.camera = at_wavelength(compiled.camera,
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
-    Camera part_camera(part.camera);
-    PupilSampling part_pupils = have_same_indices(part.camera, compiled.camera.spec())
+    set_indices(part.windows, part.camera.wavelength, positions);
+    const CompiledScene* const like_part =
+        like && n < like->dispersed.size() ? &like->dispersed[n] : nullptr;
+    const bool same_part_camera = like_part && like_part->scene.camera == part.camera;
+    Camera part_camera = same_part_camera ? like_part->camera : Camera(part.camera);
+    PupilSampling part_pupils = same_part_camera ? like_part->pupils
+                                : have_same_indices(part.camera, compiled.camera.spec())
                                     ? compiled.pupils
                                     : PupilSampling(part_camera, quiet);
     Media part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
-                                          loader, quiet, positions);
-    compiled.parts.push_back(compile_content(part, std::move(part_camera), std::move(part_pupils),
-                                             std::move(part_flames), {nodes.emitters[n]}, quiet,
-                                             positions));
-    compiled.parts.back().film_channel = {channel};
+                                          loader, quiet, positions, like_part);
+    compiled.dispersed.push_back(compile_content(
+        part, std::move(part_camera), std::move(part_pupils), std::move(part_flames),
+        {nodes.sources[n]}, {nodes.emitters[n]}, quiet, positions, like_part));
+    compiled.dispersed.back().film_channel = {channel};
+    for (const ChannelMix& mix : nodes.part_mixes)
+      compiled.dispersed.back().part_mixes.emplace_back(
+          1, std::vector<double>{mix.weight(channel, static_cast<int>(n))});
   }
   return compiled;
 }

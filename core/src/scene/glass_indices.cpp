@@ -1,6 +1,7 @@
 #include "plenoflame/scene/glass_indices.h"
 
 #include "plenoflame/optics/glass.h"
+#include "plenoflame/scene/channel_kinds.h"
 
 namespace plenoflame {
 namespace {
@@ -19,23 +20,33 @@ void set_index(const std::string& glass, double wavelength, double& index, const
 
 double design_wavelength(const Scene& scene) {
   for (const ChannelSpec& channel : scene.channels)
-    if ((channel.kind == ChannelKind::band || channel.kind == ChannelKind::line) &&
-        channel.wavelength > 0)
-      return channel.wavelength;
+    if (const double wavelength = own_wavelength(channel); wavelength > 0) return wavelength;
   return kLineD;
 }
 
-void set_indices(CameraSpec& camera, double wavelength, const PositionMap& positions) {
+void set_indices(CameraSpec& camera, double wavelength, const PositionMap& positions,
+                 const std::string& path) {
   for (std::size_t i = 0; i < camera.lens.surfaces.size(); ++i)
     set_index(camera.lens.surfaces[i].glass, wavelength, camera.lens.surfaces[i].index,
-              "camera.lens.surfaces[" + std::to_string(i) + "].glass", positions);
+              path + ".lens.surfaces[" + std::to_string(i) + "].glass", positions);
   for (std::size_t i = 0; i < camera.array.types.size(); ++i)
     set_index(camera.array.types[i].glass, wavelength, camera.array.types[i].index,
-              "camera.array.types[" + std::to_string(i) + "].glass", positions);
+              path + ".array.types[" + std::to_string(i) + "].glass", positions);
+}
+
+void set_indices(std::vector<WindowSpec>& windows, double wavelength,
+                 const PositionMap& positions) {
+  for (std::size_t i = 0; i < windows.size(); ++i)
+    set_index(windows[i].glass, wavelength, windows[i].index,
+              "windows[" + std::to_string(i) + "].glass", positions);
 }
 
 void set_indices(Scene& scene, const PositionMap& positions) {
-  set_indices(scene.camera, design_wavelength(scene), positions);
+  const double wavelength = design_wavelength(scene);
+  set_indices(scene.camera, wavelength, positions);
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+    set_indices(scene.cameras[i], wavelength, positions, "cameras[" + std::to_string(i) + "]");
+  set_indices(scene.windows, wavelength, positions);
 }
 
 }  // namespace plenoflame

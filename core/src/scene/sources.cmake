@@ -1,26 +1,38 @@
 list(APPEND core_sources
+  src/scene/cameras.cpp
+  src/scene/channel_kinds.cpp
   src/scene/compile.cpp
+  src/scene/files/file_series.cpp
   src/scene/glass_indices.cpp
-  src/scene/input_files.cpp
-  src/scene/lens_import.cpp
-  src/scene/lens_file.cpp
-  src/scene/zmx_import.cpp
-  src/scene/nearest.cpp
-  src/scene/position_map.cpp
-  src/scene/presets.cpp
-  src/scene/scene_reader.cpp
-  src/scene/scene_schema.cpp
-  src/scene/scene_writer.cpp
-  src/scene/schema_markdown.cpp
-  src/scene/schema_table.cpp src/scene/schema_tables.cpp
+  src/scene/files/input_files.cpp
+  src/scene/files/lens_import.cpp
+  src/scene/files/lens_file.cpp
+  src/scene/files/zmx_import.cpp
+  src/scene/files/nearest.cpp
+  src/scene/files/position_map.cpp
+  src/scene/files/presets.cpp
+  src/scene/pupil_transmission.cpp
+  src/scene/schema/scene_differences.cpp
+  src/scene/files/scene_reader.cpp
+  src/scene/schema/scene_settings.cpp
+  src/scene/schema/scene_schema.cpp
+  src/scene/files/scene_writer.cpp
+  src/scene/schema/schema_markdown.cpp
+  src/scene/schema/schema_table.cpp src/scene/schema/schema_tables.cpp
   src/scene/spectral.cpp
-  src/scene/toml_guard.cpp
-  src/scene/validate.cpp
-  src/scene/validate_camera.cpp
-  src/scene/validate_channels.cpp
-  src/scene/validate_flames.cpp
-  src/scene/validate_lines.cpp
-  src/scene/validate_surfaces.cpp)
+  src/scene/files/time_table.cpp
+  src/scene/timeline.cpp
+  src/scene/files/toml_guard.cpp
+  src/scene/validation/validate.cpp
+  src/scene/validation/validate_camera.cpp
+  src/scene/validation/validate_channels.cpp
+  src/scene/validation/validate_flames.cpp
+  src/scene/validation/validate_lines.cpp
+  src/scene/validation/validate_microlenses.cpp
+  src/scene/validation/validate_pupil_filters.cpp
+  src/scene/validation/validate_surfaces.cpp
+  src/scene/validation/validate_time.cpp
+  src/scene/validation/validate_windows.cpp)
 
 # The presets stay readable as scene files and are compiled in as text.
 set(preset_rows)
@@ -38,6 +50,6 @@ foreach(kind camera flame lens)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${preset_file}")
   endforeach()
 endforeach()
-configure_file("${CMAKE_CURRENT_SOURCE_DIR}/src/scene/preset_table.cpp.in"
+configure_file("${CMAKE_CURRENT_SOURCE_DIR}/src/scene/files/preset_table.cpp.in"
   "${CMAKE_CURRENT_BINARY_DIR}/preset_table.cpp" @ONLY)
 list(APPEND core_sources "${CMAKE_CURRENT_BINARY_DIR}/preset_table.cpp")

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/optics/glass.h"
 #include "plenoflame/radiometry/spectral_nodes.h"
-#include "scene/schema_fields.h"
+#include "plenoflame/scene/channel_kinds.h"
+#include "scene/schema/schema_fields.h"
 
 namespace plenoflame {
 namespace {
@@ -38,22 +41,7 @@ std::vector<EmissionLine> lines_of(const Scene& scene) {
 }  // namespace
 
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel) {
-  const auto made = [&]() -> std::optional<SpectralResponse> {
-    switch (channel.kind) {
-      case ChannelKind::total:
-        break;
-      case ChannelKind::band:
-        return SpectralResponse::band(channel.wavelength, channel.width);
-      case ChannelKind::line:
-        return SpectralResponse::gaussian(channel.wavelength, channel.width);
-      case ChannelKind::curve:
-        return SpectralResponse::curve(parse_spectral_points(channel.curve));
-      case ChannelKind::named:
-        return SpectralResponse::named(channel.response);
-    }
-    return std::nullopt;
-  };
-  const std::optional<SpectralResponse> response = made();
+  const std::optional<SpectralResponse> response = response_of_kind(channel);
   return response && channel.photons ? response->of_photons() : response;
 }
 
@@ -133,13 +121,16 @@ double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec) {
              : layer.absorption;
 }
 
-std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel) {
-  const std::optional<SpectralResponse> response = spectral_response(channel);
-  const std::string& text = scene.camera.transmission.filter;
-  if (text.empty()) return response;
-  const SpectralResponse filter = SpectralResponse::curve(parse_spectral_points(text));
-  // Of all wavelengths those are left that the filter lets through.
-  return response ? response->behind(filter) : filter;
+std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel,
+                                                const std::string& pupil_filter) {
+  std::optional<SpectralResponse> response = spectral_response(channel);
+  for (const std::string& text : {scene.camera.transmission.filter, pupil_filter}) {
+    if (text.empty()) continue;
+    const SpectralResponse filter = SpectralResponse::curve(parse_spectral_points(text));
+    // Of all wavelengths those are left that the filter lets through.
+    response = response ? response->behind(filter) : filter;
+  }
+  return response;
 }
 
 bool is_dispersive(const Scene& scene) {
@@ -165,19 +156,25 @@ bool is_dispersive(const Scene& scene) {
   };
   for (const SurfaceSpec& surface : scene.camera.lens.surfaces)
     if (disperses(surface.glass)) return true;
+  for (const WindowSpec& window : scene.windows)
+    if (disperses(window.glass)) return true;
   if (scene.camera.array.present)
     for (const MicrolensSpec& type : scene.camera.array.types)
       if (disperses(type.glass)) return true;
   return false;
 }
 
-SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
+namespace {
+
+/// Behind the filter of one part of the pupil. @param numbers of the channels in the scene's file
+SpectralNodes nodes_behind(const Scene& scene, const std::string& pupil_filter,
+                           const std::vector<std::size_t>& numbers, const PositionMap& positions) {
   std::vector<AbsorptionSpectrum> spectra;
   for (const FlameSpec& flame : scene.flames)
     spectra.push_back(absorption_spectrum(flame.spectrum));
   const bool grey = std::all_of(spectra.begin(), spectra.end(),
                                 [](const AbsorptionSpectrum& s) { return s.is_grey(); });
-  const bool filtered = !scene.camera.transmission.filter.empty();
+  const bool filtered = !scene.camera.transmission.filter.empty() || !pupil_filter.empty();
   const bool dispersive = is_dispersive(scene);
   const std::vector<EmissionLine> lines = lines_of(scene);
   SpectralNodes all;
@@ -215,7 +212,8 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
       continue;
     }
     try {
-      const std::optional<SpectralResponse> response = camera_response(scene, channel);
+      const std::optional<SpectralResponse> response =
+          camera_response(scene, channel, pupil_filter);
       if (response) responses.push_back(*response);
       const ChannelNodes nodes =
           channel_nodes(response, spectra, dispersive ? channel.wavelengths : 1);
@@ -226,7 +224,7 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
           with_lines(nodes.nodes, response), nodes.nodes.size(), c,
           open ? response->integral() / open->integral() : 1);
     } catch (const InputError& error) {
-      throw InputError(positions.find("channels[" + std::to_string(c) + "].kind"),
+      throw InputError(positions.find("channels[" + std::to_string(numbers[c]) + "].kind"),
                        "channel \"" + channel.name + "\": " + error.what());
     }
   }
@@ -241,6 +239,67 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
     all.mix = std::move(shared->mix);
     all.error = shared->error;
   }
+  return all;
+}
+
+/// The channels of which a filter lets anything through.
+std::vector<std::size_t> channels_behind(const Scene& scene, const std::string& pupil_filter) {
+  std::vector<std::size_t> seen;
+  for (std::size_t c = 0; c < scene.channels.size(); ++c) {
+    try {
+      static_cast<void>(camera_response(scene, scene.channels[c], pupil_filter));
+      seen.push_back(c);
+    } catch (const InputError&) {
+      // None of its light is seen through this part, which is what filters in the pupil are for.
+    }
+  }
+  return seen;
+}
+
+}  // namespace
+
+SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
+  std::vector<std::size_t> numbers(scene.channels.size());
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  const PupilFilters filters(scene.camera.pupil_filters);
+  if (filters.empty()) return nodes_behind(scene, {}, numbers, positions);
+  const std::vector<double> areas = filters.areas();
+  const auto parts = static_cast<std::size_t>(filters.parts());
+  constexpr double kNothing = 1e-5;  // of the stop: what the raster cannot tell from it
+  std::vector<SpectralNodes> of_part(parts);
+  std::vector<std::vector<std::size_t>> seen(parts);
+  SpectralNodes all;
+  for (std::size_t p = 0; p < parts; ++p) {
+    if (areas[p] < kNothing) continue;
+    const std::string filter = p + 1 < parts ? filters.filters()[p].transmission : std::string();
+    seen[p] = p + 1 < parts ? channels_behind(scene, filter) : numbers;
+    if (seen[p].empty()) continue;
+    Scene behind = scene;
+    behind.channels.clear();
+    for (const std::size_t c : seen[p]) behind.channels.push_back(scene.channels[c]);
+    of_part[p] = nodes_behind(behind, filter, seen[p], positions);
+    all.sources.insert(all.sources.end(), of_part[p].sources.begin(), of_part[p].sources.end());
+    all.emitters.insert(all.emitters.end(), of_part[p].emitters.begin(), of_part[p].emitters.end());
+    all.error = std::max(all.error, of_part[p].error);
+  }
+  const std::size_t nodes = all.sources.size(), size = scene.channels.size() * nodes;
+  std::vector<double> mean(size);
+  std::size_t first = 0;
+  for (std::size_t p = 0; p < parts; ++p) {
+    const SpectralNodes& own = of_part[p];
+    std::vector<double> weights(size);
+    for (std::size_t c = 0; c < seen[p].size(); ++c)
+      for (std::size_t n = 0; n < own.sources.size(); ++n) {
+        const double weight = own.mix.empty()
+                                  ? (c == n ? 1.0 : 0.0)
+                                  : own.mix.weight(static_cast<int>(c), static_cast<int>(n));
+        weights[seen[p][c] * nodes + first + n] = weight;
+        mean[seen[p][c] * nodes + first + n] = areas[p] * weight;
+      }
+    all.part_mixes.emplace_back(static_cast<int>(scene.channels.size()), std::move(weights));
+    first += own.sources.size();
+  }
+  all.mix = ChannelMix(static_cast<int>(scene.channels.size()), std::move(mean));
   return all;
 }
 

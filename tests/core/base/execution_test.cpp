@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace plenoflame {
+namespace plenoflame::execution_test {
 namespace {
 
 TEST(ParallelFor, RunsEveryIndexOnce) {
@@ -45,4 +45,4 @@ TEST(ParallelFor, NothingToDo) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::execution_test

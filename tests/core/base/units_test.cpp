@@ -13,7 +13,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::units_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -144,5 +144,12 @@ TEST(Units, SiUnitComesFirst) {
       EXPECT_GT(parse_quantity("1 " + unit, dimension), 0) << unit;
 }
 
+TEST(ParseQuantity, KnowsADecimalComma) {
+  EXPECT_EQ(message_of("2,534 mm", Dimension::length),
+            "\"2,534 mm\" is not a length: decimals follow a point, not a comma: \"2.534 mm\"");
+  EXPECT_NE(message_of("1,5", Dimension::none).find("\"1.5\""), std::string::npos);
+  EXPECT_EQ(message_of("2 mm, 5 mm", Dimension::length).find("point"), std::string::npos);
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::units_test

@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::array_solver_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -124,4 +124,4 @@ TEST(ArraySolver, RaysOfAWeakLensAgreeClosely) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::array_solver_test

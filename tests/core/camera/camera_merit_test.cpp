@@ -9,7 +9,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::camera_merit_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -234,4 +234,4 @@ TEST(CameraChange, RealLenses) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::camera_merit_test

@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::camera_test {
 namespace {
 
 CameraSpec singlet(double stop_diameter) {
@@ -235,4 +235,4 @@ TEST(Camera, WhatCannotExist) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::camera_test

@@ -6,7 +6,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::design_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -68,7 +68,8 @@ TEST(Design, PapersCamera) {
   EXPECT_TRUE(relative(d.types[0].sensor_distance, 0.2534 * kMm, 1e-9));
   // Focused at 1 m by the second type.
   EXPECT_TRUE(relative(d.types[1].object.focus, 1, 1e-9));
-  EXPECT_LT(d.types[0].array.far, 0);  // through infinity
+  EXPECT_TRUE(passes_infinity(d.types[0].array.near, d.types[0].array.far));
+  EXPECT_LT(d.types[0].array.far, 0);
   EXPECT_TRUE(relative(d.covering_depth, 2, 1e-15));
   EXPECT_GT(d.joint_ratio, 2.5);
   EXPECT_LT(d.joint_ratio, 3.1);
@@ -77,7 +78,7 @@ TEST(Design, PapersCamera) {
   EXPECT_TRUE(relative(d.types[0].image_diameter, 0.2534 * 100 / (427.2409 + 0.92) * kMm, 2e-4));
   bool hidden = false;
   for (const std::string& warning : d.warnings)
-    hidden |= warning.find("hides") != std::string::npos;
+    hidden |= warning.find("cannot be seen") != std::string::npos;
   EXPECT_TRUE(hidden);
 }
 
@@ -97,7 +98,28 @@ TEST(Design, GalileanTypesLookBehindTheArray) {
   EXPECT_FALSE(type.keplerian);
   EXPECT_TRUE(relative(type.array.focus, 1 / (1 / (0.4 * kMm) - 1 / (0.2534 * kMm)), 1e-12));
   EXPECT_LT(type.virtual_depth, 0);
+  // From one place behind the array to another.
+  EXPECT_LT(type.array.near, 0);
+  EXPECT_LT(type.array.far, 0);
+  EXPECT_FALSE(passes_infinity(type.array.near, type.array.far));
+}
+
+// A thin lens of 100 mm with an object at `distance`: the image at the array is 100 mm away for
+// infinity. The types of the R29 are sharp from -2.4 to -4 mm behind the array.
+TEST(Design, InfinityIsWithinARangeOrNot) {
+  CameraSpec spec = preset_camera("raytrix-r29");
+  const auto through = [&](double distance) {
+    spec.focus.object_distance = distance;
+    std::vector<bool> within;
+    for (const TypeDesign& type : design(Camera(spec)).types)
+      within.push_back(type.object_through_infinity);
+    return within;
+  };
+  EXPECT_EQ(through(1), (std::vector<bool>{false, false, false}));
+  // Focused at infinity by the middle type (a = -3 mm), as it is within that type's range only.
+  EXPECT_EQ(through(kInfinity), (std::vector<bool>{false, true, false}));
+  EXPECT_EQ(through(100), (std::vector<bool>{false, true, false}));
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::design_test

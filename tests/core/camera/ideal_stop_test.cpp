@@ -7,7 +7,7 @@
 #include "support/cameras.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ideal_stop_test {
 namespace {
 
 /// A thin lens of 0.25 m with a stop in front of it; numbers that are exact in binary.
@@ -92,4 +92,4 @@ TEST(CameraPath, PointsLieOnTheFacesOfTheirMicrolens) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ideal_stop_test

@@ -9,7 +9,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::lens_design_test {
 namespace {
 
 constexpr double kMm = 1e-3, kDegree = 3.14159265358979323846 / 180;
@@ -122,4 +122,4 @@ TEST(LensDesign, Errors) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::lens_design_test

@@ -7,7 +7,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::microlens_lattice_test {
 namespace {
 
 ArraySpec array(Lattice lattice, int types, double rotation = 0, Vec2 offset = {}) {
@@ -121,5 +121,13 @@ TEST(MicrolensLattice, WithinAgainstBruteForce) {
     }
 }
 
+TEST(MicrolensLattice, NothingLiesWithinAnEmptyBox) {
+  const MicrolensLattice lattice(array(Lattice::hexagonal, 1));
+  // Inside out: a loop over the places between its corners would take 10^10 steps.
+  EXPECT_TRUE(lattice.within({1e5, 0}, {-1e5, 1e-3}).empty());
+  EXPECT_TRUE(lattice.within({0, 1e5}, {1e-3, -1e5}).empty());
+  EXPECT_EQ(lattice.within({-1e-6, -1e-6}, {1e-6, 1e-6}).size(), 1u);
+}
+
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::microlens_lattice_test

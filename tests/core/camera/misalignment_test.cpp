@@ -12,7 +12,7 @@
 #include "support/isas.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::misalignment_test {
 namespace {
 
 CameraSpec hexagonal(LensModel model = LensModel::real) {
@@ -269,4 +269,4 @@ TEST(Misalignment, AsphericKernelsFollowTheDoublePath) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::misalignment_test

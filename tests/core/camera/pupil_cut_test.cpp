@@ -9,7 +9,7 @@
 #include "plenoflame/base/constants.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::pupil_cut_test {
 namespace {
 
 constexpr double kLargest = 1e-5;  ///< of the cuts [m]
@@ -150,4 +150,4 @@ TEST(PupilCut, ReachesFartherWithoutBecomingNarrower) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::pupil_cut_test

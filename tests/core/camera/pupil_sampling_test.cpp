@@ -11,7 +11,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::pupil_sampling_test {
 namespace {
 
 void expect_same_cuts(const PupilNode& a, const PupilNode& b) {
@@ -136,4 +136,4 @@ TEST(PupilSampling, TiltedArraysSeeAsMuchOpen) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::pupil_sampling_test

@@ -8,7 +8,7 @@
 #include "optics/reflection_kernel.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::reflection_kernel_test {
 namespace {
 
 using test::relative;
@@ -43,4 +43,4 @@ TEST(ReflectionKernel, AgreesWithComplexAmplitudes) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::reflection_kernel_test

@@ -12,7 +12,7 @@
 #include "support/small_scene.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::reflection_test {
 namespace {
 
 using test::relative;
@@ -175,4 +175,4 @@ TEST(Reflection, OfEveryRay) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::reflection_test

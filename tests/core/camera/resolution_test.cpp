@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::resolution_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -161,4 +161,4 @@ TEST(Resolution, HexagonalArraysHoldMore) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::resolution_test

@@ -11,7 +11,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::stop_landing_test {
 namespace {
 
 /// Points of the unit cube that fill it evenly.
@@ -126,4 +126,4 @@ TEST(StopLanding, NothingIsKnownOfMisalignedCameras) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::stop_landing_test

@@ -6,7 +6,7 @@
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::trace_from_scene_test {
 namespace {
 
 /// Sends rays from the sensor to the scene and back again: both ways are traced by other code, but
@@ -173,4 +173,4 @@ TEST(TraceFromScene, BetweenTheLenses) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::trace_from_scene_test

@@ -9,7 +9,7 @@
 #include "plenoflame/film/film.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::error_bound_test {
 namespace {
 
 TEST(ErrorBound, QuantilesOfFisher) {
@@ -152,4 +152,4 @@ TEST(ErrorBound, WhatIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::error_bound_test

@@ -7,7 +7,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::film_test {
 namespace {
 
 TEST(Film, MeanAndStandardErrorOfReplicates) {
@@ -161,4 +161,4 @@ TEST(Film, RelativeErrorOverLitPixels) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::film_test

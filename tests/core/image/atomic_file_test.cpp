@@ -1,18 +1,22 @@
 #include "plenoflame/image/atomic_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
 #include <functional>
+#include <memory>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/open_file.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::atomic_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,6 +67,28 @@ TEST(AtomicFile, AppearsOnlyWhenCommitted) {
   file.commit();
   EXPECT_EQ(read_bytes(path), "first second");
   EXPECT_EQ(folder.names().size(), 1U);
+}
+
+// However a process ends, half a file is not left: what has no name goes with it.
+TEST(AtomicFile, AKilledProcessLeavesNothing) {
+  const TemporaryFolder folder;
+  const int probe = open(folder.path().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (probe < 0) GTEST_SKIP() << "the file system makes no files without a name";
+  close(probe);
+  write_bytes(folder.file("a.txt"), "old");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    AtomicFile file(folder.file("a.txt"));
+    file.write("half");
+    std::fflush(file.stream());
+    kill(getpid(), SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.txt"});
+  EXPECT_EQ(read_bytes(folder.file("a.txt")), "old");
 }
 
 TEST(AtomicFile, LeavesTheOldFileWhenGivenUp) {
@@ -189,5 +215,64 @@ TEST(ReadFile, ReadsBytesAndNamesTheCause) {
   expect_mentions(message_of([&] { read_file(folder.path()); }), "directory");
 }
 
+std::string refusal(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(AtomicFile, ACircleOfLinksIsRefused) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("b", folder.file("a"));
+  std::filesystem::create_symlink("a", folder.file("b"));
+  EXPECT_NE(refusal([&] { write_file(folder.file("a"), "x"); }).find("circle"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("a")));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.file("b")));
+}
+
+// What is open, such as a log that is appended to, is not replaced under its own feet.
+TEST(AtomicFile, AnOpenStreamIsNotReplaced) {
+  const TemporaryFolder folder;
+  write_bytes(folder.file("log"), "kept");
+  std::FILE* const log = std::fopen(folder.file("log").c_str(), "ab");
+  ASSERT_NE(log, nullptr);
+  const std::string name = "/dev/fd/" + std::to_string(fileno(log));
+  EXPECT_NE(refusal([&] { write_file(name, "x"); }).find("open already"), std::string::npos);
+  std::fclose(log);
+  EXPECT_EQ(read_bytes(folder.file("log")), "kept");
+}
+
+TEST(ReadFile, APipeWithoutWriterIsNotWaitedFor) {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.file("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_NE(refusal([&] { read_file(pipe); }).find("nobody writes"), std::string::npos);
+  // One with a writer is read, whether what is written comes before or after.
+  const int writer = open(pipe.c_str(), O_RDWR);
+  ASSERT_GE(writer, 0);
+  ASSERT_EQ(write(writer, "text", 4), 4);
+  std::string text;
+  {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> reader(open_for_reading(pipe),
+                                                                 std::fclose);
+    char bytes[4];
+    ASSERT_EQ(std::fread(bytes, 1, 4, reader.get()), 4U);
+    text.assign(bytes, 4);
+  }
+  EXPECT_EQ(text, "text");
+  {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> reader(open_for_reading(pipe),
+                                                                 std::fclose);
+    ASSERT_EQ(write(writer, "more", 4), 4);
+    char bytes[4];
+    ASSERT_EQ(std::fread(bytes, 1, 4, reader.get()), 4U);
+    EXPECT_EQ(std::string(bytes, 4), "more");
+  }
+  close(writer);
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::atomic_file_test

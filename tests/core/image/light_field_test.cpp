@@ -22,7 +22,7 @@
 #include "support/stop_on_read.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::light_field_test {
 namespace {
 
 using test::read_bytes;
@@ -234,6 +234,82 @@ TEST(LightFieldFile, IsAnOrdinaryExr) {
                 field.channels[0].flux.at(column, row));
 }
 
+TEST(LightFieldFile, IsTheSameHoweverItIsPacked) {
+  const TemporaryFolder folder;
+  LightField field = sample_light_field();
+  for (float& pixel : field.channels[1].flux.pixels) pixel = 0;
+  for (const ExrCompression compression :
+       {ExrCompression::none, ExrCompression::rle, ExrCompression::zip, ExrCompression::piz}) {
+    const std::string path = folder.file("a.exr");
+    write_light_field(path, field, {}, compression);
+    const LightField back = read_light_field(path);
+    expect_same_header(back, field);
+    for (std::size_t i = 0; i < field.channels.size(); ++i) {
+      expect_same(back.channels[i].flux, field.channels[i].flux);
+      expect_same(back.channels[i].standard_error, field.channels[i].standard_error);
+    }
+  }
+}
+
+// What other programs do to an EXR that they write anew: attributes of types other than whole
+// numbers and texts are gone.
+TEST(LightFieldFile, NeedsNoAttributesButWholeNumbersAndTexts) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.exr"), copy = folder.file("b.exr");
+  const LightField field = sample_light_field();
+  write_light_field(path, field);
+  const auto write_copy = [&](bool with_texts) {
+    Imf::InputFile in(path.c_str());
+    Imf::Header header(in.header().displayWindow(), in.header().dataWindow());
+    header.channels() = in.header().channels();
+    for (auto entry = in.header().begin(); entry != in.header().end(); ++entry) {
+      const std::string type = entry.attribute().typeName();
+      if (std::string(entry.name()).starts_with("plenoflame.") &&
+          (type == "int" || (with_texts && type == "string")))
+        header.insert(entry.name(), entry.attribute());
+    }
+    Imf::OutputFile out(copy.c_str(), header);
+    out.copyPixels(in);
+  };
+  write_light_field(path, field, {}, ExrCompression::zip);  // as a new header has it
+  write_copy(true);
+  expect_same_header(read_light_field(copy), field);
+  write_copy(false);
+  try {
+    read_light_field(copy);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("has lost a part"), std::string::npos) << error.what();
+  }
+}
+
+// A program that converts pixels to 16 bits keeps the attributes and loses the light.
+TEST(LightFieldFile, FluxInSixteenBitsIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.exr"), copy = folder.file("copy.exr");
+  write_light_field(path, sample_light_field());
+  {
+    Imf::InputFile in(path.c_str());
+    Imf::Header header = in.header();
+    Imf::FrameBuffer buffer;
+    const Imath::Box2i data = header.dataWindow();
+    std::vector<half> pixels(9 * 6);
+    for (auto i = header.channels().begin(); i != header.channels().end(); ++i) {
+      i.channel().type = Imf::HALF;
+      buffer.insert(i.name(), Imf::Slice::Make(Imf::HALF, pixels.data(), data));
+    }
+    Imf::OutputFile out(copy.c_str(), header);
+    out.setFrameBuffer(buffer);
+    out.writePixels(6);
+  }
+  try {
+    static_cast<void>(read_light_field(copy));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds its flux in 16 bits"), std::string::npos);
+  }
+}
+
 TEST(LightFieldFile, ExrFromElsewhereNamesTheMissingAttribute) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");
@@ -328,4 +404,4 @@ TEST(LightFieldFile, LeavesTheOldFileWhenWritingFails) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::light_field_test

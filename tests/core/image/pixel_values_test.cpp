@@ -5,7 +5,7 @@
 
 #include "plenoflame/image/image.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::pixel_values_test {
 namespace {
 
 TEST(PixelValues, AreZeroUntilTheyAreSet) {
@@ -50,4 +50,4 @@ TEST(PixelValues, AreCopiedMovedAndCompared) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::pixel_values_test

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <fstream>
+#include <string>
+
 #include "plenoflame/base/error.h"
 #include "support/stop_on_read.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::png_file_test {
 namespace {
 
 using test::StopOnRead;
@@ -135,5 +139,30 @@ TEST(Png, ReadsAFileOfAnotherWriter) {
   EXPECT_EQ(image.samples, (std::vector<std::uint16_t>{0, 1, 256, 65535, 4660, 2}));
 }
 
+/// What the process has in memory, at most, since the last call with `reset` [bytes].
+std::uint64_t peak_memory(bool reset) {
+  if (reset) {
+    std::ofstream("/proc/self/clear_refs") << "5";
+    return 0;
+  }
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return 1024 * std::stoull(line.substr(6));
+  return 0;
+}
+
+// A chunk states its length before its data: a file of a hundred bytes can state two gigabytes.
+TEST(Png, ChunksThatStateMoreThanTheFileTakeNoMemory) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.png");
+  const std::string head = from_hex(kGrey16).substr(0, 33);  // signature and IHDR
+  for (const char* kind : {"tEXt", "sPLT", "zTXt", "iTXt", "IDAT"}) {
+    write_bytes(path, head + from_hex("7ffffff0") + kind + std::string("Comment\0abc", 11));
+    const std::uint64_t before = (peak_memory(true), peak_memory(false));
+    EXPECT_THROW(read_png(path), FileError) << kind;
+    EXPECT_LT(peak_memory(false) - before, 64u << 20) << kind;
+  }
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::png_file_test

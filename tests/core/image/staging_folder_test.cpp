@@ -15,7 +15,7 @@
 #include "plenoflame/base/error.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::staging_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,5 +167,27 @@ TEST(StagingFolder, FolderThatIsNotThereIsNamed) {
   }
 }
 
+// What cannot go to its place in one folder leaves the other as it was.
+TEST(StagingFolder, SeveralFoldersAreFilledTogether) {
+  const TemporaryFolder one, other;
+  write_bytes(one.file("a"), "old");
+  fs::create_directory(other.file("b"));
+  {
+    StagingFolder first(one.path()), second(other.path());
+    write_bytes(first.path() + "/a", "new");
+    write_bytes(second.path() + "/b", "new");
+    EXPECT_THROW(StagingFolder::commit({&first, &second}), FileError);
+  }
+  EXPECT_EQ(read_bytes(one.file("a")), "old");
+  EXPECT_EQ(sorted_names(one), std::vector<std::string>{"a"});
+  fs::remove(other.file("b"));
+  StagingFolder first(one.path()), second(other.path());
+  write_bytes(first.path() + "/a", "new");
+  write_bytes(second.path() + "/b", "new");
+  StagingFolder::commit({&first, &second});
+  EXPECT_EQ(read_bytes(one.file("a")), "new");
+  EXPECT_EQ(read_bytes(other.file("b")), "new");
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::staging_folder_test

@@ -12,7 +12,7 @@
 #include "support/cameras.h"
 #include "support/plane_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::depth_from_focus_test {
 namespace {
 
 // The design's depth resolution: the change of distance that moves the views from opposite sides of
@@ -58,4 +58,4 @@ TEST(DepthFromFocus, LiesWithinTheDesignsDepthResolution) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::depth_from_focus_test

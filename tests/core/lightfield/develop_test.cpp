@@ -8,7 +8,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::develop_test {
 namespace {
 
 using test::relative;
@@ -143,4 +143,4 @@ TEST(Develop, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::develop_test

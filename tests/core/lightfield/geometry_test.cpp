@@ -10,7 +10,7 @@
 #include "support/cameras.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::geometry_test {
 namespace {
 
 using test::relative;
@@ -119,4 +119,4 @@ TEST(MicroImageGrid, NeedsMicroImages) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::geometry_test

@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ground_truth_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -319,4 +319,4 @@ TEST(GroundTruth, ChiefRaysMeetWhatTheyProject) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ground_truth_test

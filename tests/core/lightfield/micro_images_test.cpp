@@ -10,7 +10,7 @@
 #include "support/isas.h"
 #include "support/plain_sampler.h"
 
-namespace plenoflame {
+namespace plenoflame::micro_images_test {
 namespace {
 
 using test::relative;
@@ -123,14 +123,42 @@ TEST(MicroImages, WhiteIsTheEtendueOfThePixel) {
   }
 }
 
+// The same of pixels that are not square, at the rims of micro-images in all directions from the
+// axis, where their shape shows.
+TEST(MicroImages, WhiteOfOblongPixelsIsTheirEtendue) {
+  CameraSpec spec = test::preset_camera("raytrix-r29-reduced");
+  spec.sensor.pixel_pitch_y = 2.5 * spec.sensor.pixel_pitch;
+  const Camera camera(spec);
+  const MicroImages micro(camera, true, test::threads(2));
+  test::PlainSampler sampler(camera, 5);
+  for (const Vec2 at : {Vec2{0, 0}, Vec2{0.006, -0.003}, Vec2{-0.002, 0.007}}) {
+    const MicroImages::Place place = micro.place(camera.lattice().nearest(at));
+    for (const Vec2 rim : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0, 1}, Vec2{-0.7, 0.7}}) {
+      const Vec2 s = place.centre + place.radius * rim;
+      const double column = std::floor(0.5 * spec.sensor.columns - s.x / spec.sensor.pixel_pitch);
+      const double row = std::floor(0.5 * spec.sensor.rows - s.y / spec.sensor.pixel_pitch_y);
+      const auto estimate = sampler.flux(column, row, 1, 1, 200000);
+      const MicroImages::LocalWhite whites(micro, place.lens, 2 * place.radius);
+      const double white = whites(camera.sensor_point(column + 0.5, row + 0.5)).total;
+      EXPECT_LT(estimate.standard_error, 0.02 * estimate.flux);
+      EXPECT_LT(std::fabs(white - estimate.flux),
+                0.02 * estimate.flux + 4 * estimate.standard_error)
+          << white / estimate.flux << " at " << rim.x << ", " << rim.y;
+    }
+  }
+}
+
 // The vector code for all pixels of a micro-image, against the operator in double precision for one
 // after the other; also where the light of neighbours arrives.
 TEST(MicroImages, PixelsHaveTheWhiteLightOfTheirPlaces) {
-  for (const char* name : {"raytrix-r29-reduced", "paper-previous-60x60"}) {
-    const CameraSpec spec = test::preset_camera(name);
+  for (const char* name : {"raytrix-r29-reduced", "paper-previous-60x60", "oblong pixels"}) {
+    const bool oblong = std::string(name) == "oblong pixels";
+    CameraSpec spec = test::preset_camera(oblong ? "raytrix-r29-reduced" : name);
+    if (oblong) spec.sensor.pixel_pitch_y = 1.7 * spec.sensor.pixel_pitch;
     const MicroImages micro(Camera(spec), true, test::threads(2));
     const PixelWindow window{3, 5, spec.sensor.columns - 9, spec.sensor.rows - 20};
     const double radius = 0.6 * micro.spacing(), p = spec.sensor.pixel_pitch;
+    const double down = oblong ? spec.sensor.pixel_pitch_y : p;
     std::size_t shared_in_all = 0;
     for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{9, -4}, LensIndex{-13, 17}}) {
       const MicroImages::Place place = micro.place(lens);
@@ -151,7 +179,7 @@ TEST(MicroImages, PixelsHaveTheWhiteLightOfTheirPlaces) {
             EXPECT_TRUE(
                 within(-p * static_cast<double>(pixels.x[at]), s.x - place.centre.x, 1e-5, p));
             EXPECT_TRUE(
-                within(-p * static_cast<double>(pixels.y[at]), s.y - place.centre.y, 1e-5, p));
+                within(-down * static_cast<double>(pixels.y[at]), s.y - place.centre.y, 1e-5, p));
             const MicroImages::White expected = white(s);
             EXPECT_TRUE(within(static_cast<double>(pixels.own[at]), expected.own, 2e-5, brightest));
             EXPECT_TRUE(
@@ -163,11 +191,48 @@ TEST(MicroImages, PixelsHaveTheWhiteLightOfTheirPlaces) {
         ASSERT_EQ(pixels.x.size(), at);
         ASSERT_EQ(pixels.own.size(), at);
         // The area of the disc in pixels.
-        EXPECT_TRUE(relative(static_cast<double>(at), 3.14159265 * std::pow(radius / p, 2), 0.1));
+        EXPECT_TRUE(
+            relative(static_cast<double>(at), 3.14159265 * radius * radius / (p * down), 0.1));
         shared_in_all += shared;
       }
     }
     EXPECT_GT(shared_in_all, 0U) << name;
+  }
+}
+
+// A plane-parallel plate displaces what is behind it, by t s (1 - cos i / sqrt(n^2 - sin^2 i)) for
+// a ray of the slope s that meets it at the angle i; it does not turn rays.
+TEST(MicroImages, PlanesBehindAPlateAreDisplaced) {
+  const Camera camera(thin_camera());
+  MicroImages micro(camera, false);
+  WindowSpec plate;
+  plate.position = camera.to_world().point({0, 0, 0.3});
+  plate.rotation = {0, 1.5707963267948966, 0};  // along the camera's axis
+  plate.thickness = 0.04;
+  plate.diameter = 1;
+  plate.index = 1.7;
+  for (const LensIndex lens : {LensIndex{0, 0}, LensIndex{9, -7}}) {
+    const MicroImages::Place place = micro.place(lens);
+    ASSERT_FALSE(place.dark);
+    for (const Vec2 rim : {Vec2{0, 0}, Vec2{0.9, 0}, Vec2{-0.5, 0.7}}) {
+      const Vec2 s = place.centre + place.radius * rim;
+      micro.look_through({});
+      const MicroImages::Line straight = micro.chief_ray(place, s);
+      const double slope2 = dot(straight.slope, straight.slope), cosine2 = 1 / (1 + slope2);
+      const double share =
+          1 - std::sqrt(cosine2) / std::sqrt(plate.index * plate.index - (1 - cosine2));
+      const Vec2 shift = plate.thickness * share * straight.slope;
+      micro.look_through({plate});
+      for (const double depth : {0.2, 0.8, 5.0}) {
+        const Vec2 expected =
+            straight.position + depth * straight.slope - (depth > 0.5 ? 1.0 : 0.0) * shift;
+        const Vec2 at = micro.to_plane(place, depth)(s);
+        EXPECT_LT(length(at - expected), 1e-11 * depth) << depth;
+      }
+      const MicroImages::Line behind = micro.chief_ray(place, s);
+      EXPECT_LT(length(behind.position + shift - straight.position), 1e-11);
+      EXPECT_LT(length(behind.slope - straight.slope), 1e-11);
+    }
   }
 }
 
@@ -189,4 +254,4 @@ TEST(MicroImages, RefusesWhatHasNone) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::micro_images_test

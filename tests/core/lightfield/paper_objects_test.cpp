@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame {
+namespace plenoflame::paper_objects_test {
 namespace {
 
 /// An edge of the scene as the picture shows it: where the floor ends and the lit side of an object
@@ -101,4 +101,4 @@ TEST(PaperObjects, EdgesAreSharpAtTheirOwnDepth) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::paper_objects_test

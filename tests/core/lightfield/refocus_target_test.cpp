@@ -12,7 +12,7 @@
 #include "support/plane_medium.h"
 
 /// Refocused pictures of textured planes: what a conventional camera would see, and edges.
-namespace plenoflame {
+namespace plenoflame::refocus_target_test {
 namespace {
 
 LightField rendered(const CameraSpec& camera, const test::PlaneMedium& plane, PixelWindow window,
@@ -168,4 +168,4 @@ TEST(ViewsTarget, StraightEdgesStayStraight) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::refocus_target_test

@@ -12,7 +12,7 @@
 #include "support/isas.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::refocus_test {
 namespace {
 
 using test::relative;
@@ -243,4 +243,4 @@ TEST(Refocus, RefusesImpossiblePlanes) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::refocus_test

@@ -2,13 +2,15 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::sensor_test {
 namespace {
 
 using test::relative;
@@ -85,6 +87,73 @@ TEST(Sensor, DigitalNumbers) {
   sensor.gain = 0;
   const SensorFrame frame = one(flux_of(1000, sensor), sensor, 1e-3);
   EXPECT_TRUE(relative(frame.gain, 20000.0 / (4095 - 64), 1e-15));
+}
+
+TEST(Sensor, LevelsLeaveRoomForTheReadNoise) {
+  SensorSpec sensor;
+  EXPECT_EQ(resolved_levels(sensor).black_level, 0) << "without read noise none is needed";
+  sensor.read_noise = 12;
+  sensor.bits = 12;
+  // 5 x 12 electrons of 20060 / 4095 each are 12.2 numbers, of which rounding gives a half.
+  EXPECT_EQ(resolved_levels(sensor).black_level, 12);
+  EXPECT_TRUE(relative(resolved_levels(sensor).gain, 20000.0 / (4095 - 12), 1e-15));
+  sensor.gain = 2;
+  EXPECT_EQ(resolved_levels(sensor).black_level, 30);
+  EXPECT_EQ(resolved_levels(sensor).gain, 2);
+  sensor.black_level = 3;
+  EXPECT_EQ(resolved_levels(sensor).black_level, 3);
+  sensor = {};
+  sensor.read_noise = 12;
+  sensor.gain = 200;
+  EXPECT_EQ(resolved_levels(sensor).black_level, 0) << "one number is more than all noise";
+  sensor.bits = 2;
+  sensor.gain = 1;
+  EXPECT_EQ(resolved_levels(sensor).black_level, 1) << "of 0 to 3";
+}
+
+/// Mean electrons by the digital numbers of 40 dark frames, and its standard error.
+std::pair<double, double> dark_mean(const SensorSpec& sensor) {
+  const Image black(kWindow.width, kWindow.height);
+  double sum = 0, squares = 0, n = 0;
+  for (std::uint64_t number = 0; number < 40; ++number) {
+    const SensorFrame frame = one(black, sensor, 1e-3, false, number);
+    for (const std::uint16_t value : frame.numbers) {
+      const double electrons = (value - frame.black_level) * frame.gain;
+      sum += electrons;
+      squares += electrons * electrons;
+      n += 1;
+    }
+  }
+  return {sum / n, std::sqrt((squares - sum * sum / n) / (n - 1) / n)};
+}
+
+// With a black level of 0 half of the noise would be cut off: 12 / sqrt(2 pi) electrons too many.
+TEST(Sensor, DarkPixelsAreDarkOnAverage) {
+  SensorSpec sensor;
+  sensor.read_noise = 12;
+  for (const int bits : {10, 12, 14}) {
+    sensor.bits = bits;
+    const auto [mean, error] = dark_mean(sensor);
+    EXPECT_TRUE(test::within_standard_errors(mean, 0, error, 4)) << bits;
+    EXPECT_LT(dark_pixel_excess(sensor), 1e-6 * sensor.read_noise);
+  }
+  sensor.gain = 1;
+  for (const double black_level : {1.0, 6.0, 20.0}) {
+    sensor.black_level = black_level;
+    const auto [mean, error] = dark_mean(sensor);
+    const double excess = dark_pixel_excess(sensor);
+    EXPECT_TRUE(test::within_standard_errors(mean, excess, error, 4));
+    EXPECT_GT(excess, 0.1);
+  }
+  sensor.gain = 10;
+  sensor.black_level = 0.5;
+  const auto [coarse, error] = dark_mean(sensor);
+  EXPECT_TRUE(test::within_standard_errors(coarse, dark_pixel_excess(sensor), error, 4));
+  // A dark current lifts the pixels away from 0.
+  sensor.black_level = 1;
+  sensor.exposure_time = 1e-3;
+  sensor.dark_current = 50e3;
+  EXPECT_LT(dark_pixel_excess(sensor), 0.01);
 }
 
 struct Moments {
@@ -236,4 +305,4 @@ TEST(Sensor, RefusesWhatIsImpossible) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::sensor_test

@@ -7,7 +7,7 @@
 #include "support/cameras.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::uniform_views_test {
 namespace {
 
 using test::relative;
@@ -20,13 +20,16 @@ TEST(Views, UniformSceneGivesUniformViews) {
     const char* name;
     PixelWindow window;
     int samples;
+    double height = 1;  ///< of pixels, in widths
   };
   for (const Case& c : {Case{"raytrix-r29-reduced", {1790, 1180, 150, 150}, 1024},
                         Case{"raytrix-r29-reduced", {400, 300, 150, 150}, 1024},
                         Case{"paper-plenoptic2", {1700, 1300, 100, 100}, 1024},
+                        Case{"raytrix-r29-reduced", {400, 300, 150, 150}, 1024, 1.5},
                         Case{"paper-previous-60x60", {300, 250, 70, 70}, 8192}}) {
-    const CompiledScene scene =
-        test::scene_of(test::preset_camera(c.name), std::make_unique<test::UniformMedium>());
+    CameraSpec camera = test::preset_camera(c.name);
+    if (c.height != 1) camera.sensor.pixel_pitch_y = c.height * camera.sensor.pixel_pitch;
+    const CompiledScene scene = test::scene_of(camera, std::make_unique<test::UniformMedium>());
     const LightField field = test::rendered(scene, c.window, c.samples);
     const MicroImages micro(scene.camera, true, test::threads(2));
     const Views views = extract_views(field, micro, {}, test::threads(2));
@@ -45,4 +48,4 @@ TEST(Views, UniformSceneGivesUniformViews) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::uniform_views_test

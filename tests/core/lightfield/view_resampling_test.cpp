@@ -6,7 +6,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::view_resampling_test {
 namespace {
 
 using test::within;
@@ -140,4 +140,4 @@ TEST(ViewResampling, UnknownSamplesStayUnknown) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::view_resampling_test

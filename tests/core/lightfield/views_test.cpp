@@ -9,7 +9,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame {
+namespace plenoflame::views_test {
 namespace {
 
 using test::relative;
@@ -155,4 +155,4 @@ TEST_F(PaintedViews, ContactSheetHoldsEveryView) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::views_test

@@ -15,7 +15,7 @@
 #include "support/isas.h"
 #include "support/kernel_probes.h"
 
-namespace plenoflame {
+namespace plenoflame::kernel_exp_test {
 namespace {
 
 template <class Real>
@@ -198,4 +198,4 @@ INSTANTIATE_TEST_SUITE_P(Isas, KernelExp, ::testing::ValuesIn(test::supported_is
                          [](const auto& i) { return std::string(name(i.param)); });
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::kernel_exp_test

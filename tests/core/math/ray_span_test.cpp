@@ -6,7 +6,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ray_span_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -63,4 +63,4 @@ TEST(RaySpan, IsEmptyWithoutABoxOrARay) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ray_span_test

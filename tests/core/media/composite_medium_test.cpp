@@ -9,7 +9,7 @@
 #include "plenoflame/media/voxel_medium.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::composite_medium_test {
 namespace {
 
 using test::Generator;
@@ -248,4 +248,4 @@ TEST(CompositeMedium, NothingBadComesFromBadRays) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::composite_medium_test

@@ -9,7 +9,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::layered_medium_test {
 namespace {
 
 using test::Generator;
@@ -363,4 +363,4 @@ TEST(LayeredMedium, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::layered_medium_test

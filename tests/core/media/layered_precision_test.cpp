@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "support/isas.h"
 
-namespace plenoflame {
+namespace plenoflame::layered_precision_test {
 namespace {
 
 using test::Generator;
@@ -67,8 +67,8 @@ double grazing(const Flame& flame, const Ray& ray) {
   return least;
 }
 
-// The bound that docs/theory.md states. A chord is 2 sqrt(1 - q.q): where a ray grazes a layer the
-// rounding of q.q, some 1e-7 of the layer's size squared, is divided by the chord.
+// The bound that docs/theory/emission.md states. A chord is 2 sqrt(1 - q.q): where a ray grazes a
+// layer the rounding of q.q, some 1e-7 of the layer's size squared, is divided by the chord.
 TEST_P(LayeredIsa, SinglePrecisionIsWithinTheDocumentedBound) {
   Generator g(11);
   double worst = 0, worst_scaled = 0, squares = 0;
@@ -234,4 +234,4 @@ INSTANTIATE_TEST_SUITE_P(Isas, LayeredIsa, ::testing::ValuesIn(test::supported_i
                          [](const auto& i) { return std::string(name(i.param)); });
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::layered_precision_test

@@ -8,7 +8,7 @@
 #include "plenoflame/media/layered_medium.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::medium_samples_test {
 namespace {
 
 using test::relative;
@@ -74,4 +74,4 @@ TEST(MediumSamples, RefuseOnePointAndStopWhenAsked) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::medium_samples_test

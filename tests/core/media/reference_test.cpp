@@ -6,7 +6,7 @@
 #include "plenoflame/media/layered_medium.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::reference_test {
 namespace {
 
 using test::FieldMedium;
@@ -86,4 +86,4 @@ TEST(ReferenceIntegrator, OpticalThicknessOfAMillion) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::reference_test

@@ -7,7 +7,7 @@
 #include "ray_list.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::spectral_medium_test {
 namespace {
 
 using test::relative;
@@ -176,4 +176,4 @@ TEST(SpectralMedium, RefusesFactorsThatAreNone) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::spectral_medium_test

@@ -1,6 +1,6 @@
 // Places of extinction drawn through a grid of majorants: bounds against the medium's own values,
 // places against the law of extinction.
-#include "media/majorant_grid.h"
+#include "media/voxels/majorant_grid.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "plenoflame/media/layered_medium.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::majorant_grid_test {
 namespace {
 
 const std::vector<double> kFactors{0.7, 1.9};
@@ -196,4 +196,4 @@ TEST(MajorantGrid, ProposesLittleWhereThereIsLittle) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::majorant_grid_test

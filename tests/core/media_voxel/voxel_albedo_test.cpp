@@ -8,7 +8,7 @@
 #include "plenoflame/media/uniform_medium.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_albedo_test {
 namespace {
 
 constexpr double kSpacing = 1e-3;
@@ -150,4 +150,4 @@ TEST(VoxelAlbedo, Refusals) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_albedo_test

@@ -6,7 +6,7 @@
 #include "plenoflame/base/constants.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_closed_form_test {
 namespace {
 
 constexpr double kSigmaOverPi = 5.670374419184429453e-8 / 3.14159265358979323846;
@@ -138,4 +138,4 @@ TEST(VoxelClosedForm, LinearSourceInOpticalThickness) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_closed_form_test

@@ -6,7 +6,7 @@
 #include "plenoflame/base/error.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_input_test {
 namespace {
 
 VoxelField uniform_field(float value, float background, const AffineTransform& transform,
@@ -244,4 +244,4 @@ TEST(VoxelInput, SkippingEmptyBricksIsBitIdentical) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_input_test

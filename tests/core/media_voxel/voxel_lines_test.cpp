@@ -7,7 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_lines_test {
 namespace {
 
 constexpr double kSpacing = 1e-3;
@@ -300,4 +300,4 @@ TEST(VoxelLines, Refusals) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_lines_test

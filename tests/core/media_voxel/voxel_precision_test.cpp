@@ -6,7 +6,7 @@
 #include "media/source_fit.h"
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_precision_test {
 namespace {
 
 double value_of(const voxel::SourceFit& fit, double temperature) {
@@ -207,4 +207,4 @@ TEST(VoxelPrecision, NoInputMakesNonsense) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_precision_test

@@ -3,7 +3,7 @@
 
 #include "voxel_fixture.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::voxel_reference_test {
 namespace {
 
 constexpr double kWavelength = 650e-9, kWidth = 10e-9;
@@ -335,4 +335,4 @@ TEST(VoxelReference, RandomVoxels) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::voxel_reference_test

@@ -10,7 +10,7 @@
 #include "plenoflame/optics/surface_shape.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::asphere_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -204,4 +204,4 @@ TEST(Asphere, SagIsTheSurface) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::asphere_test

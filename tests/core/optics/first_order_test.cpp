@@ -5,7 +5,7 @@
 #include "prescriptions.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::first_order_test {
 namespace {
 
 /// Closed forms of a thick lens in air, radii positive when convex.
@@ -193,4 +193,4 @@ TEST(FirstOrder, ThinMicrolens) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::first_order_test

@@ -5,7 +5,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::glass_test {
 namespace {
 
 double abbe(const Glass& glass) {
@@ -71,4 +71,4 @@ TEST(Glass, Errors) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::glass_test

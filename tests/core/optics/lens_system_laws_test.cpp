@@ -7,7 +7,7 @@
 #include "prescriptions.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::lens_system_laws_test {
 namespace {
 
 /// Lenses of random shape, with the first vertex anywhere; clear diameters inside the spheres.
@@ -143,4 +143,4 @@ TEST(LensSystemLaws, ParaxialLimit) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::lens_system_laws_test

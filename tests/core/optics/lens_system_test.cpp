@@ -8,7 +8,7 @@
 #include "reference/lens_trace.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::lens_system_test {
 namespace {
 
 struct AxisCrossing {
@@ -189,4 +189,4 @@ TEST(LensSystem, SteepRaysMeetTheCapAtTheVertex) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::lens_system_test

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
-
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/base/constants.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame::test {
 

@@ -8,7 +8,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::emission_line_test {
 namespace {
 
 using test::relative;
@@ -79,4 +79,4 @@ TEST(EmissionLine, Units) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::emission_line_test

@@ -7,7 +7,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::source_function_test {
 namespace {
 
 struct Row {
@@ -202,4 +202,4 @@ TEST(SourceFunction, RefusesImpossibleBands) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::source_function_test

@@ -6,7 +6,7 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::spectral_nodes_test {
 namespace {
 
 using test::relative;
@@ -201,4 +201,4 @@ TEST(SharedNodes, NoneWhereTheyAreNotFewer) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::spectral_nodes_test

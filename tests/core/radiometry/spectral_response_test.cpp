@@ -7,7 +7,7 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::spectral_response_test {
 namespace {
 
 using test::relative;
@@ -157,4 +157,4 @@ TEST_F(SpectralCsv, NamesTheLine) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::spectral_response_test

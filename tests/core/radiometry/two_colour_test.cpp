@@ -10,7 +10,7 @@
 #include "plenoflame/lightfield/pyrometry.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::two_colour_test {
 namespace {
 
 using test::relative;
@@ -95,5 +95,48 @@ TEST(TwoColour, MapOfPixels) {
   EXPECT_THROW(two_colour_map(channel_of({1, 0}, {}), channel_of({1e-9F, 0}, {}), law), InputError);
 }
 
+// Two bins of 1200 and 1800 K, whose pixels have light in proportion to 1, 2, 3 and noise that only
+// the sums are free of; a pixel in none; errors add up as squares.
+TEST(TwoColour, BinsAddUpLightAndErrors) {
+  const float cold = 0.0124106358400224659F, hot = 0.0529342554712539326F;
+  const LightFieldChannel red =
+      channel_of({cold * 1.5F, hot * 6, 7, cold * 1.5F, hot * 3, cold * -1},
+                 {0.1F * cold, 0, 9, 0.1F * cold, 0, 0.1F * cold});
+  const LightFieldChannel infrared =
+      channel_of({1, 6, 1, 1.5F, 3, -0.5F}, {0, 0.3F, 1, 0, 0.4F, 0});
+  const TwoColour law(kRed, kInfrared, {});
+  PixelBins bins;
+  bins.count = 2;
+  bins.of_pixel = {0, 1, -1, 0, 1, 0};
+  const TemperatureMap map = two_colour_map(red, infrared, law, {}, &bins);
+  EXPECT_EQ(map.bins, 2u);
+  EXPECT_EQ(map.pixels, 5u);
+  for (const int x : {0, 3, 5}) EXPECT_TRUE(relative(map.temperature.at(x, 0), 1200, 1e-6)) << x;
+  for (const int x : {1, 4}) EXPECT_TRUE(relative(map.temperature.at(x, 0), 1800, 1e-6)) << x;
+  EXPECT_EQ(map.temperature.at(2, 0), 0);
+  EXPECT_TRUE(relative(map.mean, 1500, 1e-6));
+  const double wien = 1 / (constants::second_radiation * (1 / 650e-9 - 1 / 850e-9));
+  const double errors[] = {0.1 * std::sqrt(3.0) / 2 * 1200.0 * 1200 * wien,
+                           0.5 / 9 * 1800.0 * 1800 * wien};
+  EXPECT_TRUE(relative(map.standard_error.at(0, 0), errors[0], 5e-3));
+  EXPECT_TRUE(relative(map.standard_error.at(4, 0), errors[1], 5e-3));
+  EXPECT_TRUE(
+      relative(map.expected_deviation, std::hypot(errors[0], errors[1]) / std::sqrt(2.0), 5e-3));
+  // What is not above so many standard errors would be chosen by its noise.
+  PyrometrySettings strict;
+  strict.least_signal_to_noise = 15;
+  EXPECT_EQ(two_colour_map(red, infrared, law, strict, &bins).bins, 1u);
+  bins.of_pixel.pop_back();
+  EXPECT_THROW(two_colour_map(red, infrared, law, {}, &bins), InputError);
+}
+
+TEST(PixelBins, BlocksBeginInTheCorner) {
+  const PixelBins bins = block_bins({7, 9, 5, 3}, 2);
+  EXPECT_EQ(bins.count, 6u);
+  EXPECT_EQ(bins.of_pixel,
+            (std::vector<std::int32_t>{0, 0, 1, 1, 2, 0, 0, 1, 1, 2, 3, 3, 4, 4, 5}));
+  EXPECT_THROW(block_bins({0, 0, 5, 3}, 0), InputError);
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::two_colour_test

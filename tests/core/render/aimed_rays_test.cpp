@@ -14,13 +14,13 @@
 
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
-#include "render/backward_tile.h"
-#include "render/microlens_patch.h"
+#include "render/sampling/backward_tile.h"
+#include "render/sampling/microlens_frame.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/isas.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::aimed_rays_test {
 namespace {
 
 constexpr int kPixels = 20;      ///< along the micro-image's side that are looked at, at most
@@ -45,7 +45,7 @@ class PixelAims {
     Vec2 s, inner, bound;
     double weight;
   };
-  std::vector<Aim> aims(const KernelPatch<double>& patch, KernelPixel<double> pixel,
+  std::vector<Aim> aims(const KernelFrame<double>& frame, KernelPixel<double> pixel,
                         double distance, std::uint32_t shift) {
     // Pairs of rays that differ in how far out they are: nothing of the way, or all of it.
     for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions_.data() + d * kStride;
@@ -59,7 +59,7 @@ class PixelAims {
     pixel.replicate_numbers = same_replicate_.data();
     pixel.first = 0;
     pixel.count = 2 * kDirections;
-    baseline::generate(patch, &pixel, 1, distance, block_);
+    baseline::generate(frame, &pixel, 1, distance, block_);
     std::vector<Aim> aims;
     for (int i = 0; i < 2 * kDirections; i += 2) {
       const auto at = [&](int k) { return Vec2{block_.x[k], block_.y[k]}; };
@@ -106,7 +106,7 @@ Found look(const CameraSpec& spec, double field) {
     const PupilNode node = table.at(h);
     if (node.dark()) continue;
     const Vec2 out = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
-    const auto patch = microlens_patch<double>(table, node, place, out, camera.ideal_array());
+    const auto frame = microlens_frame<double>(table, node, place, out, camera.ideal_array());
     const CutColumn whole = whole_aperture(table.discs.bound);
     const double p = spec.sensor.pixel_pitch, reach = node.outer_radius;
     const int across = static_cast<int>(std::ceil(2 * reach / p));
@@ -126,7 +126,7 @@ Found look(const CameraSpec& spec, double field) {
         const double radius = std::min(reach, static_cast<double>(view.column->closes));
         pixel.radius2 = radius * radius;
         shift = shift * 1664525u + 1013904223u;
-        for (const PixelAims::Aim& aim : kernels.aims(patch, pixel, distance, shift)) {
+        for (const PixelAims::Aim& aim : kernels.aims(frame, pixel, distance, shift)) {
           if (!(aim.weight > 0)) continue;
           const auto passes = [&](double part) {
             const Vec2 u = aim.inner + part * (aim.bound - aim.inner);
@@ -199,9 +199,9 @@ TEST_P(AimedRays, ReachAsFarAsLightGoesAndLittleFarther) {
 INSTANTIATE_TEST_SUITE_P(
     Cameras, AimedRays,
     ::testing::Values(Case{"paper-plenoptic2", 0.0095}, Case{"raytrix-r29", 0.004},
-                      Case{"r12", 0.027}, Case{"double Gauss", 0.011}, Case{"other lens", 0.08},
+                      Case{"r12", 0.027}, Case{"double Gauss", 0.016}, Case{"other lens", 0.08},
                       Case{"plane microlenses", 0.18}, Case{"near sensor", 0.06},
-                      Case{"paper-plenoptic1", 0.02}, Case{"paper-previous-60x60", 0.045},
+                      Case{"paper-plenoptic1", 0.07}, Case{"paper-previous-60x60", 0.08},
                       Case{"strong microlenses", 0.9, 1e-4}, Case{"tilted array", 0.7}));
 
 /// A sensor point's column, by the formula of KernelPixel.
@@ -211,8 +211,8 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
   for (std::uint32_t i = 0; i < fractions.size(); ++i) fractions[i] = 2654435769u * (i % 8);
   for (int i = 0; i < kCount; ++i)
     numbers[static_cast<std::size_t>(i)] = SobolPool::replicate_number(i / 8);
-  KernelPatch<double> patch{};
-  patch.near_radius = patch.far_radius = 1;
+  KernelFrame<double> frame{};
+  frame.near_radius = frame.far_radius = 1;
   KernelPixel<double> pixel{};
   pixel.x_low = 2;
   pixel.x_width = 3;
@@ -236,7 +236,7 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
   for (std::size_t k = 0; k < 9; ++k) *arrays[k] = storage.data() + k * kStride;
   block.code = codes.data();
   constexpr double kDistance = 4;
-  baseline::generate(patch, &pixel, 1, kDistance, block);
+  baseline::generate(frame, &pixel, 1, kDistance, block);
   std::set<double> columns;
   for (int i = 0; i < kCount; ++i) {
     const double way = kDistance / block.dz[i];
@@ -258,8 +258,8 @@ TEST(BackwardKernel, ReplicatesHaveShiftsOfTheirOwn) {
 /// Rays that a kernel makes of one pixel, in double precision: where they are aimed, and weights.
 template <class Real>
 std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts,
-                                           const std::string& preset, bool searches,
-                                           double from = 0.05, double step = 0.15) {
+                                           const std::string& preset, double from = 0.05,
+                                           double step = 0.15) {
   const CameraSpec spec = preset_camera(preset);
   const Camera camera(spec);
   const PupilSampling pupils(camera);
@@ -268,9 +268,7 @@ std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts,
   const double h = length(place), pitch = spec.sensor.pixel_pitch;
   const PupilNode node = table.at(h);
   const Vec2 out = (1 / h) * place;
-  auto patch = microlens_patch<Real>(table, node, place, out, false);
-  EXPECT_EQ(patch.searches_stop, preset == "paper-plenoptic1");
-  patch.searches_stop = searches;
+  const auto frame = microlens_frame<Real>(table, node, place, out, false);
   constexpr int kCount = 48;
   std::vector<std::uint32_t> fractions(4 * kCount), numbers(kCount);
   for (std::uint32_t i = 0; i < fractions.size(); ++i) fractions[i] = 2654435769u * (i + 1);
@@ -295,7 +293,7 @@ std::vector<std::array<double, 3>> rays_of(Isa isa, const CutColumn& cuts,
     for (int d = 0; d < 4; ++d) pixel.fractions[d] = fractions.data() + d * kCount;
     pixel.replicate_numbers = numbers.data();
     pixel.count = kCount - 5;
-    backward_kernels<Real>(isa).generate(patch, &pixel, 1, Real(1e-3), block);
+    backward_kernels<Real>(isa).generate(frame, &pixel, 1, Real(1e-3), block);
     for (std::size_t i = 0; i < kCount - 5; ++i)
       rays.push_back({static_cast<double>(block.x[i]), static_cast<double>(block.y[i]),
                       static_cast<double>(block.weight[i])});
@@ -322,10 +320,10 @@ PixelCuts wavy_cuts(const std::string& preset) {
   return PixelCuts(shape);
 }
 
-void expect_aimed_alike(const std::string& preset, const CutColumn& cuts, bool searches,
-                        double from, double step) {
+void expect_aimed_alike(const std::string& preset, const CutColumn& cuts, double from,
+                        double step) {
   const double radius = 0.5 * preset_camera(preset).array.diameter;
-  const auto expected = rays_of<double>(Isa::baseline, cuts, preset, searches, from, step);
+  const auto expected = rays_of<double>(Isa::baseline, cuts, preset, from, step);
   double heaviest = 0;
   int light = 0;
   for (const auto& ray : expected) heaviest = std::max(heaviest, ray[2]);
@@ -340,28 +338,15 @@ void expect_aimed_alike(const std::string& preset, const CutColumn& cuts, bool s
     }
   };
   for (const Isa isa : supported_isas()) {
-    compare(rays_of<double>(isa, cuts, preset, searches, from, step), 1e-9);
-    compare(rays_of<float>(isa, cuts, preset, searches, from, step), 2e-4);
+    compare(rays_of<double>(isa, cuts, preset, from, step), 1e-9);
+    compare(rays_of<float>(isa, cuts, preset, from, step), 2e-4);
   }
 }
 
 TEST(BackwardKernel, EveryInstructionSetAimsAlike) {
   const PixelCuts cuts = wavy_cuts("paper-plenoptic2");
-  expect_aimed_alike("paper-plenoptic2", cuts.sector(0), false, 0.05, 0.15);
-}
-
-// At the edge of the micro-image, with bounds that are far from the stop's edge.
-TEST(BackwardKernel, EveryInstructionSetSearchesAlike) {
-  constexpr double kFrom = 0.6, kStep = 0.01;
-  const std::string preset = "paper-plenoptic1";
-  const CutColumn cuts = whole_aperture(preset_camera(preset).array.diameter);
-  expect_aimed_alike(preset, cuts, true, kFrom, kStep);
-  const auto with = rays_of<double>(Isa::baseline, cuts, preset, true, kFrom, kStep),
-             without = rays_of<double>(Isa::baseline, cuts, preset, false, kFrom, kStep);
-  int closer = 0;
-  for (std::size_t i = 0; i < with.size(); ++i) closer += with[i][2] < 0.9 * without[i][2] ? 1 : 0;
-  EXPECT_GT(closer, 20);
+  expect_aimed_alike("paper-plenoptic2", cuts.sector(0), 0.05, 0.15);
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::aimed_rays_test

@@ -1,4 +1,4 @@
-#include "render/aperture_cone.h"
+#include "render/visibility/aperture_cone.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::aperture_cone_test {
 namespace {
 
 // A plane front of radius a: the cone around a sphere of that radius.
@@ -80,4 +80,4 @@ TEST(ApertureCone, HoldsTheWholeFront) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::aperture_cone_test

@@ -5,7 +5,7 @@
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::benchmark_test {
 namespace {
 
 // A reference that is the measured image plus a constant d everywhere, with a standard error of 0.6
@@ -64,4 +64,4 @@ TEST(Benchmark, SlopeOfAPowerLaw) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::benchmark_test

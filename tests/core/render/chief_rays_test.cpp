@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::chief_rays_test {
 namespace {
 
 // Cold gas that absorbs in proportion to 1 / wavelength, before a sky: of each colour e^-tau of its
@@ -39,4 +39,4 @@ TEST(ChiefRays, LightBehindFlamesIsDimmedInItsOwnColour) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::chief_rays_test

@@ -8,7 +8,7 @@
 #include "sampling/directions.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::coloured_smoke_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -83,7 +83,7 @@ TEST(ColouredSmoke, VanDeHulstSlabOfTwoMedia) {
 CompiledScene two_clouds(const std::vector<std::size_t>& which, Vec3 flame) {
   constexpr double kSmoke[] = {1, 12, 0.05, 3}, kSoot[] = {4, 0.3, 1, 0};
   SolidSurfaceSpec wall;
-  wall.shape = SurfaceShape::plane;
+  wall.shape = SolidShape::plane;
   wall.extent = {4, 4};
   wall.position = {0, 0, -1.5};
   wall.material.reflectivity = 0.6;
@@ -150,4 +150,4 @@ TEST(ColouredSmoke, EachNodeAsIfAloneInOverlappingClouds) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::coloured_smoke_test

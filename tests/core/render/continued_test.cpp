@@ -4,17 +4,18 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/checkpoint.h"
+#include "plenoflame/film/reopened.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
-#include "render/backward.h"
-#include "render/rounds.h"
+#include "render/estimators/backward.h"
+#include "render/estimators/rounds.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::continued_test {
 namespace {
 
 /// Stops at the n-th checkpoint, and goes on from what that one was given, with other threads.
@@ -174,7 +175,49 @@ TEST(Continued, FromAFileOfFinishedTiles) {
   EXPECT_TRUE(rest.light_field.channels[0].flux == whole.light_field.channels[0].flux);
   settings.resume = &film;
   settings.target_error = 0.1;
-  EXPECT_THROW(render(scene, settings), UsageError) << "finished tiles get no more samples";
+  const RenderResult target = render(scene, settings, one_thread());
+  EXPECT_TRUE(target.statistics.complete && target.statistics.target_reached);
+  EXPECT_LE(target.statistics.relative_error_bound, 0.1);
+}
+
+// A complete picture takes more samples: its error is that of a picture with as many at one go, and
+// lies off a far better one by no more than it states.
+TEST(Continued, ACompletePictureGetsMoreSamples) {
+  const CompiledScene scene = compile(paper_flame(260, 200, 0.004));
+  RenderSettings settings;
+  settings.samples = 512;
+  settings.seed = 7;
+  const Image best = render(scene, settings, threads(2)).light_field.channels[0].flux;
+  settings.seed = 1;
+  settings.samples = 8;
+  const RenderResult first = render(scene, settings, threads(2));
+  const Film film = film_of(first.light_field);
+  settings.samples = 64;
+  const RenderResult whole = render(scene, settings, threads(2));
+  settings.resume = &film;
+  const RenderResult more = render(scene, settings, threads(2));
+  EXPECT_TRUE(more.statistics.complete);
+  EXPECT_EQ(more.light_field.samples, 64);
+  EXPECT_LT(more.statistics.rays, whole.statistics.rays);
+  const auto rmse = [&](const Image& flux) {
+    double squares = 0, sum = 0;
+    for (std::size_t i = 0; i < flux.pixels.size(); ++i) {
+      const double off = static_cast<double>(flux.pixels[i] - best.pixels[i]);
+      squares += off * off;
+      sum += static_cast<double>(best.pixels[i]);
+    }
+    return std::sqrt(squares * static_cast<double>(flux.pixels.size())) / sum;
+  };
+  const double at_first = rmse(first.light_field.channels[0].flux),
+               at_once = rmse(whole.light_field.channels[0].flux),
+               in_parts = rmse(more.light_field.channels[0].flux);
+  EXPECT_LT(at_once, 0.5 * at_first);
+  EXPECT_LT(in_parts, 0.5 * at_first);
+  EXPECT_LT(in_parts, 1.5 * at_once);
+  // The stated error adds those of both parts in squares, and so misses that the parts of one
+  // sequence cancel: 1.2 to 1.4 times that of the whole.
+  EXPECT_LT(more.statistics.relative_error, 1.5 * whole.statistics.relative_error);
+  EXPECT_GT(more.statistics.relative_error, 0.7 * whole.statistics.relative_error);
 }
 
 TEST(Continued, PartsOfTheSequenceAddUpToTheWhole) {
@@ -369,4 +412,4 @@ TEST(Continued, AForwardTargetThatCannotBeReached) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::continued_test

@@ -9,7 +9,7 @@
 #include "support/cameras.h"
 #include "support/small_scene.h"
 
-namespace plenoflame {
+namespace plenoflame::dispersion_test {
 namespace {
 
 using test::relative;
@@ -34,7 +34,7 @@ RenderSettings few() {
 TEST(Dispersion, EachWavelengthHasItsRays) {
   const Scene scene = glass_scene();
   const CompiledScene compiled = compile(scene);
-  ASSERT_EQ(compiled.parts.size(), 2u);
+  ASSERT_EQ(compiled.paths().size(), 2u);
   const LightField field = render(compiled, few(), test::one_thread()).light_field;
   for (std::size_t c = 0; c < 2; ++c) {
     Scene alone = scene;
@@ -49,7 +49,7 @@ TEST(Dispersion, EachWavelengthHasItsRays) {
     alone.camera.array.measured_from = ArrayReference::vertex;
     alone.camera.array.sensor_distance = compiled.camera.array_back() - compiled.camera.sensor();
     const CompiledScene constant = compile(alone);
-    EXPECT_TRUE(constant.parts.empty());
+    EXPECT_EQ(constant.paths().size(), 1u);
     const LightField expected = render(constant, few(), test::one_thread()).light_field;
     double sum = 0, difference = 0;
     for (std::size_t i = 0; i < expected.channels[0].flux.pixels.size(); ++i) {
@@ -74,9 +74,9 @@ TEST(Dispersion, EachWavelengthHasItsPupils) {
       scene.channels.push_back({"green", ChannelKind::band, 550e-9, 10e-9});
     }
     const CompiledScene compiled = compile(scene);
-    ASSERT_GE(compiled.parts.size(), 3u);
+    ASSERT_GE(compiled.paths().size(), 3u);
     double smallest = 1e300, largest = 0;
-    for (const CompiledScene& part : compiled.parts) {
+    for (const CompiledScene& part : compiled.paths()) {
       const PupilSampling own(part.camera);
       const PupilTable& table = part.pupils.tables().front();
       const PupilTable& expected = own.tables().front();
@@ -99,14 +99,14 @@ TEST(Dispersion, ConstantIndicesShareOnePath) {
   scene.camera.lens.surfaces[0].glass = "constant 1.7";
   scene.camera.array.types[0].glass.clear();
   EXPECT_FALSE(is_dispersive(scene));
-  EXPECT_TRUE(compile(scene).parts.empty());
+  EXPECT_EQ(compile(scene).paths().size(), 1u);
   // Nor does one colour disperse.
   scene = glass_scene();
   scene.channels.pop_back();
   EXPECT_FALSE(is_dispersive(scene));
   scene.channels[0].wavelengths = 3;
   EXPECT_TRUE(is_dispersive(scene));
-  EXPECT_EQ(compile(scene).parts.size(), 3u);
+  EXPECT_EQ(compile(scene).paths().size(), 3u);
 }
 
 // A white light: as much of it in three wavelengths as in one.
@@ -118,9 +118,9 @@ TEST(Dispersion, WavelengthsOfAChannelShareItsLight) {
   const double one = render(compile(scene), few(), test::one_thread()).statistics.flux;
   scene.channels[0].wavelengths = 3;
   const CompiledScene three = compile(scene);
-  ASSERT_EQ(three.parts.size(), 3u);
+  ASSERT_EQ(three.paths().size(), 3u);
   EXPECT_TRUE(relative(render(three, few(), test::one_thread()).statistics.flux, one, 2e-3));
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::dispersion_test

@@ -1,4 +1,4 @@
-#include "render/emission_proposal.h"
+#include "render/estimators/emission_proposal.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "plenoflame/sampling/philox.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::emission_proposal_test {
 namespace {
 
 struct Estimate {
@@ -81,4 +81,4 @@ TEST(EmissionProposal, ColdMediumIsDark) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::emission_proposal_test

@@ -1,4 +1,4 @@
-#include "render/endless_planes.h"
+#include "render/visibility/endless_planes.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::endless_planes_test {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -21,7 +21,7 @@ const Vec3 kCentre{1, 0, 0};
 CompiledScene planes(bool wall) {
   Scene scene = small_scene(singlet(), large_array(Lattice::square, LensModel::real));
   SolidSurfaceSpec plane;
-  plane.shape = SurfaceShape::plane;
+  plane.shape = SolidShape::plane;
   plane.extent = {kInf, kInf};
   plane.position = {1, 0, -0.02};
   scene.surfaces = {plane};
@@ -84,4 +84,4 @@ TEST(EndlessPlanes, LightThatLeavesAddsUp) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::endless_planes_test

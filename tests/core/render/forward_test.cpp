@@ -1,13 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <stop_token>
+#include <vector>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::forward_test {
 namespace {
 
 RenderSettings forward_settings(int samples, int replicates = 8) {
@@ -23,8 +24,8 @@ CompiledScene array_scene() {
 }
 
 // The power that a point sends into an ideal lens' pupil: emission times solid angle, and the
-// measurement of radiance on the sensor makes cos^4 / cos^4 of it (docs/theory.md). On the axis
-// both integrals over the pupil are elementary: of cos dA / d^2 cos_s^4 / cos^4 over rings.
+// measurement of radiance on the sensor makes cos^4 / cos^4 of it (docs/theory/forward.md). On the
+// axis both integrals over the pupil are elementary: of cos dA / d^2 cos_s^4 / cos^4 over rings.
 TEST(Forward, PointOnTheAxis) {
   MainLensSpec lens;
   lens.model = LensModel::ideal;
@@ -125,5 +126,30 @@ TEST(Forward, SaysWhatItDid) {
   EXPECT_LT(result.statistics.rays_reached, 50000);
 }
 
+// Each estimate of what a target takes is above the one before, as long as the picture gains
+// pixels: the share that is shown goes by them all the same.
+TEST(Forward, ProgressToATarget) {
+  RenderSettings settings = forward_settings(100000000, 4);
+  settings.target_error = 0.05;
+  std::vector<Progress> reports;
+  Execution execution;
+  execution.threads = 1;
+  execution.progress = [&](const Progress& progress) { reports.push_back(progress); };
+  const RenderResult result = render(array_scene(), settings, execution);
+  ASSERT_TRUE(result.statistics.target_reached);
+  const double all = result.statistics.rays;
+  int in_the_middle = 0;
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    EXPECT_GE(reports[i].fraction, reports[i - 1].fraction);
+    const double done = reports[i].rays / all;
+    if (done < 0.2 || done > 0.9) continue;
+    ++in_the_middle;
+    EXPECT_GT(reports[i].fraction, 0.5 * done);
+    EXPECT_LT(reports[i].fraction, 2 * done);
+  }
+  EXPECT_GT(in_the_middle, 0);
+  EXPECT_EQ(reports.back().fraction, 1);
+}
+
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::forward_test

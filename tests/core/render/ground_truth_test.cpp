@@ -8,7 +8,7 @@
 #include "support/approx.h"
 #include "support/cameras.h"
 
-namespace plenoflame {
+namespace plenoflame::ground_truth_test {
 namespace {
 
 using test::relative;
@@ -142,4 +142,4 @@ TEST(GroundTruth, NothingIsZero) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::ground_truth_test

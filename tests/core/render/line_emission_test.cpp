@@ -14,7 +14,7 @@
 #include "plenoflame/scene/spectral.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::line_emission_test {
 namespace {
 
 constexpr double kDepth = 24e-3, kEmission = 50, kAbsorption = 40;
@@ -140,19 +140,19 @@ TEST(LineEmission, DispersiveScenesLoadAFlameOnce) {
         return loader(flame, folder, channels, execution);
       });
   EXPECT_EQ(loads, 1);
-  ASSERT_EQ(compiled.parts.size(), 3u);
+  ASSERT_EQ(compiled.paths().size(), 3u);
   ASSERT_EQ(compiled.mix.nodes(), 3);
   for (int n = 0; n < 3; ++n) EXPECT_EQ(compiled.mix.channel_of(n), n == 2 ? 1 : 0);
   const std::vector<Ray> axis{{{0, 0, 0}, {1, 0, 0}}};
   const Seen whole = see<double>(*compiled.medium, axis, with(Isa::baseline), 0, 10);
   for (std::size_t n = 0; n < 3; ++n) {
-    const CompiledScene& part = compiled.parts[n];
+    const CompiledScene& part = compiled.paths()[n];
     ASSERT_EQ(part.medium->channel_count(), 1);
     const Seen alone = see<double>(*part.medium, axis, with(Isa::baseline), 0, 10);
     EXPECT_TRUE(relative(alone.radiance[0][0], whole.radiance[n][0], 1e-14)) << n;
   }
   // The line's camera has the index at the line.
-  EXPECT_TRUE(relative(compiled.parts[1].camera.spec().lens.surfaces[0].index,
+  EXPECT_TRUE(relative(compiled.paths()[1].camera.spec().lens.surfaces[0].index,
                        Glass("N-SF11").index(505e-9), 1e-12));
 }
 
@@ -179,4 +179,4 @@ TEST(LineEmission, RenderedAndItsTruth) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::line_emission_test

@@ -7,7 +7,7 @@
 #include "support/cameras.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::measurement_test {
 namespace {
 
 const double kPi = std::acos(-1.0);
@@ -145,4 +145,4 @@ TEST(Measurement, FluxDoesNotDependOnTheArrayWhereItOnlyGathers) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::measurement_test

@@ -4,7 +4,7 @@
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::orientation_test {
 namespace {
 
 struct Centroid {
@@ -64,4 +64,4 @@ TEST(Orientation, CameraAnywhereInTheWorld) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::orientation_test

@@ -1,5 +1,5 @@
 // What single rays see is within the beam of their pixel, and that is not much wider.
-#include "render/pixel_beams.h"
+#include "render/visibility/pixel_beams.h"
 
 #include <cmath>
 #include <cstdint>
@@ -10,12 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "plenoflame/render/render.h"
-#include "render/beam_bounds.h"
-#include "render/lit_region.h"
+#include "render/visibility/beam_bounds.h"
+#include "render/visibility/occupied_region.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::pixel_beams_test {
 namespace {
 
 CameraSpec stopped_down(CameraSpec spec) {
@@ -68,7 +68,7 @@ TEST(PixelBeams, HoldTheRaysOfTheirPixels) {
       const Vec3 seen = path.exit.at((z - path.exit.origin.z) / path.exit.direction.z);
       const auto meets = [&](Vec3 at) {
         const Vec3 world = camera.to_world().point(at), speck{1e-7, 1e-7, 1e-7};
-        const LitRegion region(camera, {{world - speck, world + speck}});
+        const OccupiedRegion region(camera, {{world - speck, world + speck}});
         EXPECT_TRUE(region.bounded());
         // Neither is the lens, nor all that is around it, said to see nothing.
         EXPECT_TRUE(at.x != seen.x || at.y != seen.y ||
@@ -118,7 +118,7 @@ TEST(BeamBounds, HoldTheRaysOfBarePixels) {
           path.exit.at((uniform(0.7, 1.4) - path.exit.origin.z) / path.exit.direction.z);
       const auto meets = [&](Vec3 seen) {
         const Vec3 world = camera.to_world().point(seen), speck{1e-7, 1e-7, 1e-7};
-        const LitRegion region(camera, {{world - speck, world + speck}});
+        const OccupiedRegion region(camera, {{world - speck, world + speck}});
         return BeamBounds(camera, pupils.tables(), region)
             .may_meet(0, {sensor.x, sensor.y, camera.sensor()});
       };
@@ -170,4 +170,4 @@ TEST(PixelBeams, NothingIsLostWhereTheFieldGetsDark) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::pixel_beams_test

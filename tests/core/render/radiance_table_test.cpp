@@ -10,7 +10,7 @@
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::radiance_table_test {
 namespace {
 
 /// A cloud of voxels of 0.1 mm, 1 m in front of the camera: Gaussian, a little beside the axis,
@@ -80,11 +80,11 @@ TEST(RadianceTable, UnbiasedAndFarBelowTheImagesNoise) {
     settings.control_variate = false;
     const RenderResult without = render(scene, settings);
     EXPECT_EQ(with.statistics.rays, without.statistics.rays);
-    EXPECT_EQ(without.statistics.table_looked_up, 0);
+    EXPECT_EQ(without.statistics.table.looked_up, 0);
     // Most rays are spared the medium, and what it computes falls with them.
-    EXPECT_GT(with.statistics.table_looked_up, 0.5 * with.statistics.rays_reached);
-    EXPECT_GT(with.statistics.table_corrected, 0.02 * with.statistics.rays_reached);
-    EXPECT_LT(with.statistics.medium.rays - with.statistics.table_nodes,
+    EXPECT_GT(with.statistics.table.looked_up, 0.5 * with.statistics.rays_reached);
+    EXPECT_GT(with.statistics.table.corrected, 0.02 * with.statistics.rays_reached);
+    EXPECT_LT(with.statistics.medium.rays - with.statistics.table.nodes,
               0.5 * without.statistics.medium.rays);
     for (std::size_t c = 0; c < 2; ++c) {
       const Image& image = with.light_field.channels[c].flux;
@@ -130,7 +130,7 @@ TEST(RadianceTable, SameBitsForThreadsAndWindows) {
   RenderSettings settings;
   settings.samples = 32;
   const RenderResult whole = render(scene, settings, one_thread());
-  EXPECT_GT(whole.statistics.table_looked_up, 0);
+  EXPECT_GT(whole.statistics.table.looked_up, 0);
   for (const int count : {2, 7})
     EXPECT_EQ(render(scene, settings, threads(count)).light_field.channels[0].flux.pixels,
               whole.light_field.channels[0].flux.pixels);
@@ -146,7 +146,7 @@ TEST(RadianceTable, NoiseIsIntegratedRayByRayAndNothingIsNegative) {
   RenderSettings settings;
   settings.samples = 64;
   const RenderResult with = render(scene, settings);
-  EXPECT_GT(with.statistics.table_rough, 0);
+  EXPECT_GT(with.statistics.table.rough, 0);
   settings.control_variate = false;
   const RenderResult without = render(scene, settings);
   for (const float p : with.light_field.channels[0].flux.pixels) EXPECT_GE(p, 0.f);
@@ -159,14 +159,14 @@ TEST(RadianceTable, NotWhereItDoesNotPay) {
   RenderSettings settings;
   settings.samples = 32;
   const CompiledScene layers = compile(paper_flame(60, 60));
-  EXPECT_EQ(render(layers, settings).statistics.table_nodes,
+  EXPECT_EQ(render(layers, settings).statistics.table.nodes,
             0);  // rays cost as little as the table
   const CompiledScene scene = cloud_scene();
   settings.precision = Precision::double_precision;
-  EXPECT_EQ(render(scene, settings).statistics.table_nodes, 0);
+  EXPECT_EQ(render(scene, settings).statistics.table.nodes, 0);
   settings.precision = Precision::automatic;
   settings.samples = 8;
-  EXPECT_EQ(render(scene, settings).statistics.table_nodes, 0);  // too few points to correct it
+  EXPECT_EQ(render(scene, settings).statistics.table.nodes, 0);  // too few points to correct it
 }
 
 /// Sums of a pixel over the points of a randomisation that are exactly 0 with a table, though the
@@ -209,8 +209,8 @@ TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
         difference(with.light_field.channels[0].flux, without.light_field.channels[0].flux);
     added += d.sum / d.flux;
     squares += d.sum / d.flux * (d.sum / d.flux);
-    bound += with.statistics.table_clamped_sum / with.statistics.table_sum;
-    clamped += with.statistics.table_clamped;
+    bound += with.statistics.table.clamped_sum / with.statistics.table.total;
+    clamped += with.statistics.table.clamped;
     cut_off += cut_to_nothing(with, without);
   }
   // What would be negative is 0, no more: but for pixels that see the flame through another
@@ -226,4 +226,4 @@ TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::radiance_table_test

@@ -10,7 +10,7 @@
 #include "support/cameras.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ray_bundles_test {
 namespace {
 
 CompiledScene small(LensModel lens, LensModel array) {
@@ -202,4 +202,4 @@ TEST(RaySelection, ThinnedRaysAreSpreadEvenly) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ray_bundles_test

@@ -10,12 +10,12 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
-#include "render/backward.h"
+#include "render/estimators/backward.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::ray_paths_test {
 namespace {
 
 struct Case {
@@ -262,6 +262,56 @@ TEST(RayPaths, ChiefRaysPassTheMiddleOfTheStop) {
   EXPECT_GT(lit, 10);
 }
 
+TEST(RayPaths, PixelsGivenTwiceHaveTheirRaysOnce) {
+  const CompiledScene scene = flame_scene(preset_camera("paper-plenoptic2"));
+  RenderSettings settings;
+  settings.samples = 8;
+  const auto flux_of = [](const RayPaths& paths) {
+    double flux = 0;
+    for (std::size_t i = 0; i < paths.rays.size(); ++i)
+      flux += paths.rays[i].weight * paths.radiance_of(i, 0);
+    return flux;
+  };
+  RayPaths one = empty_ray_paths(scene), two = empty_ray_paths(scene);
+  add_pixel_rays(scene, settings, {{1500, 1500}, {1502, 1499}}, {}, one);
+  add_pixel_rays(scene, settings, {{1500, 1500}, {1502, 1499}, {1500, 1500}}, {}, two);
+  EXPECT_GT(flux_of(one), 0);
+  EXPECT_EQ(two.rays.size(), one.rays.size());
+  EXPECT_EQ(flux_of(two), flux_of(one));
+  // A microlens beside: only what is not there yet.
+  const LensIndex lens = one.rays.front().lens;
+  const std::vector<Pixel> given{{1500, 1500}, {1502, 1499}};
+  RayPaths rest = empty_ray_paths(scene);
+  add_microlens_rays(scene, settings, lens, {}, rest, given);
+  ASSERT_FALSE(rest.rays.empty());
+  for (const RayPath& ray : rest.rays)
+    EXPECT_FALSE((ray.column == 1500 && ray.row == 1500) ||
+                 (ray.column == 1502 && ray.row == 1499));
+}
+
+TEST(RayPaths, RandomPixelsAreDifferentAndEvenlyDrawn) {
+  SensorSpec sensor;
+  sensor.columns = 10;
+  sensor.rows = 8;
+  std::vector<int> drawn(80);
+  constexpr int kTimes = 1000;
+  for (std::uint64_t seed = 0; seed < kTimes; ++seed) {
+    std::set<std::pair<int, int>> seen;
+    for (const Pixel pixel : random_pixels(sensor, 20, seed)) {
+      EXPECT_TRUE(seen.insert({pixel.column, pixel.row}).second);
+      ++drawn[static_cast<std::size_t>(pixel.row * 10 + pixel.column)];
+    }
+    EXPECT_EQ(seen.size(), 20u);
+  }
+  // A quarter of the pixels each time: binomial.
+  for (const int count : drawn)
+    EXPECT_TRUE(within_standard_errors(count, 0.25 * kTimes, std::sqrt(0.1875 * kTimes), 5));
+  std::set<std::pair<int, int>> all;
+  for (const Pixel pixel : random_pixels(sensor, 80, 1)) all.insert({pixel.column, pixel.row});
+  EXPECT_EQ(all.size(), 80u);
+  EXPECT_THROW(random_pixels(sensor, 81, 1), UsageError);
+}
+
 TEST(RayPaths, SceneWithoutFlameCarriesNothing) {
   CompiledScene scene = flame_scene(preset_camera("paper-plenoptic2"));
   scene.medium.reset();
@@ -290,4 +340,4 @@ TEST(RayPaths, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::ray_paths_test

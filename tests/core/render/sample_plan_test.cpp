@@ -1,10 +1,10 @@
-#include "render/sample_plan.h"
+#include "render/sampling/sample_plan.h"
 
 #include <cmath>
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::sample_plan_test {
 namespace {
 
 /// Mean square error over lit pixels of tiles that go exactly as foreseen.
@@ -94,4 +94,4 @@ TEST(SamplePlan, SomethingGrowsWhenLittleIsMissing) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::sample_plan_test

@@ -4,10 +4,10 @@
 #include <stop_token>
 
 #include "plenoflame/film/film.h"
-#include "render/forward_surfaces.h"
+#include "render/estimators/forward_surfaces.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::scattered_chunks_test {
 namespace {
 
 /// Smoke so thick that light is scattered a dozen times before it leaves, in three colours.
@@ -44,11 +44,11 @@ TEST(ScatteredChunks, AreTheSameHoweverLittleWaits) {
     const ForwardChunk whole = traced(scene, SurfaceBundles::kMostWaiting);
     const ForwardChunk pieces = traced(scene, 300);
     EXPECT_TRUE(whole.done && pieces.done);
-    EXPECT_GT(whole.arrived, 4000);
-    EXPECT_EQ(whole.most_waiting, static_cast<std::size_t>(whole.arrived));
+    EXPECT_GT(whole.work.rays_reached, 4000);
+    EXPECT_EQ(whole.most_waiting, static_cast<std::size_t>(whole.work.rays_reached));
     // A step of all bundles adds one arrival of each at most.
     EXPECT_LT(pieces.most_waiting, 300 + 2000);
-    EXPECT_EQ(whole.arrived, pieces.arrived);
+    EXPECT_EQ(whole.work.rays_reached, pieces.work.rays_reached);
     ASSERT_EQ(whole.deposits.size(), pieces.deposits.size());
     EXPECT_EQ(whole.flux, pieces.flux);
     for (std::size_t i = 0; i < whole.deposits.size(); ++i) {
@@ -66,8 +66,8 @@ TEST(ScatteredChunks, StopBetweenPlaces) {
   const CompiledScene scene = compile(thick_smoke(true));
   const ForwardChunk chunk = traced(scene, SurfaceBundles::kMostWaiting, source.get_token());
   EXPECT_FALSE(chunk.done);
-  EXPECT_EQ(chunk.medium.rays, 0);
+  EXPECT_EQ(chunk.work.medium.rays, 0);
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::scattered_chunks_test

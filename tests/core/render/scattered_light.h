@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
-#include "core/surfaces/mean_radiance.h"
+#include "core/solids/mean_radiance.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/sampling/sobol.h"
-#include "render/scatter_walk.h"
+#include "render/transport/scatter_walk.h"
 #include "support/tally.h"
 
 /// Light along single rays of scenes that scatter, without a camera.

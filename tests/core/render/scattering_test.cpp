@@ -5,15 +5,15 @@
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/media/voxel_medium.h"
 #include "plenoflame/scene/spectral.h"
-#include "render/phase_function.h"
-#include "render/scatter_walk.h"
+#include "render/transport/phase_function.h"
+#include "render/transport/scatter_walk.h"
 #include "sampling/directions.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
 #include "support/tally.h"
 
-namespace plenoflame {
+namespace plenoflame::scattering_test {
 namespace {
 
 using test::relative;
@@ -178,4 +178,4 @@ TEST(Scattering, DoesNotDependOnThreadsAndNotOnTheWindow) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scattering_test

@@ -14,12 +14,12 @@
 #include "plenoflame/render/ray_paths.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/scene/compile.h"
-#include "render/channel_sum.h"
+#include "render/transport/channel_sum.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::shared_wavelengths_test {
 namespace {
 
 constexpr double kRadius = 0.04, kAbsorption = 20, kReference = 650e-9, kTemperature = 1700;
@@ -248,4 +248,4 @@ TEST(SharedWavelengths, DepthOfTheFirstChannel) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::shared_wavelengths_test

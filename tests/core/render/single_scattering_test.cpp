@@ -7,7 +7,7 @@
 #include "core/render/scattered_light.h"
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::single_scattering_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -126,7 +126,7 @@ TEST(SingleScattering, BallInTheShadeOfAScreen) {
   constexpr double kExtinction = 0.8, kEdge = 0.25, kScreen = 1.3;
   const ScatteringSpec spec = henyey_greenstein(kAlbedo, 0.5);
   const Vec3 lamp{0.3, 2, 0.2};
-  SolidSurfaceSpec screen = shaped(SurfaceShape::box, 1);  // from x = kEdge on
+  SolidSurfaceSpec screen = shaped(SolidShape::box, 1);  // from x = kEdge on
   screen.size = {2, 1e-3, 4};
   screen.position = {kEdge + 1, kScreen, -2};
   screen.material.kind = MaterialKind::black;
@@ -193,7 +193,7 @@ TEST(SingleScattering, BallBesideABallOfHotGas) {
     EXPECT_LT(mean.error(), 0.01 * expected);
     EXPECT_TRUE(within_standard_errors(mean.value(), expected, mean.error(), 4))
         << "g " << spec.asymmetry;
-    SolidSurfaceSpec screen = shaped(SurfaceShape::plane, 1);
+    SolidSurfaceSpec screen = shaped(SolidShape::plane, 1);
     screen.extent = {kInfinity, kInfinity};
     screen.position = {0, 0, 1.05};
     screen.material.kind = MaterialKind::black;
@@ -208,14 +208,14 @@ TEST(SingleScattering, BallBesideABallOfHotGas) {
 TEST(SingleScattering, BallUnderAGlowingDisc) {
   constexpr double kExtinction = 0.8, kRadius = 1.2, kHeight = 1.5;
   const Ray ray{{-4, 0.1, 0.2}, {1, 0, 0}};
-  SolidSurfaceSpec disc = shaped(SurfaceShape::disc, kRadius);
+  SolidSurfaceSpec disc = shaped(SolidShape::disc, kRadius);
   disc.position = {0, 0, kHeight};
   disc.rotation = {kPi, 0, 0};
   disc.material.kind = MaterialKind::emitter;
   disc.material.radiance = 50;
   disc.material.sides = MaterialSides::front;
   // Right below the disc: what is at y < 0 of it cannot be seen, up to the slit's parallax of 1e-6.
-  SolidSurfaceSpec screen = shaped(SurfaceShape::plane, 1);
+  SolidSurfaceSpec screen = shaped(SolidShape::plane, 1);
   screen.position = {0, -5, kHeight - 1e-6};
   screen.extent = {10, 10};
   screen.material.kind = MaterialKind::black;
@@ -247,4 +247,4 @@ TEST(SingleScattering, BallUnderAGlowingDisc) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::single_scattering_test

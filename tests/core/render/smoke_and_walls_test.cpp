@@ -5,15 +5,15 @@
 #include <numbers>
 #include <string>
 
+#include "core/render/dim_pixels.h"
 #include "core/render/isothermal.h"
 #include "core/render/scattered_light.h"
-#include "core/render/sparse_pixels.h"
 #include "sampling/directions.h"
 #include "support/approx.h"
 #include "support/flame_scenes.h"
 #include "support/small_scene.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::smoke_and_walls_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -77,8 +77,7 @@ TEST(SmokeAndWalls, ClosedIsothermalBox) {
       std::vector<double> black;
       for (int n = 0; n < with.node_count(); ++n)
         black.push_back(with.scatterers[0].medium->source(n, 1700) / (1 - spec.albedo));
-      SolidSurfaceSpec box = shaped(SurfaceShape::box, 1),
-                       ball = shaped(SurfaceShape::sphere, 0.01);
+      SolidSurfaceSpec box = shaped(SolidShape::box, 1), ball = shaped(SolidShape::sphere, 0.01);
       box.size = {4, 4, 4};
       box.position = {0, 0, -2};
       ball.position = {1, 0.01, 0};
@@ -133,7 +132,7 @@ Tally reflected_forward(double tau, const ScatteringSpec& spec, double wall, int
 /// cosine.
 Tally reflected_backward(double tau, const ScatteringSpec& spec, double wall, int reflections,
                          Vec3 way, int count = 100000) {
-  SolidSurfaceSpec floor = shaped(SurfaceShape::plane, 1);
+  SolidSurfaceSpec floor = shaped(SolidShape::plane, 1);
   floor.extent = {kInfinity, kInfinity};
   floor.material.reflectivity = wall;
   LightSpec sun;
@@ -188,7 +187,7 @@ TEST(SmokeAndWalls, AWallBehindSmokeAsFollowedFromTheLight) {
 Scene busy_scene() {
   Scene scene = small_scene(ideal_singlet(), {});
   scene.camera.sensor = {12, 12, 1e-3};
-  SolidSurfaceSpec wall = shaped(SurfaceShape::plane, 1), ball = shaped(SurfaceShape::sphere, 2e-3);
+  SolidSurfaceSpec wall = shaped(SolidShape::plane, 1), ball = shaped(SolidShape::sphere, 2e-3);
   wall.position = {1.02, 0, 0};
   wall.extent = {0.06, 0.06};
   wall.rotation = {0, -kPi / 2, 0};
@@ -242,7 +241,7 @@ TEST(SmokeAndWalls, HardlyAnyScatteringIsNone) {
 TEST(SmokeAndWalls, SmokeBehindAWallIsHidden) {
   Scene scene = busy_scene();
   scene.flames[0].scattering = henyey_greenstein(0.9, 0.3);
-  SolidSurfaceSpec screen = shaped(SurfaceShape::box, 1);
+  SolidSurfaceSpec screen = shaped(SolidShape::box, 1);
   screen.size = {0.06, 0.06, 0.06};
   screen.position = {1, 0, -0.03};
   screen.material.kind = MaterialKind::black;
@@ -287,7 +286,7 @@ TEST(SmokeAndWalls, PixelsLeftToChance) {
   Scene scene = paper_flame(48, 48, 0.001);
   scene.flames[0].scattering = henyey_greenstein(0.6, 0.5);
   CompiledScene with = compile(scene);
-  SolidSurfaceSpec wall = shaped(SurfaceShape::box, 1);
+  SolidSurfaceSpec wall = shaped(SolidShape::box, 1);
   wall.size = {0.01, 0.4, 0.4};
   wall.position = {1.05, 0, 0};
   wall.material.reflectivity = 0.8;
@@ -297,4 +296,4 @@ TEST(SmokeAndWalls, PixelsLeftToChance) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::smoke_and_walls_test

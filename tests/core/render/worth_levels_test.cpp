@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "render/worth_levels.h"
+#include "render/sampling/worth_levels.h"
 #include "support/cameras.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::worth_levels_test {
 namespace {
 
 TEST(WorthLevels, PointsGoAsAPowerOfWhatIsWorthLittle) {
@@ -51,4 +51,4 @@ TEST(WorthLevels, RingsFollowTheMeanShareThatIsOpen) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::worth_levels_test

@@ -8,7 +8,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::directions_test {
 namespace {
 
 constexpr double kUlp = std::numeric_limits<double>::epsilon();
@@ -58,4 +58,4 @@ TEST(Directions, CosinesAreDrawnInProportion) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::directions_test

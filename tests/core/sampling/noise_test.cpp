@@ -6,7 +6,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::noise_test {
 namespace {
 
 /// Upper limit of chi-square with so many degrees of freedom that it exceeds with a probability of
@@ -91,4 +91,4 @@ TEST(NoiseStream, IsTheSameForTheSameKeyAndNumber) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::noise_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plenoflame {
+namespace plenoflame::philox_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -33,4 +33,4 @@ TEST(Philox, UniformsStayInsideTheUnitInterval) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::philox_test

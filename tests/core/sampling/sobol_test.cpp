@@ -7,7 +7,7 @@
 
 #include "support/approx.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::sobol_test {
 namespace {
 
 /// Whether every one of 2^m consecutive cells holds exactly one value.
@@ -322,4 +322,4 @@ TEST(SobolPool, ErrorsOfReplicatesDoNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::sobol_test

@@ -9,11 +9,12 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/scene/channel_kinds.h"
 #include "scene_samples.h"
 #include "support/approx.h"
 #include "support/uniform_medium.h"
 
-namespace plenoflame {
+namespace plenoflame::compile_test {
 namespace {
 
 using test::message_of;
@@ -59,6 +60,53 @@ TEST(Compile, SaysWhatValidateWarnsOf) {
   EXPECT_EQ(
       outcome(parse_scene("[camera]\npreset = \"paper-plenoptic2\"\n", "s.toml"), load_core_medium),
       "s.toml: the scene has no flame, so its picture is black\n");
+}
+
+// Every kind has its row: a kind without one would pass for the first. The response y at 650 nm by
+// the formula of Wyman, Sloan and Shirley (JCGT 2, 2013, 1), with a pocket calculator.
+TEST(ChannelKinds, SayWhatTheyAre) {
+  const struct {
+    ChannelKind kind;
+    double own;  ///< [nm]
+    const char* described;
+    double at_650;  ///< response
+  } cases[] = {
+      {ChannelKind::total, 0, "all wavelengths", -1},
+      {ChannelKind::band, 650, "10 nm around 650 nm", 1},
+      {ChannelKind::line, 650, "10 nm wide line at 650 nm", 1},
+      {ChannelKind::curve, 0, "curve, counting photons", 0.5},
+      {ChannelKind::named, 0, "response cie_y, counting photons", 0.110204},
+  };
+  for (const auto& c : cases) {
+    ChannelSpec channel;
+    channel.kind = c.kind;
+    channel.wavelength = 650e-9;
+    channel.width = 10e-9;
+    channel.response = "cie_y";
+    channel.curve = "600 nm 0, 700 nm 1";
+    channel.photons = c.kind == ChannelKind::curve || c.kind == ChannelKind::named;
+    EXPECT_EQ(own_wavelength(channel), c.own > 0 ? 650e-9 : 0) << c.described;
+    EXPECT_EQ(describe_channel(channel), c.described);
+    const auto response = response_of_kind(channel);
+    ASSERT_EQ(response.has_value(), c.at_650 >= 0) << c.described;
+    if (response) {
+      EXPECT_TRUE(test::relative((*response)(650e-9), c.at_650, 1e-4)) << c.described;
+    }
+  }
+}
+
+TEST(Compile, KeepsToItselfWhatTheCallerKnows) {
+  const SceneDocument document = parse_scene("[camera]\npreset = \"paper-plenoptic2\"\n", "s.toml");
+  const auto warnings = [&](const std::vector<IssueCode>& unsaid) {
+    int count = 0;
+    Execution execution;
+    execution.message = [&](Severity, const std::string&) { ++count; };
+    compile(document.scene, load_core_medium, execution, document.positions, nullptr, unsaid);
+    return count;
+  };
+  EXPECT_EQ(warnings({}), 1);
+  EXPECT_EQ(warnings({IssueCode::other}), 1);
+  EXPECT_EQ(warnings({IssueCode::no_flame}), 0);
 }
 
 TEST(Compile, FlameOfAFileInTheCamera) {
@@ -256,4 +304,4 @@ TEST(Compile, ChannelsShareWavelengthsAmongFlamesOnly) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::compile_test

@@ -8,7 +8,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace plenoflame {
+namespace plenoflame::input_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,4 +68,4 @@ TEST_F(InputFiles, OneThatIsMissingIsListed) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::input_files_test

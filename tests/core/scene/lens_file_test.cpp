@@ -14,7 +14,7 @@
 #include "support/approx.h"
 #include "support/temporary_folder.h"
 
-namespace plenoflame::test {
+namespace plenoflame::test::lens_file_test {
 namespace {
 
 constexpr double kMm = 1e-3;
@@ -257,4 +257,4 @@ TEST(LensFiles, UnknownGlassIsReportedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test
+}  // namespace plenoflame::test::lens_file_test

@@ -9,7 +9,7 @@
 #include "scene_samples.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::preset_camera_test {
 namespace {
 
 Camera camera_of(const std::string& text) {
@@ -87,4 +87,4 @@ TEST(PresetCameras, ExamplesCanBeBuilt) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::preset_camera_test

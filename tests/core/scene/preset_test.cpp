@@ -10,7 +10,7 @@
 #include "scene_samples.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::preset_test {
 namespace {
 
 CameraSpec camera(const std::string& name) {
@@ -139,4 +139,4 @@ TEST(Examples, AreSoundScenesWithTheWarningsTheyAnnounce) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::preset_test

@@ -12,7 +12,7 @@
 #include "plenoflame/scene/scene_schema.h"
 #include "scene_samples.h"
 
-namespace plenoflame {
+namespace plenoflame::scene_file_test {
 namespace {
 
 using test::message_of;
@@ -233,4 +233,4 @@ TEST(SceneFile, WritesAndReadsFiles) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scene_file_test

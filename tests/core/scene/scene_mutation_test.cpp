@@ -10,7 +10,7 @@
 #include "plenoflame/scene/validate.h"
 #include "scene_samples.h"
 
-namespace plenoflame {
+namespace plenoflame::scene_mutation_test {
 namespace {
 
 /// Changes a text in the ways in which files get damaged or mistyped.
@@ -158,4 +158,4 @@ TEST(SceneMutation, DeepAndLongFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scene_mutation_test

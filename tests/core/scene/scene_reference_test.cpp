@@ -7,7 +7,7 @@
 #include "plenoflame/scene/scene_schema.h"
 #include "scene_samples.h"
 
-namespace plenoflame {
+namespace plenoflame::scene_reference_test {
 namespace {
 
 // The committed page is the generated one. With PLENOFLAME_UPDATE_DOCS set, the test
@@ -33,4 +33,4 @@ TEST(SceneReference, NamesEveryKeyAndPreset) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scene_reference_test

@@ -68,6 +68,9 @@ inline Scene full_scene() {
                         {"\xC3\xA4\xE2\x82\xAC", kInfinity, 2.25e-4, 1.69, 0}};
   camera.array.types[0].glass = "constant 1.5";
   camera.sensor = {3000, 2001, 1e-5};
+  camera.sensor.frame_rate = 29.97;
+  camera.sensor.exposure_begin = 1e-3 / 3;
+  camera.sensor.exposure_steps = 11;
   camera.focus = {FocusMode::best, 0.4272409, 0.1 + 0.2, "type \"1\""};
   FlameSpec layered;
   layered.name = "first";
@@ -86,11 +89,13 @@ inline Scene full_scene() {
   grid.layers = {{"unused", {0, 0, 0}, {1, 1, 1}, 300, 0.5}};
   grid.lines = {{LineKind::custom, 517.3e-9, 2e-9, {"glow", "W/cm^3", 3, -1}},
                 {LineKind::na_d, 0, 0, {}}};
+  grid.brightness = 2.0 / 3;
+  grid.time = {1e3 / 3, 7, "sub folder/time.csv"};
   scene.flames = {layered, grid};
   scene.channels = {{"red", ChannelKind::band, 650e-9, 10e-9},
                     {"total", ChannelKind::total, 1e-9, 2e-9}};
   SolidSurfaceSpec tube;
-  tube.shape = SurfaceShape::cylinder;
+  tube.shape = SolidShape::cylinder;
   tube.name = "tube";
   tube.position = {0.1, -0.25, 3};
   tube.rotation = {-0.1, 0.2, 0.7};

@@ -9,7 +9,7 @@
 #include "plenoflame/base/error.h"
 #include "scene_samples.h"
 
-namespace plenoflame {
+namespace plenoflame::scene_schema_test {
 namespace {
 
 using test::message_of;
@@ -154,4 +154,4 @@ TEST(SceneSchema, DefaultsAreThoseOfTheStructs) {
 }
 
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::scene_schema_test

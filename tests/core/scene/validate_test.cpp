@@ -7,11 +7,11 @@
 #include <string>
 
 #include "plenoflame/scene/scene_file.h"
-#include "scene/issues.h"
+#include "scene/validation/issues.h"
 #include "scene_samples.h"
 #include "support/approx.h"
 
-namespace plenoflame {
+namespace plenoflame::validate_test {
 namespace {
 
 using test::message_of;
@@ -288,6 +288,101 @@ TEST(Validate, Array) {
             "");
 }
 
+TEST(Validate, ShapesOfMicrolenses) {
+  // The paper's lattice is hexagonal, with a pitch and a diameter of 100 um.
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.aperture = ApertureShape::hexagonal; }), "");
+  EXPECT_EQ(error_after([](Scene& s) {
+              s.camera.array.aperture = ApertureShape::hexagonal;
+              s.camera.array.diameter = 101e-6;
+            }),
+            "microlenses that are hexagonal and 101 um across overlap by 1 um in a hexagonal "
+            "lattice with a pitch of 100 um; make the diameter smaller");
+  // Rows are 86.6 um apart.
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.aperture = ApertureShape::square; }),
+            "microlenses that are square and 100 um across overlap by 13.4 um in a hexagonal "
+            "lattice with a pitch of 100 um; make the diameter smaller");
+  const auto square = [](Scene& s) {
+    s.camera.array.lattice = Lattice::square;
+    s.camera.array.aperture = ApertureShape::square;
+  };
+  EXPECT_EQ(error_after([&](Scene& s) {
+              square(s);
+              s.camera.array.pitch_y = s.camera.array.diameter_y = 80e-6;
+              s.camera.array.rotation = 0.3;
+            }),
+            "");
+  EXPECT_EQ(error_after([&](Scene& s) {
+              square(s);
+              s.camera.array.pitch_y = 80e-6;
+            }),
+            "microlenses that are square and 100 um across overlap by 20 um in a square lattice "
+            "with a pitch of 100 um and 80 um; make the diameter smaller");
+  EXPECT_EQ(error_after([&](Scene& s) {
+              square(s);
+              s.camera.array.aperture = ApertureShape::circular;
+              s.camera.array.pitch_y = 80e-6;
+            }),
+            "the microlenses have a diameter of 100 um at a pitch of 100 um and 80 um, so they "
+            "overlap; make the diameter at most the pitch");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.pitch_y = 80e-6; }),
+            "camera.array.pitch_y is for square lattices: the rows of a hexagonal one are cos 30 "
+            "of the pitch apart");
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.diameter_y = 80e-6; }),
+            "camera.array.diameter_y is for square microlenses, which it makes rectangular; give "
+            "aperture = \"square\"");
+  EXPECT_EQ(error_after([&](Scene& s) {
+              square(s);
+              s.camera.array.centre_jitter = 1e-6;
+            }),
+            "microlenses displaced by up to 1 um would overlap: of the pitch of 100 um the "
+            "diameter of 100 um leaves 0 m to each; make centre_jitter or diameter smaller");
+  // At its corners a square is 1.41 times as wide.
+  EXPECT_EQ(error_after([&](Scene& s) {
+              square(s);
+              s.camera.array.types[0].radius_front = 60e-6;
+            }),
+            "microlens type 0 has a radius_front of 60 um, too small for the diameter of 141.4 um "
+            "across its corners");
+}
+
+TEST(Validate, PupilFilters) {
+  const auto error = [](const std::vector<PupilFilterSpec>& filters) {
+    return error_after([&](Scene& s) {
+      s.camera.pupil_filters = filters;
+      s.channels = {{"red", ChannelKind::band, 650e-9, 10e-9}};
+    });
+  };
+  PupilFilterSpec a{"a"}, b{"b"};
+  a.extent = b.extent = 3;
+  b.angle = 3;
+  EXPECT_EQ(error({a, b}), "");
+  b.angle = 2.9;
+  EXPECT_EQ(error({a, b}),
+            "pupil filter \"a\" and pupil filter \"b\" overlap; a part of the stop can have one "
+            "filter only");
+  PupilFilterSpec outside{"far", PupilPartShape::polygon};
+  outside.corners = {{1.1, 0}, {2, 0}, {2, 1}};
+  EXPECT_EQ(error({outside}),
+            "pupil filter \"far\" lies outside of the stop, whose radius is 1; it would cover "
+            "nothing");
+  outside.corners.pop_back();
+  EXPECT_EQ(error({outside}), "pupil filter \"far\" is a polygon and needs three corners or more");
+  outside.corners = {{0, 0}, {1, 0}, {0.1, 0.1}, {0, 1}};
+  EXPECT_EQ(error({outside}).substr(0, 36), "pupil filter \"far\" is not convex, or");
+  a.inner = 0.5;
+  a.outer = 0.4;
+  EXPECT_EQ(error({a}),
+            "pupil filter \"a\" reaches from 0.5 to 0.4 radii of the stop; its outer radius must "
+            "be the larger one");
+  a.outer = 1;
+  a.transmission = "600 nm 1.1, 700 nm 1";
+  EXPECT_EQ(error({a}),
+            "camera.pupil_filters[0].transmission: a filter lets at most everything through, 1");
+  PupilFilterSpec whole{"whole"};
+  whole.transmission = "400 nm 1, 500 nm 1";
+  EXPECT_EQ(error({whole}), "none of the pupil filters lets anything through of channel \"red\"");
+}
+
 TEST(Validate, SensorAndFocus) {
   EXPECT_EQ(error_after([](Scene& s) { s.camera.sensor.columns = 0; }),
             "camera.sensor.columns is missing; at least 1, at most 65536 is allowed");
@@ -438,5 +533,44 @@ TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
   EXPECT_EQ(message_of([&] { validate(near); }).substr(0, 14), "s.toml:7:19: t");
 }
 
+TEST(Validate, IdealLensesThatNoGlassCouldBe) {
+  const auto ideal = [](Scene& s, double focal_length) {
+    s.camera.array.model = LensModel::ideal;
+    for (MicrolensSpec& type : s.camera.array.types)
+      type = {type.name, kInfinity, kInfinity, 1.5, 0.2e-3};
+    s.camera.array.types[1].focal_length = focal_length;
+  };
+  const auto error = [&](double f) { return error_after([&](Scene& s) { ideal(s, f); }); };
+  EXPECT_EQ(error(1e-53),
+            "camera.array.types[1].focal_length is 1e-44 nm, shorter than any glass of the "
+            "diameter 100 um can have; 6.25 um is the least");
+  // Two faces of radius D / 2 and index 5, the lensmaker's equation: f = D / 16.
+  EXPECT_EQ(error(6.26e-6), "");
+  EXPECT_EQ(error(-6.26e-6), "");
+  EXPECT_NE(error(-6.24e-6), "");
+  // Radii beside it do not hide it: the focal length is what counts.
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.array.model = LensModel::ideal;
+              s.camera.array.types[1].focal_length = 1e-53;
+            }),
+            "");
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.lens = {};
+              s.camera.lens.model = LensModel::ideal;
+              s.camera.lens.focal_length = 1e-50;
+              s.camera.lens.diameter = 0.1;
+            }).find("camera.lens.focal_length is"),
+            std::string::npos);
+}
+
+TEST(Validate, MicroImagesThatLieOverEachOtherByTheHundreds) {
+  // f/2.958 with its image at 0.437 m: B of 50 mm makes micro-images 115 pitches of 0.1 mm wide.
+  EXPECT_NE(error_after([](Scene& s) {
+              s.camera.array.sensor_distance = 50e-3;
+            }).find("make camera.array.sensor_distance or the stop smaller"),
+            std::string::npos);
+  EXPECT_EQ(error_after([](Scene& s) { s.camera.array.sensor_distance = 30e-3; }), "");
+}
+
 }  // namespace
-}  // namespace plenoflame
+}  // namespace plenoflame::validate_test

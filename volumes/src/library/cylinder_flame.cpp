@@ -9,7 +9,7 @@ namespace plenoflame {
 namespace {
 
 constexpr double kZeroCelsius = 273.15;
-constexpr int kLines = 32;  // through a voxel's cross-section
+constexpr int kSectionLines = 32;  // through a voxel's cross-section
 
 /// Share of the square of side 2 half around (x, y) inside of the circle, from exact lengths along
 /// lines in the direction that crosses the circle most steeply.
@@ -20,14 +20,14 @@ double disc_share(double x, double y, double radius, double half) {
   const double along = std::max(std::fabs(x), std::fabs(y));
   const double across = std::min(std::fabs(x), std::fabs(y));
   double sum = 0;
-  for (int i = 0; i < kLines; ++i) {
-    const double side = across + half * ((2 * i + 1) / double{kLines} - 1);
+  for (int i = 0; i < kSectionLines; ++i) {
+    const double side = across + half * ((2 * i + 1) / double{kSectionLines} - 1);
     const double rest = radius * radius - side * side;
     if (rest <= 0) continue;
     const double reach = std::sqrt(rest);
     sum += std::max(0.0, std::min(along + half, reach) - std::max(along - half, -reach));
   }
-  return sum / (kLines * 2 * half);
+  return sum / (kSectionLines * 2 * half);
 }
 
 }  // namespace

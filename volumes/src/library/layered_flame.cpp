@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "library/flame_builder.h"
+#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_library.h"
 

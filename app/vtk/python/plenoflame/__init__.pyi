@@ -1,11 +1,18 @@
 from typing import Any
 
 from ._run import Error as Error
-from .flame import import_flame as import_flame, read_flame as read_flame, write_flame as write_flame
-from .light_field import LightField as LightField, Refocused as Refocused, Views as Views
+from ._values import Quantity as Quantity
+from .flame import flame_arrays as flame_arrays, flame_from_arrays as flame_from_arrays
+from .flame import flame_generators as flame_generators
+from .flame import import_flame as import_flame, make_flame as make_flame
+from .flame import read_flame as read_flame, write_flame as write_flame
+from .light_field import Export as Export, FocusStack as FocusStack, LightField as LightField
+from .light_field import Refocused as Refocused, Views as Views, export_formats as export_formats
 from .light_field import read_light_field as read_light_field
 from .picture import picture as picture
+from .ray_blocks import RayBlock as RayBlock
 from .rays import Rays as Rays
+from .reconstruction import Reconstruction as Reconstruction, reconstruct as reconstruct
 from .scene import Scene as Scene
 
 __all__: list[str]

@@ -1,55 +1,29 @@
-"""Running VTK algorithms the way Python expects: errors as exceptions, warnings as warnings, Ctrl-C at once."""
+"""Running the library the way Python expects: errors as exceptions, warnings as warnings, Ctrl-C at once, other
+threads at work meanwhile."""
 
 import contextlib
-import re
 import signal
 import threading
 import warnings
-
-from vtkmodules.util.vtkConstants import VTK_STRING
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkCommand
 
 
 class Error(RuntimeError):
     """What went wrong, in the words of the command line."""
 
 
-def _text(message):
-    """The message within VTK's 'ERROR: In FILE, line N\\nCLASS (ADDRESS): MESSAGE'."""
-    match = re.search(r"\(0x[0-9a-f]+\): (.*)", message, re.DOTALL)
-    return (match[1] if match else message).strip()
-
-
-@contextlib.contextmanager
-def errors_of(*objects):
-    """Raises Error for the first error event of these objects, and passes their warning events on."""
-    errors, cautions, tags = [], [], []
-
-    def note(into):
-        def callback(_caller, _event, text):
-            into.append(_text(text))
-        callback.CallDataType = VTK_STRING
-        return callback
-
-    for subject in objects:
-        tags.append((subject, subject.AddObserver(vtkCommand.ErrorEvent, note(errors))))
-        tags.append((subject, subject.AddObserver(vtkCommand.WarningEvent, note(cautions))))
-    try:
-        yield
-    finally:
-        for subject, tag in tags:
-            subject.RemoveObserver(tag)
+def deliver(errors, cautions):
+    """Passes warnings on, and raises the first error."""
     for text in cautions:
-        warnings.warn(text, RuntimeWarning, stacklevel=4)
+        warnings.warn(text, RuntimeWarning, stacklevel=5)
     if errors:
         raise Error(errors[0])
 
 
 @contextlib.contextmanager
 def _interrupt_noted(noted):
-    """Puts Ctrl-C off: within a callback VTK would end the whole program for it."""
-    if threading.current_thread() is not threading.main_thread():
+    """Puts Ctrl-C off: no exception may leave a function that the library calls."""
+    # A program that Python is part of, such as ParaView, may have a handler of its own, which Python could not put back.
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) is None:
         yield
         return
     before = signal.signal(signal.SIGINT, lambda number, _frame: noted.append(number))
@@ -62,35 +36,26 @@ def _interrupt_noted(noted):
 
 
 def update(algorithm, progress=None):
-    """Runs an algorithm. `progress` is called with the fraction done, now and then; a true result stops the run, and so
-    do an exception, which is raised again, and Ctrl-C."""
-    raised, interrupted = [], []
+    """Runs an algorithm, with Python's lock released. `progress` is called with the fraction done, now and then; a true
+    result stops the run, and so do an exception, which is raised again, and Ctrl-C."""
+    from ._library import data
+    raised, interrupted, errors, cautions = [], [], [], []
 
-    def callback(_caller, _event):
-        # An exception may not leave the callback: VTK would print it and go on.
+    def on_progress(fraction):
         try:
-            if interrupted or raised or progress and progress(algorithm.GetProgress()):
-                algorithm.SetAbortExecute(1)
+            return int(bool(interrupted or raised or progress and progress(fraction)))
         except BaseException as exception:
             raised.append(exception)
-            algorithm.SetAbortExecute(1)
+            return 1
 
-    tag = algorithm.AddObserver(vtkCommand.ProgressEvent, callback)
+    def on_message(is_error, text):
+        (errors if is_error else cautions).append(text)
+
     try:
-        with _interrupt_noted(interrupted), errors_of(algorithm, algorithm.GetExecutive()):
-            algorithm.Update()
+        with _interrupt_noted(interrupted):
+            data.run(algorithm, on_progress, on_message)
     finally:
-        algorithm.RemoveObserver(tag)
         if raised:
             raise raised[0]
+    deliver(errors, cautions)
     return algorithm
-
-
-def image_array(image, name):
-    """An array of a vtkImageData as numpy (rows, columns), row 0 at the top. Shares its memory."""
-    columns, rows, _ = image.GetDimensions()
-    values = image.GetPointData().GetArray(name)
-    if values is None:
-        present = [image.GetPointData().GetArrayName(i) for i in range(image.GetPointData().GetNumberOfArrays())]
-        raise Error(f"the image has no array '{name}'; it has {', '.join(present) or 'none'}")
-    return vtk_to_numpy(values).reshape(rows, columns)[::-1]

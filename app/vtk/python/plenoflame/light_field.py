@@ -1,9 +1,15 @@
 """Light fields, and the pictures that are made of them."""
 
+import collections
+import json
 import os
+import threading
 
-from . import vtkPlenoflame as vtk
-from ._run import Error, image_array, update
+import numpy
+
+from . import _check
+from ._library import data, library, need_vtk
+from ._run import Error, update
 
 _RESAMPLINGS = {"nearest": 0, "barycentric": 1, "paper9": 2, "paper10": 3}
 
@@ -11,25 +17,36 @@ _RESAMPLINGS = {"nearest": 0, "barycentric": 1, "paper9": 2, "paper10": 3}
 class LightField:
     """The raw image of a plenoptic camera: radiant flux per pixel [W].
 
-    Arrays are numpy views (rows, columns) of the vtkImageData `image`, row 0 at the top: change one, and the other
-    changes with it.
+    Arrays are numpy views (rows, columns), row 0 at the top: what is written to them is what develop(), views() and the
+    others see. With VTK they are views of the vtkImageData `image`.
     """
 
     def __init__(self, image, relative_error=-1.0):
-        """Takes a vtkImageData as vtkPlenoflameLightFieldSource and vtkPlenoflameLightFieldReader give it."""
-        self.image = image
+        """With VTK it takes a vtkImageData as vtkPlenoflameLightFieldSource and vtkPlenoflameLightFieldReader give it."""
+        self._data = image
         self.relative_error = relative_error  #: estimated relative RMSE over lit pixels; -1: not known
         self._filters = {}
+        self._filtering = threading.Lock()  # a filter serves one thread at a time
+
+    def __reduce__(self):
+        return _light_field_of, (data.state_of(self._data), self.relative_error)
+
+    def copy(self):
+        """An independent copy."""
+        return _light_field_of(*self.__reduce__()[1])
 
     def __repr__(self):
         rows, columns = self.flux.shape
         return f"<plenoflame.LightField, {columns} x {rows} pixels, channels {', '.join(self.channels)}>"
 
     def _texts(self, name):
-        array = self.image.GetFieldData().GetAbstractArray("plenoflame." + name)
-        if array is None:
-            raise Error(f"the image is no light field: it has no field data 'plenoflame.{name}'")
-        return [array.GetValue(i) for i in range(array.GetNumberOfValues())]
+        return data.image_texts(self._data, name)
+
+    @property
+    def image(self):
+        """The vtkImageData. Raises Error without VTK."""
+        need_vtk("LightField.image")
+        return self._data
 
     @property
     def channels(self):
@@ -52,8 +69,14 @@ class LightField:
         return bool(self._texts("complete")[0])
 
     def __getitem__(self, channel):
-        """Flux [W] of a channel by its name."""
-        return image_array(self.image, channel)
+        """Flux [W] of a channel by its name; NAME.error is its standard error; a layer by its name."""
+        return data.image_array(self._data, channel)
+
+    @property
+    def layers(self):
+        """Names of further layers, "truth.distance" among them (Scene.render with truth=True); read one as
+        light_field["truth.distance"]."""
+        return self._texts("layers")
 
     @property
     def flux(self):
@@ -67,19 +90,17 @@ class LightField:
 
     def save(self, path):
         """Writes the light field as EXR."""
-        writer = vtk.vtkPlenoflameLightFieldWriter()
-        writer.SetInputData(self.image)
-        writer.SetFileName(os.fspath(path))
-        from ._run import errors_of
-        with errors_of(writer):
-            writer.Write()
+        writer = library.LightFieldWriter()
+        writer.SetInputData(self._data)
+        writer.SetFileName(_check.file(path, ".exr", "; develop() makes a picture of it"))
+        data.write(writer)
 
     def _filter(self, kind):
         """Kept, since a filter remembers the micro-images of the camera."""
         if kind not in self._filters:
             self._filters[kind] = kind()
-            self._filters[kind].SetInputData(self.image)
-        self.image.Modified()  # values may have been changed through numpy
+            self._filters[kind].SetInputData(self._data)
+        data.touch(self._data)  # values may have been changed through numpy
         return self._filters[kind]
 
     def develop(self, *, saturation=0.0, bits=14, curve="display", channel=""):
@@ -88,56 +109,155 @@ class LightField:
         saturation: flux [W] that gives the largest value; 0: 99.9 % of the lit pixels do not exceed it
         curve: "display" (sRGB) or "linear"
         """
-        if curve not in ("linear", "display"):
-            raise Error(f"there is no curve {curve!r}; there are 'linear' and 'display'")
-        develop = self._filter(vtk.vtkPlenoflameDevelop)
-        develop.SetSaturation(saturation)
-        develop.SetBits(bits)
-        develop.SetCurve(["linear", "display"].index(curve))
-        develop.SetChannel(channel)
-        return image_array(update(develop).GetOutput(), "digital_number").copy()
+        curve = ["linear", "display"].index(_check.choice("curve", curve, ("linear", "display")))
+        saturation = _check.number("saturation", saturation, 0)
+        bits = _check.whole("bits", bits, 1, 16)
+        with self._filtering:
+            develop = self._filter(library.Develop)
+            develop.SetSaturation(saturation)
+            develop.SetBits(bits)
+            develop.SetCurve(curve)
+            develop.SetChannel(_check.text("channel", channel))
+            return data.image_array(update(develop).GetOutput(), "digital_number").copy()
 
     def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0):
-        """Sub-aperture views: the scene from grid x grid places on the main lens. Returns Views."""
-        if resampling not in _RESAMPLINGS:
-            raise Error(f"there is no resampling {resampling!r}; there are {', '.join(_RESAMPLINGS)}")
-        views = self._filter(vtk.vtkPlenoflameViews)
-        views.SetGrid(grid)
-        views.SetSpread(spread)
-        views.SetResampling(_RESAMPLINGS[resampling])
-        views.SetWhiteCorrection(white_correction)
-        views.SetChannel(channel)
-        views.SetNumberOfThreads(threads)
-        update(views)
-        return Views(views, grid, "radiance" if white_correction else "flux")
+        """Sub-aperture views: the scene from grid x grid places on the main lens. Returns Views.
+
+            >>> import plenoflame
+            >>> views = plenoflame.Scene("small.toml").render(samples=2).views(3)
+            >>> len(views), views[1, 1].shape == views[0, 2].shape
+            (9, True)
+        """
+        resampling = _RESAMPLINGS[_check.choice("resampling", resampling, _RESAMPLINGS)]
+        grid = _check.whole("grid", grid, 1, 99)
+        spread = _check.number("spread", spread, 0, 1)
+        threads = _check.whole("threads", threads, 0, 1024)
+        with self._filtering:
+            views = self._filter(library.Views)
+            views.SetGrid(grid)
+            views.SetSpread(spread)
+            views.SetResampling(resampling)
+            views.SetWhiteCorrection(bool(white_correction))
+            views.SetChannel(_check.text("channel", channel))
+            views.SetNumberOfThreads(threads)
+            update(views)
+            return Views(views, grid, "radiance" if white_correction else "flux")
+
+    def _refocusing(self, kind, width, aperture, channel, threads):
+        refocus = self._filter(kind)
+        refocus.SetWidth(_check.whole("width", width, 0, 20000))
+        refocus.SetAperture(_check.number("aperture", aperture, 1e-3, 1))
+        refocus.SetChannel(_check.text("channel", channel))
+        refocus.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
+        return refocus
 
     def refocus(self, depth, *, width=0, aperture=1.0, channel="", threads=0):
-        """The picture focused on the plane at `depth` [m] in front of the main lens. Returns Refocused."""
-        refocus = self._filter(vtk.vtkPlenoflameRefocus)
-        refocus.SetDepth(depth)
-        refocus.SetWidth(width)
-        refocus.SetAperture(aperture)
-        refocus.SetChannel(channel)
-        refocus.SetNumberOfThreads(threads)
-        update(refocus)
-        return Refocused(image_array(refocus.GetOutput(), "radiance").copy(), depth, refocus.GetPixelSize())
+        """The picture focused on the plane at `depth` [m] in front of the main lens. Returns Refocused.
+
+            >>> import plenoflame
+            >>> plenoflame.Scene("small.toml").render(samples=2).refocus(1.0, width=20).image.shape[1]
+            20
+        """
+        depth = _check.number("depth", depth)
+        with self._filtering:
+            refocus = self._refocusing(library.Refocus, width, aperture, channel, threads)
+            refocus.SetDepth(depth)
+            update(refocus)
+            return Refocused(data.image_array(refocus.GetOutput(), "radiance").copy(), depth, refocus.GetPixelSize(),
+                             refocus.GetCorner())
+
+    def focus_stack(self, depths, *, width=0, aperture=1.0, channel="", threads=0):
+        """Pictures at several depths [m], ascending, at least three, and the one that is sharp everywhere. Returns
+        FocusStack."""
+        try:
+            depths = [_check.number("depths", depth) for depth in depths]
+        except TypeError:
+            raise Error(f"depths takes a list of depths in metres, not {depths!r}") from None
+        with self._filtering:
+            stack = self._refocusing(library.FocusStack, width, aperture, channel, threads)
+            stack.RemoveAllDepths()
+            for depth in depths:
+                stack.AddDepth(depth)
+            output = update(stack).GetOutput()
+            arrays = [data.image_array(output, name).copy() for name in ("all_in_focus", "depth", "confidence")]
+            planes = [data.image_array(output, f"plane_{i:04}").copy() for i in range(len(depths))]
+            return FocusStack(*arrays, planes, depths)
+
+    def export(self, folder, format="npz", *, name="lightfield", grid=0, channel=""):
+        """Writes the files of another tool, as `plenoflame export`, all of them or none.
+
+        folder: made when missing, else it must be empty; format: one of export_formats(); name: stem of the files;
+        grid: views along each side, for formats of views; 0: as the tool expects
+
+        Returns Export, with the names of the files and what should be known about them. Raises Error.
+        """
+        writer = library.Export()
+        writer.SetInputData(self._data)
+        writer.SetFolder(os.fspath(folder))
+        writer.SetFormat(_check.choice("format", format, export_formats()))
+        stem = _check.text("name", name)
+        if not stem or "/" in stem:
+            raise Error("name: a name without folders; the folder is given with folder")
+        writer.SetStem(stem)
+        writer.SetGrid(_check.whole("grid", grid, 0, 99))
+        writer.SetChannel(_check.text("channel", channel))
+        update(writer)
+        return Export([writer.GetWrittenFile(i) for i in range(writer.GetNumberOfFiles())],
+                      [writer.GetNote(i) for i in range(writer.GetNumberOfNotes())])
+
+    def compare(self, reference, *, channel=""):
+        """Error and bias against another light field that this one should equal: a dict of the figures that
+        `plenoflame compare --json` prints, in SI units. Raises Error."""
+        if not isinstance(reference, LightField):
+            raise Error(f"reference takes a LightField, not {reference!r}")
+        comparison = library.Comparison()
+        comparison.SetInputData(0, self._data)
+        comparison.SetInputData(1, reference._data)
+        comparison.SetChannel(_check.text("channel", channel))
+        update(comparison)
+        return json.loads(comparison.GetFiguresAsJson())
+
+
+def _light_field_of(state, relative_error):
+    return LightField(data.data_of(state), relative_error)
+
+
+def export_formats():
+    """Names of the formats of LightField.export."""
+    kind = library.Export
+    return [kind.GetFormatName(i) for i in range(kind.GetNumberOfFormats())]
+
+
+Export = collections.namedtuple("Export", "files notes")
+Export.__doc__ = "What LightField.export wrote: names of files, and notes."
 
 
 class Views:
     """Sub-aperture views; indexed [row, column] of the grid, each a numpy array (rows, columns)."""
 
     def __init__(self, algorithm, grid, array):
-        blocks = algorithm.GetOutput()
         self.grid = grid
         self.unit = "W/(m^2 sr)" if array == "radiance" else "W"
-        self._views = [image_array(blocks.GetBlock(i), array).copy() for i in range(blocks.GetNumberOfBlocks())]
-        self.sheet = image_array(algorithm.GetContactSheet(), array).copy()  #: all of them side by side
+        self._views, self.sheet = data.views_of(algorithm, array)  #: sheet: all of them side by side
 
     def __getitem__(self, place):
         row, column = place
         if not (0 <= row < self.grid and 0 <= column < self.grid):
             raise IndexError(f"view {row}, {column} of {self.grid} x {self.grid}")
         return self._views[row * self.grid + column]
+
+    def epipolar(self, *, row=None, column=None):
+        """Epipolar slice: one row (or column) of the scene as the viewpoint moves along the middle row (column) of the
+        grid, a view per row of the slice. What stands at one depth draws straight lines; their slope is the
+        disparity."""
+        if (row is None) == (column is None):
+            raise Error("epipolar takes either a row or a column")
+        middle = (self.grid - 1) // 2
+        if row is not None:
+            row = _check.whole("row", row, 0, self[0, 0].shape[0] - 1)
+            return numpy.stack([self[middle, v][row] for v in range(self.grid)])
+        column = _check.whole("column", column, 0, self[0, 0].shape[1] - 1)
+        return numpy.stack([self[v, middle][:, column] for v in range(self.grid)])
 
     def __len__(self):
         return len(self._views)
@@ -149,14 +269,37 @@ class Views:
 class Refocused:
     """A refocused picture."""
 
-    def __init__(self, image, depth, pixel):
+    def __init__(self, image, depth, pixel, corner=(0.0, 0.0)):
         self.image = image  #: radiance [W/(m^2 sr)], numpy array (rows, columns)
         self.depth = depth  #: [m] in front of the main lens
         self.pixel = pixel  #: [m] side of a pixel on the object plane
+        self.corner = tuple(corner)  #: [m] upper left corner of the picture on that plane, in the camera's x and y
+
+    @property
+    def x(self):
+        """Camera's x of the columns' middles on the object plane [m], to the right."""
+        return self.corner[0] + (numpy.arange(self.image.shape[1]) + 0.5) * self.pixel
+
+    @property
+    def y(self):
+        """Camera's y of the rows' middles on the object plane [m], downwards."""
+        return self.corner[1] + (numpy.arange(self.image.shape[0]) + 0.5) * self.pixel
+
+
+class FocusStack:
+    """Pictures at several depths, and what they tell together. All have the same size, and a pixel stands for the same
+    direction in each."""
+
+    def __init__(self, all_in_focus, depth, confidence, planes, depths):
+        self.all_in_focus = all_in_focus  #: radiance [W/(m^2 sr)] at the depth that fits best, pixel by pixel
+        self.depth = depth  #: [m] for opaque scenes: a flame is transparent and has no single depth
+        self.confidence = confidence  #: 0: all depths fit alike; towards 1: one fits much better
+        self.planes = planes  #: the pictures at `depths`, radiance
+        self.depths = depths  #: [m]
 
 
 def read_light_field(path):
     """Reads a light field (.exr) that Plenoflame wrote. Raises Error."""
-    reader = vtk.vtkPlenoflameLightFieldReader()
+    reader = library.LightFieldReader()
     reader.SetFileName(os.fspath(path))
     return LightField(update(reader).GetOutput())

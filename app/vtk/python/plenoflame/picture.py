@@ -2,9 +2,8 @@
 
 import os
 
-from vtkmodules.util.numpy_support import vtk_to_numpy
-
-from ._run import Error, errors_of
+from ._library import data, need_vtk
+from ._run import Error
 
 _VIEWS = ("scene", "camera", "array", "flame")
 _COLOURS = ("type", "status")
@@ -21,8 +20,11 @@ def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colo
     pixel: (column, row) in the middle of "array"; size: of the picture in pixels
 
     Returns a numpy array (rows, columns, 3) of uint8 when path is None. Raises Error, among others when there is no
-    display: run under xvfb-run then.
+    display: run under xvfb-run then. Needs VTK.
     """
+    need_vtk("picture()")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
     from . import vtkPlenoflameViews as views
     if view not in _VIEWS:
         raise Error(f"there is no view {view!r}; there are {', '.join(_VIEWS)}")
@@ -45,7 +47,7 @@ def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colo
     drawing.SetShowSurfaces(surfaces)
     drawing.SetShowInsets(insets)
     drawing.SetShowAxes(axes)
-    with errors_of(drawing):
+    with data.errors_of(drawing):
         if path is not None:
             drawing.WritePNG(os.fspath(path))
         image = drawing.RenderToImage() if path is None else None

@@ -1,14 +1,12 @@
 """Paths of rays."""
 
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
-from ._run import Error, errors_of
+from . import _check
+from ._library import data, need_vtk
 
 
 class Rays:
-    """Rays from the sensor to the scene. What docs/rays.md says about a .vtp file holds for `polydata`; its arrays are
-    attributes, numpy views without a copy:
+    """Rays from the sensor to the scene. What docs/rays.md says about a .vtp file holds for `polydata` (with VTK); its
+    arrays are attributes, numpy views without a copy:
 
     per ray: pixel (n, 2), microlens (n, 2), type, status, ended_at, solid, wavelength (n, channels), weight, radiance (n,
     channels), optical_thickness; per vertex: points (m, 3), surface, refractive_index, distance, temperature,
@@ -18,39 +16,45 @@ class Rays:
     STATUSES = ("reached", "vignetted", "total internal reflection", "missed")
 
     def __init__(self, polydata):
-        self.polydata = polydata
+        self._data = polydata
+
+    @property
+    def polydata(self):
+        """The vtkPolyData. Raises Error without VTK."""
+        need_vtk("Rays.polydata")
+        return self._data
+
+    def __reduce__(self):
+        return _rays_of, (data.state_of(self._data),)
 
     def __len__(self):
-        return self.polydata.GetNumberOfLines()
+        return len(self.offsets) - 1
 
     def __repr__(self):
-        return f"<plenoflame.Rays, {len(self)} rays, {self.polydata.GetNumberOfPoints()} vertices>"
+        return f"<plenoflame.Rays, {len(self)} rays, {len(self.points)} vertices>"
 
     @property
     def points(self):
         """Vertices in the world [m]: (m, 3)."""
-        return vtk_to_numpy(self.polydata.GetPoints().GetData())
+        return data.ray_points(self._data)
 
     @property
     def offsets(self):
         """Where each ray's vertices begin, and the last one's end: (n + 1,)."""
-        return vtk_to_numpy(self.polydata.GetLines().GetOffsetsArray())
+        return data.ray_offsets(self._data)
 
     @property
     def surfaces(self):
         """Names of the surfaces, by number."""
-        names = self.polydata.GetFieldData().GetAbstractArray("surfaces")
-        return [names.GetValue(i) for i in range(names.GetNumberOfValues())]
+        return data.ray_surfaces(self._data)
 
     def __getattr__(self, name):
-        if name.startswith("_") or name == "polydata":
+        if name.startswith("_"):
             raise AttributeError(name)
-        for data in (self.polydata.GetCellData(), self.polydata.GetPointData()):
-            array = data.GetArray(name)
-            if array is not None:
-                values = vtk_to_numpy(array)
-                return values.reshape(len(values), -1) if name in ("wavelength", "radiance") else values
-        raise AttributeError(f"rays have no {name!r}")
+        array = data.ray_array(self._data, name)
+        if array is None:
+            raise AttributeError(f"rays have no {name!r}")
+        return array
 
     def path(self, i):
         """Vertices of ray i [m]: (k, 3)."""
@@ -59,9 +63,8 @@ class Rays:
 
     def save(self, path):
         """Writes the rays as .vtp, which ParaView opens."""
-        writer = vtkXMLPolyDataWriter()
-        writer.SetFileName(str(path))
-        writer.SetInputData(self.polydata)
-        with errors_of(writer):
-            if not writer.Write():
-                raise Error(f"cannot write '{path}'")
+        data.write_rays(_check.file(path, ".vtp"), self._data)
+
+
+def _rays_of(state):
+    return Rays(data.data_of(state))

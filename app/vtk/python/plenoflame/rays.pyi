@@ -5,7 +5,6 @@ from numpy import ndarray
 
 class Rays:
     STATUSES: ClassVar[tuple[str, ...]]
-    polydata: Any
     pixel: ndarray
     microlens: ndarray
     type: ndarray
@@ -22,6 +21,9 @@ class Rays:
     temperature: ndarray
     absorption: ndarray
     def __init__(self, polydata: Any) -> None: ...
+    @property
+    def polydata(self) -> Any: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __len__(self) -> int: ...
     @property
     def points(self) -> ndarray: ...

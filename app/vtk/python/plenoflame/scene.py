@@ -3,9 +3,12 @@
 import json
 import os
 
-from . import vtkPlenoflame as vtk
-from ._run import Error, errors_of, update
+from . import _check
+from ._library import data, library, need_vtk
+from ._run import Error, update
+from ._values import text_of, tree, value_of
 from .light_field import LightField
+from .ray_blocks import ray_blocks
 from .rays import Rays
 
 _ESTIMATORS = {None: 0, "backward": 1, "forward": 2}
@@ -14,11 +17,27 @@ _ESTIMATORS = {None: 0, "backward": 1, "forward": 2}
 class Scene:
     """The scene of a TOML file.
 
-    Values are read and set by the paths of docs/reference/scene.md, as text with units:
+    Values are read and set by the paths of docs/reference/scene.md. Numbers come as numbers in SI units that know their
+    unit (Quantity), tables as dicts, lists of tables as lists; they are set from text with a unit, from a Quantity, or
+    from plain numbers where the key has no unit:
 
-        scene["camera.lens.surfaces[0].radius"] = "30 mm"
+        >>> import plenoflame
+        >>> scene = plenoflame.Scene("small.toml")
+        >>> scene["camera.lens.surfaces[0].radius"] = "30 mm"
+        >>> scene["camera.lens.surfaces[0].radius"]
+        Quantity(0.03, 'm')
+        >>> scene["camera.lens.surfaces[0].radius"] *= 1.1
+        >>> scene.get_text("camera.lens.surfaces[0].radius")
+        '33 mm'
+        >>> scene["flames"][0]["kind"]
+        'layered'
 
-    scene.scene is the vtkPlenoflameScene, an input for the algorithms of plenoflame.vtk.
+    A scene with several cameras ([[cameras]]) is about the one that scene.camera_name names: what is rendered, designed and
+    traced. Pictures of all of them:
+
+        pictures = {name: scene.with_camera(name).render() for name in scene.cameras}
+
+    scene.scene is the vtkPlenoflameScene, an input for the algorithms of plenoflame.vtk; without VTK there is none.
     """
 
     def __init__(self, path=None, *, text=None, name="scene.toml"):
@@ -26,100 +45,221 @@ class Scene:
         relative paths start). Raises Error with file, line and column."""
         if (path is None) == (text is None):
             raise TypeError("give either a path or text=")
-        self.scene = vtk.vtkPlenoflameScene()
-        with errors_of(self.scene):
+        self._name = os.path.abspath(os.fspath(name if path is None else path))
+        self._images = {}  # flames in memory by their names: (voxels, ambient temperature)
+        self._scene = library.Scene()
+        with data.errors_of(self._scene):
             if text is None:
-                self.scene.ReadFile(os.fspath(path))
+                self._scene.ReadFile(os.fspath(path))
             else:
-                self.scene.ReadText(text, os.fspath(name))
+                self._scene.ReadText(text, os.fspath(name))
 
     def __repr__(self):
-        return (f"<plenoflame.Scene, {self.columns} x {self.rows} pixels, {self.list_size('flames')} flames, "
+        several = len(self.cameras) > 1 and not self.camera_name
+        cameras = "cameras " + ", ".join(self.cameras) if several else f"{self.columns} x {self.rows} pixels"
+        return (f"<plenoflame.Scene, {cameras}, {self.list_size('flames')} flames, "
                 f"channels {', '.join(self.channels)}>")
 
     @property
+    def scene(self):
+        """The vtkPlenoflameScene. Raises Error without VTK."""
+        need_vtk("Scene.scene")
+        return self._scene
+
+    @property
+    def cameras(self):
+        """Names of the cameras; that of a single one may be empty."""
+        return [self._scene.GetCameraName(i) for i in range(self._scene.GetNumberOfCameras())]
+
+    @property
+    def camera_name(self):
+        """Name of the camera that the scene is about; empty: the only one. Setting it raises Error for a name that no
+        camera has. Values and texts are those of all cameras, whichever is chosen."""
+        return self._scene.GetCamera()
+
+    @camera_name.setter
+    def camera_name(self, name):
+        with data.errors_of(self._scene):
+            self._scene.SetCamera(name)
+
+    def with_camera(self, name):
+        """A copy that is about another camera."""
+        copy = self.copy()
+        copy.camera_name = name
+        return copy
+
+    @property
+    def frames(self):
+        """Numbers of the frames of flames that change with time, a range; empty where nothing does, or where neither a
+        series nor camera.sensor.frame_rate says how many there are per second."""
+        with data.errors_of(self._scene):
+            return range(self._scene.GetFirstFrame(), self._scene.GetLastFrame() + 1)
+
+    def at_frame(self, number):
+        """A copy in which nothing changes any more: the scene at the begin of a frame's exposure. Raises Error for a
+        number that is not among frames, or a file that is missing."""
+        copy = self.copy()
+        with data.errors_of(copy._scene):
+            copy._scene.MoveToFrame(number)
+        return copy
+
+    def at_time(self, seconds):
+        """The same at a time in s since the begin of the first frame."""
+        copy = self.copy()
+        with data.errors_of(copy._scene):
+            copy._scene.MoveToTime(seconds)
+        return copy
+
+    @property
     def columns(self):
-        """Columns of the sensor."""
-        return self.scene.GetNumberOfColumns()
+        """Columns of the sensor. Raises Error where there are several cameras and none is chosen."""
+        with data.errors_of(self._scene):
+            return self._scene.GetNumberOfColumns()
 
     @property
     def rows(self):
-        """Rows of the sensor."""
-        return self.scene.GetNumberOfRows()
+        """Rows of the sensor, as columns."""
+        with data.errors_of(self._scene):
+            return self._scene.GetNumberOfRows()
 
     @property
     def channels(self):
         """Names of the channels."""
-        return [self.scene.GetChannelName(i) for i in range(self.scene.GetNumberOfChannels())]
+        return [self._scene.GetChannelName(i) for i in range(self._scene.GetNumberOfChannels())]
 
     @property
     def text(self):
         """The whole scene as TOML, presets resolved."""
-        with errors_of(self.scene):
-            return self.scene.GetText()
+        with data.errors_of(self._scene):
+            return self._scene.GetText()
 
     def save(self, path):
-        """Writes the scene to a TOML file."""
-        with errors_of(self.scene):
-            self.scene.WriteFile(os.fspath(path))
+        """Writes the scene to a TOML file. A scene with a flame in memory has no file: write_flame() first, and set the
+        flame's "file"."""
+        for number in range(self.list_size("flames")):
+            if self[f"flames[{number}].file"] in self._images:
+                raise Error(f"flames[{number}] is in memory: write it with write_flame(), and set flames[{number}].file")
+        with data.errors_of(self._scene):
+            self._scene.WriteFile(os.fspath(path))
 
     def keys(self):
         """Paths of all values."""
-        return [self.scene.GetPath(i) for i in range(self.scene.GetNumberOfPaths())]
+        return [self._scene.GetPath(i) for i in range(self._scene.GetNumberOfPaths())]
 
     def __iter__(self):
         return iter(self.keys())
 
     def __getitem__(self, path):
-        """The value at a path, as text with its unit. Raises KeyError for an unknown path."""
+        """The value at a path: a number (Quantity where it has a unit), text, true or false, or a tuple of numbers; a
+        table as a dict, a list of tables as a list. Raises KeyError for an unknown path."""
         try:
-            with errors_of(self.scene):
-                return self.scene.GetValue(path)
+            with data.errors_of(self._scene):
+                text = self._scene.GetValueAsJson(path)
+            return value_of(text)
+        except Error as error:
+            below = [key for key in self.keys() if key.startswith((path + ".", path + "["))]
+            if below:
+                return tree(path, {key: self[key] for key in below})
+            try:
+                self.list_size(path)
+            except Error:
+                raise KeyError(str(error)) from None
+            return []
+
+    def get_text(self, path):
+        """The value at a path as a scene file has it, with its unit. Raises KeyError for an unknown path."""
+        try:
+            with data.errors_of(self._scene):
+                return self._scene.GetValue(path)
         except Error as error:
             raise KeyError(str(error)) from None
 
     def __setitem__(self, path, value):
-        """Sets a value from text with a unit, or from a number, bool or list of them where the key has no unit. Raises
-        Error, with the scene unchanged."""
-        with errors_of(self.scene):
-            self.scene.SetValue(path, _as_text(value))
+        """Sets a value from text with a unit or a Quantity, or from a number, bool or list of them where the key has no
+        unit. Raises Error, with the scene unchanged."""
+        value = text_of(value)
+        with data.errors_of(self._scene):
+            self._scene.SetValue(path, value)
 
     def list_size(self, path):
         """Items of a list of tables, such as "flames" or "camera.lens.surfaces"."""
-        with errors_of(self.scene):
-            return self.scene.GetListSize(path)
+        with data.errors_of(self._scene):
+            return self._scene.GetListSize(path)
 
     def insert(self, path, position):
         """Inserts an item with default values into a list of tables."""
-        with errors_of(self.scene):
-            self.scene.InsertListItem(path, position)
+        with data.errors_of(self._scene):
+            self._scene.InsertListItem(path, _check.whole("position", position, -1))
 
     def remove(self, path, position):
         """Removes an item from a list of tables."""
-        with errors_of(self.scene):
-            self.scene.RemoveListItem(path, position)
+        with data.errors_of(self._scene):
+            self._scene.RemoveListItem(path, _check.whole("position", position, -1))
+
+    def add_flame(self, image, *, lines=(), ambient=293.15, **values):
+        """Adds a flame from memory: voxels as make_flame, flame_from_arrays, import_flame and read_flame give
+        them. It lasts as long as the scene and its copies; a file of the scene cannot hold it.
+
+            scene.add_flame(plenoflame.flame_from_arrays(T, kappa, spacing=1e-3), position="1 m, 0 m, -20 mm")
+
+        lines: emission lines that it has arrays for, e.g. ["ch"]; ambient: temperature outside [K]; values: of the
+        flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, with the scene unchanged.
+        """
+        if not data.is_voxels(image):
+            raise Error(f"image takes a {data.VOXELS}, as flame_from_arrays() makes of arrays, not {type(image).__name__}")
+        ambient = _check.number("ambient", ambient, 0)
+        name = f"memory:{len(self._images)}"
+        place = self.list_size("flames")
+        with data.errors_of(self._scene):
+            self._scene.SetFlameImage(name, image, ambient)
+        self.insert("flames", place)
+        path = f"flames[{place}]"
+        try:
+            while self.list_size(path + ".layers") > 0:
+                self.remove(path + ".layers", 0)
+            values = {"name": f"flame {place + 1}", **values, "kind": "vdb", "file": name}
+            for number, line in enumerate(lines):
+                self.insert(path + ".lines", number)
+                values[f"lines[{number}].kind"] = line
+            for key, value in values.items():
+                self[f"{path}.{key}"] = value
+        except Error:
+            self.remove("flames", place)
+            raise
+        self._images[name] = (image, ambient)
 
     def check(self):
         """Checks that the values go together. Raises Error for what is impossible, warns about what is probably not
         meant."""
-        with errors_of(self.scene):
-            self.scene.Validate()
+        with data.errors_of(self._scene):
+            self._scene.Validate()
 
     def copy(self):
         """An independent copy."""
         copy = Scene.__new__(Scene)
-        copy.scene = vtk.vtkPlenoflameScene()
-        copy.scene.DeepCopy(self.scene)
+        copy._name = self._name
+        copy._images = dict(self._images)
+        copy._scene = library.Scene()
+        copy._scene.DeepCopy(self._scene)
         return copy
+
+    __copy__ = copy
+
+    def __deepcopy__(self, _memo):
+        return self.copy()
+
+    def __reduce__(self):
+        images = {name: (data.state_of(image), ambient) for name, (image, ambient) in self._images.items()}
+        return _scene_of, (self.text, self._name, images, self.camera_name)
 
     def design(self):
         """What a camera can do, as `plenoflame design --json` prints it: a dict with SI units; None is infinite."""
-        with errors_of(self.scene):
-            text = self.scene.GetDesignAsJson()
+        with data.errors_of(self._scene):
+            text = self._scene.GetDesignAsJson()
         return json.loads(text)
 
     def render(self, samples=0, *, seed=-1, estimator=None, window=None, target_error=0.0, time_limit=0.0, threads=0,
-               progress=None):
+               truth=False, progress=None):
         """Renders the light field.
 
         samples: rays per pixel and microlens (backward), energy bundles in all (forward); 0: as the scene says
@@ -128,22 +268,32 @@ class Scene:
         window: (x, y, width, height) of the sensor, from the top left; None: all
         target_error: relative RMSE over lit pixels at which to stop; time_limit: in seconds; 0: none
         threads: 0: one per processor; the result does not depend on it
+        truth: adds layers of ground truth, such as "truth.distance"
         progress: called with the fraction done; a true result ends the run early, with what is there until then
 
         Returns a LightField. Raises Error.
+
+            >>> import plenoflame
+            >>> field = plenoflame.Scene("small.toml").render(samples=2)
+            >>> field.flux.shape, field.channels
+            ((60, 60), ['red_650nm'])
         """
-        if estimator not in _ESTIMATORS:
-            raise Error(f"there is no estimator {estimator!r}; there are 'backward' and 'forward'")
-        source = vtk.vtkPlenoflameLightFieldSource()
-        source.SetInputDataObject(self.scene)
-        source.SetSamples(samples)
-        source.SetSeed(seed)
-        source.SetEstimator(_ESTIMATORS[estimator])
+        source = library.LightFieldSource()
+        source.SetInputDataObject(self._scene)
+        source.SetSamples(_check.whole("samples", samples))
+        source.SetSeed(_check.whole("seed", seed, -1, 2 ** 63 - 1))
+        source.SetEstimator(_ESTIMATORS[_check.choice("estimator", estimator, _ESTIMATORS)])
+        if not 0 <= _check.number("target_error", target_error) < 1:
+            raise Error(f"target_error: a share above 0 and below 1, e.g. 0.01, not {target_error!r}")
         source.SetTargetError(target_error)
-        source.SetTimeLimit(time_limit)
-        source.SetNumberOfThreads(threads)
+        source.SetTimeLimit(_check.number("time_limit", time_limit, 0))
+        source.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
+        source.SetTruth(bool(truth))
         if window is not None:
-            source.SetWindow(*window)
+            x, y, width, height = _check.several("window", window, 4, "four whole numbers x, y, width, height")
+            if width < 1 or height < 1 or x + width > self.columns or y + height > self.rows:
+                raise Error(f"window reaches beyond the sensor of {self.columns} x {self.rows} pixels")
+            source.SetWindow(x, y, width, height)
         update(source, progress)
         return LightField(source.GetOutput(), relative_error=source.GetRelativeError())
 
@@ -159,25 +309,31 @@ class Scene:
         lens_type: of the microlens; most: at most so many rays, drawn evenly (sums are no fluxes then)
 
         Returns Rays. Raises Error.
+
+            >>> import plenoflame
+            >>> rays = plenoflame.Scene("small.toml").rays(pixels=[(30, 30)], rays=4)
+            >>> bool((rays.pixel == (30, 30)).all()), rays.points.shape[1]
+            (True, 3)
         """
-        source = vtk.vtkPlenoflameRayPathSource()
-        source.SetInputDataObject(self.scene)
-        for column, row in pixels:
-            source.AddPixel(column, row)
-        for q, r in microlenses:
-            source.AddMicrolens(q, r)
-        for x, y, z in points:
-            source.AddObjectPoint(x, y, z)
-        source.SetNumberOfRandomPixels(random)
-        source.SetChiefRays(chief)
+        source = library.RayPathSource()
+        source.SetInputDataObject(self._scene)
+        for pixel in pixels:
+            source.AddPixel(*_check.several("pixels", pixel, 2, "pairs of whole numbers, column and row", low=-2 ** 31))
+        for lens in microlenses:
+            source.AddMicrolens(*_check.several("microlenses", lens, 2, "pairs of whole numbers, q and r", low=-2 ** 31))
+        for point in points:
+            source.AddObjectPoint(*_check.several("points", point, 3, "points x, y, z in metres", _check.number))
+        source.SetNumberOfRandomPixels(_check.whole("random", random))
+        source.SetChiefRays(bool(chief))
+        rays = _check.whole("rays", rays, 2)
         source.SetRaysPerPixel(rays)
         source.SetRaysPerPoint(rays)
-        source.SetFlameSamples(flame_samples)
-        source.SetSeed(seed)
-        source.SetMaximumNumberOfRays(most)
-        source.SetNumberOfThreads(threads)
+        source.SetFlameSamples(_check.whole("flame_samples", flame_samples))
+        source.SetSeed(_check.whole("seed", seed, -1, 2 ** 63 - 1))
+        source.SetMaximumNumberOfRays(_check.whole("most", most))
+        source.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
         if lens_type is not None:
-            source.SetSelectedType(lens_type)
+            source.SetSelectedType(_check.whole("lens_type", lens_type))
         if status is not None:
             chosen = [status] if isinstance(status, str) else list(status)
             unknown = set(chosen) - set(Rays.STATUSES)
@@ -188,28 +344,77 @@ class Scene:
         update(source)
         return Rays(source.GetOutput())
 
+    def ray_blocks(self, samples=0, *, window=None, precision="double", radiance=False, seed=-1, skip=True,
+                   rays_per_block=65536, threads=0):
+        """The rays that make the picture, as an iterator of RayBlock: a pixel's flux is the sum of etendue * radiance over
+        its rays. They are traced while the blocks are worked on, a few blocks ahead.
+
+        samples: rays per pixel and microlens; 0: as the scene says
+        window: (x, y, width, height) of the sensor, from the top left; None: all
+        precision: "double" or "single", of the tracer and of the arrays
+        radiance: whether the radiance of each ray is found, too
+        seed: -1: the scene's; skip: False: also rays of pixels and microlenses that cannot see the scene
+        rays_per_block: about so many
+        threads: 0: one per processor. All rays of a pixel come in an order that does not depend on it; with 1 the blocks
+        do, too
+
+        Raises Error.
+
+            >>> import plenoflame
+            >>> scene = plenoflame.Scene("small.toml")
+            >>> flux = sum((b.etendue * b.radiance[:, 0]).sum() for b in scene.ray_blocks(2, radiance=True))
+            >>> bool(abs(flux / scene.render(samples=2).flux.sum() - 1) < 1e-4)
+            True
+        """
+        return ray_blocks(self, samples, window, precision, radiance, seed, skip, rays_per_block, threads)
+
+    def operator(self, *, unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None, absorption=None,
+                 channel=None, rays=64, bin=1, seed=None, threads=0, progress=None):
+        """The matrix from a flame's samples to the pixels' fluxes, as `plenoflame operator` writes it (docs/reconstruct.md):
+        a scipy.sparse.linalg.LinearOperator that follows rays, and with .matrix a csr_matrix. Needs SciPy.
+
+            A = scene.operator(unknowns="rings", grid=(16, 32))
+            x = scipy.sparse.linalg.lsqr(A, y)[0]
+
+        unknowns: "voxels", "rings" or "layers"; grid: their numbers; center, size, axis: in metres, or texts with units;
+        without them, where the scene's flames are
+        absorption: None (samples are those of emission), "scene", or a value [1/m]: samples of the source function
+        rays: per pixel and microlens; bin: pixels along each side of a row's block; seed: None: the scene's
+        progress: called with the fraction done; a true result stops it
+
+        Of a scene with several cameras: all of them, one after the other, unless one is chosen. Returns Operator. Raises
+        Error.
+        """
+        try:
+            from .operators import make_operator
+        except ImportError as error:  # SciPy is needed for nothing else
+            raise Error(f"operator() needs SciPy (Debian's python3-scipy, or pip install scipy): {error}") from None
+        return make_operator(self, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, seed, threads,
+                             progress)
+
     def camera(self, **settings):
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,
         e.g. LevelOfDetail=2, Window=(100, 100, 64, 64)."""
-        source = vtk.vtkPlenoflameCameraSource()
-        source.SetInputDataObject(self.scene)
+        need_vtk("Scene.camera()")
+        source = library.CameraSource()
+        source.SetInputDataObject(self._scene)
         for name, value in settings.items():
             getattr(source, "Set" + name)(value)
         return update(source).GetOutput()
 
     def flame(self, resolution=128):
-        """The flames sampled on a lattice: a vtkImageData with "temperature" [K] and "absorption" [1/m]."""
-        source = vtk.vtkPlenoflameFlameSource()
-        source.SetInputDataObject(self.scene)
-        source.SetResolution(resolution)
+        """The flames sampled on a lattice: voxels (flame_arrays) with "temperature" [K] and "absorption" [1/m]."""
+        source = library.FlameSource()
+        source.SetInputDataObject(self._scene)
+        source.SetResolution(_check.whole("resolution", resolution, 2, 1024))
         return update(source).GetOutput()
 
 
-def _as_text(value):
-    if isinstance(value, str):
-        return value
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(_as_text, value))
-    return repr(value)
+def _scene_of(text, name, images, camera=""):
+    scene = Scene(text=text, name=name)
+    scene.camera_name = camera
+    for key, (state, ambient) in images.items():
+        scene._images[key] = (data.data_of(state), ambient)
+        with data.errors_of(scene._scene):
+            scene._scene.SetFlameImage(key, *scene._images[key])
+    return scene

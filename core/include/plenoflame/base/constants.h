@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 
 /// Physical constants, SI. Exact since the revision of the SI of 2019 (BIPM, SI Brochure, 9th ed.).
 namespace plenoflame::constants {
@@ -17,3 +18,9 @@ inline constexpr double stefan_boltzmann =
     (15.0 * planck * planck * planck * light_speed * light_speed);
 
 }  // namespace plenoflame::constants
+
+namespace plenoflame {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace plenoflame

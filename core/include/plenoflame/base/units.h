@@ -17,6 +17,7 @@ enum class Dimension {
   radiance,           ///< W/(m^2 sr)
   spectral_radiance,  ///< W/(m^3 sr)
   irradiance,         ///< W/m^2
+  frequency,          ///< Hz
 };
 
 /// SI unit in which values of this dimension are kept, as text, e.g. "1/m"; empty for none.

@@ -3,11 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/camera/microlens_aperture.h"
 #include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/math/vector.h"
 #include "plenoflame/optics/first_order.h"
 #include "plenoflame/optics/lens_system.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/camera_spec.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {
 
@@ -48,6 +51,8 @@ class Camera {
 
   const CameraSpec& spec() const { return spec_; }
   const RigidTransform& to_world() const { return to_world_; }
+  /// Filters over parts of the stop.
+  const PupilFilters& pupil_filters() const { return pupil_filters_; }
   bool has_array() const { return spec_.array.present; }
   bool ideal_lens() const { return spec_.lens.model == LensModel::ideal; }
   bool ideal_array() const { return spec_.array.model == LensModel::ideal; }
@@ -59,6 +64,7 @@ class Camera {
   double exit_pupil() const { return rear_vertex_ - lens_first_order_.exit_pupil; }
   const std::vector<Microlens>& microlenses() const { return microlenses_; }
   const MicrolensLattice& lattice() const { return lattice_; }
+  const MicrolensAperture& aperture() const { return aperture_; }  ///< of every microlens
   /// Middle of a lens in its aim plane [m]: its centre in the lattice, turned with the array.
   Vec3 lens_place(LensIndex lens) const;
   /// Frames of the main lens and of the array in that of the camera: what decentre and tilts say.
@@ -72,6 +78,8 @@ class Camera {
   /// The same camera, mounted and made perfectly in this respect; rotation, offset, spacing and
   /// centre jitter stay.
   Camera aligned() const;
+  /// The same camera with circles around its microlenses, which may overlap.
+  Camera with_circles() const;
   /// Where the light of the main lens falls straight on the array [m], camera x, y: below the exit
   /// pupil; (0, 0) unless the main lens is moved.
   Vec2 foot() const { return foot_; }
@@ -97,7 +105,8 @@ class Camera {
     Ray exit;                  ///< leaving the front of the camera when status is reached
     std::vector<Vec3> points;  ///< sensor point, one per surface that was met (two for an ideal
                                ///< lens with separated principal planes)
-    double passed = 1;  ///< share of the light that its surfaces and the cover glass let through
+    double passed = 1;   ///< share of the light that its surfaces and the cover glass let through
+    int pupil_part = 0;  ///< PupilFilters::part_at() where it crossed the stop
   };
   /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
   /// `lens`; none: there is no array, or the ray passes between its lenses. Exact, in double
@@ -120,6 +129,7 @@ class Camera {
     /// transform. A beam's flux changes by it, its radiance does not. Times the share that surfaces
     /// and the cover glass let through.
     double etendue_ratio = 1;
+    int pupil_part = 0;  ///< PupilFilters::part_at() where it crossed the stop
   };
   /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of
   /// the sensor, in double precision: the way of trace(), backwards. Appends where it arrives:
@@ -136,8 +146,14 @@ class Camera {
 
   /// Sensor point of continuous upright image coordinates (pixel (0,0) has its centre at 0.5, 0.5).
   Vec2 sensor_point(double column, double row) const {
-    const double p = spec_.sensor.pixel_pitch;
-    return {(0.5 * spec_.sensor.columns - column) * p, (0.5 * spec_.sensor.rows - row) * p};
+    const Vec2 p = spec_.sensor.pixel();
+    return {(0.5 * spec_.sensor.columns - column) * p.x, (0.5 * spec_.sensor.rows - row) * p.y};
+  }
+  /// Continuous upright image coordinates of a sensor point: the inverse of sensor_point().
+  Vec2 image_point(Vec2 sensor_point) const {
+    const Vec2 p = spec_.sensor.pixel();
+    return {0.5 * spec_.sensor.columns - sensor_point.x / p.x,
+            0.5 * spec_.sensor.rows - sensor_point.y / p.y};
   }
 
  private:
@@ -145,18 +161,21 @@ class Camera {
   void place_array();
   void mount();
   void solve_focus(std::vector<std::string>* warnings);
-  TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points) const;
+  TraceStatus trace_ideal(Ray& ray, std::vector<Vec3>* points, int& pupil_part) const;
+  TraceStatus trace_surfaces(Ray& ray, bool to_scene, std::vector<Vec3>* points,
+                             PassedLight* passed, int& pupil_part) const;
   PassedLight light_of_lens() const;
   double through_cover(Vec3 direction) const;
-  TraceStatus trace_main_lens_inwards(Ray& ray, double& etendue_ratio,
-                                      std::vector<Vec3>* points) const;
-  TraceStatus trace_aligned_lens_inwards(Ray& ray, double& etendue_ratio,
+  TraceStatus trace_main_lens_inwards(Ray& ray, Arrival& arrival, std::vector<Vec3>* points) const;
+  TraceStatus trace_aligned_lens_inwards(Ray& ray, Arrival& arrival,
                                          std::vector<Vec3>* points) const;
   TraceStatus pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
                              std::vector<Arrival>& arrivals, std::vector<Vec3>* points) const;
-  TraceStatus trace_main_lens(Ray& ray, std::vector<Vec3>* points, double& passed) const;
+  TraceStatus trace_main_lens(Ray& ray, std::vector<Vec3>* points, Path& path) const;
   const LensSystem& microlens_system(LensIndex lens, LensSystem& own) const;
   double microlens_power(LensIndex lens) const;
+  TraceStatus pass_faces(LensIndex lens, bool to_scene, Ray& ray, std::vector<Vec3>* points,
+                         double& passed) const;
   Ray to_array(const Ray& ray) const;
   Ray from_array(const Ray& ray) const;
   bool meet_microlenses(const Ray& ray, const Arrival& arrival, std::vector<Arrival>& arrivals,
@@ -172,6 +191,8 @@ class Camera {
   std::vector<Microlens> microlenses_;
   std::vector<LensSystem> microlens_systems_;
   MicrolensLattice lattice_;
+  MicrolensAperture aperture_;
+  PupilFilters pupil_filters_;
   RigidTransform lens_pose_, array_pose_;
   bool lens_moved_ = false, array_tilted_ = false;
   Vec2 foot_;

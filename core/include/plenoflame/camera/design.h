@@ -16,6 +16,10 @@ struct SharpRange {
   double far = 0;    ///< a0+
 };
 
+/// Whether distances from near to far in array space pass through infinity: from in front of the
+/// array to behind it. Ranges of Galilean types lie behind it as a whole and do not.
+bool passes_infinity(double near, double far);
+
 /// First-order properties of one microlens type. Perwass and Wietzke, Proc. SPIE 8291 (2012),
 /// 829108.
 struct TypeDesign {
@@ -31,6 +35,7 @@ struct TypeDesign {
   double disparity_rate = 0;
   double dioptric_width = 0;  ///< [1/m] 1/a0- - 1/a0+ = 2 p / (D B)
   SharpRange array, object;
+  bool object_through_infinity = false;  ///< whether objects at infinity are within `object`
 };
 
 /// Image of an object point by real rays in its plane of least RMS radius.

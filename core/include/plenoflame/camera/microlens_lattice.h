@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "plenoflame/math/vector.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/array_spec.h"
 
 namespace plenoflame {
 
@@ -13,9 +13,15 @@ struct LensIndex {
   friend bool operator==(const LensIndex&, const LensIndex&) = default;
 };
 
+/// The smaller and the larger one of an array's pitches along x and y [m].
+double shortest_pitch(const ArraySpec& array);
+double longest_pitch(const ArraySpec& array);
+/// Whether rows are as far apart as columns, or as a hexagonal lattice has them.
+bool is_regular(const ArraySpec& array);
+
 /// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements
-/// of ArraySpec::centre_jitter. It has no edge: as many lenses as light can reach the sensor
-/// through.
+/// of ArraySpec::centre_jitter. Without ArraySpec::columns and rows it has no edge: as many lenses
+/// as light can reach the sensor through.
 class MicrolensLattice {
  public:
   MicrolensLattice() = default;
@@ -26,19 +32,27 @@ class MicrolensLattice {
   double focal_factor(LensIndex lens) const;
   /// Type of a lens, 0 based: (q - r) mod the number of types.
   int type(LensIndex lens) const;
-  /// The lens whose centre is nearest to a point.
+  /// Whether the array has this lens. Of C columns and R rows those about lens (0, 0) are there:
+  /// rows -(R - 1) / 2 to R / 2, and as many columns, counted from the row's first lens right of
+  /// camera y (in whole numbers; before the array is rotated and moved).
+  bool has(LensIndex lens) const;
+  /// The lens of the array whose centre is nearest to a point.
   LensIndex nearest(Vec2 point) const;
   /// All lenses with centres in the closed rectangle, ordered by r, then q.
   std::vector<LensIndex> within(Vec2 lower, Vec2 upper) const;
 
  private:
   Vec2 axial(Vec2 point) const;
+  LensIndex nearest_place(Vec2 point) const;
+  int column(LensIndex lens) const;
   Vec2 displacement(LensIndex lens) const;
   Vec2 step_q_{1, 0}, step_r_{0, 1}, offset_;
   double jitter_ = 0;  ///< [m] greatest displacement of a lens from its place
   double focal_jitter_ = 0;
   std::uint64_t jitter_seed_ = 1;
   int type_count_ = 1;
+  int columns_ = 0, rows_ = 0;  ///< 0: without end
+  bool hexagonal_ = false;
 };
 
 }  // namespace plenoflame

@@ -60,22 +60,29 @@ struct ApertureDiscs {
   double radius = 0, shift = 0;            ///< [m], none
   double growth = 0, bend = 0;             ///< [1/m], [1/m^2]
   double bound = 0;                        ///< of |u|, for all s [m]
+  double room = 0;  ///< by which they are wider than those of an aligned camera [m]
 
   Vec2 far_centre(Vec2 s) const { return (shift + bend * dot(s, s)) * s; }
   double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
+/// What lies between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
+/// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half,
+/// with the shifts of the discs of the circle around them. Of circles there are none.
+struct ApertureSides {
+  int pairs = 0;
+  std::array<Vec2, MicrolensAperture::kMostPairs> normals{};
+  std::array<double, MicrolensAperture::kMostPairs> near_half{}, far_half{};  ///< [m]
+};
+
 /// The table of one microlens type (or of the bare camera) over the field.
 class PupilTable {
  public:
-  ApertureDiscs discs;  ///< with array
+  ApertureDiscs discs;  ///< with array; of the circle around apertures with sides
+  ApertureSides sides;  ///< with array
   /// With array: where rays cross the plane of the exit pupil, in its radii, and the microlens' far
   /// face, in radii of its aperture.
   RayCrossing at_pupil, at_far_face;
-  /// The microlens images the stop sharply: its edge takes up less than kSharpEdge of the
-  /// micro-image's radius, in the mean, and beside it pixels see little of the aperture.
-  bool sharp_stop = false;
-  static constexpr double kSharpEdge = 0.4;
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
   /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:

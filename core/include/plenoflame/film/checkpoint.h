@@ -10,9 +10,11 @@ namespace plenoflame {
 /// @throws FileError
 void write_checkpoint(const std::string& path, const Film& film, const std::string& key);
 
+/// What a kept film belongs to. @throws FileError (cannot be read, damaged, not such a file)
+std::string read_checkpoint_key(const std::string& path);
+
 /// @throws FileError (cannot be read, damaged), InputError (another scene, other settings or
-/// another
-///         version: says so)
+///         another version: says so)
 Film read_checkpoint(const std::string& path, const std::string& key);
 
 }  // namespace plenoflame

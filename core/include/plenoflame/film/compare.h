@@ -9,9 +9,11 @@
 namespace plenoflame {
 
 /// How one image differs from a reference, over the pixels that both hold. A pixel is lit when the
-/// reference's flux is above kLitShare (film.h) of its largest one. Sums marked * use the standard
-/// errors s of both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact),
-/// plus the rounding of the stored single precision; they take the errors of different pixels as
+/// mean of both is above kLitShare (film.h) of its largest one; each image has the weight of the
+/// other's mean variance in that mean (equal weights without standard errors), so that noise does
+/// not choose pixels in which one of them is too bright. Sums marked * use the standard errors s of
+/// both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact), plus the
+/// rounding of the stored single precision; they take the errors of different pixels as
 /// independent.
 struct Comparison {
   PixelWindow window;  ///< common part of both
@@ -59,9 +61,29 @@ struct Comparison {
   static constexpr int kBlock = 16;
 };
 
+/// What a comparison says about the cause of the differences.
+enum class Verdict {
+  unknown,         ///< no standard errors, or too few rays for them (dark_in_one_share)
+  noise,           ///< nothing speaks against noise alone
+  more_than_noise  ///< the bias, a block score or a single pixel is beyond its limit
+};
+
+/// Limits of verdict(): standard errors of the bias, and block_score. Noise alone exceeds them
+/// about once in two million comparisons.
+inline constexpr double kVerdictLimit = 5;
+/// A single pixel counts when one as large has at most this probability ...
+inline constexpr double kVerdictProbability = 1e-6;
+/// ... and its error is known from at least so many degrees of freedom. With fewer the mean square
+/// of the differences in units of their errors has no finite mean, or no finite variance.
+inline constexpr double kFreedomForPixels = 5;
+/// Above this share of pixels that are dark in one image only the standard errors are too small.
+inline constexpr double kTooManyDark = 0.01;
+
+Verdict verdict(const Comparison& comparison);
+
 /// Compares channel `channel` (empty: the first of `reference`) of a light field with a reference.
 /// @throws InputError when sensors differ, windows don't overlap, a channel is missing (the message
-///         lists those present), no pixel is lit, or a pixel isn't finite
+///         lists those present), the reference is dark, or a pixel isn't finite
 Comparison compare(const LightField& a, const LightField& reference,
                    const std::string& channel = "");
 

@@ -42,20 +42,30 @@ struct LightField {
 const LightFieldChannel& find_channel(const LightField& light_field, const std::string& name,
                                       const std::string& what = "the light field");
 
+/// How the pixels of an EXR are packed; nothing is lost by any.
+enum class ExrCompression {
+  none,
+  rle,  ///< runs of equal bytes: unlit pixels, most of a light field, take no space; quick
+  zip,  ///< some percent smaller than rle, three times as long to write
+  piz,  ///< wavelets: larger and slower than zip where pixels are noisy or unlit
+};
+
 /// Writes a multi-channel float EXR (flux "NAME", standard error "NAME.error", layers by name),
 /// under a temporary name that is renamed at the end. Data window: `window` within a display window
-/// of the whole sensor. Attributes: "plenoflame.format" (1), "plenoflame.unit" ("W"), .version,
-/// .scene, .estimator, .seed (decimal text), .samples, .complete, .channels and .layers (names, in
-/// order), .number.KEY (double, SI), .text.KEY. From these entries of `numbers` the standard
-/// attributes of OpenEXR are written besides, in the units that it defines: lens.focal_length
-/// (effectiveFocalLength, mm), lens.f_number (aperture), focus.object_distance (focus, m),
-/// sensor.pixel_pitch (sensorPhotositePitch, um; sensorOverallDimensions, mm).
-/// The same light field gives the same bytes.
+/// of the whole sensor. Attributes: "plenoflame.format" (2) and .complete are whole numbers, all
+/// others texts, as other programs keep hardly anything else: "plenoflame.unit" ("W"), .version,
+/// .scene, .estimator, .seed and .samples (decimal), .channels and .layers (names in order, one a
+/// line), .number.KEY (decimal, SI; the shortest that is read as the same double), .text.KEY. From
+/// these entries of `numbers` the standard attributes of OpenEXR are written besides, in the units
+/// that it defines: lens.focal_length (effectiveFocalLength, mm), lens.f_number (aperture),
+/// focus.object_distance (focus, m), sensor.pixel_pitch (sensorPhotositePitch, um;
+/// sensorOverallDimensions, mm). The same light field gives the same bytes.
 /// @throws FileError naming the file and the cause (folder missing, disk full, ...),
 ///         InputError when window, images and names do not fit together,
 ///         Cancelled when a stop was requested: nothing is left behind
 void write_light_field(const std::string& path, const LightField& light_field,
-                       const std::stop_token& stop = {});
+                       const std::stop_token& stop = {},
+                       ExrCompression compression = ExrCompression::rle);
 
 /// Reads what write_light_field wrote. @throws FileError (cannot be read, not an EXR, damaged),
 /// InputError (an EXR from elsewhere: names the missing attribute), Cancelled

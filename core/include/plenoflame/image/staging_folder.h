@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 namespace plenoflame {
 
@@ -20,6 +21,8 @@ class StagingFolder {
   /// Moves them into the folder, over those of the same names; through symbolic links, too.
   /// @throws FileError as AtomicFile; then the folder is as it was before
   void commit();
+  /// The same for several folders: all of their files appear, or none.
+  static void commit(const std::vector<const StagingFolder*>& folders);
 
  private:
   std::string folder_, path_;

@@ -4,7 +4,7 @@
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/png_file.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/render_spec.h"
 
 namespace plenoflame {
 

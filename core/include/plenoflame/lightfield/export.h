@@ -5,6 +5,7 @@
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/colour.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/lightfield/views.h"
 
@@ -29,6 +30,7 @@ struct ExportName {
   const char* name;  ///< on the command line
   const char* what;  ///< one line
   int grid;          ///< views along a side unless said otherwise; 0: the format has none
+  bool colour;       ///< whether the tool reads colour pictures
 };
 /// All formats.
 const std::array<ExportName, 10>& export_formats();
@@ -38,6 +40,7 @@ struct ExportSettings {
   std::string name = "lightfield";  ///< stem of the files' names
   ViewSettings views;               ///< for the formats that have them, but for views.grid
   int grid = 0;                     ///< views along a side; 0: as the tool expects
+  ColourChannels colour;  ///< of pictures, where the tool knows colour; none: grey of views.channel
   double saturation = 0;  ///< [W] (formats of raw images) that becomes white; 0: automatic
 };
 

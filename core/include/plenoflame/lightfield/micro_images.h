@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "plenoflame/base/isa.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/optics/window_set.h"
 
 namespace plenoflame {
 
@@ -25,6 +27,11 @@ class MicroImages {
   /// @param white whether white() will be asked for: costs most of the time
   /// @throws InputError without array, or when no light gets through
   explicit MicroImages(const Camera& camera, bool white = true, const Execution& execution = {});
+
+  /// From now on planes and chief rays are those that the camera sees through these windows: each
+  /// ray is refracted by them on its way. Places on the sensor and white light stay as they are.
+  /// @param windows of the scene, with their indices set
+  void look_through(const std::vector<WindowSpec>& windows);
 
   const Camera& camera() const { return camera_; }
   /// Least distance between the centres of neighbouring micro-images near the axis [m].
@@ -48,7 +55,8 @@ class MicroImages {
     Vec2 slope;
   };
   /// The ray that arrives at `sensor_point` through the middle of the microlens. Exact within the
-  /// fit's error for points in the disc of place.radius.
+  /// fit's error for points in the disc of place.radius. Seen through windows it is the stretch of
+  /// its way that crosses the plane in focus.
   Line chief_ray(const Place& place, Vec2 sensor_point) const;
 
   /// chief_ray's intersection with the plane z = depth, prepared for many points of one
@@ -59,13 +67,15 @@ class MicroImages {
 
    private:
     friend class MicroImages;
+    Ray ray_at(Vec2 sensor_point) const;
     Place place_;
     std::array<double, 21> x_{}, y_{};
-    // With a main lens that is decentred or tilted: its lines at z = 0 and 1 of its own frame.
-    bool moved_ = false;
+    // With windows, or a main lens that is decentred or tilted: its lines at z = 0 and 1 of its own
+    // frame.
     double depth_ = 0;
-    RigidTransform pose_;
-    std::vector<ToPlane> second_;
+    RigidTransform pose_, to_world_;
+    std::shared_ptr<const WindowSet> windows_;
+    std::vector<ToPlane> second_;  ///< one, or none
   };
   ToPlane to_plane(const Place& place, double depth) const;
 
@@ -94,7 +104,7 @@ class MicroImages {
 
    private:
     friend class MicroImages;
-    double pitch = 0;
+    Vec2 pitch;
     Vec2 centre;
     struct Some {
       std::vector<int> at;
@@ -112,9 +122,9 @@ class MicroImages {
    public:
     WhiteTable(const MicroImages& micro_images, const Place& place);
     double operator()(Vec2 sensor_point) const;
-    /// The values of pixels at origin - pitch (x, y). Single precision.
-    void values(Vec2 origin, double pitch, std::size_t count, const float* x, const float* y,
-                Isa isa, float* out) const;
+    /// The values of pixels at origin - (pitch.x x, pitch.y y). Single precision.
+    void values(Vec2 origin, Vec2 pitch, std::size_t count, const float* x, const float* y, Isa isa,
+                float* out) const;
     double reach() const { return reach_; }  ///< [m] no light farther from the centre
     Vec2 centre() const { return centre_; }
 
@@ -124,7 +134,7 @@ class MicroImages {
       double weight = 0;
       double half = 0, scale = 0;  ///< [m] half the table's side; its steps per metre
     };
-    static constexpr std::size_t kMostParts = 10;  ///< two nodes, each for up to five angles
+    static constexpr std::size_t kMostParts = 18;  ///< two nodes, each for up to nine angles
     std::array<Part, kMostParts> parts_{};
     std::size_t count_ = 0;
     Vec2 centre_, outwards_;
@@ -186,6 +196,7 @@ class MicroImages {
   std::array<double, 21> mixed(const Place& place, std::size_t which) const;
 
   Camera camera_;
+  std::shared_ptr<const WindowSet> windows_;  ///< nullptr: none
   Centres centres_;
   double spacing_ = 0, reach_ = 0;
   std::vector<double> step_;              ///< [m] between nodes, per type

@@ -1,12 +1,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/image/light_field.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/sensor_spec.h"
 
 /// From radiant flux to electrons and digital numbers (docs/radiometry.md).
 namespace plenoflame {
@@ -16,6 +17,7 @@ struct SensorFrame {
   PixelWindow window;
   double exposure_time = 0;            ///< [s]
   double gain = 0;                     ///< electrons per digital number
+  double black_level = 0;              ///< digital number of no light
   Image electrons;                     ///< as read: clipped at the full well, with read noise
   std::vector<std::uint16_t> numbers;  ///< digital numbers
   std::size_t saturated = 0;           ///< pixels at the full well or the largest number
@@ -47,13 +49,20 @@ double automatic_exposure(const std::vector<SensorChannel>& channels, const Sens
 
 /// One frame: mean electrons = flux * time * electrons_per_joule + dark current * time; Poisson's
 /// law; the full well; read noise; digital number = round(electrons / gain + black level), limited
-/// to the converter's range. The noise of a pixel depends on the seed, the frame's number and the
-/// pixel's place on the sensor only.
+/// to the converter's range, with the gain and black level
+/// of resolved_levels() (camera/sensor_levels.h). The noise of a pixel
+/// depends on the seed, the frame's number and the pixel's place on the sensor only.
 /// @param channels one, or three for a mosaic   @param sensor_width columns of the whole sensor
 /// @throws InputError: images of different sizes, a value that is not finite, a full well of 0
 SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow window, int sensor_width,
                    const SensorSpec& sensor, const FrameSettings& settings,
                    const Execution& execution = {});
+
+/// Of a light field that holds electrons: the exposure time [s] of a channel, 0 when it is not
+/// known; and the electrons of dark current in it. The numbers are "sensor.exposure_time" and
+/// "sensor.dark_electrons", with ".CHANNEL" behind them where channels have exposures of their own.
+double channel_exposure(const LightField& electrons, const std::string& channel);
+double channel_dark_electrons(const LightField& electrons, const std::string& channel);
 
 /// Which of red (0), green (1) and blue (2) a pixel of the whole sensor sees; 0 without a mosaic.
 int mosaic_colour(MosaicPattern pattern, int column, int row);

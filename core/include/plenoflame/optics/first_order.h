@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
-
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/array_spec.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {
 

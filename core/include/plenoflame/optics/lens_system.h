@@ -3,7 +3,7 @@
 
 #include "plenoflame/math/vector.h"
 #include "plenoflame/optics/ray_status.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {
 

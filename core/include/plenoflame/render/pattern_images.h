@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/render/point_images.h"
 #include "plenoflame/scene/compile.h"
 
 namespace plenoflame {
@@ -11,14 +12,7 @@ namespace plenoflame {
 struct PatternImage {
   PatternPoint point;
   Vec3 in_camera;  ///< [m] the point in the camera's frame
-  /// Microlens through which it is seen; -1 without array.
-  LensIndex lens;
-  int type = -1;
-  /// Centroid of the light that arrives, in continuous coordinates of the upright image: pixel (0,
-  /// 0) has its centre at (0.5, 0.5).
-  double column = 0, row = 0;
-  double spread = 0;  ///< [pixels] root mean square distance of the light from the centroid
-  double share = 0;  ///< of the point's light that reaches the sensor, that comes through this lens
+  PointImage image;
 };
 
 /// The images of all points of the scene's checkerboards and dot grids, in the order of the scene,

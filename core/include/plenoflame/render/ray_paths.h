@@ -1,4 +1,5 @@
 #pragma once
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -27,6 +28,8 @@ inline constexpr int kSceneVertex = -2;
 inline constexpr int kFlameVertex = -3;   ///< a sample between those two
 inline constexpr int kObjectVertex = -4;  ///< the object point that a ray starts from
 inline constexpr int kSolidVertex = -5;   ///< on a solid surface of the scene, where the ray ends
+/// Where the ray enters or leaves a window, or ends at its rim or by total reflection.
+inline constexpr int kWindowVertex = -6;
 
 /// A ray from the sensor to the first solid surface of the scene, or through it, or to where it
 /// ended in the camera; one from an object point runs the other way.
@@ -35,8 +38,9 @@ struct RayPath {
   LensIndex lens;           ///< microlens; (0, 0) without array, or when it reaches none
   int type = -1;            ///< of the microlens; -1: none
   TraceStatus status;
-  int solid = -1;     ///< number of the scene's surface that the ray ends at; -1: none
-  double weight = 0;  ///< [m^2 sr] share of the pixel's etendue; 0: not drawn for an image
+  int pupil_part = 0;  ///< of the stop that it crosses (PupilFilters::part_at())
+  int solid = -1;      ///< number of the scene's surface that the ray ends at; -1: none
+  double weight = 0;   ///< [m^2 sr] share of the pixel's etendue; 0: not drawn for an image
   double optical_thickness = 0;      ///< of the flames along the ray
   std::size_t first = 0, count = 0;  ///< of RayPaths::vertices
 };
@@ -61,11 +65,13 @@ struct RayPaths {
 
 struct Pixel {
   int column = 0, row = 0;
+  friend auto operator<=>(const Pixel&, const Pixel&) = default;
 };
 
 /// Adds the rays of these pixels: those that the backward estimator draws for them with `settings`
 /// (samples, replicates, seed; always in double precision; rays of microlenses whose beams miss the
-/// flames are drawn, too). Rays that end in the camera are among them, with radiance 0.
+/// flames are drawn, too). Rays that end in the camera are among them, with radiance 0. A pixel
+/// that is given twice has its rays once, so that sums over them stay fluxes.
 /// @throws UsageError for a pixel outside of the sensor or settings that render() refuses
 /// @throws Cancelled
 void add_pixel_rays(const CompiledScene& scene, const RenderSettings& settings,
@@ -73,10 +79,12 @@ void add_pixel_rays(const CompiledScene& scene, const RenderSettings& settings,
 
 /// Adds the rays of all pixels that one microlens lights, as far as they go through it: those of
 /// add_pixel_rays(). Summed over them, weight * radiance is the flux through that microlens [W].
+/// @param except pixels that are left out, as their rays are there already
 /// @throws as add_pixel_rays(); InputError without array; UsageError for a microlens that lights
 ///         no pixel
 void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settings, LensIndex lens,
-                        const Execution& execution, RayPaths& paths);
+                        const Execution& execution, RayPaths& paths,
+                        const std::vector<Pixel>& except = {});
 
 /// Adds `count` rays from a point of the scene towards the camera, spread evenly over the entrance
 /// pupil: the way of light. They arrive at the pixel (column, row), or end inside of the camera.
@@ -92,7 +100,8 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
 /// @throws InputError without array
 void add_chief_rays(const CompiledScene& scene, RayPaths& paths);
 
-/// Pixels drawn at random from the whole sensor, each alike, with repetitions.
+/// Different pixels drawn at random from the whole sensor, each with the same probability.
+/// @throws UsageError when the sensor has fewer
 std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint64_t seed);
 
 /// Which rays to keep.
@@ -111,8 +120,10 @@ void select_rays(const RaySelection& selection, RayPaths& paths);
 /// Paths without rays, for the scene's channels and surfaces.
 RayPaths empty_ray_paths(const CompiledScene& scene);
 
-/// Writes VTK PolyData (.vtp; one polyline a ray), CSV (.csv; one line a vertex) or JSON (.json),
-/// as the name ends. Contents: docs/rays.md. @throws FileError; UsageError for another ending
+/// Writes VTK PolyData (.vtp; one polyline a ray), CSV (.csv; one line a vertex), JSON (.json), or
+/// numpy arrays of the end points in single precision (.npz; 58 bytes a ray and 4 for each
+/// channel), as the name ends. Contents: docs/rays.md. @throws FileError; UsageError for another
+/// ending
 void write_ray_paths(const std::string& path, const RayPaths& paths);
 
 }  // namespace plenoflame

@@ -8,7 +8,7 @@
 #include "plenoflame/base/isa.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/light_field.h"
-#include "plenoflame/media/medium.h"
+#include "plenoflame/render/work_counters.h"
 #include "plenoflame/scene/compile.h"
 
 namespace plenoflame {
@@ -63,28 +63,12 @@ struct RenderSettings {
 bool has_fixed_samples(const RenderSettings& settings);
 
 /// What was done, left out, and how long it took.
-struct RenderStatistics {
-  double rays = 0;          ///< sent
-  double rays_reached = 0;  ///< of these, left the camera towards the scene (forward: arrived on
-                            ///< the sensor)
-  double pixels = 0;        ///< in the window
-  double pairs = 0;         ///< pixels x microlenses that cover them
-  double pairs_left_to_chance = 0;  ///< of little worth, not sampled this time: others count more
-  double pairs_skipped = 0;         ///< whose beams miss the flame while others of the lens do not
-  double lenses = 0;                ///< microlenses whose micro-images meet the window
-  double lenses_skipped = 0;        ///< of these, whose beams miss the flame
-  double pixels_skipped = 0;        ///< without array: pixels whose beams miss the flame
-  double tiles = 0;                 ///< of the film that were rendered, in all rounds
-  double tiles_skipped = 0;         ///< of these, without any ray
+struct RenderStatistics : WorkCounters {
+  double pixels = 0;          ///< in the window
+  double lenses = 0;          ///< microlenses whose micro-images meet the window
+  double lenses_skipped = 0;  ///< of these, whose beams miss the flame
   /// Parts of the work that neither scene nor settings ask for, a phrase each.
   std::vector<std::string> left_out;
-  MediumCounters medium;
-  /// Of the rays that reached the scene, where a table stands in for the medium: how many only
-  /// looked it up, corrected it, were integrated because it is not smooth there; rays that filled
-  /// it; sums over a pixel's rays that a correction made negative and that count as 0 instead, and
-  /// what that adds to the picture's sum (in the same arbitrary unit).
-  double table_looked_up = 0, table_corrected = 0, table_rough = 0, table_nodes = 0,
-         table_clamped = 0, table_clamped_sum = 0, table_sum = 0;
   double relative_error = -1;        ///< estimated relative RMSE over lit pixels; -1: not estimated
   double relative_error_bound = -1;  ///< below which it is at kErrorConfidence (film.h)
   double flux = 0;                   ///< [W] sum over the image, first channel
@@ -96,10 +80,7 @@ struct RenderStatistics {
   int wavelengths = 0;               ///< that stand for the channels; 0: each for itself
   double spectral_error = 0;         ///< of that, relative (radiometry/spectral_nodes.h)
   int paths = 1;                     ///< through the camera, one for each colour that it disperses
-  /// Wall seconds: "compile" is the caller's; "generate", "optics", "medium" are summed over
-  /// threads.
-  double seconds = 0, seconds_generate = 0, seconds_optics = 0, seconds_medium = 0,
-         seconds_surfaces = 0;
+  double seconds = 0;                ///< by the clock, without compiling the scene
 };
 
 struct RenderResult {

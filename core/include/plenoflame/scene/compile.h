@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,13 +9,15 @@
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/pupil_sampling.h"
 #include "plenoflame/media/medium.h"
+#include "plenoflame/optics/window_set.h"
 #include "plenoflame/radiometry/channel_mix.h"
 #include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/scene.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/spectral.h"
-#include "plenoflame/surfaces/lights.h"
-#include "plenoflame/surfaces/surface_scene.h"
+#include "plenoflame/scene/validate.h"
+#include "plenoflame/solids/lights.h"
+#include "plenoflame/solids/surface_scene.h"
 
 namespace plenoflame {
 
@@ -40,18 +43,35 @@ struct CompiledScene {
   Scene scene;
   Camera camera;
   PupilSampling pupils;
-  std::shared_ptr<const Medium> medium;         ///< all flames; nullptr when there is none
-  std::unique_ptr<SurfaceScene> surfaces = {};  ///< nullptr when there are none
+  std::shared_ptr<const Medium> medium;               ///< all flames; nullptr when there is none
+  std::shared_ptr<const SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
   /// How the scene's channels add up from those of the medium, the surfaces and the lights.
   ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
   double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
-  /// Where the camera disperses light: what each wavelength sees, with a camera, pupils and media
-  /// of its own. The estimators render these; the scene itself is as the design wavelength sees it.
-  std::vector<CompiledScene> parts = {};
-  /// Of a part: which channel of the whole scene each of its channels adds to. Empty: the same.
+  /// Where the camera disperses light: the scene of each wavelength, with a camera, pupils and
+  /// media of its own; this one is then that of the design wavelength. Read through paths().
+  std::vector<CompiledScene> dispersed = {};
+  /// Bodies that refract on the way of the camera's rays; nullptr when there are none.
+  std::unique_ptr<const WindowSet> windows = {};
+  /// Channel of the whole scene to which each channel of this path adds. Empty: the same.
   std::vector<int> film_channel = {};
+  /// What media and surfaces were compiled from beside the scene, and each flame's own medium, so
+  /// that other scenes can share what is the same.
+  std::vector<SourceFunction> sources = {}, emitters = {};
+  std::vector<std::shared_ptr<const Medium>> flames = {};
+  /// Where filters cover parts of the stop: the same for the rays through each of them
+  /// (PupilFilters::part_at()); `mix` is their mean over the stop. Empty: `mix` holds for all.
+  std::vector<ChannelMix> part_mixes = {};
+  /// The spectral paths through the camera, at least one. They are what is rendered; a scene that
+  /// nothing disperses is its own only path.
+  std::span<const CompiledScene> paths() const {
+    return dispersed.empty() ? std::span(this, 1) : std::span(dispersed);
+  }
+  std::span<CompiledScene> paths() {
+    return dispersed.empty() ? std::span(this, 1) : std::span(dispersed);
+  }
   int node_count() const {
     return mix.empty() ? static_cast<int>(scene.channels.size()) : mix.nodes();
   }
@@ -65,9 +85,16 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 
 /// Validates the scene (see validate.h), solves the camera, traces its pupils, loads the flames and
 /// checks where they lie. Warnings go to execution.message, with their place in the scene file.
+/// @param scene with one camera (cameras.h chooses it); a list of a single one is as good
 /// @param positions of the scene's keys in its file, for messages
+/// @param like a scene from which is taken over, not compiled again, whatever this one has in
+/// common with it: the camera with its pupils, each flame, the surfaces. What is traced has the
+/// same bits either way. Files must not have changed since. nullptr: none
+/// @param unsaid warnings that do not matter for what the caller does with the scene
 /// @throws InputError, FileError
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
-                      const Execution& execution = {}, const PositionMap& positions = {});
+                      const Execution& execution = {}, const PositionMap& positions = {},
+                      const CompiledScene* like = nullptr,
+                      const std::vector<IssueCode>& unsaid = {});
 
 }  // namespace plenoflame

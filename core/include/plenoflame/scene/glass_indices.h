@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
@@ -8,10 +10,16 @@ namespace plenoflame {
 double design_wavelength(const Scene& scene);
 
 /// Sets the index of every surface and microlens type that names a glass, at one wavelength [m].
+/// @param path of the camera in the scene
 /// @throws InputError for an unknown glass, with its position when known
-void set_indices(CameraSpec& camera, double wavelength, const PositionMap& positions = {});
+void set_indices(CameraSpec& camera, double wavelength, const PositionMap& positions = {},
+                 const std::string& path = "camera");
 
-/// The same at design_wavelength().
+/// The same for windows.
+void set_indices(std::vector<WindowSpec>& windows, double wavelength,
+                 const PositionMap& positions = {});
+
+/// Both at design_wavelength(), of all cameras.
 void set_indices(Scene& scene, const PositionMap& positions = {});
 
 }  // namespace plenoflame

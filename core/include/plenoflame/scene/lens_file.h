@@ -2,8 +2,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {
 

@@ -16,6 +16,9 @@ class PositionMap {
   void set(const std::string& path, const SourcePosition& position) { positions_[path] = position; }
   /// Forgets a path and everything below it.
   void erase(std::string_view path);
+  /// Gives a path and everything below it another name, too, or moves it to that.
+  void copy(std::string_view from, std::string_view to);
+  void move(std::string_view from, std::string_view to);
   /// Position of "camera.lens.surfaces[0].radius", or of the nearest table around it; unknown when
   /// the scene does not come from a file.
   SourcePosition find(std::string_view path) const;

@@ -102,7 +102,8 @@ std::string get_text(const Scene& scene, std::string_view path);
 void set_text(Scene& scene, std::string_view path, std::string_view text);
 
 std::size_t list_size(const Scene& scene, std::string_view path);
-/// Inserts a default item before `position`, or removes the one there.
+/// Inserts a default item before `position`, or removes the one there. A camera that is inserted is
+/// a copy of the one before it (insert_camera() in cameras.h).
 /// @throws InputError for an unknown list, an index that does not exist, or too many items
 void insert_item(Scene& scene, std::string_view path, std::size_t position);
 void erase_item(Scene& scene, std::string_view path, std::size_t position);

@@ -19,8 +19,10 @@ namespace plenoflame {
 /// @throws InputError for what is impossible
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
 
-/// The same behind the camera's filter. @throws InputError when that lets nothing through
-std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel);
+/// The same behind the camera's filter, and that of a part of the pupil (points as text; empty:
+/// none). @throws InputError when they let nothing through
+std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel,
+                                                const std::string& pupil_filter = {});
 
 /// The source function of a channel as a whole. @throws as spectral_response
 SourceFunction source_function(const ChannelSpec& channel);
@@ -51,8 +53,8 @@ std::vector<double> line_weights(const FlameSpec& flame,
 /// Absorption of a layer [1/m], from its soot where it is given by that.
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 
-/// Whether what the camera does to light depends on the wavelength: a glass disperses (by more than
-/// 1e-9 between the channels), or its surfaces are coated.
+/// Whether what the camera does to light depends on the wavelength: a glass of it, or of a window,
+/// disperses (by more than 1e-9 between the channels), or its surfaces are coated.
 bool is_dispersive(const Scene& scene);
 
 /// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
@@ -66,7 +68,11 @@ struct SpectralNodes {
   std::vector<SourceFunction> emitters;
   ChannelMix mix;    ///< empty: the nodes are the channels
   double error = 0;  ///< stated error of the quadrature (radiometry/spectral_nodes.h)
+  /// Where filters cover parts of the pupil: the mix of each of PupilFilters::parts(); `mix` is
+  /// their mean over the stop.
+  std::vector<ChannelMix> part_mixes = {};
 };
+/// Where filters cover parts of the pupil, each part has nodes of its own.
 /// @throws InputError naming the channel
 SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions = {});
 

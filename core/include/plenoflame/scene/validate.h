@@ -7,12 +7,19 @@
 
 namespace plenoflame {
 
+/// What an issue is about, for callers that treat some of them otherwise than others.
+enum class IssueCode {
+  other,
+  no_flame,  ///< nothing emits light
+};
+
 /// Something about a scene that is impossible (error) or probably not meant (warning).
 struct SceneIssue {
   bool is_error = false;
   std::string key;          ///< path of the value it is about, "" for the scene as a whole
   SourcePosition position;  ///< of that key, unknown when the scene does not come from a file
   std::string message;      ///< one line that says what to do
+  IssueCode code = IssueCode::other;
 };
 
 /// "file:line:column: message".

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -15,12 +16,16 @@ struct NamedArray {
   std::string unit;                ///< attribute `units` (HDF5)
   std::string axes;                ///< attribute `axes` (HDF5); empty: none
   std::vector<std::size_t> shape;  ///< empty: a scalar
-  std::variant<PixelValues, std::vector<double>, std::vector<std::int32_t>> values;
+  std::variant<PixelValues, std::vector<double>, std::vector<std::int32_t>, std::vector<float>,
+               std::vector<std::int64_t>, std::vector<std::int8_t>, std::vector<std::int16_t>>
+      values;
 };
 
 /// A numpy .npz file: an uncompressed ZIP archive (PKWARE APPNOTE 6.3.10) of .npy files (format
 /// 1.0). @throws InputError beyond 4 GiB, where ZIP needs its 64-bit records
-std::string npz_bytes(const std::vector<NamedArray>& arrays);
+/// @param texts scalars of bytes by name, as numpy keeps short words
+std::string npz_bytes(const std::vector<NamedArray>& arrays,
+                      const std::vector<std::pair<std::string, std::string>>& texts = {});
 
 /// An HDF5 file that is made in memory.
 class Hdf5File {

@@ -1,6 +1,7 @@
 /// Arrays: npz and HDF5 for Python, HDF5 of plenoptomos.
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,6 +17,24 @@ using Size = std::vector<std::size_t>;
 
 std::size_t size(int n) {
   return static_cast<std::size_t>(n);
+}
+
+/// Unit of a layer of a light field; empty: a number without one.
+std::string layer_unit(const std::string& name) {
+  if (name == "truth.temperature") return "K";
+  if (name == "sensor.raw") return "e-";
+  for (const char* metres : {"truth.distance", "truth.first_hit", "truth.last_hit",
+                             "truth.surface_distance", "chief.x", "chief.y", "chief.z"})
+    if (name == metres) return "m";
+  return "";
+}
+
+/// What an npz file has no place for: unit and axes of each of its arrays, as JSON.
+std::string units_json(const std::vector<NamedArray>& arrays) {
+  nlohmann::ordered_json units;
+  for (const NamedArray& array : arrays)
+    units[array.name] = {{"units", array.unit}, {"axes", array.axes}};
+  return units.dump(2) + "\n";
 }
 
 /// Views as one block: rows, columns of the grid, then rows, columns of the pictures.
@@ -38,7 +57,7 @@ std::vector<NamedArray> all_arrays(const ExportJob& job) {
   const PixelWindow& window = job.field.window;
   const Camera& camera = job.micro.camera();
   const CameraSpec& spec = camera.spec();
-  const double p = spec.sensor.pixel_pitch;
+  const Vec2 p = spec.sensor.pixel();
   std::vector<NamedArray> arrays;
   arrays.push_back({"raw",
                     job.field.unit,
@@ -49,8 +68,11 @@ std::vector<NamedArray> all_arrays(const ExportJob& job) {
   arrays.push_back(
       {"white", "m^2 sr", "row:column", {size(window.height), size(window.width)}, white.pixels});
   for (const auto& [name, image] : job.field.layers)
-    arrays.push_back(
-        {name, "", "row:column", {size(image.height), size(image.width)}, image.pixels});
+    arrays.push_back({name,
+                      layer_unit(name),
+                      "row:column",
+                      {size(image.height), size(image.width)},
+                      image.pixels});
 
   std::vector<double> centres, radius;
   std::vector<std::int32_t> index, type;
@@ -59,9 +81,10 @@ std::vector<NamedArray> all_arrays(const ExportJob& job) {
   for (const LensIndex lens : camera.lattice().within(lower, upper)) {
     const MicroImages::Place place = job.micro.place(lens);
     if (place.dark) continue;
-    centres.push_back(0.5 * spec.sensor.columns - place.centre.x / p - window.x);
-    centres.push_back(0.5 * spec.sensor.rows - place.centre.y / p - window.y);
-    radius.push_back(place.radius / p);
+    const Vec2 centre = camera.image_point(place.centre);
+    centres.push_back(centre.x - window.x);
+    centres.push_back(centre.y - window.y);
+    radius.push_back(place.radius / p.x);
     index.push_back(lens.q);
     index.push_back(lens.r);
     type.push_back(place.type);
@@ -84,7 +107,8 @@ std::vector<NamedArray> all_arrays(const ExportJob& job) {
   const auto scalar = [&arrays](const char* name, const char* unit, double value) {
     arrays.push_back({name, unit, "", {}, std::vector<double>{value}});
   };
-  scalar("pixel_pitch", "m", p);
+  scalar("pixel_pitch", "m", p.x);
+  if (!spec.sensor.square_pixels()) scalar("pixel_pitch_y", "m", p.y);
   scalar("pinhole_plane", "m", geometry.plane);
   scalar("focus_distance", "m", geometry.focus);
   scalar("focal_length", "view pixel", geometry.focal);
@@ -95,7 +119,9 @@ std::vector<NamedArray> all_arrays(const ExportJob& job) {
 }  // namespace
 
 void export_npz(const ExportJob& job) {
-  job.text(job.settings.name + ".npz", npz_bytes(all_arrays(job)));
+  const std::vector<NamedArray> arrays = all_arrays(job);
+  job.text(job.settings.name + ".npz", npz_bytes(arrays));
+  job.text(job.settings.name + ".json", units_json(arrays));
 }
 
 void export_hdf5(const ExportJob& job) {

@@ -29,15 +29,25 @@ void check(herr_t status, const char* what) {
 }
 
 hid_t memory_type(const NamedArray& array) {
-  if (std::holds_alternative<PixelValues>(array.values)) return H5T_NATIVE_FLOAT;
+  if (std::holds_alternative<PixelValues>(array.values) ||
+      std::holds_alternative<std::vector<float>>(array.values))
+    return H5T_NATIVE_FLOAT;
+  if (std::holds_alternative<std::vector<std::int64_t>>(array.values)) return H5T_NATIVE_INT64;
   if (std::holds_alternative<std::vector<double>>(array.values)) return H5T_NATIVE_DOUBLE;
+  if (std::holds_alternative<std::vector<std::int16_t>>(array.values)) return H5T_NATIVE_INT16;
+  if (std::holds_alternative<std::vector<std::int8_t>>(array.values)) return H5T_NATIVE_INT8;
   return H5T_NATIVE_INT32;
 }
 
 /// The same in the file: little endian everywhere.
 hid_t file_type(const NamedArray& array) {
-  if (std::holds_alternative<PixelValues>(array.values)) return H5T_IEEE_F32LE;
+  if (std::holds_alternative<PixelValues>(array.values) ||
+      std::holds_alternative<std::vector<float>>(array.values))
+    return H5T_IEEE_F32LE;
+  if (std::holds_alternative<std::vector<std::int64_t>>(array.values)) return H5T_STD_I64LE;
   if (std::holds_alternative<std::vector<double>>(array.values)) return H5T_IEEE_F64LE;
+  if (std::holds_alternative<std::vector<std::int16_t>>(array.values)) return H5T_STD_I16LE;
+  if (std::holds_alternative<std::vector<std::int8_t>>(array.values)) return H5T_STD_I8LE;
   return H5T_STD_I32LE;
 }
 

@@ -1,7 +1,10 @@
 /// Raw images with their grid as JSON: libpleno and plenopticam.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "lightfield/export/export_files.h"
 
@@ -16,14 +19,16 @@ Json row(double x, double y) {
 Json row(double x, double y, double z) {
   return Json::array({Json::array({x, y, z})});
 }
+/// libpleno reads a nested list as the columns of a matrix, not as its rows.
 Json rotation2(double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
-  return Json::array({Json::array({c, -s}), Json::array({s, c})});
+  return Json::array({Json::array({c, s}), Json::array({-s, c})});
 }
-Json rotation3(double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return Json::array(
-      {Json::array({c, -s, 0.0}), Json::array({s, c, 0.0}), Json::array({0.0, 0.0, 1.0})});
+Json rotation3(const Mat3& turn) {
+  Json columns = Json::array();
+  for (const Vec3& column : transpose(turn).rows)
+    columns.push_back(Json::array({column.x, column.y, column.z}));
+  return columns;
 }
 
 /// The smallest grid of libpleno's indices (column k, row l) whose nodes cover the window.
@@ -58,6 +63,42 @@ NodeGrid node_grid(const MicroImageGrid& grid, const PixelWindow& window) {
   return nodes;
 }
 
+/// Rows and columns of a lattice without a gap.
+struct LensRectangle {
+  int row = 0, column = 0;  ///< the first ones
+  int rows = 0, columns = 0;
+};
+
+/// The one with the most micro-images, of those given at (row, column).
+LensRectangle largest_rectangle(const std::map<std::pair<int, int>, Vec2>& centres) {
+  LensRectangle best;
+  if (centres.empty()) return best;
+  int left = centres.begin()->first.second, right = left;
+  for (const auto& [place, centre] : centres) {
+    left = std::min(left, place.second);
+    right = std::max(right, place.second);
+  }
+  // Micro-images in a column that end at the present row, and the columns where taller ones began.
+  std::vector<int> heights(static_cast<std::size_t>(right - left) + 2, 0);
+  for (int row = centres.begin()->first.first; row <= centres.rbegin()->first.first; ++row) {
+    std::vector<std::pair<int, int>> rising;  // first column, height
+    for (int column = left; column <= right + 1; ++column) {
+      int& height = heights[static_cast<std::size_t>(column - left)];
+      height = centres.contains({row, column}) ? height + 1 : 0;
+      int begin = column;
+      while (!rising.empty() && rising.back().second >= height) {
+        begin = rising.back().first;
+        const int rows = rising.back().second, columns = column - begin;
+        if (rows * columns > best.rows * best.columns)
+          best = {row - rows + 1, begin, rows, columns};
+        rising.pop_back();
+      }
+      rising.emplace_back(begin, height);
+    }
+  }
+  return best;
+}
+
 /// The same camera with its stop narrowed.
 CameraSpec stopped_down(const Camera& camera, double factor) {
   CameraSpec spec = camera.spec();
@@ -82,14 +123,20 @@ void export_libpleno(const ExportJob& job) {
   const int types = static_cast<int>(camera.microlenses().size());
   // Node (0, 0) of a hexagonal grid is shifted by half a step against the grid's own origin.
   const double shift = grid.hexagonal ? 0.5 : 0.0;
-  const Vec2 corner{static_cast<double>(window.x), static_cast<double>(window.y)};
+  // A pixel's centre lies at whole numbers there.
+  const Vec2 corner{window.x + 0.5, window.y + 0.5};
   const Vec2 along{grid.pitch * std::cos(grid.rotation), grid.pitch * std::sin(grid.rotation)};
   const Vec2 origin = grid.point(nodes.i0, nodes.j0) - corner - shift * along;
 
-  // Thin-lens distances, in mm, from the rear principal plane of the main lens.
+  // The origin is the thin main lens: the rear principal point, moved and tilted with it. The axes
+  // are those of the sensor, and the array is tilted against them.
   const double f_number = main.focal_length / main.entrance_pupil_diameter;
   const Microlens& first = camera.microlenses()[0];
-  const double distance = camera.rear_vertex() - main.rear_principal - first.front_principal;
+  const Vec3 middle = camera.lens_pose().point({0, 0, camera.rear_vertex() - main.rear_principal});
+  const auto on_array = [&](Vec2 place) {
+    return camera.array_pose().point({place.x, place.y, first.front_principal}) - middle;
+  };
+  const double distance = -on_array({0, 0}).z;
   const double gap = first.sensor_distance;
   const double object = 1 / (1 / main.focal_length - 1 / distance);
 
@@ -106,7 +153,13 @@ void export_libpleno(const ExportJob& job) {
   const int last_j = nodes.j0 + nodes.height - 1;
   const Vec2 lens = camera.lattice().centre({-last_i, -last_j});
   const double turn = spec.array.rotation;
-  const Vec2 lens_origin = lens - shift * spec.array.pitch * Vec2{std::cos(turn), std::sin(turn)};
+  const Vec3 lens_origin =
+      on_array(lens - shift * spec.array.pitch * Vec2{std::cos(turn), std::sin(turn)});
+  const Mat3 array_turn = camera.array_pose().rotation * rotation_xyz({0, 0, turn});
+  // The sensor is numbered from its last pixel, as its image is upside down.
+  const Vec2 last =
+      camera.sensor_point(window.x + window.width - 0.5, window.y + window.height - 0.5) -
+      Vec2{middle.x, middle.y};
   // Their type t of a node is (c - ours) mod 3.
   std::vector<double> focal;
   const int c = (((nodes.j0 - nodes.i0) % 3) + 3) % 3;
@@ -117,7 +170,6 @@ void export_libpleno(const ExportJob& job) {
   }
   const Json focal_lengths = focal;
   const int mode = is_unfocused(camera) ? 0 : 1e-3 * focal[0] < gap ? 1 : 2;
-  const Json no_rotation = rotation3(0);
   Json camera_js{
       {"mode", mode},
       {"I", types},
@@ -126,15 +178,15 @@ void export_libpleno(const ExportJob& job) {
        {{"f", 1e3 * main.focal_length},
         {"aperture", f_number},
         {"diameter", 1e3 * main.entrance_pupil_diameter},
-        {"pose", {{"rotation", no_rotation}, {"translation", row(0, 0, 0)}}}}},
+        {"pose",
+         {{"rotation", rotation3(camera.lens_pose().rotation)}, {"translation", row(0, 0, 0)}}}}},
       {"sensor",
        {{"width", window.width},
         {"height", window.height},
         {"scale", 1e3 * p},
         {"pose",
-         {{"rotation", no_rotation},
-          {"translation",
-           row(-500 * p * window.width, -500 * p * window.height, -1e3 * (distance + gap))}}}}},
+         {{"rotation", rotation3({})},
+          {"translation", row(1e3 * last.x, 1e3 * last.y, -1e3 * (distance + gap))}}}}},
       {"mia", {{"mesh", mia_mesh}}},
       {"mla",
        {{"focal_lengths", focal_lengths},
@@ -144,8 +196,9 @@ void export_libpleno(const ExportJob& job) {
           {"height", nodes.height},
           {"pitch", row(1e3 * spec.array.pitch, 1e3 * spec.array.pitch)},
           {"pose",
-           {{"rotation", rotation3(turn)},
-            {"translation", row(1e3 * lens_origin.x, 1e3 * lens_origin.y, -1e3 * distance)}}}}}}},
+           {{"rotation", rotation3(array_turn)},
+            {"translation",
+             row(1e3 * lens_origin.x, 1e3 * lens_origin.y, 1e3 * lens_origin.z)}}}}}}},
       {"distortions",
        {{"radial", row(0, 0, 0)}, {"tangential", row(0, 0)}, {"depth", row(0, 0, 0)}}},
       {"distortions_inverse",
@@ -183,7 +236,7 @@ void export_libpleno(const ExportJob& job) {
     std::snprintf(name, sizeof name, "white_%02d.png", step);
     const auto write = [&](const MicroImages& micro) {
       const Image white = white_image(micro, window, job.execution);
-      job.png(name, white, *std::max_element(white.pixels.begin(), white.pixels.end()), 16, 1);
+      job.png(name, white, *std::max_element(white.pixels.begin(), white.pixels.end()), 8, 3);
     };
     if (step == 0)
       write(job.micro);
@@ -192,9 +245,10 @@ void export_libpleno(const ExportJob& job) {
     whites.push_back({{"path", name}, {"fnumber", factor * f_number}, {"frame", step}});
   }
   const std::string image = job.settings.name + ".png";
-  job.png(image, job.flux, job.raw_white(), 16, 1);
+  // The tools turn colour into grey themselves, and know no other pictures than of 8 bits.
+  job.raw_png(image, 8, 3);
   job.text("images.js",
-           Json{{"meta", {{"debayer", true}, {"debayered", true}, {"rgb", false}, {"format", 16}}},
+           Json{{"meta", {{"debayer", true}, {"debayered", true}, {"rgb", true}, {"format", 8}}},
                 {"whites", whites},
                 {"checkerboards", Json::array()},
                 {"images", Json::array({{{"path", image}, {"fnumber", f_number}, {"frame", 0}}})},
@@ -211,16 +265,11 @@ void export_plenopticam(const ExportJob& job) {
   const MicroImageGrid grid = fit_grid(job.micro, window);
   const Vec2 corner{window.x + 0.5, window.y + 0.5};
 
-  // Every micro-image that lies wholly in the picture, numbered by rows and columns of the lattice.
-  struct Centre {
-    double row, column;
-    int lens_row, lens_column;
-  };
-  std::vector<Centre> centres;
+  // Every micro-image that lies wholly in the picture, at its row and column of the lattice.
+  std::map<std::pair<int, int>, Vec2> centres;
   const Vec2 upper = camera.sensor_point(window.x, window.y);
   const Vec2 lower = camera.sensor_point(window.x + window.width, window.y + window.height);
   const double margin = 0.5 * grid.pitch;
-  int first_row = 0, first_column = 0;
   for (const LensIndex lens : camera.lattice().within(lower, upper)) {
     const MicroImages::Place place = job.micro.place(lens);
     if (place.dark) continue;
@@ -232,20 +281,16 @@ void export_plenopticam(const ExportJob& job) {
     const int i = -lens.q, j = -lens.r;
     // The column counts along a row of a hexagonal array, half steps to the right rounded down.
     const int along = grid.hexagonal ? i + (j - (j & 1)) / 2 : i;
-    if (centres.empty()) {
-      first_row = j;
-      first_column = along;
-    }
-    first_row = std::min(first_row, j);
-    first_column = std::min(first_column, along);
-    centres.push_back({row, column, j, along});
+    centres[{j, along}] = {column, row};
   }
-  std::sort(centres.begin(), centres.end(), [](const Centre& a, const Centre& b) {
-    return a.lens_row != b.lens_row ? a.lens_row < b.lens_row : a.lens_column < b.lens_column;
-  });
+  // The tool looks up every row and column up to the last ones, and stops at one that is missing.
+  const LensRectangle whole = largest_rectangle(centres);
   Json list = Json::array();
-  for (const Centre& c : centres)
-    list.push_back({c.row, c.column, c.lens_row - first_row, c.lens_column - first_column});
+  for (int j = 0; j < whole.rows; ++j)
+    for (int i = 0; i < whole.columns; ++i) {
+      const Vec2 at = centres.at({whole.row + j, whole.column + i});
+      list.push_back({at.y, at.x, j, i});
+    }
   const double row_pitch = grid.hexagonal ? std::sqrt(0.75) * grid.pitch : grid.pitch;
   const std::string name = job.settings.name;
   job.text(name + "_white.json", Json{{"pat_type", grid.hexagonal ? "hex" : "rec"},
@@ -256,7 +301,7 @@ void export_plenopticam(const ExportJob& job) {
   const Image white = white_image(job.micro, window, job.execution);
   job.png(name + "_white.png", white, *std::max_element(white.pixels.begin(), white.pixels.end()),
           16, 3);
-  job.png(name + ".png", job.flux, job.raw_white(), 16, 3);
+  job.raw_png(name + ".png", 16, 3);
 }
 
 }  // namespace plenoflame

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "lightfield/export/export_files.h"
 #include "plenoflame/base/error.h"
@@ -36,9 +37,13 @@ void export_hci(const ExportJob& job) {
   const Views views = job.views(9);
   const int grid = static_cast<int>(std::lround(std::sqrt(views.views.size())));
   if (grid < 2) throw InputError("the HCI format needs at least 2 x 2 views; give --grid 9");
-  const double white = views_white(views);
-  for (const View& view : views.views)
-    job.png(numbered("input_Cam%03d.png", view.row * grid + view.column), view.image, white, 8, 3);
+  const std::vector<Views> colours = job.colour_views(views);
+  const double white = views_white(colours);
+  for (std::size_t k = 0; k < views.views.size(); ++k) {
+    const View& view = views.views[k];
+    job.png(numbered("input_Cam%03d.png", view.row * grid + view.column), view_images(colours, k),
+            white, 8, 3);
+  }
 
   const Camera& camera = job.micro.camera();
   const ViewGeometry geometry = fit_view_geometry(job.micro, views.lens_step);
@@ -105,23 +110,27 @@ void export_hci(const ExportJob& job) {
     how.channel = "distance";
     how.white_correction = false;
     Image depth = extract_views(layer, job.micro, how, job.execution).views[0].image;
-    Image disparity(depth.width, depth.height);
+    // Disparity 0 is that of what is in focus: which pixels have one at all stands in a mask.
+    Image disparity(depth.width, depth.height), known(depth.width, depth.height);
     for (std::size_t k = 0; k < depth.pixels.size(); ++k) {
       if (!(depth.pixels[k] > 0)) continue;
       const auto z = static_cast<double>(depth.pixels[k]);
       disparity.pixels[k] = static_cast<float>(geometry.disparity(z, step));
+      known.pixels[k] = 1;
       depth.pixels[k] = static_cast<float>(z - geometry.plane);
     }
     job.text("gt_depth_lowres.pfm", pfm(depth));
     job.text("gt_disp_lowres.pfm", pfm(disparity));
+    job.png("gt_mask_lowres.png", known, 1, 8, 1);
     const bool solid = job.field.layers.contains("truth.surface_distance");
     add("ground_truth", solid ? "distance_of_surfaces_or_emission_weighted_of_flames_centre_view"
                               : "emission_weighted_mean_distance_of_the_centre_view");
     job.result.notes.push_back(
         solid ? "gt_*.pfm hold the distance of the surfaces; where a flame glows before them its "
-                "emission-weighted mean distance; 0 where there is nothing"
-              : "gt_*.pfm hold the emission-weighted mean distance: a flame has no single one; 0 "
-                "where nothing glows");
+                "emission-weighted mean distance; where there is nothing they hold 0 and "
+                "gt_mask_lowres.png is black"
+              : "gt_*.pfm hold the emission-weighted mean distance: a flame has no single one; "
+                "where nothing glows they hold 0 and gt_mask_lowres.png is black");
   } else {
     add("ground_truth", "none");
     job.result.notes.push_back("no ground truth: the raw image was rendered without --truth");
@@ -133,12 +142,18 @@ void export_eslf(const ExportJob& job) {
   const Views views = job.views(14);
   const int grid = static_cast<int>(std::lround(std::sqrt(views.views.size())));
   const Image& first = views.views.front().image;
-  Image all(first.width * grid, first.height * grid);
-  for (const View& view : views.views)
-    for (int row = 0; row < first.height; ++row)
-      for (int column = 0; column < first.width; ++column)
-        all.at(column * grid + view.column, row * grid + view.row) = view.image.at(column, row);
-  job.png(job.settings.name + ".eslf.png", all, views_white(views), 16, 3);
+  const std::vector<Views> colours = job.colour_views(views);
+  std::vector<Image> all(colours.size(), Image(first.width * grid, first.height * grid));
+  std::vector<const Image*> images;
+  for (std::size_t c = 0; c < colours.size(); ++c) {
+    for (const View& view : colours[c].views)
+      for (int row = 0; row < first.height; ++row)
+        for (int column = 0; column < first.width; ++column)
+          all[c].at(column * grid + view.column, row * grid + view.row) =
+              view.image.at(column, row);
+    images.push_back(&all[c]);
+  }
+  job.png(job.settings.name + ".eslf.png", images, views_white(colours), 16, 3);
   if (grid != 14)
     job.result.notes.push_back("LFReadESLF wants to be told: LensletSize_pix = [" +
                                std::to_string(grid) + "," + std::to_string(grid) + "]");
@@ -147,11 +162,13 @@ void export_eslf(const ExportJob& job) {
 void export_view_grid(const ExportJob& job) {
   const Views views = job.views(9);
   const int grid = static_cast<int>(std::lround(std::sqrt(views.views.size())));
-  const double white = views_white(views);
+  const std::vector<Views> colours = job.colour_views(views);
+  const double white = views_white(colours);
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const View& view : views.views) {
+  for (std::size_t k = 0; k < views.views.size(); ++k) {
+    const View& view = views.views[k];
     const std::string name = numbered("view_%02d_%02d.png", view.row, view.column);
-    job.png(name, view.image, white, 16, 1);
+    job.png(name, view_images(colours, k), white, 16, 3);
     list.push_back({{"file", name},
                     {"row", view.row},
                     {"column", view.column},

@@ -108,7 +108,7 @@ void export_plenoptic_toolbox(const ExportJob& job) {
     range.append_child("max").text().set(number(high).c_str());
   }
   job.text(job.settings.name + ".xml", document_text(document));
-  job.png(job.settings.name + ".png", job.flux, job.raw_white(), 8, 3);
+  job.raw_png(job.settings.name + ".png", 8, 3);
   note_worst(job, grid);
 }
 
@@ -146,7 +146,7 @@ void export_pip(const ExportJob& job) {
   add("MainLensFDistMM", real(1e3 * (camera.lens_distance() - main.rear_principal)));
   add("PixelsizeMM", real(1e3 * p));
   job.text(job.settings.name + ".xml", document_text(document));
-  job.png(job.settings.name + ".png", job.flux, job.raw_white(), 16, 1);
+  job.raw_png(job.settings.name + ".png", 16, 1);
   note_worst(job, grid);
   if (spec.array.types.size() > 1)
     job.result.notes.push_back(

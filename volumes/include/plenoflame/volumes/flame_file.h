@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -10,7 +11,8 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/media/voxel_medium.h"
 #include "plenoflame/radiometry/source_function.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/flame_spec.h"
+#include "plenoflame/volumes/grid_writer.h"
 
 /// Flames from .vdb files: the two grids of a flame, in SI units, checked.
 namespace plenoflame {
@@ -51,6 +53,16 @@ std::span<const LineGrid> line_grids();
 /// absorption or emission with a background other than 0, emission without a unit.
 FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
                        const Execution& execution);
+
+/// Writes all grids of a flame with their units, and who wrote them.
+/// @return size of the file [byte] @throws as write_grids
+std::uint64_t write_flame(const std::string& path, const FlameFields& flame,
+                          GridWriteOptions options = {});
+
+/// Grids that are there already as a medium: scaled, turned and placed as the flame says.
+/// @throws InputError when scale is not a positive number
+std::unique_ptr<Medium> make_flame_medium(FlameFields flame, const FlameSpec& spec,
+                                          std::vector<SourceFunction> channels);
 
 /// The flame as a medium, scaled, turned and placed as the flame says: the MediumLoader for flames
 /// of kind vdb. @throws as read_flame; InputError when scale is not a positive number.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
-#include "plenoflame/scene/scene.h"
+#include "plenoflame/scene/flame_spec.h"
 #include "plenoflame/volumes/flame_file.h"
 
 /// Generated flames as pairs of grids. Flame frame: z up, the axis of a flame is the z axis, its

@@ -26,7 +26,8 @@ struct GridWriteOptions {
 /// One grid to be written: its name, background, values and transform are the field's.
 struct GridOutput {
   const VoxelField* field = nullptr;
-  std::string unit;  ///< metadata "unit", e.g. "K"
+  std::string unit;                                  ///< metadata "unit", e.g. "K"
+  std::map<std::string, std::string> metadata = {};  ///< of the grid, beside its unit
 };
 
 /// Writes float grids of class "fog volume" to a .vdb file under a temporary name that is renamed

@@ -1,0 +1,35 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "plenoflame/lightfield/pyrometry.h"
+#include "plenoflame/scene/scene.h"
+#include "report.h"
+
+namespace plenoflame::cli {
+
+/// How far the temperatures are from those of what the pixels look at: in each bin their mean,
+/// weighted by the light of the first channel.
+/// @param truth [K] of each pixel; 0: none
+void compare_with(const Image& truth, const TemperatureMap& map, const Image& light,
+                  const std::optional<PixelBins>& bins, Report& report);
+
+/// The input of a two-colour temperature.
+struct TwoColourInput {
+  const LightField& field;
+  const Scene& scene;
+  std::array<std::size_t, 2> channels;
+  const TwoColour& law;
+};
+
+/// How far the temperatures are from those that the same bins have in another light field of the
+/// same pixels, which has less noise or none, and how that compares with what noise makes expected.
+/// @param light of both channels; pixels that are not numbers count in neither
+/// @throws FileError, InputError where the light fields are not of the same pixels and channels
+void compare_with_reference(const std::string& path, const TwoColourInput& input,
+                            const LightFieldChannel (&light)[2], const TemperatureMap& map,
+                            const std::optional<PixelBins>& bins, Report& report);
+
+}  // namespace plenoflame::cli

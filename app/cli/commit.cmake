@@ -1,0 +1,18 @@
+# Writes the commit of the working tree into a header, when it has changed: cmake -DSOURCE=... -DHEADER=... -P commit.cmake
+set(commit "")
+find_program(git git)
+if(git AND EXISTS "${SOURCE}/.git")
+  execute_process(COMMAND "${git}" -C "${SOURCE}" rev-parse --short=10 HEAD OUTPUT_VARIABLE commit
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  execute_process(COMMAND "${git}" -C "${SOURCE}" diff --quiet HEAD -- RESULT_VARIABLE changed OUTPUT_QUIET ERROR_QUIET)
+  if(commit AND NOT changed EQUAL 0)
+    string(APPEND commit " with changes")
+  endif()
+endif()
+set(text "#define PLENOFLAME_COMMIT \"${commit}\"\n")
+if(EXISTS "${HEADER}")
+  file(READ "${HEADER}" before)
+endif()
+if(NOT text STREQUAL "${before}")
+  file(WRITE "${HEADER}" "${text}")
+endif()

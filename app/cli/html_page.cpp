@@ -1,0 +1,164 @@
+#include "html_page.h"
+
+#include <cairo.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "plenoflame/base/error.h"
+#include "plot.h"
+
+namespace plenoflame::cli {
+namespace {
+
+constexpr int kPanelWidth = 300;  // points
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&')
+      result += "&amp;";
+    else if (c == '<')
+      result += "&lt;";
+    else if (c == '>')
+      result += "&gt;";
+    else if (c == '"')
+      result += "&quot;";
+    else
+      result += c;
+  }
+  return result;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63U];
+  }
+  return text;
+}
+
+/// Black over red and yellow to white; or blue over white to red.
+std::array<double, 3> colour_of(double share, bool signed_values) {
+  share = std::clamp(share, 0.0, 1.0);
+  if (signed_values) {
+    const double away = 2 * share - 1;
+    return away < 0 ? std::array{1 + away, 1 + 0.8 * away, 1.0}
+                    : std::array{1.0, 1 - 0.8 * away, 1 - away};
+  }
+  const auto ramp = [&](double from, double to) {
+    return std::clamp((share - from) / (to - from), 0.0, 1.0);
+  };
+  return {ramp(0, 0.45), ramp(0.3, 0.8), ramp(0.7, 1)};
+}
+
+cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+struct SurfaceDeleter {
+  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+};
+
+std::string png_of(const HeatMap& map) {
+  const std::unique_ptr<cairo_surface_t, SurfaceDeleter> surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, map.width, map.height));
+  unsigned char* const bytes = cairo_image_surface_get_data(surface.get());
+  if (!bytes) throw Error("a picture of the report cannot be made");
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int row = 0; row < map.height; ++row)
+    for (int column = 0; column < map.width; ++column) {
+      const double value = map.values[static_cast<std::size_t>(row * map.width + column)];
+      const double share = map.high > map.low ? (value - map.low) / (map.high - map.low) : 0;
+      const auto colour = colour_of(std::isfinite(share) ? share : 0, map.signed_values);
+      std::uint32_t pixel = 0;
+      for (const double part : colour)
+        pixel = pixel << 8 | static_cast<std::uint32_t>(std::lround(255 * part));
+      *reinterpret_cast<std::uint32_t*>(bytes + row * stride + 4 * column) = pixel;
+    }
+  cairo_surface_mark_dirty(surface.get());
+  std::string png;
+  if (cairo_surface_write_to_png_stream(surface.get(), append, &png) != CAIRO_STATUS_SUCCESS)
+    throw Error("a picture of the report cannot be made");
+  return png;
+}
+
+/// The scale below a map.
+std::string colour_bar(const HeatMap& map) {
+  HeatMap bar;
+  bar.width = 128;
+  bar.height = 1;
+  bar.signed_values = map.signed_values;
+  for (int i = 0; i < bar.width; ++i) bar.values.push_back(i / 127.0);
+  return fmt::format(
+      "<img class=\"bar\" alt=\"\" src=\"data:image/png;base64,{}\">"
+      "<div class=\"scale\"><span>{:.4g}</span><span>{}</span><span>{:.4g}</span></div>",
+      base64(png_of(bar)), map.low, escaped(map.unit), map.high);
+}
+
+constexpr std::string_view kStyle =
+    "body{font:15px/1.5 sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#222}"
+    "table{border-collapse:collapse}td{padding:.15rem 1rem .15rem 0;vertical-align:top}"
+    "td:first-child{color:#666}.maps{display:flex;flex-wrap:wrap;gap:1.2rem}"
+    "figure{margin:0;width:300px}figcaption{font-weight:600}"
+    ".map{width:300px;image-rendering:pixelated;display:block;border:1px solid #ccc}"
+    ".bar{width:300px;height:10px;display:block;margin-top:4px}"
+    ".scale{display:flex;justify-content:space-between;font-size:13px;color:#666}"
+    ".plot{width:100%}";
+
+}  // namespace
+
+void HtmlPage::heading(const std::string& text) {
+  body_ += "<h2>" + escaped(text) + "</h2>\n";
+}
+
+void HtmlPage::paragraph(const std::string& text) {
+  body_ += "<p>" + escaped(text) + "</p>\n";
+}
+
+void HtmlPage::table(const std::vector<std::pair<std::string, std::string>>& lines) {
+  body_ += "<table>\n";
+  for (const auto& [label, text] : lines)
+    body_ += "<tr><td>" + escaped(label) + "</td><td>" + escaped(text) + "</td></tr>\n";
+  body_ += "</table>\n";
+}
+
+void HtmlPage::plots(const std::vector<Plot>& plots, int columns) {
+  // As a picture of its own: names within an SVG would clash with those of the next one.
+  body_ += "<img class=\"plot\" alt=\"plots\" src=\"data:image/svg+xml;base64," +
+           base64(plot_svg(plots, columns)) + "\">\n";
+}
+
+void HtmlPage::heat_maps(const std::vector<HeatMap>& maps) {
+  body_ += "<div class=\"maps\">\n";
+  for (const HeatMap& map : maps) {
+    const double height =
+        std::clamp(kPanelWidth * map.aspect * map.height / map.width, 20.0, 900.0);
+    body_ += fmt::format(
+        "<figure><figcaption>{}</figcaption><img class=\"map\" style=\"height:{:.0f}px\" "
+        "alt=\"{}\" "
+        "src=\"data:image/png;base64,{}\">{}</figure>\n",
+        escaped(map.title), height, escaped(map.title), base64(png_of(map)), colour_bar(map));
+  }
+  body_ += "</div>\n";
+}
+
+std::string HtmlPage::text() const {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n"
+      "<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n{2}</body>\n</html>\n",
+      escaped(title_), kStyle, body_);
+}
+
+}  // namespace plenoflame::cli

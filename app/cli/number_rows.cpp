@@ -1,0 +1,67 @@
+#include "number_rows.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+
+namespace plenoflame::cli {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+/// What stands between the commas of a line, and whether all of it is numbers, or all of it words.
+struct Cells {
+  std::vector<double> values;
+  bool numbers = true, words = true;
+};
+
+Cells cells_of(std::string_view line) {
+  Cells cells;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t comma = std::min(line.find(',', at), line.size());
+    const std::string_view word = trimmed(line.substr(at, comma - at));
+    at = comma + 1;
+    double value = 0;
+    const char* const end = word.data() + word.size();
+    const auto [stop, error] = std::from_chars(word.data(), end, value);
+    const bool number = error == std::errc() && stop == end && std::isfinite(value);
+    cells.numbers = cells.numbers && number;
+    cells.words = cells.words && !word.empty() && stop == word.data();
+    cells.values.push_back(value);
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t count,
+                                        std::string_view what) {
+  const std::string text = read_file(path);
+  std::string_view rest = text;
+  std::vector<NumberRow> rows;
+  for (int number = 1; !rest.empty(); ++number) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) continue;
+    Cells cells = cells_of(line);
+    if (cells.numbers && cells.values.size() == count)
+      rows.push_back({number, std::move(cells.values)});
+    else if (number > 1 || !cells.words)
+      throw InputError(SourcePosition{path, number}, "this is not " + std::string(what));
+  }
+  if (rows.empty())
+    throw InputError(SourcePosition{path}, "there is no line in it that is " + std::string(what));
+  return rows;
+}
+
+}  // namespace plenoflame::cli

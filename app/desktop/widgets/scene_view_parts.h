@@ -1,0 +1,49 @@
+#pragma once
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkCallbackCommand.h>
+#include <vtkDistanceWidget.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkNew.h>
+#include <vtkProp.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "widgets/scene_view.h"
+
+namespace plenoflame::desktop {
+
+/// What of VTK the 3-D view is made of; known to its own sources only.
+struct SceneView::View {
+  QVTKOpenGLNativeWidget* widget = nullptr;
+  vtkNew<vtkGenericOpenGLRenderWindow> window;
+  vtkNew<vtkRenderer> renderer;
+  vtkNew<vtkInteractorStyleTrackballCamera> style;
+  vtkNew<vtkCallbackCommand> before_drawing;
+  vtkNew<vtkDistanceWidget> ruler;
+  vtkNew<vtkCallbackCommand> ruler_moved;
+  std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
+  std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
+
+  /// Replaces what the layer shows by what add(renderer) adds.
+  template <class Add>
+  void replace(const std::string& layer, Add add) {
+    for (const auto& prop : layers[layer]) renderer->RemoveViewProp(prop);
+    layers[layer].clear();
+    const int before = renderer->GetViewProps()->GetNumberOfItems();
+    add(*renderer);
+    vtkPropCollection* const props = renderer->GetViewProps();
+    for (int i = before; i < props->GetNumberOfItems(); ++i)
+      layers[layer].push_back(vtkProp::SafeDownCast(props->GetItemAsObject(i)));
+  }
+  void show(const std::string& layer, bool on) {
+    for (const auto& prop : layers[layer]) prop->SetVisibility(on);
+  }
+};
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,524 @@
+"""ParaView plugin of Plenoflame: scenes, flames, light fields and rays as sources and readers; views, refocusing and
+development as filters. Tools > Manage Plugins > Load New; docs/user/paraview.md.
+
+It computes with the Python package that needs no VTK (the folder `python` beside this file), so that the one VTK in the
+process is ParaView's. Names, units and tooltips of properties are those of the scene's keys.
+"""
+
+import pathlib
+import sys
+
+import paraview
+
+WANTED = "5.11"
+if not str(getattr(paraview, "__version__", "")).startswith(WANTED + "."):
+    raise ImportError(f"Plenoflame's plugin is made for ParaView {WANTED}; this is ParaView "
+                      f"{getattr(paraview, '__version__', 'of an unknown version')}")
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE / "python"), str(HERE)]
+
+import plenoflame
+from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase, smdomain, smhint, smproperty, smproxy
+from plenoflame import _core
+from plenoflame_data import (camera_to_blocks, fill_picture, image_to_light_field, light_field_to_image, rays_to_polydata,
+                             voxels_to_image)
+from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkMultiBlockDataSet, vtkPolyData
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+
+if plenoflame.vtk is not None:
+    raise ImportError(f"Plenoflame's plugin needs the Python package without VTK, but {plenoflame.__file__} is the one with "
+                      "VTK 9.1, which cannot be loaded beside ParaView's own")
+
+SCHEMA = {path: (about, unit, allowed) for path, about, unit, allowed in _core.GetSchema()}
+
+
+def words(path):
+    """Label and tooltip of a scene's key: its last word; its unit and description. Names in scripts are made of labels, which
+    therefore have no units."""
+    about, unit, allowed = SCHEMA[path]
+    label = path.split(".")[-1].replace("_", " ").title()
+    return label, (f"[{unit}] " if unit else "") + f"{about} Key of the scene: {path}." + (f" Allowed: {allowed}." if allowed else "")
+
+
+def _escaped(text):
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+
+
+def _property(kind, name, label, about, default, count=1, domain=""):
+    """A property whose setter Set<name> has one argument for each element."""
+    return smproperty.xml(f"""
+      <{kind} name="{name}" label="{_escaped(label)}" command="Set{name}" number_of_elements="{count}"
+          default_values="{_escaped(default)}">{domain}<Documentation>{_escaped(about)}</Documentation></{kind}>""")
+
+
+def text(name, label, about, default=""):
+    return _property("StringVectorProperty", name, label, about, default)
+
+
+def number(name, label, about, default, count=1):
+    return _property("DoubleVectorProperty", name, label, about, default, count)
+
+
+def whole(name, label, about, default, low=None, count=1):
+    domain = "" if low is None else f'<IntRangeDomain name="range" min="{low}"/>'
+    return _property("IntVectorProperty", name, label, about, default, count, domain)
+
+
+def flag(name, label, about, default="0"):
+    return _property("IntVectorProperty", name, label, about, default, 1, '<BooleanDomain name="bool"/>')
+
+
+def choice(name, label, about, entries, default="0"):
+    listed = "".join(f'<Entry value="{i}" text="{_escaped(entry)}"/>' for i, entry in enumerate(entries))
+    return _property("IntVectorProperty", name, label, about, default, 1,
+                     f'<EnumerationDomain name="enum">{listed}</EnumerationDomain>')
+
+
+CHANNEL = text("Channel", "Channel", "Name of the channel; empty: the first")
+
+
+# --- sources and readers ---
+
+class _Algorithm(VTKPythonAlgorithmBase):
+    """One that reports what Plenoflame refuses in one line, and computes once for the same properties.
+
+    compute() gives the result, fill(result, outputs) writes it, and sizes(result) tells the points of images by port, which
+    ParaView wants to know beforehand."""
+
+    def __init__(self, **ports):
+        super().__init__(**ports)
+        self._kept = None  # (modified time, result)
+
+    def result(self):
+        if self._kept is None or self._kept[0] != self.GetMTime():
+            self._kept = (self.GetMTime(), self.compute())
+        return self._kept[1]
+
+    def sizes(self, _result):
+        return {}
+
+    def RequestInformation(self, request, inputs, outputs):
+        try:
+            sizes = self.sizes(self.result())
+        except (plenoflame.Error, _core.Failure, OSError):
+            return 1  # RequestData says it
+        for port, size in sizes.items():
+            extent = [bound for count in size for bound in (0, count - 1)]
+            outputs.GetInformationObject(port).Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), extent, 6)
+        return 1
+
+    def RequestData(self, request, inputs, outputs):
+        return self.reported(lambda: self.fill(self.result(), outputs))
+
+    def reported(self, action):
+        try:
+            action()
+        except (plenoflame.Error, _core.Failure) as error:
+            # One line: a failed request would have ParaView print the state of its pipeline after it.
+            vtkOutputWindow.GetInstance().DisplayErrorText(f"Plenoflame: {error}\n")
+        return 1
+
+    def set(self, name, value):
+        if getattr(self, name) != value:
+            setattr(self, name, value)
+            self.Modified()
+
+
+class _OfScene(_Algorithm):
+    """One that starts from a scene file with changes."""
+
+    def __init__(self, outputs, kind):
+        _Algorithm.__init__(self, nInputPorts=0, nOutputPorts=outputs, outputType=kind)
+        self._file, self._settings, self._camera = "", "", ""
+
+    def SetFileName(self, name):
+        self.set("_file", name or "")
+
+    def SetSettings(self, settings):
+        self.set("_settings", settings or "")
+
+    def SetCamera(self, name):
+        self.set("_camera", name or "")
+
+    def scene(self):
+        if not self._file or self._file == "None":
+            raise plenoflame.Error("there is no scene: choose a scene file (.toml)")
+        scene = plenoflame.Scene(self._file)
+        for setting in filter(None, (part.strip() for part in self._settings.split(";"))):
+            key, sign, value = setting.partition("=")
+            if not sign:
+                raise plenoflame.Error(f"Settings: '{setting}' is not KEY=VALUE")
+            try:
+                scene.get_text(key.strip())
+            except KeyError as error:
+                raise plenoflame.Error(f"Settings: {error.args[0]}") from None
+            scene[key.strip()] = value.strip()
+        if self._camera:
+            scene.camera_name = self._camera
+        return scene
+
+
+SETTINGS = text("Settings", "Settings", "Values of the scene to replace, as --set of the command: KEY=VALUE, several with ; "
+                "between, e.g. camera.focus.object_distance=0.9 m; camera.sensor.columns=200. The keys: docs/reference/scene.md")
+CAMERA = text("Camera", "Camera", "Of several cameras: the name of the one that is meant")
+FILE = smproperty.xml("""
+  <StringVectorProperty name="FileName" label="Scene File" command="SetFileName" number_of_elements="1" animateable="0"
+      panel_visibility="default"><FileListDomain name="files"/>
+    <Hints><FileChooser extensions="toml" file_description="Plenoflame scenes"/></Hints>
+    <Documentation>Scene file (.toml)</Documentation></StringVectorProperty>""")
+
+
+def _bundles(kind):
+    """The properties of bundles of rays."""
+    for decorate in (
+        whole("Pixel", "Pixel", "Column and row, from the top left: all rays of this pixel; -1 -1: none", "-1 -1", -1, 2),
+        flag("UsePoint", "Use Point", "Whether rays start from the point, too"),
+        number("Point", "Point", "[m] Rays from this point of the world towards the camera, where Use Point is on", "1 0 0", 3),
+        whole("Random", "Random Pixels", "All rays of so many pixels drawn at random", "0", 0),
+        flag("Chief", "Chief Rays", "The chief ray of every microlens"),
+        whole("Rays", "Rays", "Rays per pixel and microlens that covers it, and per point", "64", 2),
+        whole("FlameSamples", "Flame Samples", "Vertices within the flames, with temperature and absorption", "0", 0),
+        whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", "-1", -1),
+    ):
+        kind = decorate(kind)
+    return kind
+
+
+class _RayBundles(_OfScene):
+    def __init__(self, outputs, kind):
+        super().__init__(outputs, kind)
+        self._pixel, self._use_point, self._point, self._random = (-1, -1), False, (1.0, 0.0, 0.0), 0
+        self._chief, self._rays, self._flame_samples, self._seed = False, 64, 0, -1
+
+    def SetPixel(self, column, row):
+        self.set("_pixel", (column, row))
+
+    def SetUsePoint(self, use):
+        self.set("_use_point", bool(use))
+
+    def SetPoint(self, x, y, z):
+        self.set("_point", (x, y, z))
+
+    def SetRandom(self, count):
+        self.set("_random", count)
+
+    def SetChief(self, chief):
+        self.set("_chief", bool(chief))
+
+    def SetRays(self, rays):
+        self.set("_rays", rays)
+
+    def SetFlameSamples(self, samples):
+        self.set("_flame_samples", samples)
+
+    def SetSeed(self, seed):
+        self.set("_seed", seed)
+
+    def rays(self, scene):
+        return scene.rays(pixels=[self._pixel] if self._pixel != (-1, -1) else [], random=self._random, chief=self._chief,
+                          points=[self._point] if self._use_point else [], rays=self._rays,
+                          flame_samples=self._flame_samples, seed=self._seed)
+
+
+@smproxy.reader(name="PlenoflameScene", label="Plenoflame Scene", extensions="toml", file_description="Plenoflame scenes")
+@smproperty.xml("""<OutputPort name="Camera" index="0"/><OutputPort name="Flame" index="1"/><OutputPort name="Rays" index="2"/>""")
+@_bundles
+@whole("Resolution", "Flame Resolution", "Samples of the flames along their longest side", "96", 2)
+@CAMERA
+@SETTINGS
+class PlenoflameScene(_RayBundles):
+    """A scene: the camera's surfaces, its flames on a lattice [K, 1/m], and rays of a chosen pixel."""
+
+    def __init__(self):
+        super().__init__(3, "vtkMultiBlockDataSet")
+        self._resolution = 96
+
+    def FillOutputPortInformation(self, port, info):
+        info.Set(vtkDataObject.DATA_TYPE_NAME(), ("vtkMultiBlockDataSet", "vtkImageData", "vtkPolyData")[port])
+        return 1
+
+    @smproperty.stringvector(name="FileName", panel_visibility="never")
+    @smdomain.filelist()
+    @smhint.filechooser(extensions="toml", file_description="Plenoflame scenes")
+    def SetFileName(self, name):
+        super().SetFileName(name)
+
+    def SetResolution(self, resolution):
+        self.set("_resolution", resolution)
+
+    def compute(self):
+        scene = self.scene()
+        camera, flame, rays = vtkMultiBlockDataSet(), vtkImageData(), vtkPolyData()
+        camera_to_blocks(scene, camera)
+        if scene.list_size("flames"):
+            voxels_to_image(scene.flame(self._resolution), flame)
+        rays_to_polydata(self.rays(scene), rays)
+        return camera, flame, rays
+
+    def sizes(self, result):
+        return {1: result[1].GetDimensions()}
+
+    def fill(self, result, outputs):
+        for port, (kind, data) in enumerate(zip((vtkMultiBlockDataSet, vtkImageData, vtkPolyData), result)):
+            kind.GetData(outputs, port).ShallowCopy(data)
+
+
+@smproxy.source(name="PlenoflameRays", label="Plenoflame Rays")
+@_bundles
+@CAMERA
+@SETTINGS
+@FILE
+class PlenoflameRays(_RayBundles):
+    """Paths of rays through the camera of a scene, a line each."""
+
+    def __init__(self):
+        super().__init__(1, "vtkPolyData")
+
+    def compute(self):
+        rays = vtkPolyData()
+        rays_to_polydata(self.rays(self.scene()), rays)
+        return rays
+
+    def fill(self, result, outputs):
+        vtkPolyData.GetData(outputs, 0).ShallowCopy(result)
+
+
+class _Image(_Algorithm):
+    """One that gives a single image."""
+
+    def sizes(self, result):
+        return {0: result.GetDimensions()}
+
+    def fill(self, result, outputs):
+        vtkImageData.GetData(outputs, 0).ShallowCopy(result)
+
+
+@smproxy.source(name="PlenoflameLightField", label="Plenoflame Light Field")
+@flag("Truth", "Truth", "Adds layers of ground truth, such as truth.distance")
+@choice("Estimator", words("render.estimator")[0], words("render.estimator")[1], ("as the scene says", "backward", "forward"))
+@whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", "-1", -1)
+@whole("Samples", words("render.samples")[0], words("render.samples")[1] + " 0: as the scene says", "0", 0)
+@CAMERA
+@SETTINGS
+@FILE
+class PlenoflameLightField(_Image, _OfScene):
+    """The raw image of a scene's camera: flux per pixel [W] and its standard error."""
+
+    def __init__(self):
+        _OfScene.__init__(self, 1, "vtkImageData")
+        self._samples, self._seed, self._estimator, self._truth = 0, -1, 0, False
+
+    def SetSamples(self, samples):
+        self.set("_samples", samples)
+
+    def SetSeed(self, seed):
+        self.set("_seed", seed)
+
+    def SetEstimator(self, estimator):
+        self.set("_estimator", estimator)
+
+    def SetTruth(self, truth):
+        self.set("_truth", bool(truth))
+
+    def compute(self):
+        field = self.scene().render(self._samples, seed=self._seed, truth=self._truth, progress=self.progress,
+                                    estimator=(None, "backward", "forward")[self._estimator])
+        image = vtkImageData()
+        light_field_to_image(field, image)
+        return image
+
+    def progress(self, fraction):
+        self.UpdateProgress(fraction)
+        return self.GetAbortExecute()
+
+
+class _File(_Image):
+    """A reader of one image."""
+
+    def __init__(self):
+        super().__init__(nInputPorts=0, nOutputPorts=1, outputType="vtkImageData")
+        self._file = ""
+
+    def name(self):
+        if not self._file:
+            raise plenoflame.Error("there is no file: choose one")
+        return self._file
+
+
+@smproxy.reader(name="PlenoflameLightFieldReader", label="Plenoflame Light Field Reader", extensions="exr",
+                file_description="Plenoflame light fields")
+class PlenoflameLightFieldReader(_File):
+    """A light field (.exr) that Plenoflame wrote: channels, standard errors and layers as arrays."""
+
+    @smproperty.stringvector(name="FileName", panel_visibility="never")
+    @smdomain.filelist()
+    @smhint.filechooser(extensions="exr", file_description="Plenoflame light fields")
+    def SetFileName(self, name):
+        self.set("_file", name or "")
+
+    def compute(self):
+        image = vtkImageData()
+        light_field_to_image(plenoflame.read_light_field(self.name()), image)
+        return image
+
+
+@smproxy.reader(name="PlenoflameFlameReader", label="Plenoflame Flame Reader", extensions="vdb", file_description="OpenVDB grids")
+@text("Grid", "Grid", "One grid by its name; empty: temperature [K] and absorption [1/m] of a flame")
+class PlenoflameFlameReader(_File):
+    """Grids of an OpenVDB file (.vdb), where its transform places them: scaled, moved, turned or sheared."""
+
+    def __init__(self):
+        super().__init__()
+        self._grid = ""
+
+    @smproperty.stringvector(name="FileName", panel_visibility="never")
+    @smdomain.filelist()
+    @smhint.filechooser(extensions="vdb", file_description="OpenVDB grids")
+    def SetFileName(self, name):
+        self.set("_file", name or "")
+
+    def SetGrid(self, name):
+        self.set("_grid", name or "")
+
+    def compute(self):
+        image = vtkImageData()
+        voxels_to_image(plenoflame.read_flame(self.name(), grid=self._grid), image)
+        return image
+
+
+# --- filters of light fields ---
+
+def _filter(name, label, documentation):
+    """What filters have in common."""
+    def decorate(kind):
+        kind.__doc__ = documentation
+        kind = smdomain.datatype(dataTypes=["vtkImageData"], composite_data_supported=False)(kind)
+        kind = smproperty.input(name="Input", port_index=0)(kind)
+        return smproxy.filter(name=name, label=label)(kind)
+    return decorate
+
+
+class _Filter(_Algorithm):
+    def __init__(self):
+        super().__init__(nInputPorts=1, nOutputPorts=1, outputType="vtkImageData")
+        self._channel = ""
+
+    def SetChannel(self, name):
+        self.set("_channel", name or "")
+
+    def FillInputPortInformation(self, _port, info):
+        info.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkImageData")
+        return 1
+
+    def RequestInformation(self, request, inputs, outputs):
+        """How large the picture becomes is known when it is made."""
+        outputs.GetInformationObject(0).Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), [0, 0, 0, 0, 0, 0], 6)
+        return 1
+
+    def RequestUpdateExtent(self, request, inputs, outputs):
+        """All of the light field, whatever part of the picture is wanted."""
+        upstream = inputs[0].GetInformationObject(0)
+        upstream.Set(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT(),
+                     upstream.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT()), 6)
+        return 1
+
+    def RequestData(self, request, inputs, outputs):
+        return self.reported(lambda: self.make(image_to_light_field(vtkImageData.GetData(inputs[0], 0)),
+                                               vtkImageData.GetData(outputs, 0)))
+
+
+@_filter("PlenoflameViews", "Plenoflame Views", "Sub-aperture views of a light field side by side, or one of them.")
+@CHANNEL
+@flag("WhiteCorrection", "White Correction", "Divides by the light of a uniform scene, so that values are radiances "
+      "[W/(m^2 sr)]; off: flux per pixel [W]", "1")
+@choice("Resampling", "Resampling", "How one sample per microlens becomes a picture with square pixels",
+        ("nearest", "barycentric", "paper9", "paper10"), "1")
+@number("Spread", "Spread", "Side of the square over which the views' middles are spread, in diameters of the stop's image", "0.7")
+@whole("View", "View", "Row and column of one view; -1 -1: all of them, side by side", "-1 -1", -1, 2)
+@whole("Grid", "Grid", "Views along each side", "7", 1)
+class PlenoflameViews(_Filter):
+    def __init__(self):
+        super().__init__()
+        self._grid, self._view, self._spread, self._resampling, self._white = 7, (-1, -1), 0.7, 1, True
+
+    def SetGrid(self, grid):
+        self.set("_grid", grid)
+
+    def SetView(self, row, column):
+        self.set("_view", (row, column))
+
+    def SetSpread(self, spread):
+        self.set("_spread", spread)
+
+    def SetResampling(self, resampling):
+        self.set("_resampling", resampling)
+
+    def SetWhiteCorrection(self, white):
+        self.set("_white", bool(white))
+
+    def make(self, field, output):
+        views = field.views(self._grid, spread=self._spread, white_correction=self._white, channel=self._channel,
+                            resampling=("nearest", "barycentric", "paper9", "paper10")[self._resampling])
+        if self._view == (-1, -1):
+            picture = views.sheet
+        else:
+            try:
+                picture = views[self._view]
+            except IndexError as error:
+                raise plenoflame.Error(str(error)) from None
+        fill_picture(output, {"radiance" if self._white else "flux": picture})
+
+
+@_filter("PlenoflameRefocus", "Plenoflame Refocus", "The picture of a lens that is focused on a plane, in metres on that plane.")
+@CHANNEL
+@number("Aperture", "Aperture", "Of the synthetic lens, in diameters of the main lens' stop", "1")
+@whole("Width", "Width", "Pixels of the picture; 0: one per microlens across", "0", 0)
+@number("Depth", "Depth", "[m] Of the plane in front of the main lens", "1")
+class PlenoflameRefocus(_Filter):
+    def __init__(self):
+        super().__init__()
+        self._depth, self._width, self._aperture = 1.0, 0, 1.0
+
+    def SetDepth(self, depth):
+        self.set("_depth", depth)
+
+    def SetWidth(self, width):
+        self.set("_width", width)
+
+    def SetAperture(self, aperture):
+        self.set("_aperture", aperture)
+
+    def make(self, field, output):
+        sharp = field.refocus(self._depth, width=self._width, aperture=self._aperture, channel=self._channel)
+        # The picture's y runs downwards, VTK's upwards.
+        fill_picture(output, {"radiance": sharp.image}, sharp.pixel, (sharp.x[0], -sharp.y[-1]))
+
+
+@_filter("PlenoflameDevelop", "Plenoflame Develop", "Digital numbers that a sensor makes of a light field, without noise.")
+@CHANNEL
+@choice("Curve", words("develop.curve")[0], words("develop.curve")[1], ("display", "linear"))
+@whole("Bits", words("develop.bits")[0], words("develop.bits")[1], "14", 1)
+@number("Saturation", words("develop.saturation")[0], words("develop.saturation")[1], "0")
+class PlenoflameDevelop(_Filter):
+    def __init__(self):
+        super().__init__()
+        self._saturation, self._bits, self._curve = 0.0, 14, 0
+
+    def SetSaturation(self, saturation):
+        self.set("_saturation", saturation)
+
+    def SetBits(self, bits):
+        self.set("_bits", bits)
+
+    def SetCurve(self, curve):
+        self.set("_curve", curve)
+
+    def RequestInformation(self, request, inputs, outputs):
+        return 1  # as large as the light field
+
+    def make(self, field, output):
+        x, y, _, height = field.window
+        picture = field.develop(saturation=self._saturation, bits=self._bits, curve=("display", "linear")[self._curve],
+                                channel=self._channel)
+        fill_picture(output, {"digital_number": picture}, 1, (x + 0.5, field._data.Sensor()[1] - y - height + 0.5))

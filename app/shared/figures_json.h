@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+
+namespace plenoflame {
+struct LightField;
+struct Scene;
+
+/// What `plenoflame design --json` prints for a scene that has passed validate(): made by the same
+/// functions. @throws InputError
+std::string design_json(const Scene& scene);
+
+/// {"value", "unit", "text"} of a scene's value. @throws InputError for an unknown path
+std::string value_json(const Scene& scene, const std::string& path);
+
+/// The figures that `plenoflame compare --json` prints of two light fields. @throws InputError
+std::string comparison_json(const LightField& field, const LightField& reference,
+                            const std::string& channel);
+
+}  // namespace plenoflame

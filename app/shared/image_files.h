@@ -1,0 +1,31 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame {
+
+/// A picture that was computed from a raw light field, ready to be written.
+struct NamedImage {
+  std::string name;  ///< without folder and ending
+  Image image;
+  std::map<std::string, double> numbers;
+};
+
+/// Writes every image as PNG (sRGB curve, 16 bits, one exposure for all: 99.9 % of the pixels with
+/// light are not saturated), and as EXR in `unit` when asked for.
+/// @return the value that is white
+/// @throws FileError, Cancelled
+double write_images(const std::string& folder, const std::vector<NamedImage>& images,
+                    const std::string& unit, const std::string& channel, bool exr,
+                    const LightField& raw, const Execution& execution = {});
+
+/// Writes a depth map: depth.exr with the channels "depth" [m] and "confidence", and depth.png, in
+/// which the nearest depth is white, the farthest dark, and what is unknown black.
+void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
+                 double nearest, double farthest, const LightField& raw);
+
+}  // namespace plenoflame

@@ -1,0 +1,163 @@
+#include "options.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <locale>
+#include <numeric>
+#include <sstream>
+#include <system_error>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+/// Least number of characters to insert, remove, replace or swap with their neighbour.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before, last, row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = last;
+    last = row;
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {
+  try {
+    return parse_quantity(text, dimension);
+  } catch (const InputError& error) {
+    throw UsageError(std::string(option) + ": " + error.what());
+  }
+}
+
+PixelWindow window_option(std::string_view option, const std::string& text) {
+  std::array<int, 4> numbers{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool good = true;
+  for (std::size_t i = 0; i < numbers.size() && good; ++i) {
+    const auto [after, error] = std::from_chars(at, end, numbers[i]);
+    good = error == std::errc() && (i == 3 ? after == end : after != end && *after == ',');
+    at = after + 1;
+  }
+  const auto [x, y, width, height] = numbers;
+  if (!good)
+    throw UsageError(std::string(option) + " takes four whole numbers X,Y,W,H (first column and " +
+                     "row, width and height in pixels), not '" + text + "'");
+  if (x < 0 || y < 0 || width < 1 || height < 1)
+    throw UsageError(std::string(option) + ": X and Y start at 0, W and H at 1, not '" + text +
+                     "'");
+  return {x, y, width, height};
+}
+
+template <class Number>
+Number whole_number_option(std::string_view option, const std::string& text, Number least,
+                           Number greatest) {
+  const char* const end = text.data() + text.size();
+  Number value{};
+  const auto plain = std::from_chars(text.data(), end, value);
+  bool good = plain.ec == std::errc() && plain.ptr == end;
+  if (!good) {
+    double real = 0;
+    const auto scientific = std::from_chars(text.data(), end, real);
+    // Whole numbers below 2^53 are exact in a double.
+    good = scientific.ec == std::errc() && scientific.ptr == end && real >= 0 &&
+           real < 9007199254740992.0 && real == std::floor(real) &&
+           real <= static_cast<double>(std::numeric_limits<Number>::max());
+    if (good) value = static_cast<Number>(real);
+  }
+  if (!good || value < least || value > greatest)
+    throw UsageError(std::string(option) + " takes a whole number from " + std::to_string(least) +
+                     " to " + std::to_string(greatest) + ", not '" + text + "'");
+  return value;
+}
+template int whole_number_option(std::string_view, const std::string&, int, int);
+template std::uint64_t whole_number_option(std::string_view, const std::string&, std::uint64_t,
+                                           std::uint64_t);
+
+std::array<int, 2> pair_option(std::string_view option, const std::string& text,
+                               std::string_view form, char separator) {
+  std::array<int, 2> values{};
+  const char* const end = text.data() + text.size();
+  const auto [middle, first] = std::from_chars(text.data(), end, values[0]);
+  if (first == std::errc{} && middle != end && *middle == separator) {
+    const auto [stop, second] = std::from_chars(middle + 1, end, values[1]);
+    if (second == std::errc{} && stop == end) return values;
+  }
+  throw UsageError(std::string(option) + ": '" + text + "' is not of the form " +
+                   std::string(form) + ": two whole numbers");
+}
+
+std::array<double, 3> point_option(std::string_view option, const std::string& text) {
+  const std::size_t first = text.find(',');
+  const std::size_t second = first == std::string::npos ? first : text.find(',', first + 1);
+  if (second == std::string::npos)
+    throw UsageError(std::string(option) + ": '" + text +
+                     "' is not of the form X,Y,Z: three lengths");
+  const auto part = [&](std::size_t begin, std::size_t end) {
+    return quantity_option(option, text.substr(begin, end - begin), Dimension::length);
+  };
+  return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
+}
+
+void check_not_overwritten(std::string_view option, const std::string& output,
+                           const std::string& input) {
+  std::error_code ignored;
+  if (output == input || std::filesystem::equivalent(output, input, ignored))
+    throw UsageError(std::string(option) + ": '" + output +
+                     "' is a file that this command reads; give another name");
+}
+
+double number_option(std::string_view option, const std::string& text, double least,
+                     double greatest) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error == std::errc() && stop == end && value >= least && value <= greatest) return value;
+  std::ostringstream message;
+  message.imbue(std::locale::classic());
+  message << option << ": " << text << " is not a number from " << least << " to " << greatest;
+  throw UsageError(message.str());
+}
+
+void check_choice(std::string_view option, const std::string& text,
+                  const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) {
+    if (word == text) return;
+    if (!word.empty()) list.append(list.empty() ? "" : ", ").append(word);
+  }
+  const std::string nearest = nearest_name(text, words);
+  throw UsageError(std::string(option) + ": '" + text + "' is not one of " + list +
+                   (nearest.empty() ? "" : "; did you mean '" + nearest + "'?"));
+}
+
+std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates) {
+  std::string nearest;
+  std::size_t least = std::max<std::size_t>(1, name.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance >= least) continue;
+    least = distance;
+    nearest = candidate;
+  }
+  return nearest;
+}
+
+}  // namespace plenoflame

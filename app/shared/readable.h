@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+
+#include "plenoflame/base/units.h"
+#include "plenoflame/math/vector.h"
+
+namespace plenoflame {
+
+/// A value for people, with unit: four significant digits. Computations must not use it.
+std::string readable(double value, Dimension dimension);
+/// A point or vector in one unit, that of its largest component: "750 mm, 0 mm, -16 mm".
+std::string readable_point(Vec3 point);
+/// A share as percentage: "1.234 %".
+std::string readable_percent(double share);
+/// A number: four significant digits.
+std::string readable_number(double value);
+
+}  // namespace plenoflame

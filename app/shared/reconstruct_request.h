@@ -1,0 +1,56 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "plenoflame/inverse/thermal_reconstruction.h"
+#include "unknowns_request.h"
+
+namespace plenoflame {
+
+/// The fields that a reconstruction looks for.
+enum class Sought {
+  emission,     ///< emission or source function: a linear problem
+  temperature,  ///< with known absorption, on the renderer's own formulas
+  both,         ///< temperature and absorption, of two channels or more
+};
+
+/// An earlier result at the places of the unknowns.
+struct EarlierResult {
+  std::vector<double> emission, temperature, absorption;  ///< empty: the file has no such grid
+  double strength = -1;                                   ///< of its penalty; negative: not stated
+};
+
+/// What a reconstruction is asked for, as texts of the options of `plenoflame reconstruct`; all
+/// front ends fill it. Empty texts stand for defaults.
+struct ReconstructRequest {
+  std::vector<std::string> spreads;
+  UnknownsRequest unknowns;
+  std::string find = "emission", channel, solver = "fista", penalty, rule, smoothing, ratio;
+  std::string start, resume, prior, support;  ///< files
+  std::string rays = "64", iterations = "300", draws = "20", probes = "16", bin = "1", seed,
+              subsets, memory = "2000";
+  double strength = -1, noise = 0.003, relaxation = -1;
+  bool all = false, truth = false;
+  /// In place of files.
+  std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;
+
+  Sought sought() const;
+  /// Names of channels; empty: the pictures' first, or for two quantities the first two.
+  std::vector<std::string> channels() const;
+};
+
+/// Names that options take.
+std::vector<std::string> reconstruction_solvers();
+
+/// Sets an option by its name, "unknowns" or "absorption-ratios"; flags ("truth", "all-voxels")
+/// take true or false. @throws UsageError for an unknown name and for numbers out of range
+void set_option(ReconstructRequest& request, const std::string& name, const std::string& text);
+
+/// Settings for core; nothing that cannot work passes, before anything is read or followed.
+/// @throws UsageError in the words of the command line
+ReconstructionSettings reconstruction_settings(const ReconstructRequest& request,
+                                               std::uint64_t seed);
+
+}  // namespace plenoflame

@@ -1,0 +1,200 @@
+#include "reconstruct_result.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "options.h"
+#include "plenoflame/volumes/grid_writer.h"
+#include "unknowns_request.h"
+
+namespace plenoflame {
+
+double half_angle(const CompiledScene& scene, const Unknowns& unknowns,
+                  const CameraRaySettings& settings) {
+  const Box box = unknowns.bounds();
+  const Vec3 middle = 0.5 * (box.lower + box.upper);
+  const double reach = 0.02 * length(box.upper - box.lower);
+  const Vec3 around{reach, reach, reach};
+  // Rays that pass the middle, by the directions that they come from.
+  const CameraRays rays =
+      draw_camera_rays({{&scene, {}}}, {middle - around, middle + around}, settings);
+  if (rays.rays.empty()) return 0;
+  Vec3 mean;
+  for (const CameraRay& ray : rays.rays) mean = mean + ray.direction;
+  mean = normalize(mean);
+  double squares = 0;
+  for (const CameraRay& ray : rays.rays) {
+    const Vec3 d = ray.direction - dot(ray.direction, mean) * mean;
+    squares += dot(d, d);
+  }
+  // A disc of radius R has the mean square R^2 / 2.
+  return std::asin(std::min(1.0, std::sqrt(2 * squares / static_cast<double>(rays.rays.size()))));
+}
+
+std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& result) {
+  const FlameEstimate& estimate = result.estimate;
+  std::vector<ReconstructedField> fields;
+  const auto add = [&](const std::vector<double>& values, const char* name, const char* unit) {
+    if (!values.empty()) fields.push_back({name, unit, &values});
+  };
+  add(estimate.temperature, "temperature", "K");
+  add(estimate.temperature_deviation, "temperature_deviation", "K");
+  add(estimate.absorption, "absorption", "1/m");
+  add(estimate.absorption_deviation, "absorption_deviation", "1/m");
+  add(estimate.emission, "emission", "W/(m^3 sr)");
+  add(estimate.emission_deviation, "emission_deviation", "W/(m^3 sr)");
+  add(result.figures.resolved, "resolved", "");
+  add(result.resolved_absorption, "resolved_absorption", "");
+  return fields;
+}
+
+void write_estimate(const std::string& path, const ReconstructResult& result,
+                    const Unknowns& unknowns) {
+  const std::vector<ReconstructedField> found = reconstructed_fields(result);
+  std::vector<VoxelField> fields;
+  for (const ReconstructedField& field : found)
+    fields.push_back(unknowns.field(*field.values, field.name));
+  std::vector<GridOutput> grids;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    grids.push_back({&fields[i], found[i].unit});
+    // --resume goes on with this strength.
+    if (found[i].name == "emission")
+      grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)}};
+  }
+  GridWriteOptions options;
+  options.metadata = {{"creator", "plenoflame reconstruct"}};
+  write_grids(path, grids, options);
+}
+
+FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns) {
+  FlameTruth truth;
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    const FlameAt at = flame_at(scene, channel, unknowns.place(j));
+    truth.emission.push_back(at.emission);
+    truth.temperature.push_back(at.emission > 0 ? at.temperature : 0);
+    truth.absorption.push_back(at.absorption);
+  }
+  return truth;
+}
+
+void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
+                   Report& report) {
+  std::vector<double> volumes;
+  for (std::size_t j = 0; j < unknowns.size(); ++j) volumes.push_back(unknowns.volume(j));
+  const EstimateErrors errors =
+      compare_estimate(estimate, truth.emission, truth.temperature, volumes, truth.absorption);
+  report.add("error of emission", readable_percent(errors.emission), "truth_emission_error",
+             errors.emission);
+  if (!estimate.temperature.empty())
+    report.add("error of temperature",
+               readable_percent(errors.temperature) + ", weighted by emission",
+               "truth_temperature_error", errors.temperature);
+  if (!estimate.absorption_deviation.empty())
+    report.add("error of absorption",
+               readable_percent(errors.absorption) + ", weighted by emission",
+               "truth_absorption_error", errors.absorption);
+}
+
+void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
+                           const Unknowns& unknowns, Report& report) {
+  const auto count = [](std::size_t n) { return std::to_string(n); };
+  report.add("rows", count(reconstruction.rows), "rows", reconstruction.rows);
+  if (reconstruction.left_out > 0)
+    report.add_text("left out", count(reconstruction.left_out) + " rows with unusable pixels");
+  report.add_json("rows_left_out", reconstruction.left_out);
+  report.add("rays", count(reconstruction.rays), "rays", reconstruction.rays);
+  report.add("unknowns", count(unknowns.size()), "unknowns", unknowns.size());
+  report.add("unseen", count(reconstruction.unseen) + " that no ray meets", "unseen",
+             reconstruction.unseen);
+  report.add("empty", count(reconstruction.empty) + " behind dark pixels", "empty",
+             reconstruction.empty);
+  report.add("matrix",
+             fmt::format("{:.4g} MB{}", 1e-6 * reconstruction.matrix_bytes,
+                         reconstruction.stored ? "" : " would be too much: rays followed again"),
+             "matrix_bytes", reconstruction.matrix_bytes);
+  report.add_json("stored", reconstruction.stored);
+  report.add("error of the rays", readable_percent(reconstruction.rays_error.overall) + " of a row",
+             "ray_error", reconstruction.rays_error.overall);
+  // Where a stop came before one was chosen there is none.
+  if (reconstruction.strength >= 0)
+    report.add("strength", readable_number(reconstruction.strength), "strength",
+               reconstruction.strength);
+  report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
+             reconstruction.chi_squared);
+  report.add("iterations", count(reconstruction.history.size()), "iterations",
+             reconstruction.history.size());
+  report.add_json("history", reconstruction.history);
+  nlohmann::json trials = nlohmann::json::array();
+  for (const auto& trial : reconstruction.trials)
+    trials.push_back({{"strength", trial.strength},
+                      {"chi_squared", trial.chi_squared},
+                      {"penalty", trial.penalty},
+                      {"gcv", trial.gcv < 0 ? nlohmann::json() : nlohmann::json(trial.gcv)}});
+  report.add_json("trials", trials);
+  report.add_json("strength_at_end", reconstruction.strength_at_end);
+  report.add_json("explained_by_noise", reconstruction.explained_by_noise);
+  report.add("ended by", name_of(reconstruction.reason), "reason", name_of(reconstruction.reason));
+  if (reconstruction.clipped > 0)
+    report.add("clipped", count(reconstruction.clipped) + " rows below 0 were taken for 0",
+               "rows_clipped", reconstruction.clipped);
+  if (reconstruction.resolved_unknowns >= 0)
+    report.add(
+        "resolved",
+        fmt::format("{:.0f} of {} unknowns ({})", reconstruction.resolved_unknowns, unknowns.size(),
+                    readable_percent(reconstruction.resolved_unknowns /
+                                     static_cast<double>(unknowns.size()))),
+        "resolved_unknowns", reconstruction.resolved_unknowns);
+  nlohmann::json spreads = nlohmann::json::array();
+  for (const PointSpread& spread : reconstruction.spreads) {
+    std::vector<std::string> widths;
+    nlohmann::json json_widths = nlohmann::json::array();
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (unknowns.shape()[a] < 2) continue;
+      const bool known = std::isfinite(spread.widths[a]);
+      widths.push_back(known ? readable(spread.widths[a], Dimension::length) : "the whole grid");
+      json_widths.push_back(known ? nlohmann::json(spread.widths[a]) : nlohmann::json());
+    }
+    const Vec3 p = spread.place;
+    report.add_text(
+        "point spread",
+        fmt::format("{} wide, {} of the point stay, at {}, {}, {}", fmt::join(widths, " x "),
+                    readable_percent(spread.peak), readable(p.x, Dimension::length),
+                    readable(p.y, Dimension::length), readable(p.z, Dimension::length)));
+    spreads.push_back({{"place", {p.x, p.y, p.z}}, {"widths", json_widths}, {"peak", spread.peak}});
+  }
+  if (!spreads.empty()) report.add_json("point_spreads", spreads);
+  // Weighted by what emits, as what does not emit has no temperature.
+  double weight = 0, sum = 0, deviation = 0, hottest = 0, brightest = 0, error = 0, power = 0;
+  for (std::size_t j = 0; j < estimate.emission.size(); ++j) {
+    const double w = unknowns.volume(j) * estimate.emission[j];
+    brightest = std::max(brightest, estimate.emission[j]);
+    power += w;
+    if (!estimate.emission_deviation.empty())
+      error += unknowns.volume(j) * estimate.emission_deviation[j];
+    if (estimate.temperature.empty() || !(estimate.temperature[j] > 0)) continue;
+    weight += w;
+    sum += w * estimate.temperature[j];
+    hottest = std::max(hottest, estimate.temperature[j]);
+    if (!estimate.temperature_deviation.empty()) deviation += w * estimate.temperature_deviation[j];
+  }
+  report.add("emission", fmt::format("{:.4g} W/(m^3 sr) at most", brightest), "largest_emission",
+             brightest);
+  if (!estimate.emission_deviation.empty() && power > 0)
+    report.add("its deviation", readable_percent(error / power) + ", mean, of the noise",
+               "emission_deviation", error / power);
+  if (weight > 0) {
+    report.add("temperature",
+               readable(sum / weight, Dimension::temperature) + " mean, weighted by emission; " +
+                   readable(hottest, Dimension::temperature) + " at most",
+               "mean_temperature_K", sum / weight);
+    report.add_json("highest_temperature_K", hottest);
+    if (!estimate.temperature_deviation.empty())
+      report.add("its deviation",
+                 readable(deviation / weight, Dimension::temperature) + ", mean, of the noise",
+                 "temperature_deviation_K", deviation / weight);
+  }
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,49 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/inverse/flame_estimate.h"
+#include "plenoflame/inverse/unknowns.h"
+#include "plenoflame/scene/compile.h"
+#include "report.h"
+
+namespace plenoflame {
+
+/// Half angle under which a camera's rays cross a place [rad]: what separates depths.
+double half_angle(const CompiledScene& scene, const Unknowns& unknowns,
+                  const CameraRaySettings& settings);
+
+/// Results of one frame of a reconstruction.
+struct ReconstructResult {
+  Reconstruction figures;
+  FlameEstimate estimate;
+  std::vector<double> resolved_absorption;  ///< where it was solved for
+};
+
+/// A field of what was found.
+struct ReconstructedField {
+  std::string name;  ///< of its grid
+  std::string unit;
+  const std::vector<double>* values;  ///< of the unknowns
+};
+/// Those that there are, in the order in which they are written.
+std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& result);
+
+/// Everything that was found, as grids of one file, under a temporary name that is renamed.
+/// @throws FileError
+void write_estimate(const std::string& path, const ReconstructResult& result,
+                    const Unknowns& unknowns);
+
+/// The scene's flames at the places of the unknowns.
+struct FlameTruth {
+  std::vector<double> emission, temperature, absorption;
+};
+FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns);
+void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
+                   Report& report);
+
+/// The figures of a reconstruction.
+void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
+                           const Unknowns& unknowns, Report& report);
+
+}  // namespace plenoflame

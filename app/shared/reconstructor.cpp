@@ -1,0 +1,393 @@
+#include "reconstructor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/axis_fit.h"
+#include "plenoflame/volumes/grid_file.h"
+#include "plenoflame/volumes/grid_samples.h"
+
+namespace plenoflame {
+namespace {
+
+/// Channels that are wanted, as the first picture names them.
+std::vector<std::string> wanted_channels(const ReconstructRequest& request,
+                                         const LightField& picture, const std::string& name) {
+  std::vector<std::string> names = request.channels();
+  const bool both = request.sought() == Sought::both;
+  if (names.empty()) {
+    if (both && picture.channels.size() < 2)
+      throw InputError(name + " has a single channel; both takes two");
+    for (std::size_t k = 0; k < (both ? 2U : 1U); ++k) names.push_back(picture.channels[k].name);
+  }
+  return names;
+}
+
+std::size_t number_of(const Scene& scene, const std::string& name, const std::string& scene_file,
+                      const std::string& image) {
+  const auto found = std::find_if(scene.channels.begin(), scene.channels.end(),
+                                  [&](const ChannelSpec& c) { return c.name == name; });
+  if (found == scene.channels.end())
+    throw InputError(fmt::format("{} has no channel {}, which {} holds", scene_file, name, image));
+  return static_cast<std::size_t>(found - scene.channels.begin());
+}
+
+/// What no algorithm can mend.
+void warn_single_camera(const Reconstruction& result, const Unknowns& unknowns, double angle,
+                        const Execution& execution, Report& report) {
+  if (!(angle > 0)) return;
+  const double depth = 1 / (2 * std::tan(angle));
+  std::string text = fmt::format(
+      "one camera sees the grid within +-{:.3g} deg: depth is resolved {:.3g} times worse than "
+      "what is across",
+      angle * 180 / std::numbers::pi, depth);
+  if (result.resolved_unknowns >= 0)
+    text += fmt::format("; {:.0f} of {} unknowns are resolved", result.resolved_unknowns,
+                        unknowns.size());
+  text += ". Use --unknowns rings where the flame is round, or more cameras";
+  report.add("warning", text, "warning", text);
+  report.add_json("half_angle_rad", angle);
+  execution.warn(text);
+}
+
+void warn_of(const Reconstruction& figures, double memory, const Execution& execution) {
+  if (!figures.stored)
+    execution.warn(
+        fmt::format("the matrix would take {:.3g} MB of the {:.3g} MB that it may "
+                    "(--memory): rays are followed again in each iteration",
+                    1e-6 * figures.matrix_bytes, memory));
+  if (!figures.complete) return;
+  if (!figures.explained_by_noise)
+    execution.warn(
+        fmt::format("noise does not explain the pictures at any strength, chi^2 per row stays at "
+                    "{:.3g}: the model is wrong by more than that (scene, absorption, grid), or "
+                    "--noise is too small",
+                    figures.chi_squared));
+  else if (figures.strength_at_end)
+    execution.warn(
+        "the strength is at the end of the range that was looked at: see the curve in "
+        "--report FILE.html, or give --strength");
+}
+
+std::vector<Vec3> places_of(const Unknowns& unknowns) {
+  std::vector<Vec3> places;
+  for (std::size_t j = 0; j < unknowns.size(); ++j) places.push_back(unknowns.place(j));
+  return places;
+}
+
+std::vector<char> read_support(const std::string& path, const Unknowns& unknowns) {
+  const std::vector<GridInfo> grids = list_grids(path, false);
+  const auto first =
+      std::find_if(grids.begin(), grids.end(), [](const GridInfo& g) { return g.readable; });
+  if (first == grids.end()) throw InputError(path + " has no grid of numbers");
+  std::vector<char> support;
+  for (const double value : sample_grid(path, first->name, places_of(unknowns)))
+    support.push_back(value != 0);
+  if (std::find(support.begin(), support.end(), 1) == support.end())
+    throw InputError(fmt::format("grid '{}' of {} is 0 wherever an unknown is", first->name, path));
+  return support;
+}
+
+std::vector<double> absorption_ratios(const ReconstructRequest& request,
+                                      const ReconstructCameras& cameras) {
+  std::vector<double> ratios{1};
+  if (!request.ratio.empty()) {
+    std::istringstream words(request.ratio);
+    for (std::string word; std::getline(words, word, ',');) {
+      std::istringstream number(word);
+      number.imbue(std::locale::classic());
+      double ratio = 0;
+      if (!(number >> ratio) || !number.eof() || !(ratio > 0))
+        throw UsageError("--absorption-ratios: '" + word + "' is no number above 0");
+      ratios.push_back(ratio);
+    }
+    if (ratios.size() != cameras.channels.size())
+      throw UsageError(
+          fmt::format("--absorption-ratios: {} for {} channels, one less than which "
+                      "are wanted",
+                      ratios.size() - 1, cameras.channels.size()));
+    return ratios;
+  }
+  const auto wavelength = [&](std::size_t k) {
+    return channel_source(cameras.first().scene, cameras.channels[k]).wavelength();
+  };
+  for (std::size_t k = 1; k < cameras.channels.size(); ++k) {
+    if (!(wavelength(0) > 0) || !(wavelength(k) > 0))
+      throw UsageError("a channel of all wavelengths has none: give --absorption-ratios");
+    ratios.push_back(wavelength(0) / wavelength(k));
+  }
+  return ratios;
+}
+
+/// The rings' axis by the pictures, begun with an upright one through the block that is solved for.
+FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCameras& cameras,
+                      const std::vector<Measurement>& measurements, const Execution& execution) {
+  const Box box = unknowns_of(request.unknowns, cameras.first())->bounds();
+  CameraRaySettings how;
+  how.samples = 4;
+  how.channel = static_cast<int>(cameras.channels[0]);
+  std::vector<CameraView> views = cameras.views();
+  for (std::size_t v = 0; v < views.size(); ++v) views[v].window = measurements[v].window;
+  const CameraRays rays = draw_camera_rays(views, box, how, execution);
+  FlameAxis start;
+  start.base = 0.5 * (box.lower + box.upper);
+  start.direction = {0, 0, 1};
+  return fit_axis(rays, measured_rows(measurements, rays, 1), start);
+}
+
+/// @throws InputError where an earlier result that is in memory belongs to other unknowns
+void check_fits(const EarlierResult& result, std::size_t unknowns) {
+  for (const auto* values : {&result.emission, &result.temperature, &result.absorption})
+    if (!values->empty() && values->size() != unknowns)
+      throw InputError(
+          fmt::format("the earlier result has {} unknowns, not {}: write it to a file "
+                      "and give that, which is sampled where the unknowns are",
+                      values->size(), unknowns));
+}
+
+}  // namespace
+
+EarlierResult read_earlier_result(const std::string& path, const Unknowns& unknowns) {
+  EarlierResult result;
+  const std::vector<Vec3> places = places_of(unknowns);
+  for (const GridInfo& grid : list_grids(path, false)) {
+    std::vector<double>* to = grid.name == "emission"      ? &result.emission
+                              : grid.name == "temperature" ? &result.temperature
+                              : grid.name == "absorption"  ? &result.absorption
+                                                           : nullptr;
+    if (!to) continue;
+    *to = sample_grid(path, grid.name, places);
+    const auto strength = grid.metadata.find("strength");
+    if (strength == grid.metadata.end()) continue;
+    std::istringstream number(strength->second);
+    number.imbue(std::locale::classic());
+    if (!(number >> result.strength)) result.strength = -1;
+  }
+  if (result.emission.empty())
+    throw InputError(path + " has no grid 'emission': it is no result of reconstruct");
+  return result;
+}
+
+std::vector<CameraView> ReconstructCameras::views() const {
+  std::vector<CameraView> result;
+  for (const ReconstructCamera& camera : cameras) result.push_back({camera.scene.get(), {}});
+  return result;
+}
+
+ReconstructCameras reconstruct_cameras(const ReconstructRequest& request,
+                                       std::vector<ReconstructCamera> cameras,
+                                       const LightField& first,
+                                       const std::vector<std::string>& names) {
+  if (cameras.empty() || cameras.size() != names.size())
+    throw UsageError("a reconstruction needs one picture for each camera");
+  ReconstructCameras result;
+  result.cameras = std::move(cameras);
+  // Other rays than those of the pictures, which may be renderings of the same scene.
+  result.seed = request.seed.empty()
+                    ? result.first().scene.render.seed + 1000
+                    : whole_number_option<std::uint64_t>("--seed", request.seed, 0);
+  const int bin = reconstruction_settings(request, result.seed).rays.bin;
+  for (const ReconstructCamera& camera : result.cameras) {
+    const SensorSpec& sensor = camera.scene->scene.camera.sensor;
+    if (bin > sensor.columns || bin > sensor.rows)
+      throw UsageError(
+          fmt::format("--bin: the sensor of {} has {} x {} pixels, no block of {} x "
+                      "{}",
+                      camera.what, sensor.columns, sensor.rows, bin, bin));
+  }
+  for (const std::string& name : wanted_channels(request, first, names[0])) {
+    const std::string& wanted = find_channel(first, name, names[0]).name;
+    for (std::size_t v = 0; v < result.cameras.size(); ++v) {
+      const Scene& scene = result.cameras[v].scene->scene;
+      const std::size_t number = number_of(scene, wanted, result.cameras[v].what, names[v]);
+      if (v == 0) result.channels.push_back(number);
+      if (number != result.channels.back() ||
+          !(scene.channels[number] == result.first().scene.channels[number]))
+        throw InputError(fmt::format("channel {} of {} is not that of {}", wanted,
+                                     result.cameras[v].what, result.cameras[0].what));
+    }
+  }
+  for (std::size_t k = 0; k < result.channels.size(); ++k)
+    for (std::size_t m = 0; m < k; ++m)
+      if (result.channels[k] == result.channels[m])
+        throw UsageError("--channel: " + result.channel_name(k) + " is given twice");
+  absorption_ratios(request, result);
+  return result;
+}
+
+FrameMeasurements measure_frame(const ReconstructRequest& request,
+                                const ReconstructCameras& cameras,
+                                const std::vector<LightField>& pictures,
+                                const std::vector<std::string>& names) {
+  FrameMeasurements result(cameras.channels.size());
+  for (std::size_t v = 0; v < cameras.cameras.size(); ++v)
+    for (std::size_t k = 0; k < cameras.channels.size(); ++k)
+      result[k].push_back(take_measurement(pictures[v], cameras.cameras[v].scene->scene,
+                                           cameras.channels[k], request.noise, names[v]));
+  return result;
+}
+
+void warn_of_pictures(const FrameMeasurements& measurements, const std::vector<std::string>& names,
+                      const Execution& execution) {
+  for (std::size_t v = 0; v < names.size(); ++v)
+    for (const std::vector<Measurement>& channel : measurements) {
+      const Measurement& taken = channel[v];
+      if (taken.negative > 0)
+        execution.warn(fmt::format("{}: {} pixels are below 0 by more than 5 standard deviations",
+                                   names[v], taken.negative));
+      if (taken.saturated > 0)
+        execution.warn(
+            fmt::format("{}: {} saturated pixels are left out", names[v], taken.saturated));
+    }
+}
+
+Reconstructor::Reconstructor(const ReconstructRequest& request, const ReconstructCameras& cameras,
+                             const FrameMeasurements& first, const Execution& execution)
+    : request_(request), cameras_(cameras) {
+  const CompiledScene& scene = cameras.first();
+  settings_ = reconstruction_settings(request_, cameras.seed);
+  settings_.rays.channel = static_cast<int>(cameras.channels[0]);
+  if (request_.truth && !scene.medium)
+    throw UsageError("--truth: the scene has no flame to compare with");
+  if (request_.unknowns.fits_axis()) {
+    const FlameAxis axis = fitted_axis(request_, cameras, first[0], execution);
+    request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
+  }
+  unknowns_ = unknowns_of(request_.unknowns, scene);
+  absorption_ = absorption_of(request_.unknowns, scene, cameras.channels[0], *unknowns_);
+  if (!request_.support.empty()) support_ = read_support(request_.support, *unknowns_);
+  for (const std::string& spread : request_.spreads) {
+    const auto [x, y, z] = point_option("--spread", spread);
+    spreads_.push_back({x, y, z});
+  }
+  if (request_.truth) truth_ = flame_truth(scene, cameras.channels[0], *unknowns_);
+  const auto earlier = [&](const std::shared_ptr<const EarlierResult>& given,
+                           const std::string& path) {
+    if (!given) return read_earlier_result(path, *unknowns_);
+    check_fits(*given, unknowns_->size());
+    return *given;
+  };
+  if (request_.prior_values || !request_.prior.empty())
+    prior_ = samples_of(earlier(request_.prior_values, request_.prior));
+  const bool resumes = !request_.resume.empty();
+  const std::string& path = resumes ? request_.resume : request_.start;
+  if (!request_.start_values && path.empty()) return;
+  const EarlierResult start = earlier(resumes ? nullptr : request_.start_values, path);
+  if (resumes && request_.strength < 0) settings_.strength = start.strength;
+  if (request_.sought() == Sought::emission) {
+    start_ = samples_of(start);
+  } else if (start.temperature.empty() || start.absorption.empty()) {
+    start_emission_ = start.emission;  // it was stopped before there were temperatures
+  } else {
+    start_temperature_ = start.temperature;
+    start_absorption_ = start.absorption;
+    start_emission_ = start.emission;
+  }
+}
+
+/// Samples of the linear problem: emission, or source functions.
+std::vector<double> Reconstructor::samples_of(const EarlierResult& result) const {
+  std::vector<double> values = result.emission;
+  for (std::size_t j = 0; j < absorption_.size(); ++j)
+    values[j] = absorption_[j] > 0 ? values[j] / absorption_[j] : 0;
+  return values;
+}
+
+ReconstructResult Reconstructor::frame(
+    const FrameMeasurements& measurements, const Execution& execution,
+    const std::function<void(const ReconstructionState&)>& watch) {
+  settings_.watch = watch;
+  ReconstructResult result = request_.sought() == Sought::emission
+                                 ? linear(measurements, execution)
+                                 : thermal(measurements, execution);
+  settings_.watch = nullptr;
+  settings_.strength = result.figures.strength;
+  return result;
+}
+
+ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
+                                        const Execution& execution) {
+  ReconstructionInput input;
+  input.views = cameras_.views();
+  input.measurements = measurements[0];
+  input.unknowns = unknowns_.get();
+  input.absorption = absorption_;
+  input.start = start_;
+  input.prior = prior_;
+  input.support = support_;
+  input.spread_at = spreads_;
+  ReconstructResult result;
+  result.figures = reconstruct(input, settings_, execution);
+  result.estimate = estimate_flame(result.figures, absorption_,
+                                   channel_source(cameras_.first().scene, cameras_.channels[0]));
+  start_ = result.figures.values;
+  return result;
+}
+
+ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
+                                         const Execution& execution) {
+  ThermalInput input;
+  input.views = cameras_.views();
+  input.unknowns = unknowns_.get();
+  input.absorption = absorption_;
+  input.support = support_;
+  input.start_temperature = start_temperature_;
+  if (absorption_.empty()) input.start_absorption = start_absorption_;
+  input.start_emission = start_emission_;
+  const std::vector<double> ratios = absorption_ratios(request_, cameras_);
+  for (std::size_t k = 0; k < cameras_.channels.size(); ++k)
+    input.channels.push_back({static_cast<int>(cameras_.channels[k]), measurements[k],
+                              channel_source(cameras_.first().scene, cameras_.channels[k]),
+                              ratios[k]});
+  ThermalSettings settings;
+  settings.linear = settings_;
+  ThermalReconstruction found = reconstruct_thermal(input, settings, execution);
+  ReconstructResult result;
+  result.figures = std::move(found.figures);
+  result.figures.resolved = std::move(found.resolved_temperature);
+  result.resolved_absorption = std::move(found.resolved_absorption);
+  result.estimate = std::move(found.estimate);
+  start_temperature_ = result.estimate.temperature;
+  start_absorption_ = result.estimate.absorption;
+  start_emission_ = result.estimate.emission;
+  return result;
+}
+
+Report Reconstructor::report(const ReconstructResult& result, const std::string& output,
+                             const Execution& execution) const {
+  warn_of(result.figures, 1e-6 * settings_.memory, execution);
+  Report report;
+  std::string names = cameras_.channel_name(0);
+  for (std::size_t k = 1; k < cameras_.channels.size(); ++k)
+    names += ", " + cameras_.channel_name(k);
+  report.add("channel", names, "channel", names);
+  report.add("cameras", std::to_string(cameras_.cameras.size()), "cameras",
+             cameras_.cameras.size());
+  if (request_.unknowns.fitted_axis) {
+    const auto& [p, w] = *request_.unknowns.fitted_axis;
+    report.add("axis",
+               fmt::format("through {}, {}, {} along {:.4f}, {:.4f}, {:.4f}",
+                           readable(p.x, Dimension::length), readable(p.y, Dimension::length),
+                           readable(p.z, Dimension::length), w.x, w.y, w.z),
+               "axis", {{"point", {p.x, p.y, p.z}}, {"direction", {w.x, w.y, w.z}}});
+  }
+  report_reconstruction(result.figures, result.estimate, *unknowns_, report);
+  if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
+  if (cameras_.cameras.size() == 1 && request_.unknowns.kind == "voxels")
+    warn_single_camera(result.figures, *unknowns_,
+                       half_angle(cameras_.first(), *unknowns_, settings_.rays), execution, report);
+  if (!result.figures.complete)
+    report.add("stopped", "early: this is what was reached by then; --resume goes on", "complete",
+               false);
+  if (!output.empty()) report.add("written", output, "output", output);
+  return report;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,98 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/compile.h"
+#include "reconstruct_request.h"
+#include "reconstruct_result.h"
+
+/// A reconstruction from pictures in memory, as the command, Python and the desktop run it.
+namespace plenoflame {
+
+/// A camera whose pictures are reconstructed from.
+struct ReconstructCamera {
+  std::shared_ptr<const CompiledScene> scene;
+  std::string what;  ///< of the scene, and of its camera where that has a name: for messages
+};
+
+/// The cameras of a reconstruction, compiled once for all frames.
+struct ReconstructCameras {
+  std::vector<ReconstructCamera> cameras;
+  std::vector<std::size_t> channels;  ///< numbers in the scenes of what is reconstructed
+  std::uint64_t seed = 1;             ///< of the rays
+
+  const CompiledScene& first() const { return *cameras.front().scene; }
+  std::string channel_name(std::size_t k) const { return first().scene.channels[channels[k]].name; }
+  std::vector<CameraView> views() const;
+};
+
+/// Finds the channels in the scenes of the cameras.
+/// @param first picture of the first camera @param names of the pictures of each camera
+/// @throws InputError, UsageError
+ReconstructCameras reconstruct_cameras(const ReconstructRequest& request,
+                                       std::vector<ReconstructCamera> cameras,
+                                       const LightField& first,
+                                       const std::vector<std::string>& names);
+
+/// Measurements of one frame: of each channel, of each camera.
+using FrameMeasurements = std::vector<std::vector<Measurement>>;
+
+/// @param names of the pictures, one for each camera as they are
+/// @throws InputError as take_measurement()
+FrameMeasurements measure_frame(const ReconstructRequest& request,
+                                const ReconstructCameras& cameras,
+                                const std::vector<LightField>& pictures,
+                                const std::vector<std::string>& names);
+
+/// Warns of what is left out of them.
+void warn_of_pictures(const FrameMeasurements& measurements, const std::vector<std::string>& names,
+                      const Execution& execution);
+
+/// A reconstruction of one frame after the other.
+class Reconstructor {
+ public:
+  /// @param cameras must outlive it @param first frame, by which the axis of rings is fitted where
+  /// that is asked for @throws InputError, UsageError, FileError: earlier results and supports that
+  /// cannot be read or do not fit
+  Reconstructor(const ReconstructRequest& request, const ReconstructCameras& cameras,
+                const FrameMeasurements& first, const Execution& execution);
+
+  const Unknowns& unknowns() const { return *unknowns_; }
+  /// The scene's flames at the unknowns, where the request asks for the truth.
+  const FlameTruth* truth() const { return truth_ ? &*truth_ : nullptr; }
+
+  /// Begins where the frame before ended, with the first frame's strength.
+  /// @param watch may be empty @throws as reconstruct() and reconstruct_thermal()
+  ReconstructResult frame(const FrameMeasurements& measurements, const Execution& execution,
+                          const std::function<void(const ReconstructionState&)>& watch = {});
+
+  /// The figures of a frame; warns of what they say against it. @param output name of the file
+  /// where it is written; empty: none
+  Report report(const ReconstructResult& result, const std::string& output,
+                const Execution& execution) const;
+
+ private:
+  std::vector<double> samples_of(const EarlierResult& result) const;
+  ReconstructResult linear(const FrameMeasurements& measurements, const Execution& execution);
+  ReconstructResult thermal(const FrameMeasurements& measurements, const Execution& execution);
+
+  ReconstructRequest request_;
+  const ReconstructCameras& cameras_;
+  std::unique_ptr<Unknowns> unknowns_;
+  ReconstructionSettings settings_;
+  std::vector<double> absorption_, start_, prior_, start_temperature_, start_absorption_,
+      start_emission_;
+  std::vector<char> support_;
+  std::vector<Vec3> spreads_;
+  std::optional<FlameTruth> truth_;
+};
+
+/// @throws FileError, InputError: there is none of the grids
+EarlierResult read_earlier_result(const std::string& path, const Unknowns& unknowns);
+
+}  // namespace plenoflame

@@ -1,0 +1,45 @@
+#include "report.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "plenoflame/base/printable.h"
+
+namespace plenoflame {
+
+void Report::add(const std::string& label, const std::string& text, const std::string& key,
+                 nlohmann::json value) {
+  add_text(label, text);
+  add_json(key, std::move(value));
+}
+
+void Report::add_text(const std::string& label, const std::string& text) {
+  lines_.emplace_back(label, text);
+}
+
+void Report::add_json(const std::string& key, nlohmann::json value) {
+  json_[key] = std::move(value);
+}
+
+std::string Report::json_text() const {
+  // File names need not be UTF-8: what is not is replaced, not thrown about.
+  return printable(json_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace), true) +
+         '\n';
+}
+
+void Report::print(bool as_json) const {
+  if (as_json) {
+    std::cout << json_text();
+    return;
+  }
+  std::vector<std::pair<std::string, std::string>> lines;
+  std::size_t width = 0;
+  for (const auto& [label, text] : lines_) {
+    lines.emplace_back(printable(label), printable(text));
+    width = std::max(width, lines.back().first.size());
+  }
+  for (const auto& [label, text] : lines)
+    std::cout << label << ':' << std::string(width - label.size() + 1, ' ') << text << '\n';
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,162 @@
+#include "unknowns_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "options.h"
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+/// Whole numbers at least 1, separated by commas.
+std::vector<int> counts_option(const std::string& option, const std::string& text) {
+  std::vector<int> counts;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');)
+    counts.push_back(whole_number_option(option, word, 1, 100000));
+  return counts;
+}
+
+Vec3 vector_option(const std::string& option, const std::string& text) {
+  const auto [x, y, z] = point_option(option, text);
+  return {x, y, z};
+}
+
+/// The block of space that is asked for, or else the one of the scene's flames.
+Box box_of(const UnknownsRequest& request, const CompiledScene& scene) {
+  Box box;
+  if (scene.medium) box = scene.medium->bounds();
+  if (box.empty() && (request.centre.empty() || request.size.empty()))
+    throw UsageError("the scene has no flame that says where: give --center and --size");
+  const Vec3 centre = request.centre.empty() ? 0.5 * (box.lower + box.upper)
+                                             : vector_option("--center", request.centre);
+  const Vec3 size =
+      request.size.empty() ? box.upper - box.lower : vector_option("--size", request.size);
+  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
+    throw UsageError("--size: three lengths above 0");
+  return {centre - 0.5 * size, centre + 0.5 * size};
+}
+
+std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& box) {
+  const Vec3 size = box.upper - box.lower;
+  const double longest = std::max({size.x, size.y, size.z});
+  std::vector<int> counts =
+      request.grid.empty() ? std::vector<int>{32} : counts_option("--grid", request.grid);
+  if (counts.size() == 1) {
+    const double step = longest / counts[0];
+    const auto along = [&](double side) {
+      return std::max(1, static_cast<int>(std::lround(side / step)));
+    };
+    counts = {along(size.x), along(size.y), along(size.z)};
+  }
+  if (counts.size() != 3)
+    throw UsageError("--grid: voxels along the longest side, or along all three, NX,NY,NZ");
+  RegularLattice lattice;
+  lattice.count = {counts[0], counts[1], counts[2]};
+  lattice.interpolation =
+      request.basis == "constant" ? VoxelInterpolation::constant : VoxelInterpolation::trilinear;
+  const Vec3 step{size.x / counts[0], size.y / counts[1], size.z / counts[2]};
+  lattice.index_to_world.linear = {{{{step.x, 0, 0}, {0, step.y, 0}, {0, 0, step.z}}}};
+  lattice.index_to_world.translation = box.lower + 0.5 * step;
+  return make_voxel_unknowns(lattice);
+}
+
+std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& box) {
+  std::vector<int> counts =
+      request.grid.empty() ? std::vector<int>{40, 80} : counts_option("--grid", request.grid);
+  if (counts.size() != 2) throw UsageError("--grid: rings and heights, N,M");
+  const Vec3 size = box.upper - box.lower;
+  RingGrid grid;
+  Vec3 middle = 0.5 * (box.lower + box.upper);
+  if (request.fitted_axis) {
+    const auto& [point, direction] = *request.fitted_axis;
+    grid.axis = direction;
+    middle = point + dot(middle - point, direction) * direction;
+  } else if (!request.axis.empty() && !request.fits_axis()) {
+    grid.axis = vector_option("--axis", request.axis);
+  }
+  if (!(length(grid.axis) > 0)) throw UsageError("--axis: a direction, e.g. \"0 m, 0 m, 1 m\"");
+  grid.axis = normalize(grid.axis);
+  const Vec3 a{std::fabs(grid.axis.x), std::fabs(grid.axis.y), std::fabs(grid.axis.z)};
+  const double height = dot(a, size);
+  // The longest side across the axis is the diameter.
+  const double radius =
+      0.5 * std::max({size.x * (1 - a.x), size.y * (1 - a.y), size.z * (1 - a.z)});
+  grid.rings = counts[0];
+  grid.heights = counts[1];
+  grid.radial_step = radius / grid.rings;
+  grid.height_step = height / grid.heights;
+  grid.base = middle - (0.5 * (height - grid.height_step)) * grid.axis;
+  return make_ring_unknowns(grid);
+}
+
+std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& box) {
+  const std::vector<int> counts =
+      request.grid.empty() ? std::vector<int>{10} : counts_option("--grid", request.grid);
+  if (counts.size() != 1) throw UsageError("--grid: the number of layers, N");
+  return make_layer_unknowns(
+      {0.5 * (box.lower + box.upper), 0.5 * (box.upper - box.lower), counts[0]});
+}
+
+}  // namespace
+
+std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene) {
+  const Box box = box_of(request, scene);
+  if (request.kind == "layers") return layers_of(request, box);
+  return request.kind == "rings" ? rings_of(request, box) : voxels_of(request, box);
+}
+
+void check_unknowns(const UnknownsRequest& request) {
+  check_choice("--unknowns", request.kind, {"voxels", "rings", "layers"});
+  check_choice("--basis", request.basis, {"", "trilinear", "constant"});
+  if (!request.basis.empty() && request.kind != "voxels")
+    throw UsageError("--basis is for voxels: " + request.kind + " have one of their own");
+  if (!request.axis.empty() && request.kind != "rings")
+    throw UsageError("--axis is for rings, not for " + request.kind);
+  if (!request.grid.empty()) counts_option("--grid", request.grid);
+}
+
+std::size_t unknown_axes(const UnknownsRequest& request) {
+  return request.kind == "rings" ? 2 : request.kind == "layers" ? 1 : 3;
+}
+
+FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
+  FlameAt result;
+  const auto nodes = static_cast<std::size_t>(scene.medium->channel_count());
+  std::vector<double> emission(nodes), absorption(nodes);
+  scene.medium->coefficients(place, emission.data());
+  scene.medium->absorptions(place, absorption.data());
+  double weights = 0;
+  for (std::size_t n = 0; n < nodes; ++n) {
+    const double weight = scene.mix.empty()
+                              ? (n == channel ? 1 : 0)
+                              : scene.mix.weight(static_cast<int>(channel), static_cast<int>(n));
+    result.emission += weight * emission[n];
+    result.absorption += weight * absorption[n];
+    weights += weight;
+  }
+  if (weights > 0) result.absorption /= weights;
+  result.temperature = scene.medium->sample(place).temperature;
+  return result;
+}
+
+std::vector<double> absorption_of(const UnknownsRequest& request, const CompiledScene& scene,
+                                  std::size_t channel, const Unknowns& unknowns) {
+  std::vector<double> absorption;
+  if (request.absorption.empty() || request.absorption == "none") return absorption;
+  if (request.absorption == "scene") {
+    if (!scene.medium) throw UsageError("--absorption scene: the scene has no flame");
+    for (std::size_t j = 0; j < unknowns.size(); ++j)
+      absorption.push_back(flame_at(scene, channel, unknowns.place(j)).absorption);
+    if (*std::max_element(absorption.begin(), absorption.end()) > 0) return absorption;
+    throw UsageError("--absorption scene: the scene's flames absorb nothing within the grid");
+  }
+  const double value = quantity_option("--absorption", request.absorption, Dimension::absorption);
+  if (!(value > 0)) throw UsageError("--absorption: above 0, or none");
+  absorption.assign(unknowns.size(), value);
+  return absorption;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,44 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plenoflame/inverse/unknowns.h"
+#include "plenoflame/scene/compile.h"
+
+namespace plenoflame {
+
+/// What is solved for, and what is known of it, as texts of the options of `operator` and
+/// `reconstruct`.
+struct UnknownsRequest {
+  std::string kind = "voxels", grid, centre, size, axis, basis, absorption;
+  /// The rings' axis where it was fitted: a point of it, and its direction.
+  std::optional<std::pair<Vec3, Vec3>> fitted_axis = {};
+
+  bool fits_axis() const { return kind == "rings" && axis == "fit"; }
+};
+/// Axes that such unknowns have: 3 of voxels, 2 of rings, 1 of layers.
+std::size_t unknown_axes(const UnknownsRequest& request);
+
+/// Options that do not go together, and words that are none of a list. @throws UsageError
+void check_unknowns(const UnknownsRequest& request);
+
+/// The unknowns that the request ask for, by default where the scene's flames are.
+/// @throws UsageError
+std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene);
+
+/// A channel of the scene's flames at a place.
+struct FlameAt {
+  double absorption = 0, emission = 0, temperature = 0;
+};
+FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place);
+
+/// What is known of the absorption [1/m], one value for each unknown; empty: nothing.
+/// @throws UsageError
+std::vector<double> absorption_of(const UnknownsRequest& request, const CompiledScene& scene,
+                                  std::size_t channel, const Unknowns& unknowns);
+
+}  // namespace plenoflame

@@ -1,0 +1,64 @@
+"""Arguments, refused with the sentence that the command line has for its options."""
+
+import math
+import numbers
+import os
+
+from ._run import Error
+
+_MOST = 2 ** 31 - 1
+
+
+def whole(name, value, low=0, high=_MOST):
+    """A whole number from low to high."""
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool) and low <= value <= high:
+        return int(value)
+    raise Error(f"{name} takes a whole number from {low} to {high}, not {value!r}")
+
+
+def number(name, value, low=-math.inf, high=math.inf):
+    """A finite number from low to high."""
+    if isinstance(value, numbers.Real) and math.isfinite(value) and low <= value <= high:
+        return float(value)
+    if low == -math.inf:
+        wanted = "a number"
+    else:
+        wanted = f"a number of at least {low:g}" if high == math.inf else f"a number from {low:g} to {high:g}"
+    raise Error(f"{name} takes {wanted}, not {value!r}")
+
+
+def several(name, values, count, what, kind=whole, **limits):
+    """A sequence of so many numbers."""
+    try:
+        items = list(values)
+    except TypeError:
+        items = []
+    if len(items) != count:
+        raise Error(f"{name} takes {what}, not {values!r}")
+    return [kind(name, item, **limits) for item in items]
+
+
+def choice(name, value, choices):
+    """One of these words."""
+    if value in choices:
+        return value
+    listed = ", ".join(repr(c) for c in choices if c is not None)
+    raise Error(f"there is no {name} {value!r}; there are {listed}")
+
+
+def text(name, value):
+    if isinstance(value, str):
+        return value
+    raise Error(f"{name} takes a text, not {value!r}")
+
+
+def file(path, endings, hint=""):
+    """The path of a file to write, with one of these endings."""
+    try:
+        name = os.fspath(path)
+    except TypeError:
+        raise Error(f"{path!r} is not the name of a file") from None
+    if not str(name).endswith(endings):
+        wanted = endings if isinstance(endings, str) else " or ".join(endings)
+        raise Error(f"'{name}' must end in {wanted}{hint}")
+    return str(name)

@@ -1,0 +1,7 @@
+from typing import Any
+
+library: Any
+data: Any
+vtk: Any
+
+def need_vtk(what: str) -> Any: ...

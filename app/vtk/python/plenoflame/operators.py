@@ -1,0 +1,129 @@
+"""The matrix from a flame's samples to the pixels' fluxes, as a linear operator of SciPy."""
+
+import numpy
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import LinearOperator
+
+from . import _check
+from ._library import data, library
+from ._options import cameras_of, in_our_words, set_options, unknowns_options
+from ._run import Error, update
+
+
+class Operator(LinearOperator):
+    """A: samples of a flame (emission [W/(m^3 sr)], or with a known absorption the source function [W/(m^2 sr)]) to the
+    fluxes of pixels [W]. Scene.operator() makes it.
+
+    A @ x, A.T @ y, A.matmat(X) and SciPy's solvers (lsqr, lsmr, svds) follow the rays again each time, until A.matrix has
+    been asked for: then they multiply by it. Both directions are exact transposes of each other, and run in threads with
+    Python's lock released.
+    """
+
+    def __init__(self, algorithm, sensors, bin):
+        """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block."""
+        self.algorithm = algorithm  #: the vtkPlenoflameOperator, or what stands for it without VTK
+        super().__init__(numpy.dtype(float), (algorithm.GetNumberOfRows(), algorithm.GetNumberOfColumns()))
+        self._matrix = None
+        self._sensors = sensors
+        self._bin = bin
+
+    def __repr__(self):
+        return f"<plenoflame.Operator, {self.shape[0]} rows, {self.shape[1]} unknowns, {self.rays} rays>"
+
+    @property
+    def rays(self):
+        """Rays that make it."""
+        return self.algorithm.GetNumberOfRays()
+
+    @property
+    def of_source(self):
+        """Whether samples are those of a source function; else of emission."""
+        return self.algorithm.IsOfSource()
+
+    @property
+    def grid_shape(self):
+        """Unknowns along each axis, e.g. (rings, heights); numbers x.reshape(A.grid_shape)."""
+        shape = [self.algorithm.GetShape(axis) for axis in range(3)]
+        while len(shape) > 1 and shape[-1] == 1:
+            shape.pop()
+        return tuple(shape)
+
+    @property
+    def pixels(self):
+        """Of each row column and line of its (block's first) pixel, and the number of its camera: (rows, 3)."""
+        return data.numbers(self.algorithm.GetPixels())
+
+    @property
+    def places(self):
+        """Place of each unknown in the world [m]: (unknowns, 3); of a ring one of its points."""
+        return data.numbers(self.algorithm.GetPlaces())
+
+    @property
+    def volumes(self):
+        """Volume of each unknown [m^3]: (unknowns,)."""
+        return data.numbers(self.algorithm.GetVolumes())
+
+    @property
+    def matrix_bytes(self):
+        """What `matrix` takes, about."""
+        return self.algorithm.GetMatrixBytes()
+
+    @property
+    def matrix(self):
+        """The matrix as scipy.sparse.csr_matrix of single precision. Its `data` and `indices` are the memory of the
+        library, not copies: they cannot be written to (A.matrix.copy() can), and outlive this object. Raises Error where
+        there is not enough memory."""
+        if self._matrix is None:
+            self.algorithm.SetStored(True)
+            with in_our_words():
+                update(self.algorithm)
+            parts = [data.numbers(part) for part in (self.algorithm.GetValues(), self.algorithm.GetColumnIndices(),
+                                                     self.algorithm.GetRowStarts())]
+            for part in parts:
+                part.setflags(write=False)
+            self._matrix = csr_matrix(tuple(parts), shape=self.shape, copy=False)
+        return self._matrix
+
+    def _times(self, transpose, vector):
+        vector = numpy.ascontiguousarray(numpy.asarray(vector).ravel(), dtype=float)
+        return data.operator_times(self.algorithm, transpose, vector, self.shape[1 if transpose else 0])
+
+    def _matvec(self, x):
+        return self._times(False, x)
+
+    def _rmatvec(self, y):
+        return self._times(True, y)
+
+    def vjp(self, x):
+        """A x, and the function that takes a gradient with regard to it back to one with regard to x (which, as A is
+        linear, is A^T): what automatic differentiation asks of a function."""
+        return self @ x, lambda gradient: self.rmatvec(gradient)
+
+    def image(self, fluxes, camera=0):
+        """Fluxes of the rows as a picture: numpy array (rows, columns) of a camera's pixels, or blocks of them; 0 where
+        no ray meets the grid."""
+        fluxes = numpy.asarray(fluxes)
+        if fluxes.shape != (self.shape[0],):
+            raise Error(f"fluxes takes {self.shape[0]} numbers, one for each row, not an array of the shape {fluxes.shape}")
+        camera = _check.whole("camera", camera, 0, int(self.pixels[:, 2].max()))
+        own = self.pixels[:, 2] == camera
+        columns, lines = (self.pixels[own, axis] // self._bin for axis in (0, 1))
+        picture = numpy.zeros(self._sensors[camera])
+        picture[lines, columns] = fluxes[own]
+        return picture
+
+
+def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, seed, threads, progress):
+    """Scene.operator()."""
+    algorithm = library.Operator()
+    scenes = cameras_of(scene)
+    set_options(algorithm, **unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel),
+                rays=str(rays), bin=str(bin), seed=None if seed is None else str(seed))
+    algorithm.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
+    for one in scenes:
+        algorithm.AddCamera(one._scene)
+    with in_our_words():
+        update(algorithm, progress)
+    if algorithm.GetNumberOfRows() == 0:
+        raise Error("stopped before there was a result")
+    return Operator(algorithm, [(one.rows // int(bin), one.columns // int(bin)) for one in scenes], int(bin))

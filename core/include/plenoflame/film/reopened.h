@@ -1,0 +1,24 @@
+#pragma once
+#include "plenoflame/film/film.h"
+#include "plenoflame/image/light_field.h"
+
+namespace plenoflame {
+
+/// The entry of LightField::texts that holds the samples per replicate of the film's tiles, where
+/// they differ: "COUNTxSAMPLES" of runs of neighbouring tiles, separated by blanks.
+inline constexpr const char* kTileSamples = "render.tile_samples";
+
+/// That entry. @return empty when all tiles have the same
+std::string tile_samples_text(const Film& film);
+
+/// The film that a rendered picture was made from, as far as the picture tells: every lit tile is
+/// finished. @throws InputError when the light field does not say how many samples it has
+Film film_of(const LightField& picture);
+
+/// A film like `film` without finished tiles, which takes more samples everywhere. Of a finished
+/// tile the mean over replicates and their scatter are known, in single precision: the replicates
+/// are placed evenly about the mean, so that estimate and standard error stay as they are, and
+/// become those of all samples together when others are added.
+Film reopened(const Film& film);
+
+}  // namespace plenoflame

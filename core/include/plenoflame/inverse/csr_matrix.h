@@ -1,0 +1,70 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/inverse/linear_operator.h"
+
+namespace plenoflame {
+
+/// Some rows of a sparse matrix, one after the other.
+template <class Value>
+struct CsrRows {
+  std::vector<std::size_t> counts;    ///< entries of each row
+  std::vector<std::int32_t> columns;  ///< of each entry, ascending within a row
+  std::vector<Value> values;
+};
+
+/// A sparse matrix in compressed sparse rows, as scipy.sparse.csr_matrix has it: the entries of row
+/// i are [row_starts[i], row_starts[i + 1]).
+template <class Value = float>
+class CsrMatrix {
+ public:
+  CsrMatrix() = default;
+  /// @throws InputError for starts that fall or do not fit, columns that are not ascending within a
+  ///         row or lie outside, values that are no numbers (names row and entry)
+  CsrMatrix(std::size_t columns, std::vector<std::int64_t> row_starts,
+            std::vector<std::int32_t> column_indices, std::vector<Value> values);
+
+  std::size_t rows() const { return row_starts_.size() - 1; }
+  std::size_t columns() const { return columns_; }
+  std::size_t entries() const { return values_.size(); }
+  std::span<const std::int64_t> row_starts() const { return row_starts_; }
+  std::span<const std::int32_t> column_indices() const { return column_indices_; }
+  std::span<const Value> values() const { return values_; }
+
+ private:
+  std::size_t columns_ = 0;
+  std::vector<std::int64_t> row_starts_{0};
+  std::vector<std::int32_t> column_indices_;
+  std::vector<Value> values_;
+};
+
+/// Joins rows that were made in parts. @throws InputError as CsrMatrix
+template <class Value>
+CsrMatrix<Value> join_rows(std::vector<CsrRows<Value>> parts, std::size_t columns);
+
+/// The matrix as an operator; sums are in double precision. Both directions run in threads and give
+/// the same bits for any number of them: A^T adds up parts of rows that do not depend on threads.
+/// @param matrix is kept by reference
+/// The operator throws Cancelled when execution.stop is requested.
+template <class Value>
+std::unique_ptr<LinearOperator> make_csr_operator(const CsrMatrix<Value>& matrix,
+                                                  const Execution& execution = {});
+
+/// Rows first, first + step, ... as a matrix of their own, for solvers that go through subsets.
+template <class Value>
+CsrMatrix<Value> interleaved_rows(const CsrMatrix<Value>& matrix, std::size_t first,
+                                  std::size_t step);
+
+/// Writes or reads a matrix as the name ends: .npz (scipy.sparse.save_npz, compressed or not), .h5
+/// (datasets data, indices, indptr and shape), .mtx (MatrixMarket coordinate real general).
+/// @throws FileError, UsageError for another ending, InputError for what is no such matrix
+void write_csr(const std::string& path, const CsrMatrix<float>& matrix);
+CsrMatrix<float> read_csr(const std::string& path);
+
+}  // namespace plenoflame

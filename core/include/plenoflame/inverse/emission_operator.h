@@ -1,0 +1,45 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/inverse/csr_matrix.h"
+#include "plenoflame/inverse/linear_operator.h"
+#include "plenoflame/inverse/unknowns.h"
+
+namespace plenoflame {
+
+/// The linear problem b = A x: x are samples of emission or of a source function, b fluxes of
+/// pixels [W]. Row i is the sum over the rays of the pixel of etendue times the weight that each
+/// sample has in the ray's radiance (docs/reconstruct.md).
+struct EmissionProblem {
+  const CameraRays* rays = nullptr;
+  const Unknowns* unknowns = nullptr;
+  RowModel model = RowModel::emission;
+  std::vector<double> absorption = {};  ///< [1/m] of each unknown; empty: none
+};
+
+/// Entries that the stored matrix will have, from a sample of its rows: at 8 byte each.
+std::size_t estimated_entries(const EmissionProblem& problem);
+
+/// The matrix, row by row. The same for any number of threads. @throws Cancelled
+CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Execution& execution);
+
+/// The same without a matrix: rays are followed again each time. What it points to must outlive it.
+/// apply() is the same for any number of threads, and so is apply_transpose(), which sums up parts
+/// of rows that do not depend on them.
+std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,
+                                                       const Execution& execution);
+
+/// The parts of A x that the rays of the first and of the second replicate make up, for at most
+/// some thousands of rows that are spread evenly; nothing for rays of one replicate.
+/// @throws Cancelled
+std::vector<std::array<double, 2>> replicate_fluxes(const EmissionProblem& problem,
+                                                    std::span<const double> x,
+                                                    const Execution& execution);
+
+}  // namespace plenoflame

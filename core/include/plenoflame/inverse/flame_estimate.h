@@ -1,0 +1,39 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/media/medium.h"
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame {
+
+/// What a reconstruction says of the flame, one entry for each unknown; deviations are empty
+/// without those of the reconstruction.
+struct FlameEstimate {
+  std::vector<double> emission, emission_deviation;        ///< [W/(m^3 sr)]
+  std::vector<double> temperature, temperature_deviation;  ///< [K]; 0: none. Empty: not known
+  std::vector<double> absorption, absorption_deviation;    ///< [1/m]; empty: not known
+};
+
+/// Temperatures follow from the source function where it is above `threshold` times its largest
+/// value and above two of its standard deviations: what emits nothing has no temperature.
+FlameEstimate estimate_flame(const Reconstruction& reconstruction,
+                             const std::vector<double>& absorption, const SourceFunction& source,
+                             double threshold = 1e-4);
+
+/// How far an estimate is from the truth.
+struct EstimateErrors {
+  double emission = 0;       ///< |j - j*| / |j*|, weighted by volume
+  double temperature = 0;    ///< mean |T - T*| / T*, weighted by true emission
+  double absorption = 0;     ///< the same of the absorption
+  double largest_truth = 0;  ///< [W/(m^3 sr)]
+};
+
+/// @param emission, temperature the truth at the unknowns; without temperatures: empty
+/// @param volumes of the unknowns @param absorption the truth; empty: not compared
+EstimateErrors compare_estimate(const FlameEstimate& estimate, const std::vector<double>& emission,
+                                const std::vector<double>& temperature,
+                                const std::vector<double>& volumes,
+                                const std::vector<double>& absorption = {});
+
+}  // namespace plenoflame

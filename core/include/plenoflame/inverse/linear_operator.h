@@ -1,0 +1,36 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace plenoflame {
+
+/// A matrix by what it does to vectors. Immutable; may be used from many threads at once.
+class LinearOperator {
+ public:
+  virtual ~LinearOperator() = default;
+  virtual std::size_t rows() const = 0;
+  virtual std::size_t columns() const = 0;
+  /// y = A x. @param x columns() numbers @param y rows() numbers, overwritten
+  virtual void apply(std::span<const double> x, std::span<double> y) const = 0;
+  /// x = A^T y: the exact adjoint of apply(), up to rounding.
+  virtual void apply_transpose(std::span<const double> y, std::span<double> x) const = 0;
+  /// Sum over all entries of (w_i a_ij)^2, the trace of A^T W^2 A.
+  /// @param weights w, one for each row; empty: all 1
+  /// An operator that does not know its entries estimates it by probing with random signs of fixed
+  /// seed (Hutchinson), to some percent.
+  virtual double squared_norm(std::span<const double> weights) const;
+};
+
+/// A x for a vector of its own.
+std::vector<double> operator*(const LinearOperator& a, std::span<const double> x);
+/// A^T y.
+std::vector<double> transposed_times(const LinearOperator& a, std::span<const double> y);
+
+/// The largest singular value of W A, from below, by power iterations from a fixed start.
+/// @param weights of the rows; empty: all 1
+double largest_singular_value(const LinearOperator& a, std::span<const double> weights,
+                              int iterations = 30);
+
+}  // namespace plenoflame

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/image/image.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/radiometry/source_function.h"
+#include "plenoflame/scene/scene.h"
+
+namespace plenoflame {
+
+/// A picture as the right-hand side of a linear problem.
+struct Measurement {
+  PixelWindow window;
+  Image flux;           ///< [W]
+  Image deviation;      ///< [W] standard deviation; 0: the pixel says nothing and is left out
+  double electron = 0;  ///< [W] of one electron: the flux has shot noise; 0: none that is known
+  double dark = 0;      ///< [W] of the dark signal, which was taken away and has shot noise as well
+  std::size_t saturated = 0;  ///< pixels left out: their well was full
+  std::size_t negative = 0;   ///< pixels below 0 by more than 5 standard deviations
+};
+
+/// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes
+/// them, whose dark signal is taken away: of a sensor with shot noise in both. The deviation is
+/// that of the picture (standard error, or shot and read noise), and with it, in squares, `noise`
+/// times the largest flux.
+/// @param channel number of the scene's channel @param what names the picture in messages
+/// @throws InputError: the picture does not belong to the scene (sensor, camera, channel, unit);
+///         NaN or infinite values (names the pixel); no noise is known and `noise` is 0
+Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
+                             double noise, const std::string& what = "the picture");
+
+/// Sums over the pixels of each row.
+struct MeasuredRows {
+  std::vector<double> flux;       ///< [W]
+  std::vector<double> deviation;  ///< [W]; 0: one of the row's pixels is left out
+  std::vector<double> electron;   ///< [W] of one electron; 0: shot noise is not known
+  std::vector<double> counted;    ///< [W] flux whose shot noise is part of the deviation
+};
+/// @param measurements one for each view of the rays @param bin of their CameraRaySettings
+MeasuredRows measured_rows(const std::vector<Measurement>& measurements, const CameraRays& rays,
+                           int bin);
+
+/// The source function of a channel behind the camera's filter.
+SourceFunction channel_source(const Scene& scene, std::size_t channel);
+
+/// dS/dT [W/(m^2 sr K)]; 0 at 0 K and below. @throws UsageError for one that shares a whole
+double source_slope(const SourceFunction& source, double temperature);
+
+/// The temperature at which a source function has a value, by bisection to rounding.
+/// @return 0 for a value that is not above 0; @p highest for what no temperature below it has
+double temperature_of(const SourceFunction& source, double value, double highest = 1e5);
+
+}  // namespace plenoflame

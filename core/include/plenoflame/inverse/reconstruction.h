@@ -1,0 +1,140 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/inverse/measurement.h"
+#include "plenoflame/inverse/row_noise.h"
+#include "plenoflame/inverse/strength.h"
+#include "plenoflame/inverse/unknowns.h"
+
+namespace plenoflame {
+
+/// What is minimised, and how (solvers.h). The values are never negative.
+enum class ReconstructionSolver {
+  fista,       ///< least squares without negative values, accelerated projected gradient
+  active_set,  ///< the same exactly, for some hundred unknowns
+  cgls,        ///< least squares, conjugate gradients; negative values are cut off at the end
+  lsqr,        ///< the same by bidiagonalisation
+  tv,          ///< with the total variation as the penalty
+  sirt,        ///< without a penalty, as all that follow: stopped when the noise explains the rest
+  sart,        ///< in ordered subsets
+  mlem,        ///< expectation maximisation
+  osem,        ///< in ordered subsets
+  mart,        ///< multiplicative, row after row
+};
+/// Whether the solver has a penalty, whose strength can be chosen.
+bool is_penalised(ReconstructionSolver solver);
+/// Whether it goes through the rows of the stored matrix.
+bool wants_matrix(ReconstructionSolver solver);
+
+enum class ReconstructionPenalty { none, identity, gradient, curvature };
+
+/// A state of a reconstruction while it runs.
+struct ReconstructionState {
+  std::span<const double> values;  ///< of the unknowns, as Reconstruction's, or temperatures [K]
+  bool temperatures = false;
+  bool choosing = false;   ///< a strength is tried; otherwise it is the solution that comes about
+  double chi_squared = 0;  ///< per row
+};
+
+struct ReconstructionSettings {
+  CameraRaySettings rays;
+  ReconstructionSolver solver = ReconstructionSolver::fista;
+  ReconstructionPenalty penalty = ReconstructionPenalty::gradient;
+  /// Of differences along each axis of the unknowns, relative to each other.
+  std::array<double, 3> penalty_axes{1, 1, 1};
+  /// Strength of the penalty, relative to trace(A^T W A) / trace(L^T L), so that a number means the
+  /// same for every grid; negative: by the rule. Discrepancy takes the largest at which chi^2 is
+  /// the number of rows and two standard deviations of it.
+  double strength = -1;
+  StrengthRule rule = StrengthRule::discrepancy;
+  int iterations = 300;
+  int subsets = 4;         ///< of sart and osem
+  double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.2
+  /// Unknowns are taken for empty that lie behind dark pixels of any view.
+  bool support = true;
+  /// The error of rows for the finite number of rays counts as noise (row_noise.h).
+  bool ray_noise = true;
+  int draws = 20;   ///< noise draws for the standard deviations; 0: none
+  int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none. Without
+                    ///< draws they give the standard deviations as well, by the covariance
+  double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
+  /// Called after each iteration, by the thread that reconstructs.
+  std::function<void(const ReconstructionState&)> watch = {};
+};
+
+struct ReconstructionInput {
+  std::vector<CameraView> views;
+  std::vector<Measurement> measurements;  ///< one for each view
+  const Unknowns* unknowns = nullptr;
+  std::vector<double> absorption;    ///< [1/m] of each unknown; empty: none is known
+  std::vector<double> start = {};    ///< values to go on from, as Reconstruction's; empty: none
+  std::vector<double> prior = {};    ///< values that the penalty draws to; empty: 0
+  std::vector<char> support = {};    ///< 0: the unknown is known to be empty; empty: of none
+  std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
+};
+
+/// What the reconstruction makes of a single unknown.
+struct PointSpread {
+  std::size_t unknown = 0;
+  Vec3 place;                      ///< [m] world
+  std::array<double, 3> widths{};  ///< [m] half_widths() along the axes of the unknowns
+  double peak = 0;                 ///< what stays at the place: `resolved` there
+};
+
+/// A flame from its pictures.
+struct Reconstruction {
+  RowModel model = RowModel::emission;
+  /// Samples of each unknown: source function [W/(m^2 sr)] where the absorption is known, else
+  /// emission [W/(m^3 sr)].
+  std::vector<double> values;
+  /// Of the noise alone; empty: not asked for. Without noise draws by the covariance.
+  std::vector<double> deviation;
+  /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
+  std::vector<double> resolved;
+  double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
+
+  std::vector<char> solved;  ///< 0: the unknown was known to be empty
+
+  std::size_t rows = 0, left_out = 0;  ///< rows of A; of these, without a usable pixel
+  std::size_t rays = 0;
+  std::size_t unseen = 0;  ///< unknowns that no ray meets
+  std::size_t empty = 0;   ///< unknowns that dark pixels rule out
+  bool stored = true;
+  double matrix_bytes = 0;         ///< stored, or what it would have taken
+  RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
+  double strength = 0;             ///< chosen
+  bool strength_at_end = false;    ///< of the range that was looked at: take care
+  bool explained_by_noise = true;  ///< false: chi^2 stays above what noise explains at any strength
+  std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
+  double chi_squared = 0;          ///< per row: 1 where noise explains what is left
+  struct Trial {
+    double strength, chi_squared, penalty;
+    double gcv;  ///< negative: not looked at
+  };
+  std::vector<Trial> trials;    ///< strengths that were looked at: the L-curve
+  std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
+  StopReason reason = StopReason::iterations;  ///< of that solution's end
+  std::vector<PointSpread> spreads;
+  bool complete = true;  ///< false: stopped early; what was reached by then
+  /// Per view, [W] what the reconstruction explains and the measured rows, at the first pixel of
+  /// each row; 0 elsewhere.
+  std::vector<Image> explained, residual;
+};
+
+/// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
+/// start,
+///         prior or support of another size, a solver that wants the stored matrix where memory
+///         does not suffice
+/// @throws Cancelled when a stop came before there was any solution
+Reconstruction reconstruct(const ReconstructionInput& input, const ReconstructionSettings& settings,
+                           const Execution& execution = {});
+
+}  // namespace plenoflame

@@ -1,0 +1,70 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/inverse/flame_estimate.h"
+#include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/radiometry/source_function.h"
+
+namespace plenoflame {
+
+/// Pictures of one channel.
+struct ThermalPictures {
+  int channel = 0;                        ///< of the scenes
+  std::vector<Measurement> measurements;  ///< one for each view
+  SourceFunction source;
+  double absorption_ratio = 1;  ///< its absorption over that of the first of the channels
+};
+
+struct ThermalInput {
+  std::vector<CameraView> views;
+  std::vector<ThermalPictures> channels;
+  const Unknowns* unknowns = nullptr;
+  std::vector<double> absorption = {};  ///< [1/m] in the first channel; empty: it is solved for
+  /// What to go on from, e.g. an earlier result; empty: from linear reconstructions.
+  std::vector<double> start_temperature = {}, start_absorption = {};
+  /// [W/(m^3 sr)] of the first channel, what the linear reconstructions begin with.
+  std::vector<double> start_emission = {};
+  std::vector<char> support = {};  ///< as ReconstructionInput's
+};
+
+struct ThermalSettings {
+  /// Rays, penalty, strength, rule, probes and memory; the linear reconstructions that it begins
+  /// with take the rest of it.
+  ReconstructionSettings linear;
+  int steps = 15;                                               ///< of Gauss and Newton
+  double lowest_temperature = 300, highest_temperature = 4000;  ///< [K] bounds
+  double lowest_absorption = 1e-3, highest_absorption = 1e4;    ///< [1/m] bounds
+};
+
+struct ThermalReconstruction {
+  /// Emission is that of the first channel. Temperatures are missing where a stop came before
+  /// there were any.
+  FlameEstimate estimate;
+  /// Diagonals of the resolution matrix, of temperatures and of logarithms of absorptions.
+  std::vector<double> resolved_temperature, resolved_absorption;
+  /// The figures; pictures are those of all views of the first channel, then of the second, ...
+  Reconstruction figures;
+};
+
+/// Temperature, and where it is not known the absorption, by Gauss and Newton's method with bounds
+/// on the renderer's own formulas (thermal_model.h): what linear reconstructions begin. The penalty
+/// acts on temperatures and on the logarithms of absorptions, with the same relative strength.
+/// Deviations and resolution are those of the linearised problem, by probing. The strength is
+/// chosen on the problem linearised about an approximate solution, twice: rays are followed some
+/// ten times, however many strengths are tried.
+/// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.
+/// @throws UsageError: the absorption is solved for with one channel only, which knows no more than
+///         the emission
+/// @throws InputError and Cancelled as reconstruct()
+ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
+                                          const ThermalSettings& settings,
+                                          const Execution& execution = {});
+
+/// The temperature at which the emissions of two channels have a ratio, within bounds.
+/// @param ratio of the first one's emission to that of the second
+/// @param absorption_ratio of the second one's absorption to that of the first
+double ratio_temperature(const SourceFunction& first, const SourceFunction& second,
+                         double absorption_ratio, double ratio, double lowest, double highest);
+
+}  // namespace plenoflame

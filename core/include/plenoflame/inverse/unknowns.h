@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "plenoflame/media/lattice_walk.h"
+
+/// What a reconstruction solves for: a field as a sum of samples times basis functions.
+namespace plenoflame {
+
+class Unknowns {
+ public:
+  virtual ~Unknowns() = default;
+  virtual std::size_t size() const = 0;
+  /// Samples along each of up to three axes, last axis fastest in the numbering; 1 where there is
+  /// no axis.
+  virtual std::array<int, 3> shape() const = 0;
+  /// Distance of samples along each of these axes [m].
+  virtual std::array<double, 3> spacing() const = 0;
+  /// World box outside of which every basis function is 0.
+  virtual Box bounds() const = 0;
+  /// World place that an unknown stands for (of a ring, one of its points).
+  virtual Vec3 place(std::size_t unknown) const = 0;
+  /// Volume that an unknown fills [m^3], the integral of its basis function.
+  virtual double volume(std::size_t unknown) const = 0;
+  /// Appends the intervals of a ray between two places, in their order along it.
+  virtual void append(const Ray& ray, double t_near, double t_far,
+                      std::vector<RayInterval>& out) const = 0;
+  /// Values as a field on a lattice of voxels, 0 outside. @param background of the field
+  virtual VoxelField field(std::span<const double> values, const std::string& name) const = 0;
+};
+
+/// Voxels of a regular lattice.
+/// @throws InputError for a singular transform or an axis without samples
+std::unique_ptr<Unknowns> make_voxel_unknowns(const RegularLattice& lattice);
+
+/// Rings around an axis: samples at radius i * radial_step (0 <= i < rings) and at height j *
+/// height_step above the base (0 <= j < heights), linear in between, 0 outside; unknown (i, j) has
+/// the number i * heights + j.
+struct RingGrid {
+  Vec3 base;                                ///< [m] world; the point of the axis at height 0
+  Vec3 axis{0, 0, 1};                       ///< unit vector, upwards
+  double radial_step = 0, height_step = 0;  ///< [m]
+  int rings = 0, heights = 0;
+};
+/// @throws InputError for steps that are not above 0, no rings, or an axis without direction
+std::unique_ptr<Unknowns> make_ring_unknowns(const RingGrid& grid);
+
+/// Ellipsoidal layers: samples on ellipsoids of i / layers times the semi-axes (0 <= i < layers),
+/// linear in between, 0 on the outermost one and beyond.
+struct LayerGrid {
+  Vec3 centre;     ///< [m] world
+  Vec3 semi_axes;  ///< [m] of the outermost ellipsoid, along the world's axes
+  int layers = 0;
+};
+/// @throws InputError for semi-axes that are not above 0, or no layers
+std::unique_ptr<Unknowns> make_layer_unknowns(const LayerGrid& grid);
+
+}  // namespace plenoflame

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/lightfield/micro_images.h"
+
+namespace plenoflame {
+
+/// What the scene looks like through one filter of the stop.
+struct PupilView {
+  std::string filter;  ///< its name
+  /// Radiance behind the filter [W/(m^2 sr)] and its standard error, a pixel for the area of a
+  /// microlens; 0 where nothing is known. The error is empty where the light field has none.
+  LightFieldChannel light;
+  double pixels = 0;  ///< of the sensor that stand for one of its pixels, in the mean
+};
+
+/// The light of every filter apart: for each microlens that of the pixels which see the stop
+/// through this filter alone, over the light that they would get of a uniform scene of radiance 1.
+/// Pixels that see another part of the stop as well, or the light of a neighbour, are left out, and
+/// so are those that are not numbers.
+/// @param channel empty: the first
+/// @throws InputError: no filters, unknown channel, a filter that no pixel sees alone
+std::vector<PupilView> extract_pupil_views(const LightField& light_field,
+                                           const MicroImages& micro_images,
+                                           const std::string& channel = {},
+                                           const Execution& execution = {});
+
+/// How many radii of the stop lie between the places where rays of one pixel through different
+/// points of its microlens cross it: what a filter's part must be wider than to be seen alone.
+/// @param type of microlens, near the axis
+double blur_of_stop(const MicroImages& micro_images, int type);
+
+/// Which part of the stop (PupilFilters::part_at()) each view of a grid sees, row by row, as the
+/// command `views` numbers them, near the axis; -1: several parts, or none as a whole.
+/// @param grid views along a side @param spread as ViewSettings::spread
+std::vector<int> parts_of_views(const MicroImages& micro_images, int grid, double spread);
+
+}  // namespace plenoflame

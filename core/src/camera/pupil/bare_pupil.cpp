@@ -1,0 +1,103 @@
+#include "camera/pupil/bare_pupil.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "camera/pupil/passing_edge.h"
+#include "camera/pupil/pupil_field.h"
+#include "plenoflame/base/constants.h"
+
+namespace plenoflame {
+namespace {
+
+/// Without array the edge is seen directly: as sharp as 48 halvings make it. Rays that are drawn
+/// beside it are rare, but a pixel whose pupil nothing cuts is otherwise nearly free of noise.
+constexpr double kBareSafety = 1e-11;
+constexpr int kBareBisections = 48;
+constexpr double kZones[] = {0.3, 0.5, 0.7, 0.85, 1};  ///< of the way to the edge
+
+struct Outline {
+  PupilNode node;
+  std::vector<Vec2> edge;
+  std::vector<Ray> rays;
+};
+
+/// @param turn the azimuth of the field, for a camera that is not alike all around
+Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
+  Outline outline{};  // no cuts: zeros
+  const auto turned = [turn](Vec2 v) {
+    return Vec2{turn.x * v.x - turn.y * v.y, turn.y * v.x + turn.x * v.y};
+  };
+  const double plane = camera.aim_plane(0);
+  const FirstOrder& lens = camera.lens_first_order();
+  const Passes passes = [&](Vec2 u) {
+    return camera.trace(camera.foot() + turned({h, 0}), std::nullopt, camera.foot() + turned(u))
+               .status.status == RayStatus::reached;
+  };
+  double centre = h, radius = 0.5 * lens.entrance_pupil_diameter;
+  if (std::isfinite(camera.exit_pupil())) {
+    const double to_pupil = camera.exit_pupil() - camera.sensor();
+    const double part = (plane - camera.sensor()) / to_pupil;
+    centre = h * (1 - part);
+    radius = 0.5 * lens.exit_pupil_diameter * std::fabs(part);
+  }
+  Vec2 inside{centre, 0};
+  if (!find_inside(passes, 1.5 * radius, inside)) return outline;
+  std::vector<Vec2> edge = find_edge(passes, inside, 4 * radius, kBareBisections);
+  outline.node.aim_centre = middle(edge).x;
+  outline.node.image_radius = kInfinity;
+  for (const Vec2 u : edge) {
+    outline.node.aim_radius =
+        std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
+    outline.edge.push_back(u);
+    if (camera.misaligned()) continue;
+    // Zones of a lens focus at different distances: the edge's rays need not be the outermost.
+    for (const double share : kZones) {
+      const Vec2 within = inside + share * (u - inside);
+      const Camera::Path path = camera.trace({h, 0}, std::nullopt, within);
+      if (path.status.status == RayStatus::reached) outline.rays.push_back(path.exit);
+    }
+  }
+  return outline;
+}
+
+}  // namespace
+
+PupilTable bare_table(const Camera& given) {
+  constexpr int kTurns = 12;
+  const Camera camera = given.misaligned() ? given.aligned() : given;
+  PupilTable table;
+  const Vec2 pixel = camera.spec().sensor.pixel();
+  const double field = field_radius(camera) + std::max(pixel.x, pixel.y) + field_shift(given);
+  const auto nodes = static_cast<int>(field_nodes(camera, field));
+  table.field_step = field / (nodes - 1);
+  for (int i = 0; i < nodes; ++i) {
+    Outline outline = trace_bare_outline(camera, i * table.field_step);
+    table.nodes.push_back(outline.node);
+    table.edges.push_back(std::move(outline.rays));
+  }
+  std::vector<PupilCuts> none(table.nodes.size());
+  extend_into_shadow(table.nodes, none);
+  double margin = 0;
+  for (int i = 0; i + 1 < nodes; ++i) {
+    const double h = (i + 0.5) * table.field_step;
+    const PupilNode node = table.at(h);
+    const auto hold = [&](const Outline& outline) {
+      for (const Vec2 u : outline.edge)
+        margin = std::max(margin, length(u - Vec2{node.aim_centre, 0}) - node.aim_radius);
+    };
+    hold(trace_bare_outline(camera, h));
+    if (!given.misaligned()) continue;
+    for (int k = 0; k < kTurns; ++k) {
+      const double angle = 2 * constants::pi * (k + 0.5 * (i % 2)) / kTurns;
+      hold(trace_bare_outline(given, h, {std::cos(angle), std::sin(angle)}));
+    }
+  }
+  for (PupilNode& node : table.nodes)
+    if (node.aim_radius > 0) node.aim_radius += 1.5 * margin + kBareSafety * node.aim_radius;
+  return table;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,183 @@
+#include "plenoflame/inverse/measurement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/scene/scene_settings.h"
+#include "plenoflame/scene/spectral.h"
+
+namespace plenoflame {
+namespace {
+
+void check_belongs(const LightField& picture, const Scene& scene, const std::string& what) {
+  const SensorSpec& sensor = scene.camera.sensor;
+  if (picture.sensor_width != sensor.columns || picture.sensor_height != sensor.rows)
+    throw InputError(what + " does not belong to the scene: its sensor has " +
+                     std::to_string(picture.sensor_width) + " x " +
+                     std::to_string(picture.sensor_height) + " pixels, the scene's has " +
+                     std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows));
+  if (picture.unit != "W" && picture.unit != "e-")
+    throw InputError(what + " holds " + picture.unit +
+                     "; a reconstruction takes fluxes in W, as render writes them, or electrons, "
+                     "as develop writes them");
+  if (picture.scene_text.empty()) return;
+  CameraSpec own = parse_embedded_scene(picture.scene_text, what).scene.camera;
+  own.sensor = sensor;                       // how a frame was taken does not move any ray
+  own.wavelength = scene.camera.wavelength;  // not in files
+  own.name = scene.camera.name;
+  if (!(own == scene.camera))
+    throw InputError(what +
+                     " does not belong to the scene: it was taken by another camera (lens, array, "
+                     "focus or place differ)");
+}
+
+/// Factor from a picture's values to W.
+double to_watt(const LightField& picture, const Scene& scene, std::size_t channel,
+               const std::string& what) {
+  if (picture.unit == "W") return 1;
+  const double time = channel_exposure(picture, scene.channels[channel].name);
+  if (!(time > 0))
+    throw InputError(what + " holds electrons but no exposure time: develop it anew");
+  ChannelSpec plain = scene.channels[channel];
+  plain.photons = false;
+  const auto response = scene.channels[channel].photons
+                            ? spectral_response(plain)
+                            : camera_response(scene, scene.channels[channel]);
+  if (!response) throw InputError(what + " holds electrons of a channel of all wavelengths");
+  return 1 / (time * electrons_per_joule(scene.camera.sensor, response->centroid()));
+}
+
+/// Whether each pixel's variance holds the number of its electrons: not where a frame was developed
+/// without shot noise, nor where pixels are means of others.
+bool has_shot_noise(const LightFieldChannel& electrons, double full) {
+  constexpr double kRounding = 0.999;  // of a square of a float
+  bool seen = false;
+  for (std::size_t i = 0; i < electrons.flux.pixels.size(); ++i) {
+    const auto value = static_cast<double>(electrons.flux.pixels[i]),
+               error = static_cast<double>(electrons.standard_error.pixels[i]);
+    if (!(value > 1) || value >= full) continue;
+    if (!(error * error >= kRounding * value)) return false;
+    seen = true;
+  }
+  return seen;
+}
+
+}  // namespace
+
+Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
+                             double noise, const std::string& what) {
+  check_belongs(picture, scene, what);
+  const LightFieldChannel& own = find_channel(picture, scene.channels.at(channel).name, what);
+  const double factor = to_watt(picture, scene, channel, what);
+  const bool electrons = picture.unit == "e-";
+  const auto number = [&](const char* key, double otherwise) {
+    const auto found = picture.numbers.find(key);
+    return found == picture.numbers.end() ? otherwise : found->second;
+  };
+  const double dark = electrons ? channel_dark_electrons(picture, own.name) : 0;
+  const double full = electrons ? number("sensor.saturated_from", 1e300) : 1e300;
+  const bool has_error = !own.standard_error.empty();
+  if (!has_error && !(noise > 0))
+    throw InputError(what + " has no standard error, and no noise is given");
+
+  Measurement result;
+  result.window = picture.window;
+  if (electrons && has_error && has_shot_noise(own, full)) {
+    result.electron = factor;
+    result.dark = factor * dark;
+  }
+  result.flux = Image(own.flux.width, own.flux.height);
+  result.deviation = result.flux;
+  double largest = 0;
+  for (int row = 0; row < own.flux.height; ++row)
+    for (int column = 0; column < own.flux.width; ++column) {
+      const double value = static_cast<double>(own.flux.at(column, row));
+      if (!std::isfinite(value))
+        throw InputError(what + " has a value that is not finite in pixel " +
+                         std::to_string(picture.window.x + column) + "," +
+                         std::to_string(picture.window.y + row));
+      if (value < full) largest = std::max(largest, value - dark);
+    }
+  if (!(largest > 0)) throw InputError(what + " is dark in channel " + own.name);
+  // No pixel is known better than a part in a million of the brightest.
+  const double least = std::max(noise, 1e-6) * largest;
+  for (int row = 0; row < own.flux.height; ++row)
+    for (int column = 0; column < own.flux.width; ++column) {
+      const double value = static_cast<double>(own.flux.at(column, row));
+      if (value >= full) {
+        ++result.saturated;
+        continue;
+      }
+      // A pixel that counted nothing is known to about one electron.
+      double error = has_error ? static_cast<double>(own.standard_error.at(column, row)) : 0;
+      if (!std::isfinite(error)) error = 0;
+      if (electrons) error = std::max(error, 1.0);
+      const double deviation = std::hypot(error, least);
+      result.negative += value - dark < -5 * deviation;
+      result.flux.at(column, row) = static_cast<float>(factor * (value - dark));
+      result.deviation.at(column, row) = static_cast<float>(factor * deviation);
+    }
+  return result;
+}
+
+MeasuredRows measured_rows(const std::vector<Measurement>& measurements, const CameraRays& rays,
+                           int bin) {
+  MeasuredRows result;
+  result.flux.reserve(rays.rows.size());
+  result.deviation.reserve(rays.rows.size());
+  for (const CameraRays::Row& row : rays.rows) {
+    const Measurement& from = measurements.at(static_cast<std::size_t>(row.view));
+    double flux = 0, variance = 0, counted = 0;
+    bool whole = true;
+    for (int j = 0; j < bin; ++j)
+      for (int i = 0; i < bin; ++i) {
+        const int column = row.column - from.window.x + i, line = row.row - from.window.y + j;
+        const double deviation = static_cast<double>(from.deviation.at(column, line));
+        whole = whole && deviation > 0;
+        flux += static_cast<double>(from.flux.at(column, line));
+        variance += deviation * deviation;
+        counted += std::max(static_cast<double>(from.flux.at(column, line)) + from.dark, 0.0);
+      }
+    result.flux.push_back(flux);
+    result.deviation.push_back(whole ? std::sqrt(variance) : 0);
+    result.electron.push_back(from.electron);
+    result.counted.push_back(counted - bin * bin * from.dark);
+  }
+  return result;
+}
+
+SourceFunction channel_source(const Scene& scene, std::size_t channel) {
+  const auto response = camera_response(scene, scene.channels.at(channel));
+  return response ? SourceFunction::of(*response) : SourceFunction::total();
+}
+
+double source_slope(const SourceFunction& source, double temperature) {
+  if (!(temperature > 0)) return 0;
+  if (source.is_total()) return 4 * source(temperature) / temperature;
+  if (source.nodes().empty())
+    throw UsageError("a source function that shares a whole has no derivative");
+  // d/dT of w / (e^u - 1) with u = exponent / T: w u / T e^u / (e^u - 1)^2.
+  double sum = 0;
+  for (const SourceFunction::Node& node : source.nodes()) {
+    const double u = node.exponent / temperature;
+    const double below = -std::expm1(-u);  // 1 - e^-u
+    sum += node.weight * u / temperature * std::exp(-u) / (below * below);
+  }
+  return sum;
+}
+
+double temperature_of(const SourceFunction& source, double value, double highest) {
+  if (!(value > 0)) return 0;
+  double low = 1, high = highest;
+  if (source(high) <= value) return highest;
+  // In the logarithm: S spans hundreds of decades.
+  for (int i = 0; i < 200 && high > std::nextafter(low, high); ++i) {
+    const double middle = i < 10 ? std::sqrt(low * high) : 0.5 * (low + high);
+    (source(middle) < value ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace plenoflame

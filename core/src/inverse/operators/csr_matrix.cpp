@@ -1,0 +1,220 @@
+#include "plenoflame/inverse/csr_matrix.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+/// Rows that one task of A x works on.
+constexpr std::size_t kRowsOfTask = 1024;
+/// Sums of A^T y that are made apart from each other: enough for many threads, and few enough that
+/// adding them up takes little against the entries.
+constexpr std::size_t kMostParts = 64;
+constexpr std::size_t kEntriesOfPart = 1 << 16;
+/// A part's sums are cleared, and read at the end: three passes, few against so many entries of
+/// each column.
+constexpr std::size_t kEntriesOfSum = 16;
+
+template <class Value>
+class CsrOperator final : public LinearOperator {
+ public:
+  CsrOperator(const CsrMatrix<Value>& matrix, Execution execution)
+      : matrix_(matrix), execution_(std::move(execution)) {
+    execution_.progress = nullptr;
+    // Parts of about equal numbers of entries, by the matrix alone.
+    const std::size_t least =
+        std::max(kEntriesOfPart, kEntriesOfSum * std::max<std::size_t>(1, matrix.columns()));
+    const std::size_t parts = std::clamp<std::size_t>(matrix.entries() / least, 1, kMostParts);
+    part_starts_.push_back(0);
+    const auto starts = matrix.row_starts();
+    for (std::size_t p = 1; p < parts; ++p) {
+      const auto entry = static_cast<std::int64_t>(matrix.entries() * p / parts);
+      const auto at = std::lower_bound(starts.begin(), starts.end() - 1, entry);
+      part_starts_.push_back(static_cast<std::size_t>(at - starts.begin()));
+    }
+    part_starts_.push_back(matrix.rows());
+  }
+
+  std::size_t rows() const override { return matrix_.rows(); }
+  std::size_t columns() const override { return matrix_.columns(); }
+
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    const auto task = [&](std::size_t block, int) {
+      const std::size_t end = std::min(rows(), (block + 1) * kRowsOfTask);
+      for (std::size_t row = block * kRowsOfTask; row < end; ++row) y[row] = row_times(row, x);
+    };
+    run((rows() + kRowsOfTask - 1) / kRowsOfTask, task);
+  }
+
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    std::fill(x.begin(), x.end(), 0.0);
+    const std::size_t parts = part_starts_.size() - 1;
+    if (parts == 1) {
+      add_rows(0, rows(), y, x);
+      return;
+    }
+    std::vector<std::vector<double>> sums(parts);
+    run(parts, [&](std::size_t p, int) {
+      sums[p].assign(columns(), 0.0);
+      add_rows(part_starts_[p], part_starts_[p + 1], y, sums[p]);
+    });
+    constexpr std::size_t kColumnsOfTask = 1 << 14;
+    run((columns() + kColumnsOfTask - 1) / kColumnsOfTask, [&](std::size_t block, int) {
+      const std::size_t end = std::min(columns(), (block + 1) * kColumnsOfTask);
+      for (const std::vector<double>& sum : sums)
+        for (std::size_t c = block * kColumnsOfTask; c < end; ++c) x[c] += sum[c];
+    });
+  }
+
+  double squared_norm(std::span<const double> weights) const override {
+    double sum = 0;
+    const auto starts = matrix_.row_starts();
+    for (std::size_t row = 0; row < rows(); ++row) {
+      double of_row = 0;
+      for (auto k = starts[row]; k < starts[row + 1]; ++k) {
+        const auto value = static_cast<double>(matrix_.values()[static_cast<std::size_t>(k)]);
+        of_row += value * value;
+      }
+      sum += of_row * (weights.empty() ? 1 : weights[row] * weights[row]);
+    }
+    return sum;
+  }
+
+ private:
+  void run(std::size_t count, const std::function<void(std::size_t, int)>& task) const {
+    if (!parallel_for(execution_, count, task)) throw Cancelled();
+  }
+
+  double row_times(std::size_t row, std::span<const double> x) const {
+    const auto begin = static_cast<std::size_t>(matrix_.row_starts()[row]);
+    const auto end = static_cast<std::size_t>(matrix_.row_starts()[row + 1]);
+    const Value* const values = matrix_.values().data();
+    const std::int32_t* const columns = matrix_.column_indices().data();
+    const auto term = [&](std::size_t k) {
+      return static_cast<double>(values[k]) * x[static_cast<std::size_t>(columns[k])];
+    };
+    // Four sums side by side: one alone waits for each addition before the next.
+    std::array<double, 4> sum{};
+    std::size_t k = begin;
+    for (; k + 4 <= end; k += 4)
+      for (std::size_t n = 0; n < 4; ++n) sum[n] += term(k + n);
+    for (; k < end; ++k) sum[0] += term(k);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+
+  void add_rows(std::size_t first, std::size_t end, std::span<const double> y,
+                std::span<double> x) const {
+    const auto starts = matrix_.row_starts();
+    const Value* const values = matrix_.values().data();
+    const std::int32_t* const columns = matrix_.column_indices().data();
+    for (std::size_t row = first; row < end; ++row) {
+      const double factor = y[row];
+      if (factor == 0) continue;
+      for (auto k = static_cast<std::size_t>(starts[row]);
+           k < static_cast<std::size_t>(starts[row + 1]); ++k)
+        x[static_cast<std::size_t>(columns[k])] += factor * static_cast<double>(values[k]);
+    }
+  }
+
+  const CsrMatrix<Value>& matrix_;
+  Execution execution_;
+  std::vector<std::size_t> part_starts_;  ///< first row of each part; then the number of rows
+};
+
+}  // namespace
+
+template <class Value>
+CsrMatrix<Value>::CsrMatrix(std::size_t columns, std::vector<std::int64_t> row_starts,
+                            std::vector<std::int32_t> column_indices, std::vector<Value> values)
+    : columns_(columns),
+      row_starts_(std::move(row_starts)),
+      column_indices_(std::move(column_indices)),
+      values_(std::move(values)) {
+  if (columns_ > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+    throw InputError("a sparse matrix has at most 2147483647 columns");
+  if (row_starts_.empty() || row_starts_.front() != 0 ||
+      row_starts_.back() != static_cast<std::int64_t>(values_.size()) ||
+      column_indices_.size() != values_.size())
+    throw InputError("the rows of the sparse matrix do not fit its entries");
+  for (std::size_t row = 0; row + 1 < row_starts_.size(); ++row) {
+    const std::string where = "row " + std::to_string(row) + " of the sparse matrix ";
+    if (row_starts_[row + 1] < row_starts_[row] || row_starts_[row + 1] > row_starts_.back())
+      throw InputError(where + "ends before it begins");
+    std::int64_t before = -1;
+    for (auto k = static_cast<std::size_t>(row_starts_[row]);
+         k < static_cast<std::size_t>(row_starts_[row + 1]); ++k) {
+      if (column_indices_[k] <= before)
+        throw InputError(where + "has columns that are not in ascending order");
+      before = column_indices_[k];
+      if (before >= static_cast<std::int64_t>(columns_))
+        throw InputError(where + "has column " + std::to_string(before) + " of " +
+                         std::to_string(columns_));
+      if (!std::isfinite(values_[k]))
+        throw InputError(where + "has a value that is no number in column " +
+                         std::to_string(before));
+    }
+  }
+}
+
+template <class Value>
+CsrMatrix<Value> join_rows(std::vector<CsrRows<Value>> parts, std::size_t columns) {
+  std::size_t rows = 0, entries = 0;
+  for (const auto& part : parts) {
+    rows += part.counts.size();
+    entries += part.values.size();
+  }
+  std::vector<std::int64_t> starts{0};
+  std::vector<std::int32_t> indices;
+  std::vector<Value> values;
+  starts.reserve(rows + 1);
+  indices.reserve(entries);
+  values.reserve(entries);
+  // Each part gives back its memory as soon as it is copied: nothing is there twice.
+  for (auto& part : parts) {
+    for (const std::size_t count : part.counts)
+      starts.push_back(starts.back() + static_cast<std::int64_t>(count));
+    indices.insert(indices.end(), part.columns.begin(), part.columns.end());
+    values.insert(values.end(), part.values.begin(), part.values.end());
+    part = {};
+  }
+  return CsrMatrix<Value>(columns, std::move(starts), std::move(indices), std::move(values));
+}
+
+template <class Value>
+std::unique_ptr<LinearOperator> make_csr_operator(const CsrMatrix<Value>& matrix,
+                                                  const Execution& execution) {
+  return std::make_unique<CsrOperator<Value>>(matrix, execution);
+}
+
+template <class Value>
+CsrMatrix<Value> interleaved_rows(const CsrMatrix<Value>& matrix, std::size_t first,
+                                  std::size_t step) {
+  CsrRows<Value> rows;
+  for (std::size_t row = first; row < matrix.rows(); row += step) {
+    const auto begin = static_cast<std::ptrdiff_t>(matrix.row_starts()[row]);
+    const auto end = static_cast<std::ptrdiff_t>(matrix.row_starts()[row + 1]);
+    rows.counts.push_back(static_cast<std::size_t>(end - begin));
+    rows.columns.insert(rows.columns.end(), matrix.column_indices().begin() + begin,
+                        matrix.column_indices().begin() + end);
+    rows.values.insert(rows.values.end(), matrix.values().begin() + begin,
+                       matrix.values().begin() + end);
+  }
+  return join_rows<Value>({rows}, matrix.columns());
+}
+
+#define PLENOFLAME_CSR(Value)                                                         \
+  template class CsrMatrix<Value>;                                                    \
+  template CsrMatrix<Value> join_rows(std::vector<CsrRows<Value>>, std::size_t);      \
+  template std::unique_ptr<LinearOperator> make_csr_operator(const CsrMatrix<Value>&, \
+                                                             const Execution&);       \
+  template CsrMatrix<Value> interleaved_rows(const CsrMatrix<Value>&, std::size_t, std::size_t);
+PLENOFLAME_CSR(float)
+PLENOFLAME_CSR(double)
+#undef PLENOFLAME_CSR
+
+}  // namespace plenoflame

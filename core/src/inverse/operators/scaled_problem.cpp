@@ -1,0 +1,276 @@
+#include "inverse/operators/scaled_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "inverse/operators/vector_sums.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/csr_matrix.h"
+#include "plenoflame/inverse/penalty.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kSirtRelaxation = 1.9, kSartRelaxation = 1, kMartRelaxation = 0.2;
+/// Strengths that are looked at.
+constexpr StrengthRange kRange{1e-5, 1e3, 9, 0, 5, 0.02, 2, 100};
+
+bool is_multiplicative(ReconstructionSolver solver) {
+  return solver == ReconstructionSolver::mlem || solver == ReconstructionSolver::osem ||
+         solver == ReconstructionSolver::mart;
+}
+
+std::unique_ptr<LinearOperator> penalty_of(const ReconstructionSettings& settings,
+                                           const Unknowns& unknowns) {
+  PenaltyGrid grid;
+  grid.shape = unknowns.shape();
+  grid.spacing = unknowns.spacing();
+  grid.strength = settings.penalty_axes;
+  if (settings.solver == ReconstructionSolver::tv) return make_gradient(grid);
+  if (!is_penalised(settings.solver)) return nullptr;
+  switch (settings.penalty) {
+    case ReconstructionPenalty::none:
+      return nullptr;
+    case ReconstructionPenalty::identity:
+      return make_penalty(PenaltyKind::identity, grid);
+    case ReconstructionPenalty::gradient:
+      return make_penalty(PenaltyKind::first_differences, grid);
+    case ReconstructionPenalty::curvature:
+      return make_penalty(PenaltyKind::second_differences, grid);
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+bool is_penalised(ReconstructionSolver solver) {
+  return solver == ReconstructionSolver::fista || solver == ReconstructionSolver::active_set ||
+         solver == ReconstructionSolver::cgls || solver == ReconstructionSolver::lsqr ||
+         solver == ReconstructionSolver::tv;
+}
+
+bool wants_matrix(ReconstructionSolver solver) {
+  return solver == ReconstructionSolver::sart || solver == ReconstructionSolver::osem ||
+         solver == ReconstructionSolver::mart;
+}
+
+ScaledColumns::ScaledColumns(const LinearOperator& a, std::vector<double> scale)
+    : a_(a), scale_(std::move(scale)) {}
+
+void ScaledColumns::apply(std::span<const double> x, std::span<double> y) const {
+  std::vector<double> scaled(x.begin(), x.end());
+  scale_by(scale_, scaled);
+  a_.apply(scaled, y);
+}
+
+void ScaledColumns::apply_transpose(std::span<const double> y, std::span<double> x) const {
+  a_.apply_transpose(y, x);
+  scale_by(scale_, x);
+}
+
+/// Every n-th row, with the unknowns as they are.
+struct ScaledProblem::Subset {
+  std::size_t first, step;
+  CsrMatrix<float> matrix;
+  std::unique_ptr<LinearOperator> a;
+  std::unique_ptr<ScaledColumns> scaled;
+  std::vector<double> weights;
+
+  std::vector<double> own(std::span<const double> all) const {
+    std::vector<double> part;
+    for (std::size_t i = first; i < all.size(); i += step) part.push_back(all[i]);
+    return part;
+  }
+};
+
+ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperator& a,
+                             std::vector<double> weights, std::vector<double> scale,
+                             const Unknowns& unknowns, const ReconstructionSettings& settings)
+    : matrix_(matrix),
+      weights_(std::move(weights)),
+      scale_(std::move(scale)),
+      settings_(settings),
+      scaled_a_(a, scale_),
+      penalty_(penalty_of(settings, unknowns)) {
+  if (penalty_) {
+    scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_, scale_);
+    unit_ = penalty_unit(scaled_a_, weights_, *scaled_penalty_);
+  }
+  if (!wants_matrix(settings.solver)) return;
+  if (!matrix_)
+    throw InputError(
+        "this solver goes through the rows of the stored matrix, which would take more memory than "
+        "it may: give it more, take larger blocks of pixels, or another solver");
+  if (settings.solver == ReconstructionSolver::mart) return;
+  const auto count = static_cast<std::size_t>(std::max(1, settings.subsets));
+  for (std::size_t s = 0; s < count; ++s) {
+    auto subset = std::make_unique<Subset>();
+    subset->first = s;
+    subset->step = count;
+    subset->matrix = interleaved_rows(*matrix_, s, count);
+    subset->a = make_csr_operator(subset->matrix);
+    subset->scaled = std::make_unique<ScaledColumns>(*subset->a, scale_);
+    subset->weights = subset->own(weights_);
+    subsets_.push_back(std::move(subset));
+  }
+}
+
+ScaledProblem::~ScaledProblem() = default;
+
+void ScaledProblem::set_prior(std::span<const double> prior) {
+  prior_ = scaled(prior);
+}
+
+std::vector<double> ScaledProblem::samples(std::span<const double> u) const {
+  std::vector<double> x(u.begin(), u.end());
+  scale_by(scale_, x);
+  return x;
+}
+
+std::vector<double> ScaledProblem::scaled(std::span<const double> x) const {
+  std::vector<double> u(x.begin(), x.end());
+  for (std::size_t j = 0; j < u.size(); ++j) u[j] = scale_[j] > 0 ? u[j] / scale_[j] : 0;
+  return u;
+}
+
+Regularisation ScaledProblem::regularisation(double strength) const {
+  if (!scaled_penalty_) return {};
+  return {scaled_penalty_.get(), strength * unit_, prior_};
+}
+
+std::size_t ScaledProblem::clipped(std::span<const double> b) const {
+  if (!is_multiplicative(settings_.solver)) return 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) count += weights_[i] > 0 && b[i] < 0;
+  return count;
+}
+
+Solution ScaledProblem::solve(std::span<const double> b, double strength,
+                              const std::vector<double>& start, const SolverOptions& options,
+                              const Execution& execution) const {
+  return solve_absolute(b, strength * unit_, start.empty() ? start : scaled(start), options,
+                        execution);
+}
+
+StrengthChoice ScaledProblem::choose(std::span<const double> b, double expected,
+                                     const std::vector<double>& start, const SolverOptions& options,
+                                     const Execution& execution) const {
+  if (settings_.rule == StrengthRule::gcv && settings_.solver == ReconstructionSolver::tv)
+    throw UsageError("cross-validation is for penalties that are squares, not for tv");
+  StrengthRange range = kRange;
+  range.expected_misfit = expected;
+  bool first = true;
+  const StrengthSolver solver = [&](double strength, const std::vector<double>& before) {
+    const std::vector<double> from = first && !start.empty() ? scaled(start) : before;
+    first = false;
+    return solve_absolute(b, strength, from, options, execution);
+  };
+  return choose_strength(problem(b), *scaled_penalty_, settings_.rule, range, solver, execution);
+}
+
+Solution ScaledProblem::solve_absolute(std::span<const double> b, double strength,
+                                       const std::vector<double>& start,
+                                       const SolverOptions& options,
+                                       const Execution& execution) const {
+  SolverOptions own = options;
+  own.start = start;
+  const LinearProblem whole = problem(b);
+  Regularisation penalty;
+  if (scaled_penalty_) penalty = {scaled_penalty_.get(), strength, prior_};
+  const auto cut_off = [&](Solution solution) {
+    for (double& value : solution.x) value = std::max(value, 0.0);
+    // The history tells the misfit of what is handed out.
+    std::vector<double> image = *whole.a * solution.x;
+    double misfit = 0;
+    for (std::size_t i = 0; i < image.size(); ++i)
+      if (weights_[i] > 0) misfit += std::pow(weights_[i] * (image[i] - b[i]), 2);
+    if (!solution.history.empty()) solution.history.back().misfit = misfit;
+    return solution;
+  };
+  switch (settings_.solver) {
+    case ReconstructionSolver::fista:
+      return solve_nnls(whole, penalty, own, execution);
+    case ReconstructionSolver::active_set:
+      return solve_nnls_active_set(whole, penalty, execution);
+    case ReconstructionSolver::cgls:
+      return cut_off(solve_cgls(whole, penalty, own, execution));
+    case ReconstructionSolver::lsqr:
+      return cut_off(solve_lsqr(whole, penalty, own, execution));
+    case ReconstructionSolver::tv:
+      return solve_total_variation(whole, *scaled_penalty_, strength, own, execution);
+    case ReconstructionSolver::sirt: {
+      const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kSirtRelaxation;
+      return solve_sirt(std::vector<LinearProblem>{whole}, relaxation, own, execution);
+    }
+    case ReconstructionSolver::mlem: {
+      std::vector<double> counts(b.begin(), b.end());
+      for (double& value : counts) value = std::max(value, 0.0);
+      own.start = positive_start(own);
+      return solve_mlem(std::vector<LinearProblem>{problem(counts)}, 0, own, execution);
+    }
+    case ReconstructionSolver::sart:
+    case ReconstructionSolver::osem:
+      return solve_in_subsets(b, std::move(own), execution);
+    case ReconstructionSolver::mart:
+      return solve_rows(b, std::move(own), execution);
+  }
+  throw UsageError("there is no such solver");
+}
+
+std::vector<double> ScaledProblem::positive_start(const SolverOptions& options) const {
+  // What is 0 stays 0.
+  std::vector<double> start = options.start;
+  if (start.empty()) start.assign(scale_.size(), 1.0);
+  for (std::size_t j = 0; j < start.size(); ++j)
+    start[j] = scale_[j] > 0 ? std::max(start[j], 1e-6) : 0;
+  return start;
+}
+
+Solution ScaledProblem::solve_in_subsets(std::span<const double> b, SolverOptions options,
+                                         const Execution& execution) const {
+  const bool positive = settings_.solver == ReconstructionSolver::osem;
+  std::vector<std::vector<double>> data;
+  std::vector<LinearProblem> problems;
+  for (const auto& subset : subsets_) {
+    data.push_back(subset->own(b));
+    if (positive)
+      for (double& value : data.back()) value = std::max(value, 0.0);
+  }
+  for (std::size_t s = 0; s < subsets_.size(); ++s)
+    problems.push_back({subsets_[s]->scaled.get(), data[s], subsets_[s]->weights});
+  if (positive) {
+    options.start = positive_start(options);
+    return solve_mlem(problems, 0, options, execution);
+  }
+  const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kSartRelaxation;
+  return solve_sirt(problems, relaxation, options, execution);
+}
+
+Solution ScaledProblem::solve_rows(std::span<const double> b, SolverOptions options,
+                                   const Execution& execution) const {
+  // Rows that count, with what they see in units of u and in deviations: only their ratios matter.
+  CsrRows<float> rows;
+  std::vector<double> data;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    // Dark rows would clear for good what they see: the support has taken account of them.
+    if (!(weights_[i] * b[i] > 1)) continue;
+    const auto begin = static_cast<std::size_t>(matrix_->row_starts()[i]);
+    const auto end = static_cast<std::size_t>(matrix_->row_starts()[i + 1]);
+    rows.counts.push_back(end - begin);
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::int32_t column = matrix_->column_indices()[k];
+      rows.columns.push_back(column);
+      rows.values.push_back(
+          static_cast<float>(weights_[i] * static_cast<double>(matrix_->values()[k]) *
+                             scale_[static_cast<std::size_t>(column)]));
+    }
+    data.push_back(weights_[i] * b[i]);
+  }
+  options.start = positive_start(options);
+  const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kMartRelaxation;
+  return solve_mart(join_rows<float>({rows}, matrix_->columns()), data, relaxation, options,
+                    execution);
+}
+
+}  // namespace plenoflame

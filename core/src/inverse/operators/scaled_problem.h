@@ -1,0 +1,78 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plenoflame/inverse/linear_operator.h"
+#include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/inverse/solvers.h"
+
+namespace plenoflame {
+
+/// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
+class ScaledColumns final : public LinearOperator {
+ public:
+  ScaledColumns(const LinearOperator& a, std::vector<double> scale);
+  std::size_t rows() const override { return a_.rows(); }
+  std::size_t columns() const override { return a_.columns(); }
+  void apply(std::span<const double> x, std::span<double> y) const override;
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override;
+
+ private:
+  const LinearOperator& a_;
+  std::vector<double> scale_;
+};
+
+/// W (A x - b) small, x = diag(scale) u, with any of the solvers.
+class ScaledProblem {
+ public:
+  /// @param matrix A, where it is stored; else nullptr  @param a A as an operator
+  /// @param weights 1 / deviation of the rows; 0 leaves a row out
+  /// @throws InputError for a solver that wants the stored matrix
+  ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperator& a,
+                std::vector<double> weights, std::vector<double> scale, const Unknowns& unknowns,
+                const ReconstructionSettings& settings);
+  ~ScaledProblem();
+
+  /// In units of u. @param strength relative  @param start in x's units; empty: none
+  Solution solve(std::span<const double> b, double strength, const std::vector<double>& start,
+                 const SolverOptions& options, const Execution& execution) const;
+  /// By the rule of the settings. @param expected misfit that noise leaves
+  StrengthChoice choose(std::span<const double> b, double expected,
+                        const std::vector<double>& start, const SolverOptions& options,
+                        const Execution& execution) const;
+
+  /// The quadratic problem and its penalty in u, for uncertainties.
+  LinearProblem problem(std::span<const double> b) const { return {&scaled_a_, b, weights_}; }
+  Regularisation regularisation(double strength) const;
+  void set_prior(std::span<const double> prior);
+
+  std::vector<double> samples(std::span<const double> u) const;
+  std::vector<double> scaled(std::span<const double> x) const;
+  std::span<const double> weights() const { return weights_; }
+  bool has_penalty() const { return penalty_ != nullptr; }
+  /// Rows below 0 that count as 0.
+  std::size_t clipped(std::span<const double> b) const;
+
+ private:
+  struct Subset;
+  Solution solve_absolute(std::span<const double> b, double strength,
+                          const std::vector<double>& start, const SolverOptions& options,
+                          const Execution& execution) const;
+  Solution solve_in_subsets(std::span<const double> b, SolverOptions options,
+                            const Execution& execution) const;
+  Solution solve_rows(std::span<const double> b, SolverOptions options,
+                      const Execution& execution) const;
+  std::vector<double> positive_start(const SolverOptions& options) const;
+
+  const CsrMatrix<float>* matrix_;
+  std::vector<double> weights_, scale_, prior_;
+  const ReconstructionSettings& settings_;
+  ScaledColumns scaled_a_;
+  std::unique_ptr<LinearOperator> penalty_, scaled_penalty_;
+  double unit_ = 0;
+  std::vector<std::unique_ptr<Subset>> subsets_;
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,226 @@
+#include "plenoflame/inverse/thermal_model.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "inverse/operators/followed_rows.h"
+#include "inverse/source_table.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/measurement.h"
+
+namespace plenoflame {
+namespace {
+
+/// What x says of every unknown.
+struct ThermalFields {
+  std::vector<double> temperature, absorption;
+  std::vector<SourceTable> sources;  ///< of the channels
+
+  ThermalFields(const ThermalModel& model, std::span<const double> x)
+      : temperature(model.temperature), absorption(model.absorption) {
+    for (const ThermalChannel& channel : model.channels) sources.emplace_back(channel.source);
+    const std::size_t n = model.unknowns->size();
+    std::size_t next = 0;
+    if (temperature.empty()) {
+      temperature.assign(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n));
+      next = n;
+    }
+    if (!absorption.empty()) return;
+    absorption.assign(n, 0.0);
+    for (std::size_t j = 0; j < n; ++j)
+      if (model.absorbs.empty() || model.absorbs[j]) absorption[j] = std::exp(x[next + j]);
+  }
+};
+
+void check(const ThermalModel& model, std::span<const double> x) {
+  const std::size_t n = model.unknowns->size();
+  for (const auto* known : {&model.temperature, &model.absorption})
+    if (!known->empty() && known->size() != n)
+      throw UsageError("a known field has " + std::to_string(known->size()) + " values for " +
+                       std::to_string(n) + " unknowns");
+  if (!model.absorbs.empty() && model.absorbs.size() != n)
+    throw UsageError("what absorbs is said of " + std::to_string(model.absorbs.size()) + " of " +
+                     std::to_string(n) + " unknowns");
+  if (x.size() != model.columns())
+    throw UsageError("the model has " + std::to_string(model.columns()) + " variables, not " +
+                     std::to_string(x.size()));
+}
+
+/// An interval of a ray in the light of one channel.
+struct LitInterval {
+  std::array<double, 2> absorption{};  ///< [1/m] at the nodes, in the channel
+  std::array<SourceTable::Value, 2> source{};
+  IntervalTransfer transfer;
+  double passed = 1;    ///< transmittance of what is in front
+  double radiance = 0;  ///< what it adds to the ray's
+  bool empty = false;   ///< nothing absorbs there
+};
+
+/// Follows the rays of rows; one for each thread.
+class ThermalWalk {
+ public:
+  ThermalWalk(const ThermalModel& model, const ThermalFields& fields)
+      : model_(model), fields_(fields) {}
+
+  /// The row's flux [W].
+  double flux(std::size_t row) {
+    const auto [channel, own] = place_of(row);
+    const CameraRays& all = *channel.rays;
+    double sum = 0;
+    for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r)
+      sum += all.rays[r].weight * radiance(channel, all.rays[r]);
+    return sum;
+  }
+
+  /// Derivatives of the row's flux.
+  template <class Use>
+  void follow(std::size_t row, const Use& use) {
+    const auto [channel, own] = place_of(row);
+    const CameraRays& all = *channel.rays;
+    for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r) {
+      radiance(channel, all.rays[r]);
+      derivatives(channel, all.rays[r].weight, use);
+    }
+  }
+
+ private:
+  struct Channel {
+    const ThermalChannel* spec;
+    const SourceTable* source;
+    const CameraRays* rays;
+  };
+  std::pair<Channel, std::size_t> place_of(std::size_t row) const {
+    for (std::size_t c = 0; c < model_.channels.size(); ++c) {
+      const ThermalChannel& channel = model_.channels[c];
+      if (row < channel.rays->rows.size())
+        return {{&channel, &fields_.sources[c], channel.rays}, row};
+      row -= channel.rays->rows.size();
+    }
+    throw UsageError("the model has no such row");
+  }
+
+  double radiance(const Channel& channel, const CameraRay& ray) {
+    intervals_.clear();
+    model_.unknowns->append({ray.origin, ray.direction}, 0, ray.end, intervals_);
+    lit_.resize(intervals_.size());
+    double passed = 1, sum = 0;
+    for (std::size_t i = 0; i < intervals_.size(); ++i) {
+      const RayInterval& interval = intervals_[i];
+      LitInterval& lit = lit_[i];
+      lit = {};
+      lit.passed = passed;
+      for (std::size_t n = 0; n < 2; ++n)
+        lit.absorption[n] = channel.spec->absorption_ratio *
+                            std::max(interval.node[n].value(fields_.absorption), 0.0);
+      // Nothing is emitted where nothing absorbs: exponentials are saved.
+      lit.empty = !(lit.absorption[0] + lit.absorption[1] > 0);
+      if (lit.empty) continue;
+      for (std::size_t n = 0; n < 2; ++n)
+        lit.source[n] = channel.source->at(interval.node[n].value(fields_.temperature));
+      const double half = 0.5 * interval.length;
+      lit.transfer = interval_transfer(half * lit.absorption[0], half * lit.absorption[1]);
+      lit.radiance = passed * (lit.transfer.near * lit.source[0].source +
+                               lit.transfer.far * lit.source[1].source);
+      passed *= lit.transfer.transmittance;
+      sum += lit.radiance;
+    }
+    return sum;
+  }
+
+  /// From the far end to the near one, with the light that arrives from behind.
+  template <class Use>
+  void derivatives(const Channel& channel, double weight, const Use& use) {
+    const std::size_t unknowns = model_.unknowns->size();
+    const bool hot = model_.temperature.empty(), thick = model_.absorption.empty();
+    const std::size_t first_absorption = hot ? unknowns : 0;
+    double behind = 0;  // that of the intervals behind, as it arrives at the camera
+    for (std::size_t i = intervals_.size(); i-- > 0;) {
+      const LitInterval& lit = lit_[i];
+      if (lit.empty) continue;
+      const double half = 0.5 * intervals_[i].length;
+      const std::array<double, 2> weights{lit.transfer.near, lit.transfer.far};
+      TransferSlopes slopes;
+      if (thick) slopes = transfer_slopes(half * lit.absorption[0], half * lit.absorption[1]);
+      for (std::size_t n = 0; n < 2; ++n) {
+        const RayNode& node = intervals_[i].node[n];
+        if (hot && weights[n] != 0) {
+          const double by_temperature = weight * lit.passed * weights[n] * lit.source[n].slope;
+          for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
+            use(node.sample[c], by_temperature * node.weight[c]);
+        }
+        if (!thick) continue;
+        const double by_depth = lit.passed * (slopes.near[n] * lit.source[0].source +
+                                              slopes.far[n] * lit.source[1].source) -
+                                behind;
+        const double by_absorption = weight * by_depth * half * channel.spec->absorption_ratio;
+        for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
+          use(first_absorption + node.sample[c],
+              by_absorption * node.weight[c] * fields_.absorption[node.sample[c]]);
+      }
+      behind += lit.radiance;
+    }
+  }
+
+  const ThermalModel& model_;
+  const ThermalFields& fields_;
+  std::vector<RayInterval> intervals_;
+  std::vector<LitInterval> lit_;
+};
+
+struct ThermalRows {
+  const ThermalModel* model;
+  std::shared_ptr<const ThermalFields> fields;
+  std::size_t rows() const { return model->rows(); }
+  std::size_t columns() const { return model->columns(); }
+  ThermalWalk walk() const { return {*model, *fields}; }
+};
+
+ThermalRows rows_of(const ThermalModel& model, std::span<const double> x) {
+  check(model, x);
+  return {&model, std::make_shared<const ThermalFields>(model, x)};
+}
+
+}  // namespace
+
+std::size_t ThermalModel::rows() const {
+  std::size_t count = 0;
+  for (const ThermalChannel& channel : channels) count += channel.rays->rows.size();
+  return count;
+}
+
+std::size_t ThermalModel::columns() const {
+  return unknowns->size() * ((temperature.empty() ? 1U : 0U) + (absorption.empty() ? 1U : 0U));
+}
+
+std::vector<double> thermal_fluxes(const ThermalModel& model, std::span<const double> x,
+                                   const Execution& execution) {
+  const ThermalRows all = rows_of(model, x);
+  std::vector<double> flux(all.rows());
+  const auto task = [&](std::size_t part, int) {
+    ThermalWalk walk = all.walk();
+    const std::size_t end = std::min(flux.size(), (part + 1) * kFollowedRows);
+    for (std::size_t row = part * kFollowedRows; row < end; ++row) flux[row] = walk.flux(row);
+  };
+  if (!parallel_for(execution, (flux.size() + kFollowedRows - 1) / kFollowedRows, task))
+    throw Cancelled();
+  return flux;
+}
+
+std::unique_ptr<LinearOperator> make_thermal_derivative(const ThermalModel& model,
+                                                        std::span<const double> x,
+                                                        const Execution& execution) {
+  return std::make_unique<FollowedOperator<ThermalRows>>(rows_of(model, x), execution);
+}
+
+CsrMatrix<float> make_thermal_matrix(const ThermalModel& model, std::span<const double> x,
+                                     const Execution& execution) {
+  return store_rows(rows_of(model, x), execution);
+}
+
+std::size_t estimated_entries(const ThermalModel& model, std::span<const double> x) {
+  return estimate_entries(rows_of(model, x));
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,359 @@
+#include "plenoflame/inverse/reconstruction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "inverse/operators/scaled_problem.h"
+#include "inverse/part_of_progress.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/emission_operator.h"
+#include "plenoflame/inverse/row_noise.h"
+#include "plenoflame/inverse/uncertainty.h"
+
+namespace plenoflame {
+namespace {
+
+/// Share of the work that drawing the rays is, for progress.
+constexpr double kDrawingShare = 0.1;
+
+/// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
+class Watch {
+ public:
+  Watch(const Execution& execution, double rows,
+        std::function<void(const ReconstructionState&)> watch)
+      : execution_(execution), rows_(rows), watch_(std::move(watch)) {
+    inner_.threads = execution.threads;
+    inner_.stop = execution.stop;
+  }
+  /// The next solutions take this share of the whole each.
+  SolverOptions options(const ScaledProblem& problem, double share, int iterations,
+                        double tolerance, bool choosing) {
+    SolverOptions result;
+    result.iterations = iterations;
+    result.relative_change = tolerance;
+    result.watch = [this, &problem, share, iterations, choosing](int i, double misfit,
+                                                                 std::span<const double> u) {
+      if (watch_) watch_({problem.samples(u), false, choosing, rows_ > 0 ? misfit / rows_ : 0});
+      if (i == 1) from_ = done_;
+      done_ = from_ + (1 - kDrawingShare) * share * i / iterations;
+      if (!execution_.progress) return;
+      Progress progress;
+      progress.fraction = std::min(1.0, done_);
+      progress.relative_error = rows_ > 0 ? std::sqrt(misfit / rows_) : -1;
+      execution_.progress(progress);
+    };
+    return result;
+  }
+  /// For solvers: threads and the stop.
+  const Execution& inner() const { return inner_; }
+  bool stopped() const { return execution_.stop.stop_requested(); }
+
+ private:
+  const Execution& execution_;
+  Execution inner_;
+  double rows_, from_ = 0, done_ = kDrawingShare;
+  std::function<void(const ReconstructionState&)> watch_;
+};
+
+/// Unknowns of whose light a good part would go, in some view, to pixels that are dark: all of what
+/// such pixels see is dark, as nothing is negative.
+std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
+                              const MeasuredRows& measured, std::size_t views) {
+  std::vector<char> empty(a.columns(), 0);
+  for (std::size_t v = 0; v < views; ++v) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.rows(); ++i)
+      if (static_cast<std::size_t>(rays.rows[i].view) == v && measured.deviation[i] > 0)
+        largest = std::max(largest, measured.flux[i]);
+    std::vector<double> all(a.rows(), 0.0), dark(a.rows(), 0.0);
+    for (std::size_t i = 0; i < a.rows(); ++i) {
+      if (static_cast<std::size_t>(rays.rows[i].view) != v || !(measured.deviation[i] > 0))
+        continue;
+      all[i] = 1;
+      // Five of six pixels without light are below one deviation, half of those that have as much.
+      dark[i] = measured.flux[i] <= std::max(measured.deviation[i], 1e-4 * largest) &&
+                measured.deviation[i] < 0.05 * largest;
+    }
+    std::vector<double> seen(a.columns()), ruled(a.columns());
+    a.apply_transpose(all, seen);
+    a.apply_transpose(dark, ruled);
+    for (std::size_t j = 0; j < seen.size(); ++j)
+      empty[j] |= seen[j] > 0 && ruled[j] > 0.3 * seen[j];
+  }
+  return empty;
+}
+
+/// What noise leaves of the misfit: two standard deviations of chi^2 itself more than the number of
+/// rows, without which chance may ask for next to no penalty.
+double expected_misfit(double rows) {
+  return rows * (1 + 2 * std::sqrt(2 / rows));
+}
+
+/// Strength by the rule; what was found on the way is the next start.
+std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
+                                       double rows, const ReconstructionInput& input,
+                                       const ReconstructionSettings& settings, Watch& watch,
+                                       Reconstruction& result) {
+  const int iterations = std::max(20, settings.iterations / 3);
+  const StrengthChoice choice =
+      problem.choose(b, expected_misfit(rows), input.start,
+                     watch.options(problem, 0.6 / 12, iterations, 1e-4, true), watch.inner());
+  result.strength = choice.strength;
+  result.strength_at_end = choice.at_end;
+  result.explained_by_noise = choice.reached;
+  for (const StrengthPoint& point : choice.curve)
+    result.trials.push_back({point.strength, point.misfit / rows, point.penalty, point.gcv});
+  return problem.samples(choice.solution.x);
+}
+
+void add_uncertainty(const ScaledProblem& problem, const ReconstructionSettings& settings,
+                     std::span<const double> b, const std::vector<double>& values,
+                     const Execution& execution, Reconstruction& result) {
+  SolverOptions options;
+  options.iterations = std::max(20, settings.iterations / 4);
+  const ProbeAccuracy accuracy{2 * options.iterations, 1e-5, settings.draws < 2};
+  const LinearProblem linear = problem.problem(b);
+  const Regularisation penalty = problem.regularisation(result.strength);
+  const bool linear_solver =
+      is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv;
+  if (settings.draws >= 2) {
+    const std::vector<double> model = *linear.a * problem.scaled(values);
+    const auto again = [&](std::span<const double> drawn) {
+      return problem.solve(drawn, result.strength, values, options, execution).x;
+    };
+    result.deviation = problem.samples(
+        bootstrap(model, linear.weights, settings.draws, 1, again, execution).deviation);
+  }
+  // Neither the end of an iteration nor total variation has a resolution matrix.
+  if (settings.probes < 1 || !linear_solver) return;
+  Uncertainty found =
+      estimate_uncertainty(linear, penalty, settings.probes, 1, execution, accuracy);
+  if (accuracy.deviations) result.deviation = problem.samples(found.deviation);
+  result.resolved_unknowns = found.resolved_unknowns;
+  result.resolved = std::move(found.resolved);
+  for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
+}
+
+void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
+                 const ReconstructionSettings& settings, std::span<const double> b,
+                 const Execution& execution, Reconstruction& result) {
+  const ProbeAccuracy accuracy{std::max(50, settings.iterations), 1e-5};
+  for (const Vec3& place : input.spread_at) {
+    PointSpread spread;
+    double nearest = 1e300;
+    for (std::size_t j = 0; j < input.unknowns->size(); ++j) {
+      const double distance = length(input.unknowns->place(j) - place);
+      if (distance < nearest) nearest = distance, spread.unknown = j;
+    }
+    spread.place = input.unknowns->place(spread.unknown);
+    std::vector<double> one(input.unknowns->size(), 0.0);
+    one[spread.unknown] = 1;
+    const double unit = problem.scaled(one)[spread.unknown];
+    if (unit > 0) {
+      std::vector<double> column =
+          problem.samples(point_spread(problem.problem(b), problem.regularisation(result.strength),
+                                       spread.unknown, execution, accuracy));
+      for (double& value : column) value *= unit;
+      spread.peak = column[spread.unknown];
+      spread.widths =
+          half_widths(column, input.unknowns->shape(), input.unknowns->spacing(), spread.unknown);
+    }
+    result.spreads.push_back(spread);
+  }
+}
+
+void add_pictures(const ReconstructionInput& input, const CameraRays& rays,
+                  const MeasuredRows& measured, const std::vector<double>& explained,
+                  Reconstruction& result) {
+  for (const Measurement& measurement : input.measurements) {
+    result.explained.emplace_back(measurement.window.width, measurement.window.height);
+    result.residual.emplace_back(measurement.window.width, measurement.window.height);
+  }
+  for (std::size_t i = 0; i < rays.rows.size(); ++i) {
+    const auto v = static_cast<std::size_t>(rays.rows[i].view);
+    const int column = rays.rows[i].column - input.measurements[v].window.x,
+              row = rays.rows[i].row - input.measurements[v].window.y;
+    result.explained[v].at(column, row) = static_cast<float>(explained[i]);
+    if (measured.deviation[i] > 0)
+      result.residual[v].at(column, row) = static_cast<float>(measured.flux[i] - explained[i]);
+  }
+}
+
+void check_input(const ReconstructionInput& input) {
+  if (input.views.empty() || input.views.size() != input.measurements.size())
+    throw UsageError("a reconstruction needs one picture for each camera");
+  const auto fits = [&](std::size_t size, const char* what) {
+    if (size != 0 && size != input.unknowns->size())
+      throw InputError(std::string(what) + " has " + std::to_string(size) + " values for " +
+                       std::to_string(input.unknowns->size()) + " unknowns");
+  };
+  fits(input.start.size(), "the start");
+  fits(input.prior.size(), "the prior");
+  fits(input.support.size(), "the support");
+}
+
+/// Two significant digits.
+std::string megabytes(double bytes) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2g MB", 1e-6 * bytes);
+  return text;
+}
+
+/// Before rays are followed. @throws InputError, UsageError
+void check_settings(const ReconstructionSettings& settings, const Unknowns& unknowns) {
+  if (wants_matrix(settings.solver) && !(settings.memory > 0))
+    throw InputError(
+        "this solver goes through the rows of the stored matrix, for which there is no memory: "
+        "give it some, or take another solver");
+  if (settings.solver == ReconstructionSolver::active_set && unknowns.size() > kMostActiveSet)
+    throw InputError(std::to_string(unknowns.size()) +
+                     " unknowns are too many for active sets, which take " +
+                     std::to_string(kMostActiveSet) + " at most: use fista, or a coarser grid");
+  if (settings.rule == StrengthRule::gcv && settings.solver == ReconstructionSolver::tv &&
+      settings.strength < 0)
+    throw UsageError("cross-validation is for penalties that are squares, not for tv");
+}
+
+/// Unknowns in units of a typical value, those that few rays meet in larger ones; 0 for what is
+/// known to be empty.
+std::vector<double> scales(const LinearOperator& a, std::span<const double> b,
+                           const std::vector<double>& weight, const std::vector<char>& empty,
+                           Reconstruction& result) {
+  std::vector<double> ones(a.rows());
+  for (std::size_t i = 0; i < ones.size(); ++i) ones[i] = weight[i] > 0 ? 1 : 0;
+  const std::vector<double> seen = transposed_times(a, ones);
+  double mean = 0;
+  for (const double s : seen) {
+    mean += s;
+    result.unseen += !(s > 0);
+  }
+  mean /= static_cast<double>(std::max<std::size_t>(1, seen.size() - result.unseen));
+  if (!(mean > 0)) throw InputError("no usable pixel sees any of the unknowns");
+  const std::vector<double> flat = a * std::vector<double>(a.columns(), 1.0);
+  double product = 0, square = 0;
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    const double w = weight[i] * weight[i];
+    product += w * flat[i] * b[i];
+    square += w * flat[i] * flat[i];
+  }
+  const double typical = product > 0 ? product / square : 1;
+  std::vector<double> scale(a.columns());
+  for (std::size_t j = 0; j < scale.size(); ++j) {
+    result.empty += empty[j] != 0;
+    const double balance = seen[j] > 0 ? std::clamp(std::sqrt(mean / seen[j]), 0.2, 5.0) : 1;
+    scale[j] = empty[j] ? 0 : typical * balance;
+  }
+  if (result.empty == scale.size())
+    throw InputError("dark pixels or the support rule out every unknown: nothing is left");
+  return scale;
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const ReconstructionInput& input, const ReconstructionSettings& settings,
+                           const Execution& execution) {
+  check_input(input);
+  check_settings(settings, *input.unknowns);
+  std::vector<CameraView> views = input.views;
+  for (std::size_t v = 0; v < views.size(); ++v) views[v].window = input.measurements[v].window;
+  const CameraRays rays = draw_camera_rays(views, input.unknowns->bounds(), settings.rays,
+                                           part_of_progress(execution, 0, kDrawingShare));
+  if (rays.rows.empty())
+    throw InputError(
+        "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
+  const MeasuredRows measured = measured_rows(input.measurements, rays, settings.rays.bin);
+
+  Reconstruction result;
+  result.model = input.absorption.empty() ? RowModel::emission : RowModel::source;
+  result.rows = rays.rows.size();
+  result.rays = rays.rays.size();
+  const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
+  result.matrix_bytes = 8.0 * static_cast<double>(estimated_entries(problem));
+  result.stored = result.matrix_bytes <= settings.memory;
+  if (wants_matrix(settings.solver) && !result.stored)
+    throw InputError(
+        "this solver goes through the rows of the stored matrix, which would take " +
+        megabytes(result.matrix_bytes) + " of the " + megabytes(settings.memory) +
+        " that it may: give it more, take larger blocks of pixels, or another solver, which "
+        "follows the rays again");
+  // A stop ends the solution between two iterations, so that what was reached is kept.
+  const Execution quiet = execution.threads_only();
+  CsrMatrix<float> matrix;
+  if (result.stored) matrix = make_emission_matrix(problem, execution);
+  const std::unique_ptr<LinearOperator> a =
+      result.stored ? make_csr_operator(matrix, quiet) : make_emission_operator(problem, quiet);
+  const CsrMatrix<float>* stored = result.stored ? &matrix : nullptr;
+
+  const std::vector<double>& b = measured.flux;
+  std::vector<double> weight = row_weights(measured, {}, {});
+  for (const double w : weight) result.left_out += !(w > 0);
+  if (result.left_out == result.rows)
+    throw InputError("every pixel that sees the grid is saturated or otherwise left out");
+  const double rows = static_cast<double>(result.rows - result.left_out);
+
+  std::vector<char> empty = settings.support ? behind_dark(*a, rays, measured, views.size())
+                                             : std::vector<char>(a->columns(), 0);
+  for (std::size_t j = 0; j < input.support.size(); ++j) empty[j] |= input.support[j] == 0;
+  const std::vector<double> scale = scales(*a, b, weight, empty, result);
+  for (const double s : scale) result.solved.push_back(s > 0);
+
+  Watch watch(execution, rows, settings.watch);
+  const bool counts = std::any_of(measured.electron.begin(), measured.electron.end(),
+                                  [](double electron) { return electron > 0; });
+  if (settings.ray_noise || counts) {
+    // A first guess tells the light whose shot noise counts, and what the finite number of rays
+    // adds.
+    ReconstructionSettings plain = settings;
+    plain.solver = ReconstructionSolver::fista;
+    const ScaledProblem first(stored, *a, weight, scale, *input.unknowns, plain);
+    SolverOptions options;
+    options.iterations = 40;
+    options.relative_change = 1e-3;
+    const std::vector<double> guess =
+        first.samples(first.solve(b, 1, {}, options, watch.inner()).x);
+    if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
+    weight = row_weights(measured, *a * guess, result.rays_error);
+  }
+  ScaledProblem weighted(stored, *a, weight, scale, *input.unknowns, settings);
+  if (!input.prior.empty()) weighted.set_prior(input.prior);
+  result.clipped = weighted.clipped(b);
+  std::vector<double> start = input.start;
+  if (!weighted.has_penalty())
+    result.strength = 0;
+  else if (settings.strength >= 0)
+    result.strength = settings.strength;
+  else
+    start = choose_strength_of(weighted, b, rows, input, settings, watch, result);
+  // A first step from where the search ended has no momentum yet: it is small without being the
+  // end.
+  SolverOptions last = watch.options(weighted, 0.4, settings.iterations, 1e-6, false);
+  // Without a penalty it is the end of the iteration that keeps noise out.
+  if (!is_penalised(settings.solver)) last.misfit = expected_misfit(rows);
+  const Solution solution = weighted.solve(b, result.strength, start, last, watch.inner());
+  result.values = weighted.samples(solution.x);
+  result.reason = solution.reason;
+  result.complete = !watch.stopped();
+  for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
+  const std::vector<double> explained = *a * result.values;
+  for (std::size_t i = 0; i < explained.size(); ++i)
+    if (weight[i] > 0) result.chi_squared += std::pow(weight[i] * (explained[i] - b[i]), 2) / rows;
+  result.resolved_unknowns = -1;
+  if (result.complete) {
+    try {
+      add_uncertainty(weighted, settings, b, result.values, watch.inner(), result);
+      if (weighted.has_penalty() && settings.solver != ReconstructionSolver::tv)
+        add_spreads(input, weighted, settings, b, watch.inner(), result);
+    } catch (const Cancelled&) {
+      result.complete = false;  // the values are kept
+    }
+  }
+  add_pictures(input, rays, measured, explained, result);
+  return result;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,147 @@
+#include "plenoflame/inverse/penalty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr std::size_t kMostTerms = 3;
+
+/// Rows of at most three entries.
+class DifferenceOperator final : public LinearOperator {
+ public:
+  explicit DifferenceOperator(std::size_t columns) : columns_(columns) {}
+
+  void add_row(const std::array<std::size_t, kMostTerms>& columns,
+               const std::array<double, kMostTerms>& values) {
+    for (std::size_t k = 0; k < kMostTerms; ++k) {
+      column_.push_back(static_cast<std::uint32_t>(columns[k]));
+      value_.push_back(values[k]);
+    }
+  }
+
+  std::size_t rows() const override { return value_.size() / kMostTerms; }
+  std::size_t columns() const override { return columns_; }
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    for (std::size_t row = 0, k = 0; row < y.size(); ++row, k += kMostTerms)
+      y[row] = value_[k] * x[column_[k]] + value_[k + 1] * x[column_[k + 1]] +
+               value_[k + 2] * x[column_[k + 2]];
+  }
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    std::fill(x.begin(), x.end(), 0.0);
+    for (std::size_t k = 0; k < value_.size(); ++k) x[column_[k]] += value_[k] * y[k / kMostTerms];
+  }
+  double squared_norm(std::span<const double> weights) const override {
+    double sum = 0;
+    for (std::size_t k = 0; k < value_.size(); ++k) {
+      const double w = weights.empty() ? 1 : weights[k / kMostTerms];
+      sum += w * w * value_[k] * value_[k];
+    }
+    return sum;
+  }
+
+ private:
+  std::size_t columns_;
+  std::vector<std::uint32_t> column_;
+  std::vector<double> value_;
+};
+
+std::size_t size_of(const PenaltyGrid& grid) {
+  std::size_t size = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (grid.shape[a] < 1) throw InputError("a penalty needs at least one sample along each axis");
+    if (!(grid.spacing[a] > 0) || !(grid.strength[a] >= 0))
+      throw InputError("a penalty needs spacings above 0 and strengths of at least 0");
+    size *= static_cast<std::size_t>(grid.shape[a]);
+  }
+  if (!grid.mask.empty() && grid.mask.size() != size)
+    throw InputError("the penalty's mask has " + std::to_string(grid.mask.size()) +
+                     " entries for " + std::to_string(size) + " unknowns");
+  return size;
+}
+
+/// Steps along the axes from one sample to the next, in numbers of unknowns.
+std::array<std::size_t, 3> strides(const PenaltyGrid& grid) {
+  const auto n1 = static_cast<std::size_t>(grid.shape[1]),
+             n2 = static_cast<std::size_t>(grid.shape[2]);
+  return {n1 * n2, n2, 1};
+}
+
+/// What a difference of some order along an axis is multiplied with.
+double axis_scale(const PenaltyGrid& grid, std::size_t axis, int order) {
+  double unit = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (grid.shape[a] > 1 && (unit == 0 || grid.spacing[a] < unit)) unit = grid.spacing[a];
+  return grid.strength[axis] * std::pow(unit / grid.spacing[axis], order);
+}
+
+/// Calls use(unknown, index along the axes) for every unknown.
+template <class Use>
+void for_each(const PenaltyGrid& grid, const Use& use) {
+  std::size_t unknown = 0;
+  for (int i = 0; i < grid.shape[0]; ++i)
+    for (int j = 0; j < grid.shape[1]; ++j)
+      for (int k = 0; k < grid.shape[2]; ++k) use(unknown++, std::array<int, 3>{i, j, k});
+}
+
+}  // namespace
+
+std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid& grid) {
+  const std::size_t size = size_of(grid);
+  auto result = std::make_unique<DifferenceOperator>(size);
+  const auto takes_part = [&](std::size_t unknown) {
+    return grid.mask.empty() || grid.mask[unknown] != 0;
+  };
+  const auto stride = strides(grid);
+  const int order = kind == PenaltyKind::second_differences ? 2 : 1;
+  for_each(grid, [&](std::size_t unknown, const std::array<int, 3>& at) {
+    if (!takes_part(unknown)) return;
+    if (kind == PenaltyKind::identity) {
+      result->add_row({unknown, unknown, unknown}, {1, 0, 0});
+      return;
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (at[a] + order >= grid.shape[a] || grid.strength[a] == 0) continue;
+      const std::size_t next = unknown + stride[a];
+      const std::size_t last = order == 2 ? next + stride[a] : next;
+      if (!takes_part(next) || !takes_part(last)) continue;
+      const double scale = axis_scale(grid, a, order);
+      if (order == 1)
+        result->add_row({unknown, next, next}, {-scale, scale, 0});
+      else
+        result->add_row({unknown, next, last}, {scale, -2 * scale, scale});
+    }
+  });
+  return result;
+}
+
+std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid) {
+  const std::size_t size = size_of(grid);
+  auto result = std::make_unique<DifferenceOperator>(size);
+  const auto stride = strides(grid);
+  for_each(grid, [&](std::size_t unknown, const std::array<int, 3>& at) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::size_t next = unknown + stride[a];
+      const bool inside = at[a] + 1 < grid.shape[a] &&
+                          (grid.mask.empty() || (grid.mask[unknown] != 0 && grid.mask[next] != 0));
+      const double scale = inside ? axis_scale(grid, a, 1) : 0;
+      result->add_row({unknown, inside ? next : unknown, unknown}, {-scale, scale, 0});
+    }
+  });
+  return result;
+}
+
+double penalty_unit(const LinearOperator& a, std::span<const double> weights,
+                    const LinearOperator& penalty) {
+  const double below = penalty.squared_norm({});
+  if (!(below > 0))
+    throw InputError(
+        "the penalty has no rows: every strength is 0, or the grid has one sample only");
+  return a.squared_norm(weights) / below;
+}
+
+}  // namespace plenoflame

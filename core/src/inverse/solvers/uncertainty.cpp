@@ -1,0 +1,198 @@
+#include "plenoflame/inverse/uncertainty.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "inverse/operators/stacked_operator.h"
+#include "inverse/solvers/iteration.h"
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+SolverOptions options_of(const ProbeAccuracy& accuracy) {
+  SolverOptions options;
+  options.iterations = accuracy.iterations;
+  options.relative_change = accuracy.relative_change;
+  return options;
+}
+
+void check(const LinearProblem& problem, const Regularisation& regularisation) {
+  check_problem(problem);
+  check_regularisation(regularisation, problem.a->columns());
+}
+
+/// N^-1 A^T W c for data c that are weighted already: c / W as data of the problem.
+std::vector<double> pull_back(const LinearProblem& problem, const Regularisation& regularisation,
+                              std::span<const double> c, const ProbeAccuracy& accuracy,
+                              const Execution& execution) {
+  std::vector<double> b(c.begin(), c.end());
+  for (std::size_t i = 0; i < problem.weights.size(); ++i)
+    b[i] = problem.weights[i] > 0 ? b[i] / problem.weights[i] : 0;
+  const Regularisation without_prior{regularisation.penalty, regularisation.strength};
+  return solve_cgls({problem.a, b, problem.weights}, without_prior, options_of(accuracy), execution)
+      .x;
+}
+
+std::vector<double> weighted_model(const LinearProblem& problem, std::span<const double> x) {
+  std::vector<double> y = *problem.a * x;
+  scale_by(problem.weights, y);
+  return y;
+}
+
+}  // namespace
+
+Uncertainty estimate_uncertainty(const LinearProblem& problem, const Regularisation& regularisation,
+                                 int probes, std::uint64_t seed, const Execution& execution,
+                                 const ProbeAccuracy& accuracy) {
+  check(problem, regularisation);
+  if (probes < 1) throw UsageError("the uncertainty wants at least one probe");
+  const std::size_t columns = problem.a->columns();
+  const Execution inner = [&] {
+    Execution e = execution;
+    e.progress = nullptr;
+    return e;
+  }();
+  Uncertainty result;
+  result.resolved.assign(columns, 0.0);
+  result.deviation.assign(accuracy.deviations ? columns : 0, 0.0);
+  SignSequence signs(seed + 1);
+  std::vector<double> z(columns), c(problem.a->rows());
+  for (int probe = 0; probe < probes; ++probe) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    for (double& value : z) value = signs.next();
+    // z * (R z) has the mean diag(R) over random signs.
+    const std::vector<double> r =
+        pull_back(problem, regularisation, weighted_model(problem, z), accuracy, inner);
+    for (std::size_t j = 0; j < columns; ++j) result.resolved[j] += z[j] * r[j] / probes;
+    if (accuracy.deviations) {
+      // Noise of unit variance, pulled back: the variance of each unknown is that of its square.
+      for (double& value : c) value = signs.next();
+      const std::vector<double> v = pull_back(problem, regularisation, c, accuracy, inner);
+      for (std::size_t j = 0; j < columns; ++j) result.deviation[j] += v[j] * v[j] / probes;
+    }
+    if (execution.progress) {
+      Progress progress;
+      progress.fraction = static_cast<double>(probe + 1) / probes;
+      execution.progress(progress);
+    }
+  }
+  for (double& value : result.deviation) value = std::sqrt(value);
+  for (const double value : result.resolved) result.resolved_unknowns += value;
+  return result;
+}
+
+Uncertainty exact_uncertainty(const LinearProblem& problem, const Regularisation& regularisation) {
+  check(problem, regularisation);
+  const std::size_t columns = problem.a->columns();
+  if (columns > kMostDense)
+    throw UsageError("exact uncertainties are for at most " + std::to_string(kMostDense) +
+                     " unknowns; there are " + std::to_string(columns) + ": take probes");
+  const auto n = static_cast<Eigen::Index>(columns);
+  Eigen::MatrixXd data = Eigen::MatrixXd::Zero(n, n), normal(n, n);
+  std::vector<double> unit(columns, 0.0);
+  const StackedOperator a(problem, {}), stacked(problem, regularisation);
+  const auto column = [&](const LinearOperator& k) {
+    const std::vector<double> y = transposed_times(k, k * unit);
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(y.data(), n));
+  };
+  for (Eigen::Index j = 0; j < n; ++j) {
+    unit[static_cast<std::size_t>(j)] = 1;
+    data.col(j) = column(a);
+    normal.col(j) = regularisation.penalty ? column(stacked) : data.col(j);
+    unit[static_cast<std::size_t>(j)] = 0;
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> inverse(normal);
+  const Eigen::MatrixXd resolution = inverse.solve(data);
+  const Eigen::MatrixXd covariance = inverse.solve(resolution.transpose());
+  Uncertainty result;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    result.resolved.push_back(resolution(j, j));
+    result.deviation.push_back(std::sqrt(std::max(0.0, covariance(j, j))));
+  }
+  result.resolved_unknowns = resolution.trace();
+  return result;
+}
+
+std::vector<double> point_spread(const LinearProblem& problem, const Regularisation& regularisation,
+                                 std::size_t unknown, const Execution& execution,
+                                 const ProbeAccuracy& accuracy) {
+  check(problem, regularisation);
+  std::vector<double> unit(problem.a->columns(), 0.0);
+  if (unknown >= unit.size())
+    throw UsageError("there is no unknown " + std::to_string(unknown) + " among " +
+                     std::to_string(unit.size()));
+  unit[unknown] = 1;
+  return pull_back(problem, regularisation, weighted_model(problem, unit), accuracy, execution);
+}
+
+std::array<double, 3> half_widths(std::span<const double> values, const std::array<int, 3>& shape,
+                                  const std::array<double, 3>& spacing, std::size_t unknown) {
+  const auto n1 = static_cast<std::size_t>(shape[1]), n2 = static_cast<std::size_t>(shape[2]);
+  const std::array<std::size_t, 3> stride{n1 * n2, n2, 1};
+  const std::array<std::size_t, 3> at{unknown / (n1 * n2), unknown / n2 % n1, unknown % n2};
+  const double half = 0.5 * values[unknown];
+  std::array<double, 3> widths{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (shape[a] < 2) continue;
+    const auto reach = [&](bool up) {
+      const std::size_t steps = up ? static_cast<std::size_t>(shape[a]) - 1 - at[a] : at[a];
+      for (std::size_t k = 1; k <= steps; ++k) {
+        const auto value = [&](std::size_t n) {
+          return values[up ? unknown + n * stride[a] : unknown - n * stride[a]];
+        };
+        if (!(value(k) < half)) continue;
+        const double before = value(k - 1);
+        return static_cast<double>(k - 1) + (before - half) / (before - value(k));
+      }
+      return std::numeric_limits<double>::infinity();
+    };
+    widths[a] = (reach(true) + reach(false)) * spacing[a];
+  }
+  return widths;
+}
+
+Bootstrap bootstrap(std::span<const double> model, std::span<const double> weights, int draws,
+                    std::uint64_t seed,
+                    const std::function<std::vector<double>(std::span<const double>)>& solve,
+                    const Execution& execution) {
+  if (draws < 2) throw UsageError("a bootstrap wants at least two draws");
+  std::mt19937_64 random(seed);
+  // Box and Muller: std::normal_distribution is not the same everywhere.
+  const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
+  const auto normal = [&] {
+    return std::sqrt(-2 * std::log(uniform())) * std::cos(6.283185307179586 * uniform());
+  };
+  Bootstrap result;
+  std::vector<double> squares, b(model.size());
+  for (int draw = 0; draw < draws; ++draw) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      const double w = weights.empty() ? 1 : weights[i];
+      b[i] = model[i] + (w > 0 ? normal() / w : 0);
+    }
+    const std::vector<double> x = solve(b);
+    if (result.mean.empty()) {
+      result.mean.assign(x.size(), 0.0);
+      squares.assign(x.size(), 0.0);
+    }
+    // Welford's update.
+    for (std::size_t j = 0; j < x.size(); ++j) {
+      const double difference = x[j] - result.mean[j];
+      result.mean[j] += difference / (draw + 1);
+      squares[j] += difference * (x[j] - result.mean[j]);
+    }
+    if (execution.progress) {
+      Progress progress;
+      progress.fraction = static_cast<double>(draw + 1) / draws;
+      execution.progress(progress);
+    }
+  }
+  for (const double square : squares) result.deviation.push_back(std::sqrt(square / (draws - 1)));
+  return result;
+}
+
+}  // namespace plenoflame

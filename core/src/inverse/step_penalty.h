@@ -1,0 +1,35 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "plenoflame/inverse/linear_operator.h"
+
+namespace plenoflame {
+
+/// The penalty for steps of the free unknowns. Held ones do not move, but their distance from the
+/// prior counts in differences to free ones: only the transpose leaves them out.
+class StepPenalty final : public LinearOperator {
+ public:
+  StepPenalty(const LinearOperator& penalty, const std::vector<char>& free)
+      : penalty_(penalty), free_(free) {}
+  std::size_t rows() const override { return penalty_.rows(); }
+  std::size_t columns() const override { return penalty_.columns(); }
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    penalty_.apply(x, y);
+  }
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    penalty_.apply_transpose(y, x);
+    for (std::size_t n = 0; n < x.size(); ++n)
+      if (!free_[n]) x[n] = 0;
+  }
+  double squared_norm(std::span<const double> weights) const override {
+    return penalty_.squared_norm(weights);
+  }
+
+ private:
+  const LinearOperator& penalty_;
+  const std::vector<char>& free_;
+};
+
+}  // namespace plenoflame

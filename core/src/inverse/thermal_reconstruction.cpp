@@ -1,0 +1,507 @@
+#include "plenoflame/inverse/thermal_reconstruction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "inverse/operators/scaled_problem.h"
+#include "inverse/operators/vector_sums.h"
+#include "inverse/step_penalty.h"
+#include "inverse/thermal_start.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/flame_estimate.h"
+#include "plenoflame/inverse/gauss_newton.h"
+#include "plenoflame/inverse/penalty.h"
+#include "plenoflame/inverse/thermal_model.h"
+
+namespace plenoflame {
+namespace {
+
+/// Share of the work that the start is, for progress.
+constexpr double kStartShare = 0.4;
+constexpr StrengthRange kRange{1e-3, 100, 6, 0, 10, 0.003, 2, 100};
+/// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
+/// strength.
+constexpr int kLinearisations = 2, kTrialSteps = 4;
+constexpr double kTrialChange = 1e-3, kFirstStrength = 1;
+constexpr int kTrialIterations = 200;
+constexpr double kTrialAccuracy = 1e-5;
+
+/// A model's derivative with regard to scaled variables, stored where memory suffices.
+class ScaledDerivative final : public LinearOperator {
+ public:
+  ScaledDerivative(const ThermalModel& model, std::span<const double> x,
+                   const std::vector<double>& scale, double memory, const Execution& execution) {
+    if (8.0 * static_cast<double>(estimated_entries(model, x)) <= memory) {
+      matrix_ = make_thermal_matrix(model, x, execution);
+      plain_ = make_csr_operator(matrix_, execution);
+    } else {
+      plain_ = make_thermal_derivative(model, x, execution);
+    }
+    scaled_ = std::make_unique<ScaledColumns>(*plain_, scale);
+  }
+  std::size_t rows() const override { return scaled_->rows(); }
+  std::size_t columns() const override { return scaled_->columns(); }
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    scaled_->apply(x, y);
+  }
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    scaled_->apply_transpose(y, x);
+  }
+
+ private:
+  CsrMatrix<float> matrix_;
+  std::unique_ptr<LinearOperator> plain_;
+  std::unique_ptr<ScaledColumns> scaled_;
+};
+
+/// Penalties on the parts of the variables, one below the other.
+class BlockPenalty final : public LinearOperator {
+ public:
+  void add(std::unique_ptr<LinearOperator> penalty, double factor) {
+    blocks_.push_back({std::move(penalty), factor});
+  }
+  std::size_t rows() const override {
+    std::size_t sum = 0;
+    for (const Block& block : blocks_) sum += block.penalty->rows();
+    return sum;
+  }
+  std::size_t columns() const override {
+    std::size_t sum = 0;
+    for (const Block& block : blocks_) sum += block.penalty->columns();
+    return sum;
+  }
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    for (const Block& block : blocks_) {
+      const auto part = y.first(block.penalty->rows());
+      block.penalty->apply(x.first(block.penalty->columns()), part);
+      for (double& value : part) value *= block.factor;
+      x = x.subspan(block.penalty->columns());
+      y = y.subspan(part.size());
+    }
+  }
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    for (const Block& block : blocks_) {
+      const auto part = x.first(block.penalty->columns());
+      block.penalty->apply_transpose(y.first(block.penalty->rows()), part);
+      for (double& value : part) value *= block.factor;
+      y = y.subspan(block.penalty->rows());
+      x = x.subspan(part.size());
+    }
+  }
+  double squared_norm(std::span<const double> weights) const override {
+    double sum = 0;
+    for (const Block& block : blocks_) {
+      const auto own = weights.empty() ? weights : weights.first(block.penalty->rows());
+      sum += block.factor * block.factor * block.penalty->squared_norm(own);
+      if (!weights.empty()) weights = weights.subspan(block.penalty->rows());
+    }
+    return sum;
+  }
+
+ private:
+  struct Block {
+    std::unique_ptr<LinearOperator> penalty;
+    double factor;
+  };
+  std::vector<Block> blocks_;
+};
+
+class ThermalSolver {
+ public:
+  ThermalSolver(const ThermalInput& input, const ThermalSettings& settings,
+                const Execution& execution)
+      : input_(input), settings_(settings), execution_(execution) {
+    inner_.threads = execution.threads;
+    inner_.stop = execution.stop;
+  }
+
+  ThermalReconstruction solve() {
+    ThermalStart start = thermal_start(input_, settings_, kStartShare, execution_);
+    if (!start.complete) return stopped(std::move(start));
+    set_up_data(start);
+    set_up_variables(start);
+    result_.figures.matrix_bytes =
+        8.0 * static_cast<double>(estimated_entries(model_, physical(x_)));
+    result_.figures.stored = result_.figures.matrix_bytes <= settings_.linear.memory;
+    try {
+      const auto derivative = derivative_at(x_);
+      set_up_penalty(*derivative, start);
+      unit_strength_ = penalty_unit(*derivative, weights_, penalty_);
+      choose_and_solve();
+    } catch (const Cancelled&) {
+      result_.figures.complete = false;  // x_ is kept
+    }
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  /// What a linear reconstruction had reached.
+  ThermalReconstruction stopped(ThermalStart start) const {
+    ThermalReconstruction result;
+    Reconstruction& figures = result.figures = std::move(start.reached);
+    figures.complete = false;
+    figures.reason = StopReason::stopped;
+    figures.resolved_unknowns = -1;
+    figures.strength = settings_.linear.strength;  // none is chosen: that was the linear problem's
+    result.estimate = estimate_flame(figures, input_.absorption, input_.channels[0].source);
+    return result;
+  }
+
+  std::size_t unknowns() const { return input_.unknowns->size(); }
+  bool thick() const { return input_.absorption.empty(); }
+
+  void set_up_data(const ThermalStart& start) {
+    Reconstruction& figures = result_.figures;
+    for (const ThermalPictures& pictures : input_.channels) {
+      std::vector<CameraView> views = input_.views;
+      for (std::size_t v = 0; v < views.size(); ++v)
+        views[v].window = pictures.measurements[v].window;
+      CameraRaySettings how = settings_.linear.rays;
+      how.channel = pictures.channel;
+      rays_.push_back(std::make_unique<CameraRays>(
+          draw_camera_rays(views, input_.unknowns->bounds(), how, inner_)));
+      const MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
+      const std::vector<double> weights = weights_of(model_.channels.size(), measured, start);
+      b_.insert(b_.end(), measured.flux.begin(), measured.flux.end());
+      weights_.insert(weights_.end(), weights.begin(), weights.end());
+      figures.left_out += static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0.0));
+      figures.rays += rays_.back()->rays.size();
+      model_.channels.push_back({rays_.back().get(), pictures.source, pictures.absorption_ratio});
+    }
+    figures.rows = b_.size();
+    figures.rays_error = start.rays_error;
+    figures.solved = start.solved;
+    figures.model = RowModel::source;
+    if (figures.left_out == figures.rows)
+      throw InputError("every pixel that sees the grid is saturated or otherwise left out");
+    rows_ = static_cast<double>(figures.rows - figures.left_out);
+  }
+
+  /// By the light that the linear stage explained; of channels without one, by what was measured.
+  std::vector<double> weights_of(std::size_t channel, const MeasuredRows& measured,
+                                 const ThermalStart& start) const {
+    if (start.explained.empty()) return row_weights(measured, {}, {});
+    const std::vector<CameraRays::Row>& rows = rays_.back()->rows;
+    const auto& views = input_.channels[channel].measurements;
+    std::vector<double> explained = measured.flux;
+    if (channel < start.explained.size())
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto v = static_cast<std::size_t>(rows[i].view);
+        explained[i] = static_cast<double>(start.explained[channel][v].at(
+            rows[i].column - views[v].window.x, rows[i].row - views[v].window.y));
+      }
+    const double largest = *std::max_element(explained.begin(), explained.end());
+    const double scale =
+        start.rays_error.flux.empty() || !(largest > 0) ? 1 : largest / start.rays_error.largest;
+    return row_weights(measured, explained, start.rays_error.scaled(scale));
+  }
+
+  /// Variables in units in which the brightest emission changes by about its own size.
+  void set_up_variables(const ThermalStart& start) {
+    model_.unknowns = input_.unknowns;
+    model_.absorption = input_.absorption;
+    if (thick()) model_.absorbs = start.solved;
+    const SourceFunction& source = input_.channels[0].source;
+    double hottest = settings_.lowest_temperature;
+    for (std::size_t j = 0; j < unknowns(); ++j)
+      if (start.solved[j]) hottest = std::max(hottest, start.temperature[j]);
+    unit_ = source(hottest) / source_slope(source, hottest);
+    for (std::size_t j = 0; j < unknowns(); ++j) {
+      // What absorbs and is dark is cold.
+      const bool cold = !thick() && input_.absorption[j] > 0 && !start.solved[j];
+      x_.push_back((cold ? settings_.lowest_temperature : start.temperature[j]) / unit_);
+      lower_.push_back(settings_.lowest_temperature / unit_);
+      upper_.push_back((cold ? settings_.lowest_temperature : settings_.highest_temperature) /
+                       unit_);
+      scale_.push_back(unit_);
+      smooth_.push_back(!cold);
+      result_.figures.empty += start.solved[j] == 0;
+    }
+    if (!thick()) return;
+    for (std::size_t j = 0; j < unknowns(); ++j) {
+      x_.push_back(std::log(start.absorption[j]));
+      lower_.push_back(std::log(settings_.lowest_absorption));
+      upper_.push_back(std::log(settings_.highest_absorption));
+      scale_.push_back(1);
+    }
+  }
+
+  /// Each part of the variables is penalised by its share of the pictures' information.
+  void set_up_penalty(const LinearOperator& derivative, const ThermalStart& start) {
+    PenaltyGrid grid;
+    grid.shape = input_.unknowns->shape();
+    grid.spacing = input_.unknowns->spacing();
+    grid.strength = settings_.linear.penalty_axes;
+    const auto kind = settings_.linear.penalty == ReconstructionPenalty::curvature
+                          ? PenaltyKind::second_differences
+                      : settings_.linear.penalty == ReconstructionPenalty::identity
+                          ? PenaltyKind::identity
+                          : PenaltyKind::first_differences;
+    for (std::size_t part = 0; part < (thick() ? 2U : 1U); ++part) {
+      grid.mask = part == 0 ? smooth_ : start.solved;
+      std::vector<double> only(x_.size(), 0.0);
+      std::fill_n(only.begin() + static_cast<std::ptrdiff_t>(part * unknowns()), unknowns(), 1.0);
+      auto penalty = make_penalty(kind, grid);
+      const double unit = penalty_unit(ScaledColumns(derivative, only), weights_, *penalty);
+      penalty_.add(std::move(penalty), std::sqrt(unit));
+    }
+  }
+
+  std::vector<double> physical(std::span<const double> x) const {
+    std::vector<double> values(x.begin(), x.end());
+    scale_by(scale_, values);
+    return values;
+  }
+  /// J, also after a stop if it is `kept` for what was reached.
+  std::unique_ptr<LinearOperator> derivative_at(std::span<const double> x,
+                                                bool kept = false) const {
+    return std::make_unique<ScaledDerivative>(model_, physical(x), scale_, settings_.linear.memory,
+                                              kept ? execution_.threads_only() : inner_);
+  }
+
+  /// @param done, share the part of the whole that is done, and that these steps are
+  Solution steps(double strength, const std::vector<double>& start, int count, double change,
+                 double done, double share, bool choosing) const {
+    NonlinearProblem problem;
+    problem.model = [this](std::span<const double> x) {
+      return thermal_fluxes(model_, physical(x), inner_);
+    };
+    problem.derivative = [this](std::span<const double> x) { return derivative_at(x); };
+    problem.b = b_;
+    problem.weights = weights_;
+    problem.lower = lower_;
+    problem.upper = upper_;
+    SolverOptions options;
+    options.iterations = count;
+    options.relative_change = change;
+    options.start = start;
+    options.watch = [&, this](int step, double misfit, std::span<const double> x) {
+      if (settings_.linear.watch)
+        settings_.linear.watch({std::span<const double>(physical(x)).first(unknowns()), true,
+                                choosing, misfit / rows_});
+      if (!execution_.progress) return;
+      Progress progress;
+      progress.fraction = done + share * std::min(1.0, step / static_cast<double>(count));
+      progress.relative_error = std::sqrt(misfit / rows_);
+      execution_.progress(progress);
+    };
+    return solve_gauss_newton(problem, {&penalty_, strength}, options, inner_);
+  }
+
+  /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
+  /// them, would follow all rays again and again.
+  StrengthChoice choose_linearised(const LinearOperator& derivative) const {
+    const std::size_t n = x_.size();
+    std::vector<char> free(n);
+    std::vector<double> mask(n), prior(n), residual = thermal_fluxes(model_, physical(x_), inner_);
+    for (std::size_t j = 0; j < n; ++j) {
+      free[j] = x_[j] > lower_[j] && x_[j] < upper_[j];
+      mask[j] = free[j] ? 1 : 0;
+      prior[j] = -x_[j];
+    }
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = b_[i] - residual[i];
+    const ScaledColumns moving(derivative, mask);
+    const StepPenalty penalty(penalty_, free);
+    StrengthRange range = kRange;
+    range.expected_misfit = rows_ * (1 + 2 * std::sqrt(2 / rows_));
+    SolverOptions options;
+    options.iterations = kTrialIterations;
+    options.relative_change = kTrialAccuracy;
+    StrengthChoice choice = choose_strength(
+        {&moving, residual, weights_}, penalty, settings_.linear.rule, range,
+        [&](double strength, const std::vector<double>& before) {
+          options.start = before;
+          return solve_cgls({&moving, residual, weights_}, {&penalty, strength, prior}, options,
+                            inner_);
+        },
+        inner_);
+    // In units of the strength that is given by hand.
+    const double unit = penalty_unit(moving, weights_, penalty) / unit_strength_;
+    choice.strength *= unit;
+    for (StrengthPoint& point : choice.curve) point.strength *= unit;
+    return choice;
+  }
+
+  void choose_and_solve() {
+    Reconstruction& figures = result_.figures;
+    double done = kStartShare, strength = settings_.linear.strength;
+    if (settings_.linear.penalty == ReconstructionPenalty::none) {
+      strength = 0;
+    } else if (strength < 0) {
+      figures.strength = -1;  // where a stop comes before one is chosen
+      strength = kFirstStrength;
+      for (int k = 0; k < kLinearisations; ++k) {
+        x_ = steps(strength * unit_strength_, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
+        done += 0.15;
+        const StrengthChoice choice = choose_linearised(*derivative_at(x_));
+        if (inner_.stop.stop_requested()) return;
+        strength = choice.strength;
+        figures.strength_at_end = choice.at_end;
+        figures.explained_by_noise = choice.reached;
+        figures.trials.clear();
+        for (const StrengthPoint& point : choice.curve)
+          figures.trials.push_back(
+              {point.strength, point.misfit / rows_, point.penalty, point.gcv});
+      }
+    }
+    figures.strength = strength;
+    strength_ = strength * unit_strength_;
+    const Solution solution = steps(strength_, x_, settings_.steps, 1e-5, done, 1 - done, false);
+    x_ = solution.x;
+    figures.reason = solution.reason;
+    for (const SolverStep& step : solution.history) figures.history.push_back(step.misfit / rows_);
+  }
+
+  void finish() {
+    Reconstruction& figures = result_.figures;
+    figures.complete = figures.complete && !execution_.stop.stop_requested();
+    if (!figures.complete) figures.reason = StopReason::stopped;
+    FlameEstimate& estimate = result_.estimate;
+    const std::vector<double> values = physical(x_);
+    const std::size_t n = unknowns();
+    const SourceFunction& source = input_.channels[0].source;
+    estimate.temperature.assign(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n));
+    estimate.absorption = input_.absorption;
+    if (thick()) {
+      estimate.absorption.assign(n, 0.0);
+      for (std::size_t j = 0; j < n; ++j)
+        if (model_.absorbs[j]) estimate.absorption[j] = std::exp(values[n + j]);
+    }
+    for (std::size_t j = 0; j < n; ++j)
+      estimate.emission.push_back(estimate.absorption[j] * source(estimate.temperature[j]));
+    const std::vector<double> explained = thermal_fluxes(model_, values, execution_.threads_only());
+    for (std::size_t i = 0; i < b_.size(); ++i)
+      if (weights_[i] > 0)
+        figures.chi_squared += std::pow(weights_[i] * (explained[i] - b_[i]), 2) / rows_;
+    add_pictures(explained);
+    const auto derivative = derivative_at(x_, true);
+    // Hotter means brighter for whatever a pixel sees.
+    const std::vector<double> brighter = transposed_times(*derivative, explained);
+    for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
+    figures.resolved_unknowns = -1;
+    if (figures.complete && settings_.linear.probes > 0) add_uncertainty(*derivative);
+  }
+
+  /// Deviations and resolution of the linearised problem (uncertainty.h says how), with the
+  /// emission's: temperature and absorption err against each other.
+  void add_uncertainty(const LinearOperator& derivative) {
+    const std::size_t n = unknowns();
+    const int probes = settings_.linear.probes;
+    SolverOptions options;
+    options.iterations = std::max(50, settings_.linear.iterations / 2);
+    options.relative_change = 1e-5;
+    std::vector<double> resolved(x_.size(), 0.0), variance(x_.size(), 0.0), emission(n, 0.0);
+    std::vector<double> z(x_.size()), noise(b_.size()), data(b_.size());
+    const SourceFunction& source = input_.channels[0].source;
+    const std::vector<double>& temperature = result_.estimate.temperature;
+    SignSequence signs(1);
+    for (int probe = 0; probe < probes; ++probe) {
+      if (execution_.stop.stop_requested()) {
+        result_.figures.complete = false;
+        return;
+      }
+      // Variables at their bounds do not move.
+      for (std::size_t j = 0; j < z.size(); ++j)
+        z[j] = x_[j] > lower_[j] && x_[j] < upper_[j] ? signs.next() : 0;
+      data = derivative * z;
+      const auto back =
+          solve_cgls({&derivative, data, weights_}, {&penalty_, strength_}, options, inner_).x;
+      for (std::size_t i = 0; i < noise.size(); ++i)
+        noise[i] = weights_[i] > 0 ? signs.next() / weights_[i] : 0;
+      const auto moved =
+          solve_cgls({&derivative, noise, weights_}, {&penalty_, strength_}, options, inner_).x;
+      for (std::size_t j = 0; j < z.size(); ++j) {
+        resolved[j] += z[j] * back[j] / probes;
+        variance[j] += moved[j] * moved[j] / probes;
+      }
+      for (std::size_t j = 0; j < n; ++j) {
+        const double relative = moved[j] * unit_ * source_slope(source, temperature[j]) /
+                                    std::max(source(temperature[j]), 1e-300) +
+                                (thick() ? moved[n + j] : 0);
+        emission[j] += relative * relative / probes;
+      }
+    }
+    FlameEstimate& estimate = result_.estimate;
+    double sum = 0;
+    for (const double value : resolved) sum += value;
+    result_.figures.resolved_unknowns = sum;
+    for (std::size_t j = 0; j < n; ++j) {
+      const bool moves = x_[j] > lower_[j] && x_[j] < upper_[j];
+      estimate.temperature_deviation.push_back(moves ? unit_ * std::sqrt(variance[j]) : 0);
+      estimate.emission_deviation.push_back(estimate.emission[j] * std::sqrt(emission[j]));
+      result_.resolved_temperature.push_back(std::clamp(resolved[j], 0.0, 1.0));
+      if (!thick()) continue;
+      estimate.absorption_deviation.push_back(estimate.absorption[j] * std::sqrt(variance[n + j]));
+      result_.resolved_absorption.push_back(std::clamp(resolved[n + j], 0.0, 1.0));
+    }
+  }
+
+  void add_pictures(const std::vector<double>& explained) {
+    std::size_t i = 0;
+    for (std::size_t c = 0; c < input_.channels.size(); ++c) {
+      const std::size_t first = result_.figures.explained.size();
+      for (const Measurement& m : input_.channels[c].measurements) {
+        result_.figures.explained.emplace_back(m.window.width, m.window.height);
+        result_.figures.residual.emplace_back(m.window.width, m.window.height);
+      }
+      for (const CameraRays::Row& row : rays_[c]->rows) {
+        const auto v = static_cast<std::size_t>(row.view);
+        const PixelWindow& window = input_.channels[c].measurements[v].window;
+        const int column = row.column - window.x, line = row.row - window.y;
+        result_.figures.explained[first + v].at(column, line) = static_cast<float>(explained[i]);
+        if (weights_[i] > 0)
+          result_.figures.residual[first + v].at(column, line) =
+              static_cast<float>(b_[i] - explained[i]);
+        ++i;
+      }
+    }
+  }
+
+  const ThermalInput& input_;
+  const ThermalSettings& settings_;
+  const Execution& execution_;
+  Execution inner_;
+  std::vector<std::unique_ptr<CameraRays>> rays_;
+  ThermalModel model_;
+  std::vector<double> b_, weights_;
+  std::vector<double> x_, lower_, upper_, scale_;  // variables in their units
+  std::vector<char> smooth_;                       // temperatures that take part in the penalty
+  double unit_ = 1, rows_ = 0, strength_ = 0, unit_strength_ = 1;
+  BlockPenalty penalty_;
+  ThermalReconstruction result_;
+};
+
+}  // namespace
+
+ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
+                                          const ThermalSettings& settings,
+                                          const Execution& execution) {
+  if (input.channels.empty() || input.views.empty())
+    throw UsageError("a reconstruction needs one picture for each camera and channel");
+  for (const ThermalPictures& pictures : input.channels)
+    if (pictures.measurements.size() != input.views.size())
+      throw UsageError("a reconstruction needs one picture for each camera and channel");
+  for (const CameraView& view : input.views)
+    if (!view.scene->camera.pupil_filters().empty())
+      throw InputError(
+          "camera.pupil_filters give each part of the stop a source function of its own, which "
+          "solving for temperatures does not know: solve for the emission (--find emission)");
+  if (input.absorption.empty() && input.channels.size() < 2)
+    throw UsageError(
+        "one channel knows the emission only: give the absorption, or a second channel");
+  const std::size_t n = input.unknowns->size();
+  for (const auto* known : {&input.absorption, &input.start_temperature, &input.start_absorption})
+    if (!known->empty() && known->size() != n)
+      throw InputError("a known field has " + std::to_string(known->size()) + " values for " +
+                       std::to_string(n) + " unknowns");
+  if (!input.start_temperature.empty() && input.absorption.empty() &&
+      input.start_absorption.empty())
+    throw UsageError("a start needs temperatures and absorptions");
+  return ThermalSolver(input, settings, execution).solve();
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,28 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/image/image.h"
+#include "plenoflame/inverse/row_noise.h"
+#include "plenoflame/inverse/thermal_reconstruction.h"
+
+namespace plenoflame {
+
+/// Temperatures and absorptions that Gauss and Newton begin with.
+struct ThermalStart {
+  std::vector<double> temperature, absorption;
+  std::vector<char> solved;  ///< 0: known to be empty
+  RayError rays_error;       ///< of the first channel's rows
+  /// Of the first channels, as far as they were looked at: per view, at the first pixel of each
+  /// row.
+  std::vector<std::vector<Image>> explained = {};
+  Reconstruction reached = {};  ///< where a stop came before the end of the linear reconstructions
+  bool complete = true;
+};
+
+/// By linear reconstructions, or what the input says. A stop leaves what the first one had reached.
+/// @param share of the whole work that it is, for progress @throws InputError and Cancelled as
+///        reconstruct()
+ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& settings, double share,
+                           const Execution& execution);
+
+}  // namespace plenoflame

@@ -1,0 +1,337 @@
+#include "render/estimators/backward.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "base/isa_dispatch.h"
+#include "plenoflame/base/error.h"
+#include "render/estimators/run_control.h"
+#include "render/transport/channel_sum.h"
+#include "render/transport/picture_tracer.h"
+#include "render/transport/scene_medium.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr int kLevels = 7;  ///< of fewer points, each half of the one before
+/// The same where others go on with the sequences: every part must have points on every level.
+constexpr int kPartLevels = 5;
+constexpr int kLeastPoints = 1;    ///< of a replicate on the last level
+constexpr int kPartEntries = 256;  ///< of a pool whose sequences others go on with
+
+Execution alone() {
+  Execution execution;
+  execution.threads = 1;
+  return execution;
+}
+
+/// How far from its microlens' centre any micro-image reaches [m].
+double micro_image_reach(const PupilSampling& pupils) {
+  double reach = 0;
+  for (const PupilTable& table : pupils.tables())
+    for (const PupilNode& node : table.nodes)
+      if (!node.dark()) reach = std::max(reach, std::fabs(node.centre) + node.outer_radius);
+  return reach;
+}
+
+/// How far, at most, a tilt moves the places of microlenses over the sensor [m].
+double shift_by_tilt(const Camera& camera) {
+  const double corner = camera.spec().sensor.corner();
+  const double tilt = length(camera.spec().array.tilt);
+  return 1.5 * tilt * (tilt * corner + camera.array_front() - camera.sensor());
+}
+
+std::shared_ptr<const SobolPools> make_pools(const RenderSettings& settings,
+                                             const PointRange& range,
+                                             const Execution& execution = alone()) {
+  const std::uint32_t first = range.first;
+  const int points = range.points;
+  const bool part = range.part;
+  int levels = 1;
+  while (levels < (part ? kPartLevels : kLevels) && points >> levels >= kLeastPoints) ++levels;
+  std::vector<std::optional<SobolPool>> made(static_cast<std::size_t>(levels));
+  parallel_for(execution, made.size(), [&](std::size_t level, int) {
+    made[level].emplace(settings.replicates, points >> level, first >> level,
+                        mix64(settings.seed + level), 0, part ? kPartEntries : 0);
+  });
+  auto pools = std::make_shared<SobolPools>();
+  for (auto& pool : made) pools->push_back(std::move(*pool));
+  return pools;
+}
+
+template <class Real>
+BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
+                             const RenderSettings& settings, const PointRange& range,
+                             std::shared_ptr<const SobolPools> pools, const SurfaceLightPlan* light,
+                             const ScatterPlan* scatter) {
+  const std::uint32_t first = range.first;
+  BackwardPlan<Real> plan;
+  plan.scene = &scene;
+  plan.medium = &medium;
+  plan.settings = &settings;
+  plan.scatter = scatter;
+  plan.first = first;
+  plan.kernels = backward_kernels<Real>(settings.isa);
+  plan.optics = camera_kernels<Real>(settings.isa);
+  const Camera& camera = scene.camera;
+  const Box box = medium.bounds();
+  plan.anchor = 0.5 * (box.lower + box.upper);
+  const Vec3 anchor = camera.to_world().inverse().point(plan.anchor);
+  plan.camera = kernel_camera<Real>(camera, anchor, camera.to_world());
+  plan.microlenses = kernel_microlenses<Real>(camera);
+  if (const auto& between = scene.pupils.between()) {
+    plan.between_type = static_cast<int>(plan.microlenses.size());
+    plan.microlenses.push_back(kernel_microlenses<Real>(between->camera).front());
+    plan.between_z = static_cast<Real>(between->camera.aim_plane(0) - camera.array_front());
+  }
+  plan.pools_of_range = std::move(pools);
+  for (std::size_t level = 0; level < plan.pools().size(); ++level) {
+    const SobolPool& pool = plan.pools()[level];
+    plan.levels.push_back(
+        {&pool, static_cast<int>(level),
+         static_cast<double>(plan.pools().front().points()) / static_cast<double>(pool.points()),
+         log2_points_of(pool.points())});
+  }
+  const Vec2 pixel = camera.spec().sensor.pixel();
+  if (camera.has_array())
+    for (const PupilTable& table : scene.pupils.tables())
+      plan.worths.emplace_back(table, 0.5 * std::max(pixel.x, pixel.y));
+  if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
+  if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
+  if (light)
+    plan.surfaces =
+        std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools(), plan.anchor);
+  return plan;
+}
+
+/// What one thread traces with: the tracer of a range, until jobs of another one come.
+template <class Real>
+class Tracer {
+ public:
+  explicit Tracer(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
+      : plans_(plans) {}
+
+  PictureTracer<Real>& of(std::size_t range, Film& film) {
+    if (!current_ || range != range_) {
+      if (current_) counters_ += current_->counters();
+      current_ = std::make_unique<PictureTracer<Real>>(*plans_[range], film);
+      range_ = range;
+    }
+    return *current_;
+  }
+  WorkCounters counters() const {
+    WorkCounters all = counters_;
+    if (current_) all += current_->counters();
+    return all;
+  }
+
+ private:
+  const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans_;
+  std::unique_ptr<PictureTracer<Real>> current_;
+  std::size_t range_ = 0;
+  WorkCounters counters_;  ///< of those before
+};
+
+template <class Real>
+bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans,
+               const std::vector<PointRange>& ranges, const std::vector<TileJob>& jobs,
+               const Execution& execution, Film& film, RenderStatistics& statistics,
+               const TileDone& tile_done) {
+  const int workers = execution.thread_count();
+  const std::size_t paths = plans.size() / std::max<std::size_t>(ranges.size(), 1);
+  std::vector<Tracer<Real>> tracers;
+  for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
+  std::vector<std::vector<double>> memory(static_cast<std::size_t>(workers));  // of tiles' sums
+  const auto start = std::chrono::steady_clock::now();
+  std::mutex mutex;
+  std::size_t done = 0;
+  const bool complete = parallel_for(execution, jobs.size(), [&](std::size_t index, int worker) {
+    const TileJob job = jobs[index];
+    double new_rays = 0;
+    if (film.allows_finishing())
+      film.lend(job.tile, std::move(memory[static_cast<std::size_t>(worker)]));
+    for (std::size_t path = 0; path < paths; ++path) {
+      PictureTracer<Real>& tracer =
+          tracers[static_cast<std::size_t>(worker)].of(job.range * paths + path, film);
+      new_rays -= tracer.rays();
+      tracer.render(job.tile);
+      new_rays += tracer.rays();
+    }
+    film.add_samples(job.tile, ranges[job.range].points);
+    if (film.allows_finishing()) memory[static_cast<std::size_t>(worker)] = film.finish(job.tile);
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (tile_done) tile_done(job, new_rays);
+  });
+  WorkCounters work;
+  for (const auto& tracer : tracers) work += tracer.counters();
+  work.tiles = static_cast<double>(done);
+  const StageSeconds& stages = work.stages;
+  work.stages.generate = std::max(
+      0.0, seconds_since(start) * workers - stages.optics - stages.medium - stages.surfaces);
+  statistics += work;
+  return complete;
+}
+
+}  // namespace
+
+template <class Real>
+BackwardKernels<Real> backward_kernels(Isa isa) {
+  PLENOFLAME_DISPATCH(isa, return {kernels::generate, kernels::multiply, kernels::add_neighbours,
+                                   kernels::sum, kernels::set_up_rows, kernels::cull_pixels};)
+}
+template BackwardKernels<float> backward_kernels<float>(Isa);
+template BackwardKernels<double> backward_kernels<double>(Isa);
+
+template <class Real>
+BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
+                                  const RenderSettings& settings, const PointRange& range,
+                                  const SurfaceLightPlan* light, const ScatterPlan* scatter,
+                                  std::shared_ptr<const SobolPools> pools) {
+  if (!pools) pools = make_pools(settings, range);
+  return make_plan<Real>(scene, medium, settings, range, std::move(pools), light, scatter);
+}
+template BackwardPlan<float> make_pass_plan<float>(const CompiledScene&, const Medium&,
+                                                   const RenderSettings&, const PointRange&,
+                                                   const SurfaceLightPlan*, const ScatterPlan*,
+                                                   std::shared_ptr<const SobolPools>);
+template BackwardPlan<double> make_pass_plan<double>(const CompiledScene&, const Medium&,
+                                                     const RenderSettings&, const PointRange&,
+                                                     const SurfaceLightPlan*, const ScatterPlan*,
+                                                     std::shared_ptr<const SobolPools>);
+
+void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
+                  const PixelWindow& window, RenderStatistics& statistics) {
+  const Camera& camera = scene.camera;
+  if (!camera.has_array()) return;
+  // Lenses of the first path stand for those of all: colours move beams by less than their margins.
+  const SceneBeams* const beams = shared.paths.front().beams.get();
+  const double reach = micro_image_reach(scene.pupils);
+  const Vec2 margin{reach, reach};
+  const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
+  const Vec2 b = camera.sensor_point(window.x, window.y);
+  for (const LensIndex lens : camera.lattice().within(a - margin, b + margin)) {
+    statistics.lenses += 1;
+    if (beams && !beams->lenses().may_meet(camera.lattice().type(lens), camera.lens_place(lens)))
+      statistics.lenses_skipped += 1;
+  }
+}
+
+bool single_precision_suffices(const CompiledScene& scene) {
+  const auto fine = [&](const Box& box, double feature_size) {
+    if (box.empty()) return true;
+    const double distance = length(0.5 * (box.lower + box.upper) - scene.camera.spec().position);
+    // Directions carry a few units of 6e-8: a ray wanders by 3e-7 of the distance.
+    return 3e-7 * distance < 0.02 * feature_size;
+  };
+  return (!scene.medium || fine(scene.medium->bounds(), scene.medium->feature_size())) &&
+         (!scene.surfaces || fine(scene.surfaces->bounds(), scene.surfaces->feature_size()));
+}
+
+namespace {
+
+bool in_single_precision(const CompiledScene& scene, const RenderSettings& settings) {
+  return settings.precision == Precision::single_precision ||
+         (settings.precision == Precision::automatic && single_precision_suffices(scene));
+}
+
+/// The table of radiance for a scene; nullptr where the settings refuse it or it would not pay.
+/// @param behind_windows nullptr: the medium is seen straight, or the scene's windows are others
+std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
+                                                   const RenderSettings& settings,
+                                                   const Medium* behind_windows) {
+  if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
+  // The table knows whole lines, which surfaces cut; and windows bend, but for those of a medium
+  // that knows them.
+  if (!scene.medium || scene.surfaces || (scene.windows && !behind_windows) ||
+      !scene.lights.environment.empty())
+    return nullptr;
+  if (!scene.part_mixes.empty()) return nullptr;  // nor does it know where they cross the stop
+  if (!scene.scatterers.empty()) return nullptr;  // walks take far longer than it could save
+  const Box box = scene.medium->bounds();
+  MediumOptions options;
+  options.isa = settings.isa;
+  options.skip = settings.skip;
+  const Vec3 anchor = 0.5 * (box.lower + box.upper);
+  const Medium& medium = behind_windows ? *behind_windows : *scene.medium;
+  if (scene.mix.empty()) return RadianceTable::make(scene.camera, medium, anchor, options);
+  // It holds channels, whatever stands for them.
+  auto sum = std::make_unique<ChannelSum>(medium, scene.mix);
+  std::unique_ptr<RadianceTable> table = RadianceTable::make(scene.camera, *sum, anchor, options);
+  if (table) table->keep(std::move(sum));
+  return table;
+}
+
+}  // namespace
+
+BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings& settings,
+                               const Execution& execution) {
+  for (const CompiledScene& path : scene.paths()) {
+    PathShared& shared = paths.emplace_back();
+    if (settings.skip && has_content(path)) shared.beams = SceneBeams::make(path);
+    shared.behind_windows = MediumBehindWindows::make(path);
+    shared.table = make_radiance_table(path, settings, shared.behind_windows.get());
+    shared.light = make_surface_light(path, settings, execution);
+    shared.scatter = make_scatter_plan(path, settings, execution, shared.light.get());
+  }
+}
+
+template <class Real>
+void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& settings,
+                              const BackwardShared& shared, int threads, Plans<Real>& plans) {
+  plans.resize(ranges_.size() * media_.size());
+  Execution execution;
+  execution.threads = threads;
+  // Wavelengths with ways of their own take the same numbers: caches hold them once.
+  std::vector<std::shared_ptr<const SobolPools>> pools(ranges_.size());
+  parallel_for(execution, pools.size(), [&](std::size_t r, int) {
+    pools[r] = make_pools(settings, ranges_[r], pools.size() == 1 ? execution : alone());
+  });
+  parallel_for(execution, plans.size(), [&](std::size_t i, int) {
+    const std::size_t range = i / media_.size(), p = i % media_.size();
+    const PathShared& of_path = shared.paths[p];
+    const MediumBehindWindows* const bending = of_path.behind_windows.get();
+    auto plan = std::make_unique<BackwardPlan<Real>>(
+        make_plan<Real>(scene.paths()[p], bending ? *bending : media_[p]->get(), settings,
+                        ranges_[range], pools[range], of_path.light.get(), of_path.scatter.get()));
+    plan->medium_bends = bending != nullptr;
+    if constexpr (std::is_same_v<Real, float>) plan->table = of_path.table.get();
+    plan->beams = of_path.beams.get();
+    plans[i] = std::move(plan);
+  });
+}
+
+BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
+                           std::vector<PointRange> ranges, const BackwardShared& shared,
+                           int threads)
+    : ranges_(std::move(ranges)), is_single_(in_single_precision(scene, settings)) {
+  for (const CompiledScene& path : scene.paths())
+    media_.push_back(std::make_unique<SceneMedium>(path));
+  if (is_single_)
+    make_plans(scene, settings, shared, threads, single_);
+  else
+    make_plans(scene, settings, shared, threads, double_);
+}
+
+BackwardPass::~BackwardPass() = default;
+
+bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
+                       RenderStatistics& statistics, const TileDone& tile_done) const {
+  std::vector<bool> seen(static_cast<std::size_t>(film.tile_count()));
+  for (const TileJob& job : jobs) {
+    // Two threads would add to the same sums.
+    if (seen[static_cast<std::size_t>(job.tile)])
+      throw std::logic_error("a tile comes twice in a pass");
+    seen[static_cast<std::size_t>(job.tile)] = true;
+  }
+  statistics.precision = is_single_ ? "single" : "double";
+  return is_single_ ? run_plans(single_, ranges_, jobs, execution, film, statistics, tile_done)
+                    : run_plans(double_, ranges_, jobs, execution, film, statistics, tile_done);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,13 @@
+#pragma once
+#include "plenoflame/render/render.h"
+
+namespace plenoflame {
+
+/// @throws UsageError for a window outside of the sensor, numbers of samples and replicates that
+/// cannot be, and an instruction set that the processor does not have
+void check_settings(const RenderSettings& settings, const SensorSpec& sensor);
+
+/// The window of the settings, or the whole sensor.
+PixelWindow window_of(const RenderSettings& settings, const SensorSpec& sensor);
+
+}  // namespace plenoflame

@@ -1,0 +1,39 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/film/film.h"
+#include "render/sampling/aligned_columns.h"
+#include "render/sampling/backward_plan.h"
+#include "render/sampling/traced_rays.h"
+#include "render/transport/radiance_table.h"
+
+namespace plenoflame {
+
+/// Adds weight * radiance of the rays of a block to the sums of a film's tile, each ray to its own
+/// randomisation. One per worker thread.
+template <class Real>
+class FilmSums {
+ public:
+  /// @param plan and film are kept, must live as long
+  FilmSums(const BackwardPlan<Real>& plan, Film& film);
+  void begin_tile(int index, const PixelWindow& tile);
+  /// @param radiance channel c of ray i at [c * kPaddedBlock + i]
+  void add(const TracedRays<Real>& rays, const Real* radiance);
+  /// Of sums that a table's corrections made negative: clamped, clamped_sum and total.
+  const TableCounters& table_counters() const { return table_; }
+
+ private:
+  double not_negative(double sum, double scale);
+  void sum_rays(const TracedRays<Real>& rays, const Real* radiance);
+  void add_channel(const TracedRays<Real>& rays, int channel, const Real* radiance);
+
+  const BackwardPlan<Real>& plan_;
+  Film& film_;
+  int tile_index_ = 0;
+  PixelWindow tile_;
+  /// What each ray of the block adds, and the sums of 2, 4 and 8 from each on.
+  std::vector<std::vector<Real>> sums_of_rays_;
+  TableCounters table_;
+};
+
+}  // namespace plenoflame

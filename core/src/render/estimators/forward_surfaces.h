@@ -1,0 +1,111 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "media/voxels/majorant_grid.h"
+#include "plenoflame/film/film.h"
+#include "plenoflame/render/render.h"
+#include "render/estimators/emission_proposal.h"
+#include "render/estimators/forward_chunk.h"
+#include "render/transport/medium_segments.h"
+#include "render/transport/window_aim.h"
+#include "render/visibility/aperture_cone.h"
+#include "render/visibility/endless_planes.h"
+
+namespace plenoflame {
+
+/// Bundles of a scene with surfaces, lights or media that scatter. A bundle leaves a flame, a light
+/// or a hot surface either towards the camera or to light the scene; in the latter case it is
+/// reflected by surfaces and scattered by media, and at each of these places the part that goes
+/// towards the camera's aperture is traced there.
+class SurfaceBundles : public BundleSource {
+ public:
+  static constexpr std::size_t kMostWaiting = 100'000;
+  /// @param proposal where the flames emit; nullptr: there are none, or they are dark
+  /// @param stop ends a chunk of a scene that scatters before it is done
+  /// @param most_waiting arrivals in such scenes, about, that wait for being added to the chunk
+  SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
+                 const EmissionProposal* proposal, std::stop_token stop = {},
+                 std::size_t most_waiting = kMostWaiting);
+
+  bool dark() const { return jobs_.empty(); }
+  void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override;
+
+ private:
+  enum class Origin { flame, delta_light, environment, surface };
+  /// What a bundle may do; each is as likely.
+  struct Job {
+    Origin origin;
+    int index;       ///< of the light or surface
+    bool to_camera;  ///< straight to the camera, or to light the scene
+  };
+  struct Bundle {
+    std::int64_t index = 0;
+    Ray ray;  ///< on its way
+    SurfacePart from;
+    Vec3 normal;  ///< where it leaves a surface
+    double reflectivity = 0;
+    const Scatterer* scatterer = nullptr;  ///< that it leaves; its ray still has the old direction
+    int reflections = 0;                   ///< on surfaces, so far; of scenes that scatter
+    std::size_t driver = 0;                ///< node by which media scatter and absorb it
+    bool lights_surfaces = true;
+    double weight = 0;  ///< times spectrum: flux [W], per steradian where it leaves for the camera
+    std::size_t spectrum = 0;  ///< its place in Work::spectra
+  };
+  /// A bundle that arrived on a pixel.
+  struct Arrived {
+    int column, row, replicate;
+    double weight;
+    std::size_t spectrum;
+    int pupil_part;               ///< of the stop, through which it came
+    std::size_t first_way, ways;  ///< of Work::ways: one, or as many as windows make of it
+  };
+  struct Work;
+
+  void add_jobs(const EmissionProposal* proposal);
+  bool start(std::int64_t index, const Job& job, Bundle& bundle, Work& work) const;
+  bool start_at_flame(const Job& job, Bundle& bundle, Work& work) const;
+  double line_density(const Ray& line, bool any_direction) const;
+  void start_before(Ray& line) const;
+  bool can_reflect() const;
+  bool start_at_light(const Job& job, Bundle& bundle, Work& work) const;
+  bool start_in_surroundings(const Job& job, Bundle& bundle, Work& work) const;
+  bool start_at_surface(const Job& job, Bundle& bundle, Work& work) const;
+  bool send_on(std::optional<std::size_t> plane, double u, double v, std::uint64_t block,
+               Bundle& bundle) const;
+  void reflect(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  bool scatter(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  void make_room(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  void meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
+                   ForwardChunk& chunk) const;
+  void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
+  /// @param factor share of the weight that leaves per solid angle [1/sr], but for the cosine or
+  /// phase function
+  void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
+                      Work& work, ForwardChunk& chunk) const;
+  bool find_way(const Ray& ray, const Vec3& origin, Vec3 direction, SurfacePart from,
+                double& passed, Work& work) const;
+  void deposit(Work& work, ForwardChunk& chunk) const;
+  double number(std::int64_t bundle, std::uint64_t block, std::size_t word) const;
+
+  const CompiledScene& scene_;
+  const RenderSettings& settings_;
+  const EmissionProposal* proposal_;
+  std::stop_token stop_;
+  std::size_t most_waiting_;
+  PixelWindow window_;
+  ApertureCone cone_;
+  RigidTransform to_camera_;
+  MediumOptions options_;
+  std::vector<Job> jobs_;
+  Vec3 centre_;        ///< of a sphere around everything that surroundings may light
+  double radius_ = 0;  ///< [m]
+  std::unique_ptr<EndlessPlanes> endless_;
+  std::unique_ptr<const MajorantGrid> majorants_;  ///< nullptr: nothing scatters
+  std::unique_ptr<const WindowAim> window_aim_;    ///< nullptr: there are no windows
+  double field_versine_ = 0;  ///< 1 - cos of the widest angle at which the camera looks
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,157 @@
+#include "plenoflame/render/render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "film/image_sums.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/film/reopened.h"
+#include "render/estimators/backward.h"
+#include "render/estimators/check_settings.h"
+#include "render/estimators/forward.h"
+#include "render/estimators/rounds.h"
+#include "render/estimators/run_control.h"
+#include "render/transport/scene_medium.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kTellingRays = 1e4;  ///< of fewer it says little that they find no light
+
+/// What a rendering does without, beyond what counters count.
+std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettings& settings) {
+  std::vector<std::string> list;
+  const CameraSpec& camera = scene.scene.camera;
+  const std::size_t types = camera.array.types.size(), channels = scene.scene.channels.size();
+  if (!camera.array.present)
+    list.emplace_back("the array: the camera has none");
+  else if (settings.estimator == Estimator::backward)
+    list.emplace_back(
+        "rays that the stop or a microlens would block: their directions are not sampled");
+  if (camera.array.present && types < 3)
+    list.push_back(fmt::format("lens types beyond the array's {}", types));
+  if (camera.lens.model == LensModel::ideal)
+    list.emplace_back("surfaces of the main lens: it is ideal");
+  if (!scene.medium) list.emplace_back("flames: the scene has none");
+  if (!scene.surfaces) list.emplace_back("solid surfaces: the scene has none");
+  if (channels > 1)
+    list.push_back(
+        fmt::format("rays of their own for {} channels: all share one path", channels - 1));
+  if (!settings.standard_error || settings.replicates < 2)
+    list.emplace_back("standard errors: not asked for");
+  return list;
+}
+
+}  // namespace
+
+namespace {
+
+/// Whether there are finished tiles that the settings give more samples, or ask the sums of.
+bool takes_more(const Film& film, const RenderSettings& settings) {
+  if (!film.has_finished_tiles()) return false;
+  if (!has_fixed_samples(settings) || settings.keep_sums) return true;
+  for (int t = 0; t < film.tile_count(); ++t)
+    if (film.is_finished(t) && film.tile_samples(t) < samples_per_replicate(settings)) return true;
+  return false;
+}
+
+}  // namespace
+
+bool has_fixed_samples(const RenderSettings& settings) {
+  return settings.estimator == Estimator::backward && settings.target_error <= 0 &&
+         settings.time_limit <= 0;
+}
+
+RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution) {
+  const auto start = std::chrono::steady_clock::now();
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  check_settings(settings, sensor);
+  const PixelWindow window = window_of(settings, sensor);
+  const int channels = static_cast<int>(scene.scene.channels.size());
+  const bool forward = settings.estimator == Estimator::forward;
+
+  RenderResult result;
+  RenderStatistics& statistics = result.statistics;
+  statistics.threads = execution.thread_count();
+  statistics.isa = std::string(name(settings.isa));
+  statistics.pixels = static_cast<double>(window.width) * window.height;
+  statistics.left_out = left_out(scene, settings);
+  result.film = Film(window, channels, settings.replicates);
+  Film& film = result.film;
+  if (settings.resume) {
+    if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
+        settings.resume->replicates() != settings.replicates)
+      throw UsageError("the film to go on from has another window, channels or replicates");
+    if (settings.resume->is_taken())
+      throw UsageError("the film to go on from is that of a picture that is complete");
+    film = takes_more(*settings.resume, settings) ? reopened(*settings.resume) : *settings.resume;
+    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings say whether
+  }
+  if (has_content(scene)) {
+    statistics.medium_description = scene.medium ? scene.medium->description() : "none";
+    statistics.wavelengths = scene.mix.nodes();
+    statistics.spectral_error = scene.spectral_error;
+    statistics.paths = static_cast<int>(scene.paths().size());
+    if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
+    if (forward) {
+      render_forward(scene, settings, execution, film, statistics);
+    } else {
+      render_rounds(scene, settings, execution, film, statistics);
+    }
+  } else {
+    for (int t = 0; t < film.tile_count(); ++t) film.add_samples(t, 1);
+  }
+
+  LightField& field = result.light_field;
+  field.sensor_width = sensor.columns;
+  field.sensor_height = sensor.rows;
+  field.window = window;
+  for (int c = 0; c < channels; ++c) {
+    LightFieldChannel channel;
+    channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
+    // A film that is gone on with keeps them.
+    FilmImages images =
+        statistics.complete ? film.take_images(c, execution) : film.images(c, execution);
+    channel.flux = std::move(images.flux);
+    if (settings.standard_error) channel.standard_error = std::move(images.standard_error);
+    field.channels.push_back(std::move(channel));
+  }
+  const LightFieldChannel& first = field.channels.front();
+  const ImageParts parts = film.lit_parts();
+  if (!first.standard_error.empty()) {
+    const StatedError error =
+        stated_error(first.flux, first.standard_error, settings.replicates, parts, execution);
+    statistics.relative_error = error.relative_rmse;
+    statistics.relative_error_bound = error.bound;
+  }
+  statistics.flux = sum_of(first.flux, parts, execution);
+  if (statistics.complete && !(statistics.flux > 0) && has_content(scene)) {
+    if (statistics.rays >= kTellingRays)
+      execution.warn(
+          fmt::format("the picture is black: none of {:.3g} rays found light; what is small beside "
+                      "the beams of "
+                      "pixels takes more samples, or the other estimator",
+                      statistics.rays));
+    else if (!(statistics.rays > 0) && window == window_of({}, sensor))
+      execution.warn("the picture is black: nothing of the scene is in view");
+  }
+  field.estimator = forward ? "forward" : "backward";
+  field.seed = settings.seed;
+  double samples = 0;
+  for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
+  field.samples = samples * settings.replicates;
+  field.numbers["render.replicates"] = settings.replicates;
+  // A picture that is gone on with must know them.
+  if (const std::string tiles = tile_samples_text(film); !tiles.empty())
+    field.texts[kTileSamples] = tiles;
+  field.complete = statistics.complete;
+  statistics.seconds = seconds_since(start);
+  return result;
+}
+
+}  // namespace plenoflame

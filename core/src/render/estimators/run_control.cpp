@@ -1,0 +1,29 @@
+#include "render/estimators/run_control.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <utility>
+
+namespace plenoflame {
+
+Deadline::Deadline(std::stop_token outer, double seconds)
+    : forward_(std::move(outer), [this] { source_.request_stop(); }) {
+  if (seconds <= 0) return;
+  timer_ = std::jthread([this, seconds](const std::stop_token& ended) {
+    std::unique_lock lock(mutex_);
+    std::condition_variable_any wake;
+    if (!wake.wait_for(lock, ended, std::chrono::duration<double>(seconds), [] { return false; }) &&
+        !ended.stop_requested())
+      source_.request_stop();
+  });
+}
+
+void Checkpoints::offer(const Film& film) {
+  const double interval = std::min(interval_, settings_.checkpoint_seconds);
+  if (!settings_.checkpoint || seconds_since(last_) < interval) return;
+  settings_.checkpoint(film);
+  interval_ *= 2;
+  last_ = std::chrono::steady_clock::now();
+}
+
+}  // namespace plenoflame

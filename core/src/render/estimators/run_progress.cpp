@@ -1,0 +1,105 @@
+#include "render/estimators/run_progress.h"
+
+#include <algorithm>
+
+#include "render/estimators/run_control.h"
+
+namespace plenoflame {
+namespace {
+
+/// What a stretch whose outcome is open is taken for: little, since what is found out later can
+/// make the share grow but never fall.
+constexpr double kExploredShare = 0.02;
+/// Rays that the work on a tile costs besides those of its samples, per sample: tiles that see
+/// nothing take little time, but some.
+constexpr double kTileRays = 200;
+
+}  // namespace
+
+void RunProgress::begin_stretch(double from, double to, double work) {
+  from_ = from;
+  to_ = to;
+  work_ = work;
+  work_done_ = 0;
+  stretch_start_ = Clock::now();
+}
+
+void RunProgress::foresee(double done, double left) {
+  const double known = done + left > 0 ? done / (done + left) : 0;
+  begin_stretch(std::max(fraction_, known), 1, left);
+}
+
+void RunProgress::explore(double work, double share) {
+  constexpr double kMostShare = 0.9;  // what is not known is not promised to be the end
+  begin_stretch(fraction_, std::max({fraction_, kExploredShare, std::min(share, kMostShare)}),
+                work);
+}
+
+void RunProgress::add(double work, double rays) {
+  work_done_ += work;
+  rays_ += rays;
+  const double share = work_ > 0 ? std::min(1.0, work_done_ / work_) : 1;
+  fraction_ = std::max(fraction_, from_ + (to_ - from_) * share);
+  // Nothing is known of what follows a stretch that stands for less than the rest.
+  const bool is_known = to_ == 1 && share > 0;
+  report(is_known ? seconds_since(stretch_start_) * (1 / share - 1) : -1);
+}
+
+void RunProgress::complete() {
+  fraction_ = 1;
+  time_limit_ = 0;
+  report(0);
+}
+
+void RunProgress::report(double remaining) {
+  if (!execution_.progress) return;
+  Progress progress;
+  const double elapsed = seconds_since(start_);
+  if (time_limit_ > 0) {
+    fraction_ = std::max(fraction_, std::min(1.0, elapsed / time_limit_));
+    const double limit = std::max(0.0, time_limit_ - elapsed);
+    remaining = remaining < 0 ? limit : std::min(remaining, limit);
+  }
+  progress.fraction = fraction_;
+  progress.rays = rays_;
+  progress.rays_per_second = rays_ / elapsed;
+  progress.relative_error = relative_error_;
+  progress.remaining_seconds = remaining;
+  execution_.progress(progress);
+}
+
+TileProgress::Work TileProgress::weigh(const Film& film, const std::vector<double>& samples) {
+  double all_rays = 0, all_samples = 0;
+  for (std::size_t t = 0; t < rays_.size(); ++t) {
+    all_rays += rays_[t];
+    all_samples += samples_[t];
+  }
+  const double mean = all_samples > 0 ? all_rays / all_samples : 0;
+  costs_.clear();
+  Work work;
+  for (std::size_t t = 0; t < rays_.size(); ++t) {
+    costs_.push_back(kTileRays + (samples_[t] > 0 ? rays_[t] / samples_[t] : mean));
+    const double done = film.tile_samples(static_cast<int>(t));
+    work.done += costs_[t] * done;
+    work.left += costs_[t] * std::max(0.0, samples[t] - done);
+  }
+  return work;
+}
+
+void TileProgress::foresee(const Film& film, const std::vector<double>& samples) {
+  const Work work = weigh(film, samples);
+  run_.foresee(work.done, work.left);
+}
+
+void TileProgress::explore(const Film& film, const std::vector<double>& samples) {
+  run_.explore(weigh(film, samples).left);
+}
+
+void TileProgress::add(int tile, double samples, double rays) {
+  const auto t = static_cast<std::size_t>(tile);
+  rays_[t] += rays;
+  samples_[t] += samples;
+  run_.add(costs_[t] * samples, rays);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,65 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/media/medium.h"
+#include "plenoflame/scene/compile.h"
+#include "render/transport/camera_front.h"
+#include "render/transport/window_wall_kernel.h"
+
+namespace plenoflame {
+
+/// A scene's medium as the camera sees it through windows: what it integrates are the camera's own
+/// lines, which it bends on their way. To everything else these are lines through air.
+///
+/// Possible where each ray meets the medium on one stretch of its way, behind the same walls: those
+/// of plates and wedges in front of it, and that of a tube around it. Rays that go other ways (by
+/// rims, beside a plate, along a wall) are traced one by one.
+class MediumBehindWindows : public Medium {
+ public:
+  /// @return nullptr where windows stand otherwise, or the scene has more than a medium; keeps
+  /// pointers to the scene's
+  static std::unique_ptr<const MediumBehindWindows> make(const CompiledScene& scene);
+
+  int channel_count() const override { return medium_.channel_count(); }
+  Box bounds() const override { return medium_.bounds(); }
+  std::vector<Box> occupied() const override { return medium_.occupied(); }
+  bool is_costly() const override { return medium_.is_costly(); }
+  bool is_grey() const override { return medium_.is_grey(); }
+  double feature_size() const override { return medium_.feature_size(); }
+  void integrate(const RayBatch<float>& rays, const MediumOptions& options,
+                 RadianceBatch<float> out, MediumCounters& counters) const override {
+    run(rays, options, out, counters);
+  }
+  void integrate(const RayBatch<double>& rays, const MediumOptions& options,
+                 RadianceBatch<double> out, MediumCounters& counters) const override {
+    run(rays, options, out, counters);
+  }
+  MediumSample sample(Vec3 world) const override { return medium_.sample(world); }
+  double source(int channel, double temperature) const override {
+    return medium_.source(channel, temperature);
+  }
+  void append_breakpoints(const Ray& ray, std::vector<double>& t) const override {
+    medium_.append_breakpoints(ray, t);
+  }
+  std::string description() const override { return medium_.description(); }
+
+ private:
+  MediumBehindWindows(const CompiledScene& scene, const Box& lit, std::vector<WindowSpec> walls);
+  template <class Real>
+  void run(const RayBatch<Real>& rays, const MediumOptions& options, RadianceBatch<Real> out,
+           MediumCounters& counters) const;
+  template <class Real>
+  void bend_one_by_one(const RayBatch<Real>& from, const KernelWays<Real>& ways) const;
+
+  const Medium& medium_;
+  const WindowSet& windows_;
+  CameraFront front_;
+  Vec3 axis_;                      ///< of the camera, towards the scene; world
+  Box lit_;                        ///< holds all of the medium
+  std::vector<WindowSpec> walls_;  ///< before the medium, from the camera on
+};
+
+}  // namespace plenoflame

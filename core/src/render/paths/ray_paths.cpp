@@ -1,0 +1,524 @@
+#include "plenoflame/render/ray_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/sampling/philox.h"
+#include "plenoflame/sampling/sobol.h"
+#include "plenoflame/scene/channel_kinds.h"
+#include "render/paths/ray_path_tracer.h"
+#include "render/sampling/backward_tile.h"
+#include "render/transport/channel_sum.h"
+#include "render/transport/medium_segments.h"
+#include "render/transport/radiance_integrator.h"
+#include "render/transport/scene_medium.h"
+#include "render/transport/surface_light.h"
+
+namespace plenoflame {
+namespace {
+
+/// Keeps what the tracer draws and computes.
+class PathSink : public RayConsumer<double> {
+ public:
+  PathSink(const BackwardPlan<double>& plan, const PathTracer& tracer, double samples,
+           RayPaths& paths)
+      : scene_(*plan.scene),
+        tracer_(tracer),
+        integrator_(plan),
+        samples_(samples),
+        paths_(paths),
+        drawn_(kBlockRays) {}
+
+  void begin_tile(int, const PixelWindow&) override {}
+  bool wants_drawn() const override { return true; }
+  void drawn(const DrawnRays<double>& rays) override {
+    const auto& [frame, lens, type, block, first, count] = rays;
+    const Camera& camera = scene_.camera;
+    const bool through_lens = type >= 0;
+    const Vec2 place{frame.lens_x, frame.lens_y};
+    const double plane =
+        through_lens ? camera.lens_place(lens).z : camera.aim_plane(std::max(type, 0));
+    const auto& between = scene_.pupils.between();
+    // Rays between the lenses are aimed at the main lens; traced ones at the plane of the array.
+    const double drawn_gap = camera.has_array() && type < 0
+                                 ? between->camera.aim_plane(0) - camera.sensor()
+                                 : plane - camera.sensor();
+    const double gap = plane - camera.sensor();
+    for (int i = first; i < first + count; ++i) {
+      const Vec2 aim = place + Vec2{block.x[i], block.y[i]};
+      const Vec2 slope{block.dx[i] / block.dz[i], block.dy[i] / block.dz[i]};
+      const Vec2 start = aim - drawn_gap * slope;
+      drawn_[static_cast<std::size_t>(i)] = {start, drawn_gap == gap ? aim : start + gap * slope,
+                                             lens, through_lens ? type : -1, block.weight[i]};
+    }
+  }
+
+  void traced(const TracedRays<double>& rays) override {
+    integrator_.integrate(rays);
+    for (const PixelRays& pixel : rays.pixels) add(pixel);
+  }
+
+ private:
+  void add(const PixelRays& rays) {
+    for (int i = rays.first; i < rays.first + rays.count; ++i) {
+      const Drawn& drawn = drawn_[static_cast<std::size_t>(i)];
+      RayPath ray;
+      ray.column = rays.column;
+      ray.row = rays.row;
+      ray.lens = drawn.lens;
+      ray.type = drawn.type;
+      ray.weight = rays.scale * drawn.weight / samples_;
+      const std::optional<LensIndex> lens =
+          drawn.type >= 0 ? std::optional(drawn.lens) : std::nullopt;
+      tracer_.add(drawn.start, lens, drawn.aim, ray, paths_);
+      // The kernel sends rays that ended in the camera on along the axis, with no weight.
+      const bool reached = paths_.rays.back().status.status == RayStatus::reached;
+      if (reached)
+        paths_.rays.back().optical_thickness = std::fabs(std::log(integrator_.transmittance()[i]));
+      for (std::size_t c = 0; c < paths_.channels.size(); ++c)
+        paths_.radiance.push_back(
+            reached ? integrator_.radiance()[static_cast<int>(c) * kPaddedBlock + i] : 0.0);
+    }
+  }
+
+  struct Drawn {
+    Vec2 start, aim;
+    LensIndex lens;
+    int type = -1;
+    double weight = 0;
+  };
+  const CompiledScene& scene_;
+  const PathTracer& tracer_;
+  RadianceIntegrator<double> integrator_;
+  double samples_;
+  RayPaths& paths_;
+  std::vector<Drawn> drawn_;
+};
+
+/// Radiance of what stands for the channels, then the optical thickness: of the channels.
+/// @param pupil_part of the stop that the ray crosses
+void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>& carried) {
+  if (scene.mix.empty()) return;
+  sum_channels(
+      scene.part_mixes.empty() ? scene.mix : scene.part_mixes[static_cast<std::size_t>(pupil_part)],
+      carried.data(), 1, 1);
+  carried[scene.scene.channels.size()] = carried.back();
+  carried.resize(scene.scene.channels.size() + 1);
+}
+
+/// What surfaces and surroundings send along single rays behind the flames, and what these scatter.
+class LightBehind {
+ public:
+  explicit LightBehind(const CompiledScene& scene)
+      : scene_(scene),
+        nodes_(static_cast<std::size_t>(scene.node_count())),
+        segments_(scene.medium.get(), {}) {
+    if (scene.surfaces) {
+      plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
+      light_ = std::make_unique<SurfaceLight>(*plan_);
+    }
+    scatter_ = make_scatter_plan(scene, RenderSettings{}, Execution{}, plan_.get());
+    if (scatter_) walk_ = std::make_unique<ScatterWalk>(*scatter_);
+  }
+
+  /// @param line whose origin is the ray's last vertex @param before a vertex ahead of it
+  /// @param number of the ray @param carried radiance of what stands for the channels, added to;
+  /// then the optical thickness: of the flames in front
+  void add(const Ray& line, Vec3 before, std::size_t number, const RayPath& ray,
+           std::vector<double>& carried) {
+    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
+    if (ray.solid >= 0) {
+      SurfaceHit hit;
+      const double back = length(line.origin - before);
+      if (!scene_.surfaces->intersect({before, line.direction}, 0.5 * back, 1.5 * back, {}, hit))
+        return;
+      send_back(hit, number, radiance);
+    } else {
+      const std::vector<double>& environment = scene_.lights.environment;
+      for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
+    }
+    // The flames in front may let another share of each wavelength through.
+    MediumCounters counters;
+    segments_.clear();
+    segments_.add({before, line.direction},
+                  ray.solid >= 0 ? length(line.origin - before) : kInfinity);
+    segments_.integrate(false, counters);
+    for (std::size_t n = 0; n < nodes_; ++n)
+      carried[n] += segments_.transmittance(0, n) * radiance[n][0];
+    if (walk_) add_scattered(line, number, ray.solid >= 0, carried);
+  }
+
+  /// The same for a ray that goes through windows: all that it carries. @param exit from the front
+  /// of the camera
+  void add_through_windows(const Medium& medium, const Ray& exit, std::size_t number,
+                           std::vector<double>& carried) {
+    WindowWays ways;
+    WindowPath path;
+    ways.clear(1);
+    ways.add(0, *scene_.windows, exit, path);
+    WindowWays::Way& way = ways.ways.front();
+    std::vector<std::vector<double>> behind(nodes_, std::vector<double>(1));
+    SurfaceHit hit;
+    if (scene_.surfaces && cut_at_surface(*scene_.surfaces, ways, way, hit)) {
+      send_back(hit, number, behind);
+    } else if (way.open) {
+      const std::vector<double>& environment = scene_.lights.environment;
+      for (std::size_t n = 0; n < environment.size(); ++n) behind[n][0] = environment[n];
+    }
+    const std::span<const AirSegment> stretches(ways.segments.data(), way.count);
+    const CarriedLight light = carried_through_windows(medium, stretches);
+    carried = light.radiance;
+    for (std::size_t n = 0; n < nodes_; ++n)
+      carried[n] += stretches.back().throughput * light.passed.back()[n] * behind[n][0];
+    for (std::size_t k = 0; walk_ && k < stretches.size(); ++k) {
+      std::vector<std::vector<double>> scattered(nodes_, std::vector<double>(1));
+      MediumCounters counters;
+      walk_->add({{0, stretches[k].ray, mix64(~number + k), stretches[k].far}}, scattered,
+                 counters);
+      for (std::size_t n = 0; n < nodes_; ++n)
+        carried[n] += stretches[k].throughput * light.passed[k][n] * scattered[n][0];
+    }
+    carried.push_back(std::fabs(std::log(light.passed.back()[0])));
+  }
+
+ private:
+  /// What a surface sends back along the ray that ends there.
+  void send_back(const SurfaceHit& hit, std::size_t number,
+                 std::vector<std::vector<double>>& radiance) {
+    SurfacePath path;
+    path.key = mix64(number);
+    path.hit = hit;
+    const auto word = philox(path.key, 0, 0);
+    std::vector<SurfaceLight::First> first(1);
+    for (std::size_t k = 0; k < 4; ++k) first[0].u[k] = unit_uniform(word[k]);
+    std::vector<SurfacePath> paths{path};
+    MediumCounters counters;
+    if (walk_)
+      walk_->add_surfaces(paths, first, radiance, counters);
+    else
+      light_->add(paths, first, radiance, counters);
+  }
+
+  void add_scattered(const Ray& line, std::size_t number, bool ends, std::vector<double>& carried) {
+    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
+    MediumCounters counters;
+    walk_->add({{0, line, mix64(~number), ends ? 0 : kInfinity}}, radiance, counters);
+    for (std::size_t n = 0; n < nodes_; ++n) carried[n] += radiance[n][0];
+  }
+
+  const CompiledScene& scene_;
+  std::size_t nodes_;
+  MediumSegments segments_;
+  std::unique_ptr<SurfaceLightPlan> plan_;
+  std::unique_ptr<SurfaceLight> light_;
+  std::unique_ptr<const ScatterPlan> scatter_;
+  std::unique_ptr<ScatterWalk> walk_;
+};
+
+/// Leaves out what does not go through this microlens.
+void keep_lens(LensIndex lens, RayPaths& paths) {
+  RayPaths kept;
+  for (std::size_t i = 0; i < paths.rays.size(); ++i) {
+    RayPath ray = paths.rays[i];
+    if (!(ray.lens == lens)) continue;
+    const auto first = paths.vertices.begin() + static_cast<std::ptrdiff_t>(ray.first);
+    ray.first = kept.vertices.size();
+    kept.vertices.insert(kept.vertices.end(), first,
+                         first + static_cast<std::ptrdiff_t>(ray.count));
+    kept.rays.push_back(ray);
+    for (std::size_t c = 0; c < paths.channels.size(); ++c)
+      kept.radiance.push_back(paths.radiance_of(i, c));
+  }
+  paths.rays = std::move(kept.rays);
+  paths.vertices = std::move(kept.vertices);
+  paths.radiance = std::move(kept.radiance);
+}
+
+/// Moves the rays of `part` behind those of `all`.
+void join(RayPaths& part, RayPaths& all) {
+  for (RayPath ray : part.rays) {
+    ray.first += all.vertices.size();
+    all.rays.push_back(ray);
+  }
+  all.vertices.insert(all.vertices.end(), part.vertices.begin(), part.vertices.end());
+  all.radiance.insert(all.radiance.end(), part.radiance.begin(), part.radiance.end());
+  part = {};
+}
+
+/// @param only the microlens whose rays are wanted; none: all
+void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
+                  const std::vector<Pixel>& pixels, std::optional<LensIndex> only,
+                  const Execution& execution, RayPaths& paths) {
+  const SensorSpec& sensor = scene.camera.spec().sensor;
+  for (const Pixel pixel : pixels)
+    if (pixel.column < 0 || pixel.row < 0 || pixel.column >= sensor.columns ||
+        pixel.row >= sensor.rows)
+      throw UsageError("pixel " + std::to_string(pixel.column) + "," + std::to_string(pixel.row) +
+                       " is outside of the sensor of " + std::to_string(sensor.columns) + " x " +
+                       std::to_string(sensor.rows) + " pixels");
+  if (settings.replicates < 1 || settings.samples < settings.replicates)
+    throw UsageError("at least " + std::to_string(std::max(1, settings.replicates)) +
+                     " rays per pixel and microlens are needed");
+  const SceneMedium medium(scene);
+  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+  const auto light = make_surface_light(scene, settings, execution);
+  const auto scatter = make_scatter_plan(scene, settings, execution, light.get());
+  const BackwardPlan<double> plan = make_pass_plan<double>(scene, medium.get(), settings,
+                                                           {0, points}, light.get(), scatter.get());
+  // Rays that pass beside the flames are wanted, too: no beams.
+  const PathTracer tracer(scene, medium.get());
+  const double samples = static_cast<double>(points) * settings.replicates;
+  // A few pixels at a time, each with paths of its own; joined in the order of the pixels.
+  constexpr std::size_t kPixels = 16;
+  std::vector<RayPaths> parts((pixels.size() + kPixels - 1) / kPixels);
+  const auto trace = [&](std::size_t part, int) {
+    RayPaths& own = parts[part];
+    own.channels = paths.channels;
+    own.flame_samples = paths.flame_samples;
+    PathSink sink(plan, tracer, samples, own);
+    TileTracer<double> tile(plan, sink);
+    for (std::size_t i = part * kPixels; i < std::min(pixels.size(), (part + 1) * kPixels); ++i) {
+      tile.trace(0, {pixels[i].column, pixels[i].row, 1, 1});
+    }
+    if (only) keep_lens(*only, own);
+  };
+  if (!parallel_for(execution, parts.size(), trace)) throw Cancelled();
+  // Room for all at once: a million rays take hundreds of megabytes.
+  std::size_t rays = paths.rays.size(), radiances = paths.radiance.size(),
+              vertices = paths.vertices.size();
+  for (const RayPaths& part : parts) {
+    rays += part.rays.size();
+    radiances += part.radiance.size();
+    vertices += part.vertices.size();
+  }
+  paths.rays.reserve(rays);
+  paths.radiance.reserve(radiances);
+  paths.vertices.reserve(vertices);
+  for (RayPaths& part : parts) join(part, paths);
+}
+
+/// Radiance of each node that the flames send along an object's ray through windows, then the
+/// optical thickness. @param front number of the vertex on the camera's first surface
+std::vector<double> carried_back(const CompiledScene& scene, const Medium& medium,
+                                 const RayPaths& paths, std::size_t front) {
+  const RayPath& ray = paths.rays.back();
+  const Vec3 from = paths.vertices[front].position;
+  const Ray back{from, normalize(paths.vertices[front - 1].position - from)};
+  std::size_t faces = 0;
+  for (std::size_t k = ray.first; k < front; ++k)
+    faces += paths.vertices[k].surface == kWindowVertex;
+  WindowPath path;
+  scene.windows->trace(back, path);
+  path.segments.resize(std::min(path.segments.size(), faces / 2 + 1));
+  AirSegment& last = path.segments.back();
+  last.far = length(paths.vertices[ray.first].position - last.ray.origin);
+  const CarriedLight light = carried_through_windows(medium, path.segments);
+  std::vector<double> carried = light.radiance;
+  carried.push_back(std::fabs(std::log(light.passed.back()[0])));
+  return carried;
+}
+
+}  // namespace
+
+RayPaths empty_ray_paths(const CompiledScene& scene) {
+  RayPaths paths;
+  for (const ChannelSpec& channel : scene.scene.channels) {
+    paths.channels.push_back(channel.name);
+    paths.wavelengths.push_back(own_wavelength(channel));
+  }
+  for (int s = 0; s < scene.camera.surface_count(); ++s)
+    paths.surfaces.push_back(scene.camera.surface_name(s));
+  return paths;
+}
+
+void add_pixel_rays(const CompiledScene& scene, const RenderSettings& settings,
+                    const std::vector<Pixel>& pixels, const Execution& execution, RayPaths& paths) {
+  std::vector<Pixel> once;
+  std::set<Pixel> seen;
+  for (const Pixel pixel : pixels)
+    if (seen.insert(pixel).second) once.push_back(pixel);
+  trace_pixels(scene, settings, once, std::nullopt, execution, paths);
+}
+
+void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settings, LensIndex lens,
+                        const Execution& execution, RayPaths& paths,
+                        const std::vector<Pixel>& except) {
+  const Camera& camera = scene.camera;
+  if (!camera.has_array())
+    throw InputError("the camera has no microlens array, and so no rays of a microlens");
+  const std::set<Pixel> left_out(except.begin(), except.end());
+  bool any_left_out = false;
+  const Vec3 lens_place = camera.lens_place(lens);
+  const Vec2 place{lens_place.x, lens_place.y};
+  const PupilNode node =
+      scene.pupils.tables()[static_cast<std::size_t>(camera.lattice().type(lens))].at(
+          length(place - camera.foot()));
+  const SensorSpec& sensor = camera.spec().sensor;
+  std::vector<Pixel> pixels;
+  if (!node.dark()) {
+    // As far as light of this microlens can be, in whole pixels.
+    const double reach = std::fabs(node.centre) + node.outer_radius;
+    const auto range = [&](double at, int count, double pitch) {
+      const double middle = 0.5 * count - at / pitch;
+      return std::pair{
+          std::max(0, static_cast<int>(std::floor(middle - reach / pitch)) - 1),
+          std::min(count - 1, static_cast<int>(std::floor(middle + reach / pitch)) + 1)};
+    };
+    const auto [left, right] = range(place.x, sensor.columns, sensor.pixel().x);
+    const auto [top, bottom] = range(place.y, sensor.rows, sensor.pixel().y);
+    for (int row = top; row <= bottom; ++row)
+      for (int column = left; column <= right; ++column) {
+        const bool out = left_out.contains({column, row});
+        any_left_out = any_left_out || out;
+        if (!out) pixels.push_back({column, row});
+      }
+  }
+  const std::size_t before = paths.rays.size();
+  trace_pixels(scene, settings, pixels, lens, execution, paths);
+  if (paths.rays.size() == before && !any_left_out)
+    throw UsageError("the microlens " + std::to_string(lens.q) + "," + std::to_string(lens.r) +
+                     " lights no pixel of the sensor");
+}
+
+void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths& paths) {
+  if (count < 1) throw UsageError("at least 1 ray from an object point is needed");
+  const Camera& camera = scene.camera;
+  const Vec3 at = camera.to_world().inverse().point(point);
+  // The entrance pupil as the first-order design has it; without one the front of the lens.
+  const FirstOrder& lens = camera.lens_first_order();
+  const auto& surfaces = camera.spec().lens.surfaces;
+  double pupil = -lens.entrance_pupil, diameter = lens.entrance_pupil_diameter;
+  if (!(diameter > 0) || !std::isfinite(pupil) || pupil >= at.z) {
+    pupil = 0;
+    diameter = surfaces.empty() ? camera.spec().lens.diameter : surfaces.front().diameter;
+  }
+  if (!(at.z > 0))
+    throw InputError("the object point is " + std::to_string(at.z) +
+                     " m in front of the camera's first vertex; it must lie in front of it");
+  const SceneMedium medium(scene);
+  const PathTracer tracer(scene, medium.get());
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    // Vogel's spiral: equal areas, no direction preferred.
+    const double r = 0.5 * diameter * std::sqrt((i + 0.5) / count), phi = golden * i;
+    const Vec3 aim = camera.to_world().point({r * std::cos(phi), r * std::sin(phi), pupil});
+    const Ray ray{point, normalize(aim - point)};
+    RayPath path;
+    tracer.add_from_scene(ray, path, paths);
+    const RayPath& added = paths.rays.back();
+    std::vector<double> carried(paths.channels.size() + 1, 0.0);
+    if (added.status.status == RayStatus::reached) {
+      // Seen from the camera's first surface.
+      std::size_t k = added.first;
+      while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
+      const Vec3 front = paths.vertices[k].position;
+      if (scene.windows)
+        carried = carried_back(scene, medium.get(), paths, k);
+      else
+        carried = carried_by(medium.get(), {front, -ray.direction}, 0, length(point - front));
+      to_channels(scene, added.pupil_part, carried);
+    }
+    paths.rays.back().optical_thickness = carried.back();
+    paths.radiance.insert(paths.radiance.end(), carried.begin(), carried.end() - 1);
+  }
+}
+
+void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
+  const Camera& camera = scene.camera;
+  if (!camera.has_array())
+    throw InputError("the camera has no microlens array, and so no chief rays of microlenses");
+  const SceneMedium medium(scene);
+  const PathTracer tracer(scene, medium.get());
+  const SensorSpec& sensor = camera.spec().sensor;
+  const auto [half_x, half_y] = camera.sensor_point(0, 0);
+  const Vec2 pixel = sensor.pixel();
+  double reach = 0;
+  for (const PupilTable& table : scene.pupils.tables())
+    for (const PupilNode& node : table.nodes) reach = std::max(reach, std::fabs(node.centre));
+  const Vec2 corner{half_x + reach, half_y + reach};
+  LightBehind behind(scene);
+  const CameraFront camera_front(camera);
+  std::optional<MicroImages> images;
+  if (camera.misaligned()) images.emplace(camera, false);
+  for (const LensIndex lens : camera.lattice().within(-1.0 * corner, corner)) {
+    const Vec3 lens_place = camera.lens_place(lens);
+    const Vec2 place{lens_place.x, lens_place.y};
+    RayPath ray;
+    ray.lens = lens;
+    ray.type = camera.lattice().type(lens);
+    const double h = length(place);
+    Vec2 start;
+    if (images) {
+      const MicroImages::Place image = images->place(lens);
+      if (image.dark) continue;
+      start = image.centre;
+    } else {
+      const PupilNode node =
+          scene.pupils.tables()[static_cast<std::size_t>(ray.type)].at(length(place));
+      if (node.dark()) continue;
+      start = place + (h > 0 ? (node.centre / h) * place : Vec2{node.centre, 0});
+    }
+    if (std::fabs(start.x) >= half_x || std::fabs(start.y) >= half_y) continue;
+    ray.column = static_cast<int>(std::floor((half_x - start.x) / pixel.x));
+    ray.row = static_cast<int>(std::floor((half_y - start.y) / pixel.y));
+    tracer.add(start, lens, place, ray, paths);
+    RayPath& added = paths.rays.back();
+    paths.radiance.resize(paths.rays.size() * paths.channels.size(), 0.0);
+    if (added.status.status != RayStatus::reached || added.count < 2) continue;
+    const RayVertex& last = paths.vertices[added.first + added.count - 1];
+    const RayVertex& before = paths.vertices[added.first + added.count - 2];
+    const Ray line{last.position, normalize(last.position - before.position)};
+    const double infinite = std::numeric_limits<double>::infinity();
+    std::vector<double> carried;
+    std::size_t front = added.first;  // from the camera's first surface on, far from the hit
+    while (paths.vertices[front].surface != 0 && front + 2 < added.first + added.count) ++front;
+    const Vec3 first = paths.vertices[front].position;
+    if (scene.windows) {
+      const Ray exit{first, normalize(paths.vertices[front + 1].position - first)};
+      behind.add_through_windows(medium.get(), {exit.at(camera_front.t_near(exit)), exit.direction},
+                                 paths.rays.size() - 1, carried);
+    } else {
+      carried = carried_by(medium.get(), line, -infinite, added.solid >= 0 ? 0 : infinite);
+      behind.add(line, first, paths.rays.size() - 1, added, carried);
+    }
+    to_channels(scene, added.pupil_part, carried);
+    added.optical_thickness = carried.back();
+    std::copy(carried.begin(), carried.end() - 1,
+              paths.radiance.end() - static_cast<std::ptrdiff_t>(paths.channels.size()));
+  }
+}
+
+std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint64_t seed) {
+  const auto columns = static_cast<std::uint64_t>(sensor.columns);
+  const std::uint64_t all = columns * static_cast<std::uint64_t>(sensor.rows);
+  if (count < 0 || static_cast<std::uint64_t>(count) > all)
+    throw UsageError("the sensor has " + std::to_string(all) + " pixels; " + std::to_string(count) +
+                     " different ones cannot be drawn from them");
+  // The beginning of a shuffle (Fisher and Yates), of which only places that were touched are kept.
+  std::unordered_map<std::uint64_t, std::uint64_t> moved;
+  const auto at = [&](std::uint64_t place) {
+    const auto found = moved.find(place);
+    return found == moved.end() ? place : found->second;
+  };
+  std::vector<Pixel> pixels;
+  for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
+    const double u = static_cast<double>(mix64(mix64(seed) + i) >> 11) * std::ldexp(1.0, -53);
+    const std::uint64_t place =
+        i + std::min(all - i - 1, static_cast<std::uint64_t>(u * static_cast<double>(all - i)));
+    const std::uint64_t chosen = at(place);
+    moved[place] = at(i);
+    pixels.push_back({static_cast<int>(chosen % columns), static_cast<int>(chosen / columns)});
+  }
+  return pixels;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,84 @@
+// Data of the backward estimator's vector kernels, and their entry points for every instruction
+// set.
+#pragma once
+#include <cstdint>
+
+#include "camera/camera_kernel.h"
+#include "plenoflame/camera/cut_kernel.h"
+
+namespace plenoflame {
+
+/// Where rays cross a surface behind the microlens (camera/stop_landing.h, RayCrossing).
+template <class Real>
+struct KernelCrossing {
+  Real of_sensor[10], of_aim[10];
+};
+
+/// A microlens and what bounds the rays that pass it (camera/pupil_sampling.h): everything relative
+/// to its centre (without array: to the optical axis).
+template <class Real>
+struct KernelFrame {
+  Real lens_x, lens_y;      ///< centre of the microlens
+  Real centre_x, centre_y;  ///< of the micro-image: the cuts' axes run through this sensor point
+  Real origin_x, origin_y,
+      origin_shift;  ///< aim points count from (origin_x, origin_y) + origin_shift * s
+  /// The discs of the microlens' own apertures (ApertureDiscs), from the origin.
+  Real near_radius, near_shift, far_radius, far_growth, far_shift, far_bend;
+  /// Where rays cross the microlens' far face and the stop, if that is known: sensor and aim points
+  /// times per_unit. The stop's axes (StopMap) are along `field`, away from the optical axis.
+  bool finds_far, finds_stop;
+  Real per_unit, far_reach, stop_reach, field_x, field_y;
+  KernelCrossing<Real> at_far, at_pupil;
+  Real along[6], across[4];
+  /// The sides of the microlens' two apertures in the aim plane (ApertureSides); none of circles.
+  int side_pairs;
+  Real side_x[kMostSidePairs], side_y[kMostSidePairs];
+  Real near_half[kMostSidePairs], far_half[kMostSidePairs];
+  /// Where every lens of a type is alike: half the distance of the sides on the faces themselves,
+  /// the near face's curvature (as KernelSurface), and one over the far aperture's radius.
+  bool finds_sides;
+  Real face_half[kMostSidePairs], near_curvature, per_far_radius;
+};
+
+/// A pixel that the microlens of a frame may light, and its random numbers.
+template <class Real>
+struct KernelPixel {
+  Real x_low, x_width;    ///< columns that get light
+  Real y0, y1;            ///< rows
+  Real radius2;           ///< squared: no light comes from farther away from the frame's centre
+  const CutColumn* cuts;  ///< of the aperture, about the frame's centre
+  const std::uint32_t* fractions[4];
+  /// Digital shift of each dimension: shift ^ second_shift * number of the replicate (SobolPool).
+  std::uint32_t shift[4], second_shift[4];
+  const std::uint32_t* replicate_numbers;
+  int first, count;  ///< rays of the block
+};
+
+#define PLENOFLAME_BACKWARD_KERNELS                                                                \
+  /* Fills the rays of all pixels, which follow one another in the block, at the aim plane, which  \
+   * is `distance` from the sensor; up to 16 rays behind the last are overwritten.              */ \
+  void generate(const KernelFrame<float>&, const KernelPixel<float>*, int pixels, float distance,  \
+                const KernelBlock<float>&);                                                        \
+  void generate(const KernelFrame<double>&, const KernelPixel<double>*, int pixels,                \
+                double distance, const KernelBlock<double>&);                                      \
+  /* weight * radiance. */                                                                         \
+  void multiply(const float* weight, const float* radiance, int count, float* products);           \
+  void multiply(const double* weight, const double* radiance, int count, double* products);        \
+  /* sums[i] = values[i] + values[i + distance]. */                                                \
+  void add_neighbours(const float* values, int distance, int count, float* sums);                  \
+  void add_neighbours(const double* values, int distance, int count, double* sums);                \
+  /* Of weight * radiance, in double precision. */                                                 \
+  double sum(const float* weight, const float* radiance, int count);                               \
+  double sum(const double* weight, const double* radiance, int count);
+
+namespace baseline {
+PLENOFLAME_BACKWARD_KERNELS
+}
+namespace avx2 {
+PLENOFLAME_BACKWARD_KERNELS
+}
+namespace avx512 {
+PLENOFLAME_BACKWARD_KERNELS
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,513 @@
+// Vector kernels of the backward estimator; compiled once per instruction set.
+#include "render/sampling/backward_kernel.h"
+
+#include "math/kernel_math.h"
+#include "render/sampling/aim_edges_kernel.inl.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+/// Of the sides' distance: so much beyond them bounds stay, for rounding.
+constexpr float kSideRoom = 2e-5F;
+
+PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
+  // 23 bits and half a step: inside (0, 1), never its ends.
+  return static_cast<float>(static_cast<std::int32_t>(fraction >> 9)) * 0x1p-23f + 0x1p-24f;
+}
+PLENOFLAME_INLINE double to_unit(std::uint32_t fraction, double) {
+  return static_cast<double>(fraction) * 0x1p-32 + 0x1p-33;
+}
+
+/// sin(2 pi b) for |b| <= 1/4, by its Taylor series to b^13: 6e-10 at the end.
+template <class Real>
+PLENOFLAME_INLINE Real sin_turn(Real b) {
+  const Real x = Real(6.283185307179586477) * b, x2 = x * x;
+  return x * (Real(1) +
+              x2 * (Real(-1.0 / 6) +
+                    x2 * (Real(1.0 / 120) +
+                          x2 * (Real(-1.0 / 5040) + x2 * (Real(1.0 / 362880) +
+                                                          x2 * (Real(-1.0 / 39916800) +
+                                                                x2 * Real(1.0 / 6227020800.0)))))));
+}
+
+constexpr int kBlockOfLookups = 16;
+
+/// Cuts (-low, high, low_far, -high_far) of as many rays.
+template <class Real>
+PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* __restrict step,
+                                    const Real* __restrict part, Real* __restrict low,
+                                    Real* __restrict high, Real* __restrict low_far,
+                                    Real* __restrict high_far) {
+#pragma omp simd
+  for (int i = 0; i < kBlockOfLookups; ++i) {
+    const int k = step[i];
+    low[i] = -(Real(c.value[0][k]) + Real(c.rise[0][k]) * part[i]);
+    high[i] = Real(c.value[1][k]) + Real(c.rise[1][k]) * part[i];
+    low_far[i] = Real(c.value[2][k]) + Real(c.rise[2][k]) * part[i];
+    high_far[i] = -(Real(c.value[3][k]) + Real(c.rise[3][k]) * part[i]);
+  }
+}
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX2__)
+// Tables in registers: gathering takes longer than all else here.
+#ifdef __AVX512F__
+typedef float Lanes __attribute__((vector_size(64)));
+typedef int LaneNumbers __attribute__((vector_size(64)));
+#else
+typedef float Lanes __attribute__((vector_size(32)));
+typedef int LaneNumbers __attribute__((vector_size(32)));
+#endif
+constexpr int kLanes = sizeof(Lanes) / sizeof(float);
+// Of arrays of floats, aligned or not.
+typedef Lanes LooseLanes __attribute__((aligned(4), may_alias));
+typedef LaneNumbers LooseLaneNumbers __attribute__((aligned(4), may_alias));
+
+PLENOFLAME_INLINE Lanes look_up(const float* table, LaneNumbers number) {
+  const LooseLanes* parts = reinterpret_cast<const LooseLanes*>(table);
+  if constexpr (kLanes == CutColumn::kSteps) return __builtin_shuffle(Lanes(parts[0]), number);
+  const Lanes first = __builtin_shuffle(Lanes(parts[0]), number),
+              second = __builtin_shuffle(Lanes(parts[1]), number);
+  return number < kLanes ? first : second;
+}
+
+PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const float* part,
+                                    float* low, float* high, float* low_far, float* high_far) {
+  for (int i = 0; i < kBlockOfLookups; i += kLanes) {
+    const LaneNumbers k = *reinterpret_cast<const LooseLaneNumbers*>(step + i);
+    const Lanes t = *reinterpret_cast<const LooseLanes*>(part + i);
+    const auto side = [&](int j) __attribute__((always_inline)) {
+      return look_up(c.value[j], k) + look_up(c.rise[j], k) * t;
+    };
+    *reinterpret_cast<LooseLanes*>(low + i) = -side(0);
+    *reinterpret_cast<LooseLanes*>(high + i) = side(1);
+    *reinterpret_cast<LooseLanes*>(low_far + i) = side(2);
+    *reinterpret_cast<LooseLanes*>(high_far + i) = -side(3);
+  }
+}
+#endif
+
+/// Makes the SensorSamples of one pixel.
+///
+/// The sensor point is drawn from where the pixel gets light, inside a disc about the micro-image's
+/// centre: first its column, then its row in the chord. aim_rays(), which is the larger part, goes
+/// through all pixels at once, so that it has no half empty vectors.
+/// @param steps where the point lies in the pixel's cuts
+template <class Real>
+PLENOFLAME_INLINE void place_rays(const KernelFrame<Real>& c, const KernelPixel<Real>& pixel,
+                                  const KernelBlock<Real>& block, Real* __restrict steps) {
+  const std::uint32_t* f0 = pixel.fractions[0];
+  const std::uint32_t* f1 = pixel.fractions[1];
+  const std::uint32_t* f2 = pixel.fractions[2];
+  const std::uint32_t* f3 = pixel.fractions[3];
+  const std::uint32_t h0 = pixel.shift[0], h1 = pixel.shift[1], h2 = pixel.shift[2],
+                      h3 = pixel.shift[3];
+  const std::uint32_t* numbers = pixel.replicate_numbers;
+  const std::uint32_t g0 = pixel.second_shift[0], g1 = pixel.second_shift[1],
+                      g2 = pixel.second_shift[2], g3 = pixel.second_shift[3];
+  const Real x_low = pixel.x_low, x_width = pixel.x_width, y0 = pixel.y0, y1 = pixel.y1;
+  const Real radius2 = pixel.radius2;
+  const Real centre_x = c.centre_x, centre_y = c.centre_y;
+  const Real opens = Real(pixel.cuts->opens), per_metre = Real(pixel.cuts->steps_per_metre);
+  const int first = pixel.first;
+  const SensorSamples<Real> samples = sensor_samples(block, first);
+  Real* __restrict x = samples.x;
+  Real* __restrict y = samples.y;
+  Real* __restrict area = samples.area;
+  Real* __restrict radius = samples.pupil_radius;
+  Real* __restrict turn = samples.pupil_turn;
+  Real* __restrict step = steps + first;
+  const auto place = [&](int begin) __attribute__((always_inline)) {
+#pragma omp simd
+    for (int i = begin; i < begin + kBlockOfLookups; ++i) {
+      const std::uint32_t number = numbers[i];
+      const Real sx = x_low + x_width * to_unit(f0[i] ^ h0 ^ g0 * number, Real());
+      const Real wx = sx - centre_x;
+      const Real chord = square_root(magnitude(radius2 - wx * wx));
+      const Real top = greatest(y0, centre_y - chord);
+      const Real height = greatest(least(y1, centre_y + chord) - top, Real(0));
+      const Real sy = top + height * to_unit(f1[i] ^ h1 ^ g1 * number, Real());
+      const Real wy = sy - centre_y;
+      x[i] = sx;
+      y[i] = sy;
+      area[i] = x_width * height;
+      radius[i] = to_unit(f2[i] ^ h2 ^ g2 * number, Real());
+      turn[i] = to_unit(f3[i] ^ h3 ^ g3 * number, Real()) - Real(0.5);
+      step[i] = (square_root(wx * wx + wy * wy) - opens) * per_metre;
+    }
+  };
+  if (pixel.count <= kBlockOfLookups) {
+    place(0);  // no loop, whose set-up takes as long as its body
+  } else {
+    for (int begin = 0; begin < pixel.count; begin += kBlockOfLookups) place(begin);
+  }
+}
+
+/// Makes their PupilExtents.
+template <class Real>
+PLENOFLAME_INLINE void cut_rays(const KernelPixel<Real>& pixel, const KernelBlock<Real>& block,
+                                const Real* __restrict steps) {
+  const int first = pixel.first;
+  const PupilExtents<Real> extents = pupil_extents(block, first);
+  Real* __restrict low = extents.low;
+  Real* __restrict high = extents.high;
+  Real* __restrict low_far = extents.low_far;
+  Real* __restrict high_far = extents.high_far;
+  const Real* __restrict at = steps + first;
+  const CutColumn& cuts = *pixel.cuts;
+  alignas(64) int step[kBlockOfLookups];
+  alignas(64) Real part[kBlockOfLookups];
+  for (int begin = 0; begin < pixel.count; begin += kBlockOfLookups) {
+#pragma omp simd
+    for (int k = 0; k < kBlockOfLookups; ++k) {
+      const Real d = clamp(at[begin + k], Real(0), Real(CutColumn::kSteps));
+      step[k] = least(static_cast<int>(d), CutColumn::kSteps - 1);
+      part[k] = d - static_cast<Real>(step[k]);
+    }
+    look_up_cuts(cuts, step, part, low + begin, high + begin, low_far + begin, high_far + begin);
+  }
+}
+
+/// A disc, seen from an inner point that lies at (p, q) from its middle, in the direction v: it
+/// reaches as far as the positive solution r of v^2 r^2 + 2 product r = room.
+/// Keeps `product` and `squares`, product^2 + v^2 room, where that is less far than what they say;
+/// by roots to 6.5e-4. What is kept is never less far than the nearest of the discs; farther by
+/// about as much, by up to some percent where a disc is so large that root and product nearly
+/// cancel.
+template <class Real>
+PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& product, Real& squares,
+                                    Real& rough_reach) {
+  const Real these = of_this * of_this + v2 * room;
+  const Real rough = near_square_root(these) - of_this;
+  const bool nearer = rough < rough_reach;
+  product = nearer ? of_this : product;
+  squares = nearer ? these : squares;
+  rough_reach = nearer ? rough : rough_reach;
+}
+
+/// The discs of the microlens' own apertures as seen from s, along a direction e and across it.
+template <class Real>
+PLENOFLAME_INLINE void place_own_discs(const KernelFrame<Real>& c, Real sx, Real sy, Real ex,
+                                       Real ey, Real& near_p, Real& near_q, Real& far, Real& far_p,
+                                       Real& far_q) {
+  const Real along = sx * ex + sy * ey, beside = sy * ex - sx * ey, s2 = sx * sx + sy * sy;
+  const Real shift = c.far_shift + c.far_bend * s2;
+  near_p = c.near_shift * along;
+  near_q = c.near_shift * beside;
+  far = c.far_radius + c.far_growth * s2;
+  far_p = shift * along;
+  far_q = shift * beside;
+}
+
+/// Aims the rays that place_rays() has placed: from a point inside that part of the aperture that
+/// sees the scene from there, in all directions, as far as its bounds.
+///
+/// The bounds are four discs: those of the two apertures of the microlens, and two through the ends
+/// `low` and `high` of the part's extent along the line through the frame's centre, centred on that
+/// line. Directions are those of a unit disc that is stretched to the part's length and width.
+/// (In two loops: one is too long for a processor to look ahead to the next rays.)
+/// Makes PupilAims of SensorSamples and PupilExtents, in the places of most of them.
+template <class Real>
+PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count,
+                                const KernelBlock<Real>& block) {
+  const SensorSamples<Real> samples = sensor_samples(block, first);
+  const PupilExtents<Real> extents = pupil_extents(block, first);
+  const PupilAims<Real> aims = pupil_aims(block, first);
+  const Real centre_x = c.centre_x, centre_y = c.centre_y;
+  const Real origin_x = c.origin_x, origin_y = c.origin_y, origin_shift = c.origin_shift;
+  const Real near = c.near_radius, least_room = Real(1e-4) * near * near;
+  const int padded = (count + 15) & ~15;
+  alignas(64) Real away_x[kBlockRays + kBlockSlack], away_y[kBlockRays + kBlockSlack];
+  alignas(64) Real inner_p[kBlockRays + kBlockSlack], inner_q[kBlockRays + kBlockSlack];
+  alignas(64) Real half_length[kBlockRays + kBlockSlack], half_width[kBlockRays + kBlockSlack];
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = samples.x[i], sy = samples.y[i];
+    // From the centre itself some direction, too.
+    const Real wx = sx - centre_x + Real(1e-15), wy = sy - centre_y;
+    const Real inverse_w = inverse_square_root(wx * wx + wy * wy);
+    const Real ex = wx * inverse_w, ey = wy * inverse_w;
+
+    Real near_p, near_q, far, far_p, far_q;
+    place_own_discs(c, sx, sy, ex, ey, near_p, near_q, far, far_p, far_q);
+    const Real cut_low = extents.low[i], cut_high = extents.high[i];
+    const Real cut_low_far = extents.low_far[i], cut_high_far = extents.high_far[i];
+    const Real low = greatest(cut_low, greatest(near_p - near, far_p - far)),
+               high = least(cut_high, least(near_p + near, far_p + far));
+
+    // The inner point (p, q), and half the length and the width there. Bounds that do not hold it
+    // are taken to reach up to it: all of them lie near the line.
+    const Real half = greatest(Real(0.5) * (high - low), Real(0));
+    const Real p = Real(0.5) * (low + high);
+    const Real from_near = p - near_p, from_far = p - far_p;
+    const Real cut2 = least((p - cut_low) * (cut_low_far - p), (cut_high - p) * (p - cut_high_far));
+    const Real cut_half = rough_square_root(greatest(cut2, least_room));
+    const Real near_half =
+        rough_square_root(greatest(near * near - from_near * from_near, least_room));
+    const Real far_half = rough_square_root(greatest(far * far - from_far * from_far, least_room));
+    const Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
+    const Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
+    away_x[i] = ex;
+    away_y[i] = ey;
+    inner_p[i] = p;
+    inner_q[i] = Real(0.5) * (top + bottom);
+    half_length[i] = half;
+    half_width[i] = greatest(Real(0.5) * (top - bottom), Real(0.01) * near);
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = samples.x[i], sy = samples.y[i], ex = away_x[i], ey = away_y[i];
+    Real near_p, near_q, far, far_p, far_q;
+    place_own_discs(c, sx, sy, ex, ey, near_p, near_q, far, far_p, far_q);
+    const Real cut_low = extents.low[i], cut_high = extents.high[i];
+    const Real cut_low_far = extents.low_far[i], cut_high_far = extents.high_far[i];
+    const Real p = inner_p[i], q = inner_q[i], half = half_length[i], width = half_width[i];
+    const Real from_near = p - near_p, from_far = p - far_p;
+    const Real t = samples.pupil_turn[i], share = samples.pupil_radius[i];
+    const Real folded = least(greatest(t, Real(-0.5) - t), Real(0.5) - t);
+    const Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
+    const Real v2 = vp * vp + vq * vq;
+    const Real near_dq = q - near_q, far_dq = q - far_q;
+    const Real low_middle = p - Real(0.5) * (cut_low + cut_low_far),
+               high_middle = p - Real(0.5) * (cut_high + cut_high_far);
+    const Real inverse_v2 = Real(1) / (v2 + Real(1e-30));
+    const Real of_near = from_near * vp + near_dq * vq;
+    const Real near_squares =
+        of_near * of_near +
+        v2 * greatest(near * near - from_near * from_near - near_dq * near_dq, least_room);
+    Real product = from_far * vp + far_dq * vq;
+    Real squares = product * product +
+                   v2 * greatest(far * far - from_far * from_far - far_dq * far_dq, least_room);
+    Real rough_reach = near_square_root(squares) - product;
+    keep_nearest(low_middle * vp + q * vq,
+                 greatest((p - cut_low) * (cut_low_far - p) - q * q, least_room), v2, product,
+                 squares, rough_reach);
+    keep_nearest(high_middle * vp + q * vq,
+                 greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, product,
+                 squares, rough_reach);
+
+    aims.area[i] = Real(3.141592653589793238) * half * width * samples.area[i];
+    aims.inner_x[i] = origin_x + origin_shift * sx + ex * p - ey * q;
+    aims.inner_y[i] = origin_y + origin_shift * sy + ey * p + ex * q;
+    aims.way_x[i] = ex * vp - ey * vq;
+    aims.way_y[i] = ey * vp + ex * vq;
+    aims.bound[i] =
+        least(square_root(squares) - product, square_root(near_squares) - of_near) * inverse_v2;
+    aims.root_share[i] = square_root(share);
+  }
+}
+
+/// A step of Newton's method from a bound that lies beyond a side back to it: the square of the
+/// step, which is more than the next one would be, is left. @param slope of what is beyond
+template <class Real>
+PLENOFLAME_INLINE Real step_to_side(Real bound, Real beyond, Real slope) {
+  const Real by = beyond / greatest(slope, Real(1e-30)) / bound;
+  const bool trusted = (slope > Real(0)) & (by > Real(0)) & (by < Real(0.15));
+  return trusted ? bound * (Real(1) - by + by * by) : bound;
+}
+
+/// Draws bounds in to where rays cross the two faces of the microlens beyond a pair of sides: the
+/// near one where the line meets its sphere, the far one by the polynomials of its rim.
+template <class Real>
+[[gnu::noinline]] void find_faces_sides(const KernelFrame<Real>& c, int pair, int first, int padded,
+                                        Real per_distance, Real* __restrict reach,
+                                        const KernelBlock<Real>& block) {
+  const SensorSamples<Real> samples = sensor_samples(block, first);
+  const PupilAims<Real> aims = pupil_aims(block, first);
+  const Real* __restrict x = samples.x;
+  const Real* __restrict y = samples.y;
+  const Real* __restrict inner_x = aims.inner_x;
+  const Real* __restrict inner_y = aims.inner_y;
+  const Real* __restrict way_x = aims.way_x;
+  const Real* __restrict way_y = aims.way_y;
+  const Real nx = c.side_x[pair], ny = c.side_y[pair], curvature = c.near_curvature;
+  const Real room = Real(1) + Real(kSideRoom), half = room * c.face_half[pair];
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real bound = reach[i], vx = way_x[i], vy = way_y[i];
+    const Real ux = inner_x[i] + bound * vx, uy = inner_y[i] + bound * vy;
+    // The line through u with the slope w meets the sphere at the depth behind its vertex that
+    // solves c (1 + w.w) depth^2 - 2 (1 - c u.w) depth + c u.u = 0.
+    const Real wx = per_distance * (ux - x[i]), wy = per_distance * (uy - y[i]);
+    const Real f = curvature * (ux * ux + uy * uy), g = Real(1) - curvature * (ux * wx + uy * wy);
+    const Real squares = g * g - curvature * f * (Real(1) + wx * wx + wy * wy);
+    const Real root = square_root(greatest(squares, Real(0.01)));
+    const Real depth = f / (g + root), rise = curvature * (ux * vx + uy * vy) / root;
+    const Real along = nx * wx + ny * wy, way = nx * vx + ny * vy;
+    const Real at = nx * ux + ny * uy + depth * along;
+    const Real towards = at < Real(0) ? Real(-1) : Real(1);
+    const Real slope = towards * (way + depth * per_distance * way + rise * along);
+    reach[i] = step_to_side(bound, towards * at - half, slope);
+  }
+  if (!c.finds_far) return;
+  const Real unit = c.per_unit, far = c.far_reach * room * c.face_half[pair] * c.per_far_radius;
+  const KernelCrossing<Real> crossing = c.at_far;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * way_x[i], vy = unit * way_y[i];
+    const Real bound = reach[i];
+    const Real ux = unit * inner_x[i] + bound * vx, uy = unit * inner_y[i] + bound * vy;
+    const EdgePoint<Real> on_face = edge_point(crossing, sx, sy, ux, uy, vx, vy);
+    const Real at = nx * on_face.x + ny * on_face.y;
+    const Real change = nx * on_face.change_x + ny * on_face.change_y;
+    const Real towards = at < Real(0) ? Real(-1) : Real(1);
+    reach[i] = step_to_side(bound, towards * at - far, towards * change);
+  }
+}
+
+/// Draws the bounds in to the sides of the microlens' apertures, where the inner point lies between
+/// them: what lies beyond is stopped.
+template <class Real>
+[[gnu::noinline]] void find_sides(const KernelFrame<Real>& c, int first, int count, Real distance,
+                                  const KernelBlock<Real>& block) {
+  const SensorSamples<Real> samples = sensor_samples(block, first);
+  const PupilAims<Real> aims = pupil_aims(block, first);
+  const Real* __restrict x = samples.x;
+  const Real* __restrict y = samples.y;
+  const Real* __restrict inner_x = aims.inner_x;
+  const Real* __restrict inner_y = aims.inner_y;
+  const Real* __restrict way_x = aims.way_x;
+  const Real* __restrict way_y = aims.way_y;
+  Real* __restrict bounds = aims.bound;
+  const int padded = (count + 15) & ~15;
+  alignas(64) Real reach[kBlockRays + kBlockSlack];
+  for (int i = 0; i < padded; ++i) reach[i] = bounds[i];
+  for (int pair = 0; pair < c.side_pairs; ++pair) {
+    const Real nx = c.side_x[pair], ny = c.side_y[pair];
+    const Real near = c.near_half[pair], far = c.far_half[pair];
+    const Real near_shift = c.near_shift, far_shift = c.far_shift, far_bend = c.far_bend;
+#pragma omp simd
+    for (int i = 0; i < padded; ++i) {
+      const Real sx = x[i], sy = y[i];
+      const Real across = nx * sx + ny * sy;
+      const Real at = nx * inner_x[i] + ny * inner_y[i];
+      const Real from_near = at - near_shift * across;
+      const Real from_far = at - (far_shift + far_bend * (sx * sx + sy * sy)) * across;
+      const Real way = nx * way_x[i] + ny * way_y[i];
+      const Real inverse = Real(1) / greatest(magnitude(way), Real(1e-30));
+      const Real towards = way < Real(0) ? Real(-1) : Real(1);
+      const Real room = least(near - towards * from_near, far - towards * from_far);
+      const bool inside = (magnitude(from_near) < near) & (magnitude(from_far) < far);
+      // Once outside of a pair of sides the whole way is kept, whatever the others say.
+      const Real nearer = least(reach[i], room * inverse);
+      reach[i] = inside & (reach[i] > Real(0)) ? nearer : Real(-1);
+    }
+  }
+  if (c.finds_sides)
+    for (int pair = 0; pair < c.side_pairs; ++pair)
+      find_faces_sides(c, pair, first, padded, Real(1) / distance, reach, block);
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) bounds[i] = reach[i] > Real(0) ? reach[i] : bounds[i];
+}
+
+/// Makes rays of PupilAims, in the places of all columns. All weights are exact Jacobians: a bound
+/// that is too wide costs rays, never light.
+template <class Real>
+PLENOFLAME_INLINE void finish_rays(int first, int count, Real distance,
+                                   const KernelBlock<Real>& block) {
+  const PupilAims<Real> aims = pupil_aims(block, first);
+  Real* x = block.x + first;
+  Real* y = block.y + first;
+  Real* z = block.z + first;
+  Real* dx = block.dx + first;
+  Real* dy = block.dy + first;
+  Real* dz = block.dz + first;
+  Real* weight = block.weight + first;
+  int* __restrict code = block.code + first;
+  const Real g2 = distance * distance;
+  const int padded = (count + 15) & ~15;
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const Real r = aims.bound[i], along = r * aims.root_share[i];
+    const Real ux = aims.inner_x[i] + along * aims.way_x[i],
+               uy = aims.inner_y[i] + along * aims.way_y[i];
+    const Real vx = ux - x[i], vy = uy - y[i];
+    const Real inverse = inverse_square_root(vx * vx + vy * vy + g2);
+    const Real inverse2 = inverse * inverse;
+    // cos(theta) dOmega = cos^2 / r^2 dA' on parallel planes.
+    weight[i] = r * r * aims.area[i] * (g2 * inverse2 * inverse2);
+    x[i] = ux;
+    y[i] = uy;
+    z[i] = Real(0);
+    dx[i] = vx * inverse;
+    dy[i] = vy * inverse;
+    dz[i] = distance * inverse;
+    code[i] = 0;
+  }
+}
+
+template <class Real>
+PLENOFLAME_INLINE void generate_all(const KernelFrame<Real>& frame, const KernelPixel<Real>* pixels,
+                                    int count, Real distance, const KernelBlock<Real>& block) {
+  const KernelFrame<Real> c = frame;  // a copy, which what is written to the block cannot change
+  alignas(64) Real steps[kBlockRays + kBlockSlack];
+  for (int i = 0; i < count; ++i) place_rays(c, pixels[i], block, steps);
+  for (int i = 0; i < count; ++i) cut_rays(pixels[i], block, steps);
+  const int first = pixels[0].first;
+  const int rays = pixels[count - 1].first + pixels[count - 1].count - first;
+  aim_rays(c, first, rays, block);
+  if (c.side_pairs > 0) find_sides(c, first, rays, distance, block);
+  if (c.finds_far) find_far_rim(c, first, rays, block);
+  if (c.finds_stop) find_stop(c, first, rays, block);
+  finish_rays(first, rays, distance, block);
+}
+
+template <class Real>
+PLENOFLAME_INLINE void multiply_all(const Real* __restrict weight, const Real* __restrict radiance,
+                                    int count, Real* __restrict products) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) products[i] = weight[i] * radiance[i];
+}
+
+template <class Real>
+PLENOFLAME_INLINE void add_all_neighbours(const Real* __restrict near, const Real* __restrict far,
+                                          int count, Real* __restrict sums) {
+#pragma omp simd
+  for (int i = 0; i < count; ++i) sums[i] = near[i] + far[i];
+}
+
+template <class Real>
+PLENOFLAME_INLINE double sum_all(const Real* weight, const Real* radiance, int count) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int i = 0; i < count; ++i)
+    sum += static_cast<double>(weight[i]) * static_cast<double>(radiance[i]);
+  return sum;
+}
+
+}  // namespace
+
+void generate(const KernelFrame<float>& frame, const KernelPixel<float>* pixels, int count,
+              float distance, const KernelBlock<float>& block) {
+  generate_all(frame, pixels, count, distance, block);
+}
+
+void generate(const KernelFrame<double>& frame, const KernelPixel<double>* pixels, int count,
+              double distance, const KernelBlock<double>& block) {
+  generate_all(frame, pixels, count, distance, block);
+}
+
+void multiply(const float* weight, const float* radiance, int count, float* products) {
+  multiply_all(weight, radiance, count, products);
+}
+
+void multiply(const double* weight, const double* radiance, int count, double* products) {
+  multiply_all(weight, radiance, count, products);
+}
+
+void add_neighbours(const float* values, int distance, int count, float* sums) {
+  add_all_neighbours(values, values + distance, count, sums);
+}
+
+void add_neighbours(const double* values, int distance, int count, double* sums) {
+  add_all_neighbours(values, values + distance, count, sums);
+}
+
+double sum(const float* weight, const float* radiance, int count) {
+  return sum_all(weight, radiance, count);
+}
+
+double sum(const double* weight, const double* radiance, int count) {
+  return sum_all(weight, radiance, count);
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA

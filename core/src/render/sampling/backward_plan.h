@@ -1,0 +1,85 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "camera/block_tracing.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/sampling/sobol.h"
+#include "render/sampling/backward_kernel.h"
+#include "render/sampling/pixel_row_kernel.h"
+#include "render/sampling/point_range.h"
+#include "render/sampling/worth_levels.h"
+#include "render/transport/backward_surfaces.h"
+#include "render/transport/radiance_table.h"
+#include "render/transport/scatter_walk.h"
+#include "render/visibility/scene_beams.h"
+
+namespace plenoflame {
+
+/// Entry points of the kernels for one instruction set.
+template <class Real>
+struct BackwardKernels {
+  void (*generate)(const KernelFrame<Real>&, const KernelPixel<Real>*, int, Real,
+                   const KernelBlock<Real>&);
+  void (*multiply)(const Real*, const Real*, int, Real*);
+  void (*add_neighbours)(const Real*, int, int, Real*);
+  double (*sum)(const Real*, const Real*, int);
+  void (*set_up_rows)(const KernelRows&, const KernelRowPixels&);
+  void (*cull_pixels)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
+};
+
+template <class Real>
+BackwardKernels<Real> backward_kernels(Isa isa);
+
+using SobolPools = std::vector<SobolPool>;
+
+/// Pixels of one worth.
+struct SampleLevel {
+  const SobolPool* pool = nullptr;
+  int pool_level = 0;
+  double scale = 1;      ///< what a sum counts, compared with one over all points
+  int log2_points = -1;  ///< of the pool's points, as in PixelRays
+};
+
+/// Everything that is the same for all tiles; immutable.
+template <class Real>
+struct BackwardPlan {
+  const CompiledScene* scene = nullptr;
+  const Medium* medium = nullptr;  ///< the scene's
+  bool medium_bends = false;       ///< it takes rays through the windows by itself
+  const RenderSettings* settings = nullptr;
+  BackwardKernels<Real> kernels;
+  CameraKernels<Real> optics;
+  KernelCamera<Real> camera;
+  std::vector<KernelMicrolens<Real>> microlenses;
+  /// Of `microlenses`, for rays that pass between them (clear arrays; -1: opaque); their aim plane
+  /// in front of the array [m].
+  int between_type = -1;
+  Real between_z = 0;
+  Vec3 anchor;                        ///< [m] world
+  const SceneBeams* beams = nullptr;  ///< nullptr: nothing is skipped
+  RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
+  /// For all plans of a range. One pool per level: level k has 2^-k of the points, for pixels worth
+  /// less.
+  std::shared_ptr<const SobolPools> pools_of_range;
+  const SobolPools& pools() const { return *pools_of_range; }
+  std::vector<SampleLevel> levels;                ///< all of them
+  std::vector<WorthLevels> worths;                ///< of each type of microlens
+  std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
+  const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
+  std::uint32_t first = 0;                        ///< number of the first point
+  double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
+};
+
+/// What a BackwardPass goes by in a precision. @param medium the scene's, or what stands in
+/// for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing scatters.
+/// Plan and tracers keep pointers to all of them @param pools of another plan of the same settings
+/// and range; nullptr: they are made
+template <class Real>
+BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
+                                  const RenderSettings& settings, const PointRange& range,
+                                  const SurfaceLightPlan* light, const ScatterPlan* scatter,
+                                  std::shared_ptr<const SobolPools> pools = nullptr);
+
+}  // namespace plenoflame

@@ -1,0 +1,176 @@
+// Vector kernels of what is asked of rows of pixels; compiled once per instruction set.
+#include "render/sampling/pixel_row_kernel.h"
+
+#include "math/kernel_math.h"
+
+namespace plenoflame::PLENOFLAME_ISA {
+namespace {
+
+/// As plenoflame::mix64 (sampling/sobol.h).
+PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
+  key += 0x9e3779b97f4a7c15u;
+  key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+  key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+  return key ^ (key >> 31);
+}
+
+// In an int's place: loops that hold ints are made of narrower vectors.
+constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
+
+/// The whole part of x, from 0 to 2^32; of odd whole numbers one less (halves are rounded to even).
+/// As long as a double: loops that hold ints are made of narrower vectors.
+PLENOFLAME_INLINE std::int64_t whole_part(double x) {
+  return __builtin_bit_cast(std::int64_t, greatest(x - 0.5, 0.0) + 0x1p52) & 0xffffffff;
+}
+
+PLENOFLAME_INLINE std::int64_t place_at(double at) {
+  return whole_part(least(at, kRasterSide - 0.5));
+}
+
+}  // namespace
+
+// In steps, each a loop over all pixels: a row alone is too short for a processor to have several
+// vectors under way. Vectors of lengths are whole ones: what is found must not depend on how many
+// pixels there are. (Whole numbers and comparisons are the same in any vector.)
+void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
+  const KernelRows r = rows;
+  const int count = r.rows * r.count, padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
+  const double half = 0.5 * r.pitch, half_y = 0.5 * r.pitch_y;
+  double* __restrict at_x = pixels.x;
+  double* __restrict at_y = pixels.y;
+  std::uint64_t* __restrict place = pixels.place;
+  double* __restrict x_low = pixels.x_low;
+  double* __restrict x_width = pixels.x_width;
+  double* __restrict far2 = pixels.far2;
+  int* __restrict level = pixels.level;
+  int* __restrict sector = pixels.sector;
+  const double* closes = rows.closes;
+  alignas(64) double from_centre2[kRowsPixels], sector_found[kRowsPixels], level_found[kRowsPixels];
+  // Where each row's last vector goes beyond it the next row begins.
+  for (int row = 0; row < r.rows; ++row) {
+    const double y = r.y[row];
+    const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);
+    for (int first = 0; first < r.count; first += kRowLanes) {
+      const int k = row * r.count + first;
+      const double start = static_cast<double>(static_cast<int>(r.column) + first);
+      const std::uint64_t start_number = r.column + static_cast<std::uint64_t>(first);
+#pragma omp simd simdlen(8)
+      for (int i = 0; i < kRowLanes; ++i) {
+        const double column = start + kLanes[i];
+        at_x[k + i] = (r.half_columns - (column + 0.5)) * r.pitch - r.lens_x;
+        at_y[k + i] = y;
+        place[k + i] = (start_number + kLaneNumbers[i]) << 32 | number;
+      }
+    }
+  }
+  for (int k = count; k < padded; ++k) {
+    at_x[k] = at_x[0];
+    at_y[k] = at_y[0];
+    place[k] = place[0];
+  }
+  for (int k = 0; k < padded; k += kRowLanes)
+#pragma omp simd simdlen(8)
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double vx = at_x[i] - r.centre_x, far_x = magnitude(vx) + half;
+      const double vy = at_y[i] - r.centre_y, far_y = magnitude(vy) + half_y;
+      far2[i] = far_x * far_x + far_y * far_y;
+      const double distance2 = vx * vx + vy * vy;
+      from_centre2[i] = distance2;
+      // Squares with their signs: in the order of the numbers, without a root.
+      const double along = vx * r.field_x + vy * r.field_y, along2 = along * magnitude(along);
+      double of_direction = 0;
+#pragma GCC unroll 8
+      for (int n = 0; n < kCutAzimuths - 1; ++n)
+        of_direction += along2 < kCutBorders[n] * magnitude(kCutBorders[n]) * distance2 ? 1.0 : 0.0;
+      sector_found[i] = distance2 > r.clear2 ? of_direction : double(kCutAzimuths);
+    }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) sector[i] = static_cast<int>(sector_found[i]);
+  // Columns inside of the disc that the sector's light comes from.
+  for (int k = 0; k < padded; k += kRowLanes)
+#pragma omp simd simdlen(8)
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double near_y = greatest(magnitude(at_y[i] - r.centre_y) - half_y, 0.0);
+      const double radius = closes[sector[i]];
+      const double vx = at_x[i] - r.centre_x;
+      const double reach = square_root(greatest(radius * radius - near_y * near_y, 0.0));
+      const double low = greatest(vx - half, -reach);
+      x_low[i] = r.centre_x + low;
+      x_width[i] = least(vx + half, reach) - low;
+    }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const double distance2 = from_centre2[i], width = x_width[i];
+    double of_rings = 0, of_parts = 0;
+#pragma GCC unroll 8
+    for (int k = 0; k < kWorthRings; ++k) {
+      of_rings += distance2 > r.rings[k] ? 1.0 : 0.0;
+      of_parts += width <= r.parts[k] ? 1.0 : 0.0;
+    }
+    level_found[i] = of_rings + of_parts;
+  }
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) level[i] = static_cast<int>(level_found[i]);
+  std::uint64_t* __restrict a = pixels.random[0];
+  std::uint64_t* __restrict b = pixels.random[1];
+  std::uint64_t* __restrict c = pixels.random[2];
+  std::uint64_t* __restrict d = pixels.random[3];
+  std::uint64_t* __restrict e = pixels.random[4];
+#pragma omp simd
+  for (int i = 0; i < padded; ++i) {
+    const std::uint64_t one = mixed(place[i] ^ r.key);
+    a[i] = one;
+    b[i] = mixed(one + 1);
+    c[i] = mixed(one + 2);
+    d[i] = mixed(one + 3);
+    e[i] = mixed(one + 4);
+  }
+}
+
+void cull_pixels(const KernelRows& rows, const KernelBeam& of_beam, const KernelRowPixels& pixels) {
+  const KernelRows r = rows;
+  const KernelBeam b = of_beam;
+  const double* radii = b.radius;
+  const double* inners = b.inner;
+  const double* raster = b.to_lit;
+  alignas(64) double found[kRowsPixels];
+  const double* __restrict at_x = pixels.x;
+  const double* __restrict at_y = pixels.y;
+  int* __restrict visibility = pixels.visibility;
+  const int all = r.rows * r.count, all_padded = (all + kRowLanes - 1) / kRowLanes * kRowLanes;
+  for (int k = 0; k < all_padded; k += kRowLanes)
+#pragma omp simd simdlen(8)
+    for (int i = k; i < k + kRowLanes; ++i) {
+      const double x = at_x[i], vx = x - r.centre_x, y = at_y[i], vy = y - r.centre_y;
+      const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
+      const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
+      const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
+      const double axis_y = b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y;
+      const double half_way = 0.5 * square_root(axis_x * axis_x + axis_y * axis_y);
+      const std::int64_t bin =
+          whole_part(least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 0.5));
+      const double radius = radii[bin], inner = inners[bin];
+      const double near_x = clamp(px, b.lower_x, b.upper_x),
+                   near_y = clamp(py, b.lower_y, b.upper_y);
+      const std::int64_t place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
+                                 place_at((near_x - b.lower_x) * b.scale_x);
+      const double in = raster[place];
+      const double out_x = px - near_x, out_y = py - near_y;
+      const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
+      // No && here: what branches is not vectorised. Beams that are longer than wide, between the
+      // planes, are looked at in parts: not here.
+      const bool is_short = half_way <= 0.25 * radius;
+      const bool beyond = out2 + in * in > reach * reach * (1 + kBeamRounding);
+      const bool within = square_root(out2) + in + b.lit_room <= inner;
+      const bool holds =
+          (px > b.lower_x) & (px < b.upper_x) & (py > b.lower_y) & (py < b.upper_y) & !(in > 0);
+      const double of_disc = is_short ? (beyond ? double(kSeesNone) : double(kSeesSomething))
+                                      : double(kNeedsExactTest);
+      found[i] = holds | within ? double(kSeesSomething) : of_disc;
+    }
+#pragma omp simd
+  for (int i = 0; i < all_padded; ++i) visibility[i] = static_cast<int>(found[i]);
+}
+
+}  // namespace plenoflame::PLENOFLAME_ISA

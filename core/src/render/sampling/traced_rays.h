@@ -1,0 +1,65 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/film/film.h"
+#include "render/sampling/backward_kernel.h"
+#include "render/transport/backward_surfaces.h"
+
+namespace plenoflame {
+
+/// Rays of one pixel that lie together in a block.
+struct PixelRays {
+  int column, row, first, count;
+  int offset;       ///< number of the first one among those of pixel and microlens
+  int points;       ///< so many of those numbers belong to one randomisation, then to the next
+  int log2_points;  ///< points are 2^this, where that is 1, 2, 4 or 8; else -1
+  double scale;     ///< what they count for
+};
+
+inline constexpr int kMostLog2Points = 3;
+/// PixelRays::log2_points of so many points.
+constexpr int log2_points_of(int points) {
+  for (int k = 0; k <= kMostLog2Points; ++k)
+    if (points == 1 << k) return k;
+  return -1;
+}
+
+/// Rays as they are drawn, before any optics: entries [first, first + count) of the block start at
+/// the aim plane, relative to the centre of their microlens, with the weights they were drawn with.
+template <class Real>
+struct DrawnRays {
+  const KernelFrame<Real>& frame;
+  LensIndex lens;  ///< (0, 0) for rays that go through no microlens
+  int type;        ///< of the microlens; -1: none
+  const KernelBlock<Real>& block;
+  int first, count;
+};
+
+/// A block of rays behind the camera: lines in world axes, relative to the plan's anchor.
+template <class Real>
+struct TracedRays {
+  const KernelBlock<Real>& block;
+  int count;                          ///< rays
+  int padded;                         ///< with the repeated rays that fill the last vector
+  std::span<const PixelRays> pixels;  ///< together all rays, in their order
+  /// The same with their random numbers, for what follows light; empty where nothing does.
+  const std::vector<RayGroup>& groups;
+  int log2_points;  ///< largest of the pixels' ones; at least 0
+};
+
+/// Takes the rays of a TileTracer, a block at a time.
+template <class Real>
+class RayConsumer {
+ public:
+  virtual ~RayConsumer() = default;
+  /// Blocks that follow are of this tile. @param index of the film's tiles
+  virtual void begin_tile(int index, const PixelWindow& tile) = 0;
+  /// Called for all rays of a block before it is traced, where wants_drawn() says so.
+  virtual void drawn(const DrawnRays<Real>&) {}
+  virtual bool wants_drawn() const { return false; }
+  virtual void traced(const TracedRays<Real>& rays) = 0;
+};
+
+}  // namespace plenoflame

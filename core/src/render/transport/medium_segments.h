@@ -1,0 +1,55 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/math/vector.h"
+#include "plenoflame/media/medium.h"
+
+namespace plenoflame {
+
+/// Integrates a medium along any number of stretches of lines, in a precision; one per worker.
+template <class Real>
+class BasicMediumSegments {
+ public:
+  /// @param medium nullptr: every stretch is clear
+  BasicMediumSegments(const Medium* medium, const MediumOptions& options);
+
+  void clear() { rays_.clear(), far_.clear(); }
+  /// Adds the stretch 0 < t < t_far. @return its number
+  std::size_t add(const Ray& ray, double t_far) {
+    rays_.push_back(ray);
+    far_.push_back(t_far);
+    return rays_.size() - 1;
+  }
+  /// Integrates what was added. @param with_radiance otherwise only the transmittance is kept
+  void integrate(bool with_radiance, MediumCounters& counters);
+
+  /// Of the first channel, or of all of them when the medium is grey.
+  double transmittance(std::size_t segment) const { return transmittance_[segment * passes_]; }
+  double transmittance(std::size_t segment, std::size_t channel) const {
+    return transmittance_[segment * passes_ + (passes_ > 1 ? channel : 0)];
+  }
+  /// Whether it is the same in all channels.
+  bool is_grey() const { return passes_ == 1; }
+  /// [W/(m^2 sr)] that arrives at t = 0.
+  double radiance(std::size_t segment, int channel) const {
+    return radiance_[segment * channels_ + static_cast<std::size_t>(channel)];
+  }
+
+ private:
+  bool meets(const Ray& ray, double t_far) const;
+  void integrate_batch(std::size_t first, std::size_t count, bool with_radiance,
+                       MediumCounters& counters);
+
+  const Medium* medium_;
+  MediumOptions options_;
+  Box bounds_;
+  std::size_t channels_ = 0, passes_ = 1;  ///< passes_: different transmittances
+  std::vector<Ray> rays_;
+  std::vector<double> far_, transmittance_, radiance_;
+  std::vector<std::size_t> inside_;  ///< segments that meet the medium's bounds
+  std::vector<Real> storage_;        ///< of one batch
+};
+
+using MediumSegments = BasicMediumSegments<double>;
+
+}  // namespace plenoflame

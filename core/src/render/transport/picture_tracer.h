@@ -1,0 +1,41 @@
+#pragma once
+#include "plenoflame/film/film.h"
+#include "render/estimators/film_sums.h"
+#include "render/sampling/backward_tile.h"
+#include "render/transport/radiance_integrator.h"
+
+namespace plenoflame {
+
+/// Makes a picture of the rays of a plan: tracer, integrator and film in a row. One per worker
+/// thread.
+template <class Real>
+class PictureTracer : public RayConsumer<Real> {
+ public:
+  PictureTracer(const BackwardPlan<Real>& plan, Film& film)
+      : film_(film), tracer_(plan, *this), integrator_(plan), sums_(plan, film) {}
+  PictureTracer(const PictureTracer&) = delete;
+  PictureTracer& operator=(const PictureTracer&) = delete;
+
+  void render(int tile) { tracer_.trace(tile, film_.tile(tile)); }
+  double rays() const { return tracer_.counters().rays; }
+  WorkCounters counters() const {
+    WorkCounters all = tracer_.counters();
+    all += integrator_.counters();
+    all.table += sums_.table_counters();
+    return all;
+  }
+
+  void begin_tile(int index, const PixelWindow& tile) override { sums_.begin_tile(index, tile); }
+  void traced(const TracedRays<Real>& rays) override {
+    integrator_.integrate(rays);
+    sums_.add(rays, integrator_.radiance());
+  }
+
+ private:
+  Film& film_;
+  TileTracer<Real> tracer_;
+  RadianceIntegrator<Real> integrator_;
+  FilmSums<Real> sums_;
+};
+
+}  // namespace plenoflame

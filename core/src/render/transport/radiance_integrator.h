@@ -1,0 +1,56 @@
+#pragma once
+#include <memory>
+
+#include "render/sampling/aligned_columns.h"
+#include "render/sampling/backward_plan.h"
+#include "render/sampling/traced_rays.h"
+#include "render/transport/backward_surfaces.h"
+#include "render/transport/radiance_table.h"
+#include "render/transport/scatter_walk.h"
+#include "render/transport/window_integrator.h"
+
+namespace plenoflame {
+
+/// Finds the radiance that arrives along the rays of a block: of the flames, of surfaces and
+/// surroundings behind them, and what is scattered into the rays. One per worker thread.
+template <class Real>
+class RadianceIntegrator {
+ public:
+  /// @param plan kept, must live as long
+  explicit RadianceIntegrator(const BackwardPlan<Real>& plan);
+
+  void integrate(const TracedRays<Real>& rays);
+  /// [W/(m^2 sr)] of the block integrated last, channel c of ray i at [c * kPaddedBlock + i].
+  const Real* radiance() const { return radiance_; }
+  /// Of the flames in the first channel, by ray; no such thing where a table stands in for them.
+  const Real* transmittance() const { return transmittance_; }
+  /// Where each ray ends at a solid surface, in the block's own measure [m]; nullptr without any.
+  /// Not of rays through windows.
+  const Real* ends() const { return surfaces_ ? surfaces_->t_far() : nullptr; }
+  /// Of scenes with windows, else nullptr.
+  const WindowIntegrator<Real>* windows() const { return windows_.get(); }
+  /// Medium, table and the seconds of medium and surfaces.
+  const WorkCounters& counters() const { return counters_; }
+
+ private:
+  void integrate_rays(const TracedRays<Real>& rays);
+  bool integrate_by_table(const TracedRays<Real>& rays);
+  void add_scattered(const TracedRays<Real>& rays);
+  void mix_nodes(const TracedRays<Real>& rays);
+  void filter(const TracedRays<Real>& rays);
+
+  const BackwardPlan<Real>& plan_;
+  AlignedColumns<Real> columns_;
+  Real* radiance_ = nullptr;
+  Real* transmittance_ = nullptr;
+  int transmittance_stride_ = 0;  ///< of the nodes; 0: one for all
+  Real* fair_factor_ = nullptr;
+  std::unique_ptr<ScatterWalk> scatter_;             ///< nullptr: nothing scatters
+  std::unique_ptr<SurfaceBlock<Real>> surfaces_;     ///< nullptr as in the plan
+  std::unique_ptr<WindowIntegrator<Real>> windows_;  ///< nullptr: there are none
+  std::unique_ptr<RadianceTable::Worker> table_worker_;
+  WorkCounters counters_;
+  std::vector<int> pupil_parts_;  ///< of the rays of a block
+};
+
+}  // namespace plenoflame

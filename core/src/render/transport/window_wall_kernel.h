@@ -1,0 +1,50 @@
+// Data of the kernels that take rays through walls of glass, and their entry points for every
+// instruction set.
+#pragma once
+
+namespace plenoflame {
+
+/// A wall that rays meet on one side and leave on the other one.
+template <class Real>
+struct KernelWall {
+  bool is_round;
+  Real turn[9];  ///< from the world into the window's own frame, row by row
+  Real at[3];    ///< the rays' anchor in that frame [m]
+  Real index, absorption;
+  bool reflects;
+  // Flat: faces in the order in which rays meet them, dot(normal, p) = offset, normals out of the
+  // glass, and what of them is polished [m].
+  Real normal[2][3], offset[2];
+  Real half_x, half_y, radius2;
+  // Round: cylinders around z, from outside inwards.
+  Real radius[2], low, high;
+};
+
+/// Lines relative to the anchor, along unit vectors in world axes.
+template <class Real>
+struct KernelWays {
+  Real *x, *y, *z, *dx, *dy, *dz;
+  Real* through;  ///< share of their light that has passed
+  int* odd;       ///< not 0: goes another way than in at one face and out at the other
+};
+
+#define PLENOFLAME_WINDOW_WALL_KERNELS                                                             \
+  /* Takes rays through a wall, those that pass a round one by excepted; `count` multiple of 16.   \
+   */                                                                                              \
+  void pass_wall(const KernelWall<float>&, int count, const KernelWays<float>&);                   \
+  void pass_wall(const KernelWall<double>&, int count, const KernelWays<double>&);                 \
+  /* Moves each line's point to that nearest to the anchor.                                     */ \
+  void move_to_anchor(int count, const KernelWays<float>&);                                        \
+  void move_to_anchor(int count, const KernelWays<double>&);
+
+namespace baseline {
+PLENOFLAME_WINDOW_WALL_KERNELS
+}
+namespace avx2 {
+PLENOFLAME_WINDOW_WALL_KERNELS
+}
+namespace avx512 {
+PLENOFLAME_WINDOW_WALL_KERNELS
+}
+
+}  // namespace plenoflame

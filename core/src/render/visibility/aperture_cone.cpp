@@ -1,0 +1,95 @@
+#include "render/visibility/aperture_cone.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plenoflame/base/constants.h"
+#include "plenoflame/optics/surface_shape.h"
+#include "sampling/directions.h"
+
+namespace plenoflame {
+namespace {
+
+constexpr double kSphereMargin = 1 + 1e-9;  ///< on the sphere's radius, for rounding
+
+}  // namespace
+
+ApertureCone::ApertureCone(const Camera& camera) {
+  if (!camera.ideal_lens()) {
+    const SurfaceSpec& first = camera.spec().lens.surfaces.front();
+    const double height = 0.5 * first.diameter;
+    const double depth = surface_sag(first, height);  // of the rim behind the vertex
+    // A cap up to a hemisphere lies within the sphere around the middle of its rim. Whether one of
+    // an asphere does is looked at.
+    centre_ = {0, 0, -depth};
+    radius_ = std::max(height, std::fabs(depth));
+    front_ = std::max(0.0, -depth);
+    if (is_aspheric(first)) {
+      constexpr int kSteps = 256;
+      for (int i = 0; i < kSteps; ++i) {
+        const double h = height * i / kSteps, sag = surface_sag(first, h);
+        radius_ = std::max(radius_, std::hypot(h, sag - depth));
+        front_ = std::max(front_, -sag);
+      }
+      radius_ += height / kSteps;  // the slope is below one where rays get in
+    }
+    radius_ *= kSphereMargin;
+    move_with(camera);
+    return;
+  }
+  pupil_ = true;
+  // In terms of the height h at the front principal plane and the slope s in the scene, a ray
+  // passes when |a h + b s| is within the stop; that is a disc where a ray from its centre has a h
+  // = -b s.
+  const IdealLens& lens = camera.ideal();
+  const double a = lens.stop_height + lens.stop_slope / lens.focal_length, b = lens.stop_slope;
+  if (std::fabs(a) * 1e9 * lens.focal_length < std::fabs(b)) {
+    telecentric_ = kSphereMargin * lens.stop_radius / std::fabs(b);
+    // Directions are those of the camera: enough of them for a tilted lens.
+    if (camera.lens_moved())
+      telecentric_ = std::tan(std::atan(telecentric_) + length(camera.spec().lens.tilt));
+    return;
+  }
+  centre_ = {0, 0, lens.front_principal + b / a};
+  radius_ = kSphereMargin * lens.stop_radius / std::fabs(a);
+  move_with(camera);
+}
+
+/// With a main lens that is decentred or tilted.
+void ApertureCone::move_with(const Camera& camera) {
+  if (!camera.lens_moved()) return;
+  centre_ = camera.lens_pose().point(centre_);
+  if (pupil_) return;
+  // The foremost point of the rim, or of what lies before it.
+  const Vec3 axis = camera.lens_pose().direction({0, 0, 1});
+  front_ = std::max(front_, front_ * axis.z + radius_ * std::hypot(axis.x, axis.y));
+}
+
+ApertureCone::Direction ApertureCone::draw(Vec3 point, double u, double v) const {
+  Vec3 axis{0, 0, -1};
+  double versine = 1;  // of the cone: a hemisphere unless the point is outside of the sphere
+  if (telecentric_ > 0) {
+    const double secant = std::hypot(1.0, telecentric_);
+    versine = telecentric_ * telecentric_ / (secant * (1 + secant));
+  } else {
+    const Vec3 to_centre = centre_ - point;
+    const double distance = length(to_centre);
+    if (distance > radius_) {
+      const double sine = radius_ / distance;
+      versine = sine * sine / (1 + std::sqrt((1 - sine) * (1 + sine)));
+      axis = (1 / distance) * to_centre;
+    }
+  }
+  Direction result;
+  result.direction = cone_direction(axis, u * versine, v);
+  result.solid_angle = 2 * constants::pi * versine;
+  if (!(result.direction.z < 0)) {
+    if (pupil_ && result.direction.z > 0)
+      result.direction = -result.direction;
+    else
+      result.solid_angle = 0;
+  }
+  return result;
+}
+
+}  // namespace plenoflame

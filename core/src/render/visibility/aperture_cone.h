@@ -1,0 +1,45 @@
+#pragma once
+#include "plenoflame/camera/camera.h"
+
+namespace plenoflame {
+
+/// The directions in which light may enter a camera: seen from a point of the scene, the cone
+/// around a sphere that encloses the front surface's clear aperture (with an ideal main lens, the
+/// entrance pupil). Camera frame.
+class ApertureCone {
+ public:
+  explicit ApertureCone(const Camera& camera);
+
+  /// Whether a point lies on the scene's side of the camera.
+  bool in_front(Vec3 point) const { return point.z > front_; }
+
+  /// [m] along a direction with z < 0, from a point in front, to the plane where the camera begins.
+  double distance_to_front(Vec3 point, Vec3 direction) const {
+    return (point.z - front_) / -direction.z;
+  }
+
+  /// z in front of which the scene begins [m].
+  double front() const { return front_; }
+  /// Of the sphere [m]; radius 0: directions have no such centre.
+  Vec3 centre() const { return centre_; }
+  double radius() const { return telecentric_ > 0 ? 0 : radius_; }
+
+  struct Direction {
+    Vec3 direction;  ///< towards -z
+    double solid_angle =
+        0;  ///< [sr] over which directions are drawn evenly; 0: away from the camera
+  };
+  /// @param u, v uniform in (0, 1)
+  Direction draw(Vec3 point, double u, double v) const;
+
+ private:
+  void move_with(const Camera& camera);
+  double front_ = 0;   ///< z in front of which the scene begins [m]
+  Vec3 centre_;        ///< of the sphere [m]
+  double radius_ = 0;  ///< [m]
+  /// Lines that meet the sphere count whichever way it lies: a pupil may be behind the flame.
+  bool pupil_ = false;
+  double telecentric_ = 0;  ///< > 0: instead, tangent of the largest angle with the axis
+};
+
+}  // namespace plenoflame

@@ -1,0 +1,200 @@
+#include "render/visibility/occupied_region.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace plenoflame {
+namespace {
+
+constexpr double kRounding = kBeamRounding;
+constexpr int kMostParts = 8;     ///< that an oblique beam is looked at in
+constexpr double kSingle = 1e-6;  ///< relative: room for rounding
+
+std::array<Vec3, 8> corners(const Box& box) {
+  std::array<Vec3, 8> points;
+  for (std::size_t i = 0; i < 8; ++i)
+    points[i] = {(i & 1) ? box.upper.x : box.lower.x, (i & 2) ? box.upper.y : box.lower.y,
+                 (i & 4) ? box.upper.z : box.lower.z};
+  return points;
+}
+
+void include(Vec3 p, Box& box) {
+  box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
+  box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
+}
+
+Box nothing() {
+  return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+}
+
+/// Distances from the middle of every place of a raster to the middle of the nearest marked one
+/// [m]; infinite when none is. Column by column, then along rows as the lower envelope of parabolas
+/// (P. Felzenszwalb, D. Huttenlocher, "Distance Transforms of Sampled Functions", 2012).
+std::vector<double> distances(const std::vector<bool>& marked, int side, Vec2 size) {
+  const auto n = static_cast<std::size_t>(side);
+  std::vector<double> squares(n * n, kInfinity);
+  for (std::size_t column = 0; column < n; ++column) {
+    const auto pass = [&](std::size_t first, int step) {
+      double rows = kInfinity;
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t i = (step > 0 ? first + k : first - k) * n + column;
+        rows = marked[i] ? 0 : rows + 1;
+        squares[i] = std::min(squares[i], rows * rows * size.y * size.y);
+      }
+    };
+    pass(0, 1);
+    pass(n - 1, -1);
+  }
+  std::vector<double> from(n), result(n * n);
+  std::vector<std::size_t> apex(n);
+  for (std::size_t row = 0; row < n; ++row) {
+    const double* f = squares.data() + row * n;
+    std::size_t count = 0;
+    // Where the parabola of a column comes below that of another one before it.
+    const auto crossing = [&](std::size_t before, std::size_t column) {
+      const double a = static_cast<double>(before) * size.x,
+                   b = static_cast<double>(column) * size.x;
+      return ((f[column] + b * b) - (f[before] + a * a)) / (2 * (b - a));
+    };
+    for (std::size_t column = 0; column < n; ++column) {
+      if (!(f[column] < kInfinity)) continue;
+      while (count > 0 && crossing(apex[count - 1], column) <= from[count - 1]) --count;
+      from[count] = count > 0 ? crossing(apex[count - 1], column) : -kInfinity;
+      apex[count++] = column;
+    }
+    for (std::size_t column = 0, k = 0; column < n; ++column) {
+      const double x = static_cast<double>(column) * size.x;
+      while (k + 1 < count && from[k + 1] < x) ++k;
+      const double away = count > 0 ? x - static_cast<double>(apex[k]) * size.x : 0;
+      result[row * n + column] = count > 0 ? std::sqrt(f[apex[k]] + away * away) : kInfinity;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<std::vector<Box>> occupied_boxes(const CompiledScene& scene) {
+  if (!scene.lights.environment.empty()) return std::nullopt;
+  if (scene.surfaces && scene.surfaces->has_endless_plane()) return std::nullopt;
+  std::vector<Box> boxes;
+  if (scene.medium) boxes = scene.medium->occupied();
+  if (scene.surfaces) boxes.push_back(scene.surfaces->bounds());
+  std::erase_if(boxes, [](const Box& box) { return box.empty(); });
+  return boxes;
+}
+
+OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& world) {
+  // Along the axis of the main lens, where that is not the camera's.
+  const RigidTransform to_camera = camera.to_world().inverse(),
+                       to_lens = camera.lens_pose().inverse();
+  const bool moved = camera.lens_moved();
+  std::vector<Box> boxes;
+  Box whole = nothing();
+  for (const Box& box : world) {
+    Box ahead = nothing();
+    for (const Vec3 corner : corners(box)) {
+      const Vec3 p = to_camera.point(corner);
+      include(moved ? to_lens.point(p) : p, ahead);
+    }
+    include(ahead.lower, whole);
+    include(ahead.upper, whole);
+    boxes.push_back(ahead);
+  }
+  bounded_ = !boxes.empty() && whole.lower.z > 0 && std::isfinite(whole.upper.z) &&
+             std::isfinite(whole.upper.x - whole.lower.x) &&
+             std::isfinite(whole.upper.y - whole.lower.y);
+  if (!bounded_) return;
+  planes_[0] = whole.lower.z;
+  planes_[1] = whole.upper.z;
+  const double room =
+      kRounding * (length(whole.upper) + length(whole.lower)) + 1e-300;  // a box may be flat
+  lower_ = {whole.lower.x - room, whole.lower.y - room};
+  upper_ = {whole.upper.x + room, whole.upper.y + room};
+  scale_ = {kSide / (upper_.x - lower_.x), kSide / (upper_.y - lower_.y)};
+  std::vector<bool> lit(static_cast<std::size_t>(kSide) * kSide, false);
+  const auto place = [](double at) { return std::clamp(static_cast<int>(at), 0, kSide - 1); };
+  for (const Box& box : boxes) {
+    const int column0 = place((box.lower.x - room - lower_.x) * scale_.x);
+    const int column1 = place((box.upper.x + room - lower_.x) * scale_.x);
+    const int row0 = place((box.lower.y - room - lower_.y) * scale_.y);
+    const int row1 = place((box.upper.y + room - lower_.y) * scale_.y);
+    for (int row = row0; row <= row1; ++row)
+      std::fill_n(lit.begin() + row * kSide + column0, column1 - column0 + 1, true);
+  }
+  const Vec2 size{1 / scale_.x, 1 / scale_.y};
+  // From any point of a place to any of another: less by a half diagonal at either end.
+  const double diagonal = std::hypot(size.x, size.y);
+  const auto at_least = [&](const std::vector<bool>& marked) {
+    std::vector<double> least;
+    for (const double d : distances(marked, kSide, size))
+      least.push_back(std::max(0.0, (1 - kSingle) * d - diagonal));
+    return least;
+  };
+  to_lit_ = at_least(lit);
+  lit.flip();
+  to_dark_ = at_least(lit);
+}
+
+bool OccupiedRegion::holds(Vec2 p) const {
+  return p.x > lower_.x && p.x < upper_.x && p.y > lower_.y && p.y < upper_.y &&
+         !(to_lit_[place_of(p)] > 0);
+}
+
+std::size_t OccupiedRegion::place_of(Vec2 p) const {
+  const auto place = [](double at) {
+    return static_cast<std::size_t>(std::min(std::max(at, 0.0), kSide - 1.0));
+  };
+  return place((p.y - lower_.y) * scale_.y) * kSide + place((p.x - lower_.x) * scale_.x);
+}
+
+/// Whether nothing is within a disc.
+bool OccupiedRegion::is_beyond(Vec2 centre, double radius) const {
+  // Seen from outside all that is lit lies behind the nearest point of the raster's border.
+  const Vec2 nearest{std::clamp(centre.x, lower_.x, upper_.x),
+                     std::clamp(centre.y, lower_.y, upper_.y)};
+  const Vec2 out = centre - nearest;
+  const double in = to_lit_[place_of(nearest)];
+  return dot(out, out) + in * in > radius * radius * (1 + kRounding);
+}
+
+bool OccupiedRegion::meets(const Vec2 centre[2], double radius) const {
+  if (!bounded_ || !(radius < kInfinity)) return true;
+  const Vec2 axis = centre[1] - centre[0];
+  const double along = std::sqrt(dot(axis, axis));
+  int parts = 1;
+  if (along > 0.5 * radius)
+    parts = 0.5 * radius * kMostParts > along ? static_cast<int>(std::ceil(2 * along / radius))
+                                              : kMostParts;
+  for (int part = 0; part < parts; ++part)
+    if (!is_beyond(centre[0] + ((part + 0.5) / parts) * axis, radius + 0.5 * along / parts))
+      return true;
+  return false;
+}
+
+void OccupiedRegion::describe(KernelBeam& beam) const {
+  beam.lower_x = lower_.x;
+  beam.lower_y = lower_.y;
+  beam.upper_x = upper_.x;
+  beam.upper_y = upper_.y;
+  beam.scale_x = scale_.x;
+  beam.scale_y = scale_.y;
+  beam.to_lit = to_lit_.data();
+  // From a point to the middle of its place, on to that of the lit one: once less, now once more.
+  beam.lit_room = (2 + 4 * kSingle) * std::hypot(1 / scale_.x, 1 / scale_.y) +
+                  4 * kSingle * length(upper_ - lower_);
+}
+
+bool OccupiedRegion::is_filled(const Vec2 centre[2], double radius) const {
+  if (!bounded_) return true;
+  for (int k = 0; k < 2; ++k) {
+    const Vec2 p = centre[k];
+    if (p.x - radius < lower_.x || p.x + radius > upper_.x || p.y - radius < lower_.y ||
+        p.y + radius > upper_.y || to_dark_[place_of(p)] < radius)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,34 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "plenoflame/scene/compile.h"
+#include "render/visibility/beam_bounds.h"
+#include "render/visibility/occupied_region.h"
+#include "render/visibility/pixel_beams.h"
+
+namespace plenoflame {
+
+/// Which microlenses and pixels of a camera can see anything of its scene; made once for all passes
+/// of a rendering.
+class SceneBeams {
+ public:
+  /// @return nullptr when light may come from everywhere, also by ways that windows bend
+  static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene);
+  SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit);
+  SceneBeams(const SceneBeams&) = delete;
+  SceneBeams& operator=(const SceneBeams&) = delete;
+
+  const BeamBounds& lenses() const { return lenses_; }  ///< without array: pixels
+  /// nullptr: pixels are not looked at one by one
+  const PixelBeams* pixels() const { return pixels_.get(); }
+  const std::optional<BeamBounds>& between() const { return between_; }  ///< clear arrays only
+
+ private:
+  OccupiedRegion region_;
+  BeamBounds lenses_;
+  std::unique_ptr<const PixelBeams> pixels_;
+  std::optional<BeamBounds> between_;
+};
+
+}  // namespace plenoflame

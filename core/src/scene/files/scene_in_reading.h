@@ -1,0 +1,37 @@
+#pragma once
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "plenoflame/scene/scene_file.h"
+
+namespace plenoflame {
+
+/// A scene while its file is read: what is known of it so far, and what can only be done at the
+/// end.
+struct SceneInReading {
+  struct FNumber {
+    double value;
+    std::optional<std::size_t> camera;  ///< of a list of cameras; otherwise of the only one
+  };
+
+  SceneDocument document;
+  /// By the path of the lens; its stop is set when the glasses are known.
+  std::map<std::string, FNumber> f_numbers;
+  std::set<std::string> set_paths;  ///< what settings gave, not the file
+  bool closed = false;              ///< opens no file
+};
+
+/// Reads what is no key of the schema: `preset`, `file` and `f_number` of a table.
+/// @param table its schema path  @param path the same with `indices`  @param origin for messages
+void read_instruction(SceneInReading& reading, const std::string& table, const std::string& path,
+                      const std::vector<std::size_t>& indices, const std::string& name,
+                      const std::string& value, const std::string& origin);
+
+/// Applies "PATH=VALUE". @param option for messages @throws InputError
+void apply_setting(const std::string& setting, const std::string& option, SceneInReading& reading);
+
+}  // namespace plenoflame

@@ -1,0 +1,110 @@
+#pragma once
+#include "plenoflame/camera/pupil_filters.h"
+#include "plenoflame/optics/surface_shape.h"
+#include "plenoflame/scene/scene_schema.h"
+#include "scene/schema/schema_fields.h"
+#include "scene/schema/schema_paths.h"
+
+/// Rows of the schema table about the camera: those of apertures, and those that need functions of
+/// their own.
+namespace plenoflame::schema {
+
+/// A list of numbers with units of their own, kept as numbers.
+inline constexpr SchemaKey kAspheric{
+    "camera.lens.surfaces[].aspheric",
+    ValueType::text,
+    Dimension::none,
+    {},
+    {},
+    "Even aspheric terms, coefficients of h^4, h^6, h^8, ... added to the sag towards the sensor: "
+    "`1.2e-7 1/mm^3, 0, -3e-12 1/mm^7`.",
+    [](const Scene& scene, SchemaIndices i) -> SchemaValue {
+      return format_aspheric(locate<SURFACE, &SurfaceSpec::aspheric>(scene, i));
+    },
+    [](Scene& scene, SchemaIndices i, const SchemaValue& value) {
+      locate<SURFACE, &SurfaceSpec::aspheric>(scene, i) =
+          parse_aspheric(std::get<std::string>(value));
+    }};
+
+inline constexpr SchemaKey kPitchY = key<ARRAY, &ArraySpec::pitch_y>(
+    "camera.array.pitch_y",
+    "Lattice `square`: the same along y, where rows are not as far apart as columns; 0 m: as "
+    "`pitch`.",
+    kLength, from_zero(1));
+inline constexpr SchemaKey kArrayColumns =
+    key<ARRAY, &ArraySpec::columns>("camera.array.columns",
+                                    "Microlenses in a row, as many on both sides of lens (0, 0) "
+                                    "(of an even number one more right of it); 0: without end.",
+                                    kPure, {0, 65536, false, false});
+inline constexpr SchemaKey kArrayRows =
+    key<ARRAY, &ArraySpec::rows>("camera.array.rows",
+                                 "Rows of microlenses, as many above and below lens (0, 0); 0: "
+                                 "without end.",
+                                 kPure, {0, 65536, false, false});
+inline constexpr SchemaKey kAperture = key<ARRAY, &ArraySpec::aperture>(
+    "camera.array.aperture",
+    "Shape of a microlens. The sides of a square lie along rows and columns of the lattice; "
+    "those of a hexagon face the neighbours in a hexagonal lattice.");
+inline constexpr SchemaKey kDiameter =
+    key<ARRAY, &ArraySpec::diameter>("camera.array.diameter",
+                                     "Clear diameter of a microlens, of a square or hexagon from "
+                                     "side to side; at most the pitch, which leaves no gap between "
+                                     "squares in a square lattice, or hexagons in a hexagonal one.",
+                                     kLength, above_zero(1));
+inline constexpr SchemaKey kDiameterY = key<ARRAY, &ArraySpec::diameter_y>(
+    "camera.array.diameter_y",
+    "Aperture `square`: the same along y, of rectangles; 0 m: as `diameter`.", kLength,
+    from_zero(1));
+
+inline constexpr SchemaKey kPixelPitch = key<SENSOR, &SensorSpec::pixel_pitch>(
+    "camera.sensor.pixel_pitch",
+    "Distance between the middles of neighbouring pixels, which leave no gaps; of pixels that are "
+    "not square, along a row.",
+    kLength, above_zero(0.1));
+inline constexpr SchemaKey kPixelPitchY = key<SENSOR, &SensorSpec::pixel_pitch_y>(
+    "camera.sensor.pixel_pitch_y",
+    "The same along a column, of pixels that are not square; 0 m: as `pixel_pitch`.", kLength,
+    from_zero(0.1));
+
+inline constexpr SchemaKey kFilterName =
+    key<FILTER, &PupilFilterSpec::name>("camera.pupil_filters[].name", "Name for reports.");
+inline constexpr SchemaKey kFilterShape = key<FILTER, &PupilFilterSpec::shape>(
+    "camera.pupil_filters[].shape",
+    "What part of the stop the filter covers: a `sector` (a half and a ring are such, too), or a "
+    "convex `polygon`. No two filters may cover the same.");
+inline constexpr SchemaKey kFilterAngle = key<FILTER, &PupilFilterSpec::angle>(
+    "camera.pupil_filters[].angle",
+    "Sector: where it begins, from camera x (right) towards camera y (down), as seen from behind "
+    "the camera.",
+    kAngle, within(1000));
+inline constexpr SchemaKey kFilterExtent = key<FILTER, &PupilFilterSpec::extent>(
+    "camera.pupil_filters[].extent", "Sector: angle over which it extends; 0 deg: all around.",
+    kAngle, {0, 6.2831853071795872, false, false});
+inline constexpr SchemaKey kFilterInner = key<FILTER, &PupilFilterSpec::inner>(
+    "camera.pupil_filters[].inner", "Sector: inner radius, in radii of the stop.", kPure,
+    from_zero(1));
+inline constexpr SchemaKey kFilterOuter = key<FILTER, &PupilFilterSpec::outer>(
+    "camera.pupil_filters[].outer", "Sector: outer radius, in radii of the stop.", kPure,
+    above_zero(10));
+/// A list of points, kept as numbers.
+inline constexpr SchemaKey kFilterCorners{
+    "camera.pupil_filters[].corners",
+    ValueType::text,
+    Dimension::none,
+    {},
+    {},
+    "Polygon: its corners x y (camera axes) in radii of the stop, one after the other around it: "
+    "`0 -1, 1 -1, 1 1, 0 1`.",
+    [](const Scene& scene, SchemaIndices i) -> SchemaValue {
+      return format_corners(locate<FILTER, &PupilFilterSpec::corners>(scene, i));
+    },
+    [](Scene& scene, SchemaIndices i, const SchemaValue& value) {
+      locate<FILTER, &PupilFilterSpec::corners>(scene, i) =
+          parse_corners(std::get<std::string>(value));
+    }};
+inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
+    "camera.pupil_filters[].transmission",
+    "Its transmission, straight lines between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; "
+    "empty: everything passes.");
+
+}  // namespace plenoflame::schema

@@ -1,0 +1,134 @@
+"""Filters over parts of the stop: their report, the temperature of one picture, what is refused."""
+
+import json
+
+from command import CommandTest, main
+
+TEMPERATURE = 1600
+CAMERA = """[camera.lens]
+model = "ideal"
+focal_length = "100 mm"
+diameter = "25 mm"
+[camera.array]
+lattice = "square"
+model = "ideal"
+aperture = "square"
+pitch = "0.25 mm"
+diameter = "0.25 mm"
+sensor_distance = "1 mm"
+[[camera.array.types]]
+name = "lens"
+focal_length = "1 mm"
+[camera.sensor]
+columns = 100
+rows = 100
+pixel_pitch = "10 um"
+[camera.focus]
+object_distance = "0.75 m"
+"""
+CHANNEL = '[[channels]]\nname = "sensor"\nkind = "band"\nwavelength = "725 nm"\nwidth = "400 nm"\n'
+FLAME = f"""[[flames]]
+position = ["0.75 m", "0 m", "0 m"]
+[[flames.layers]]
+centre = ["0 m", "0 m", "0 m"]
+semi_axes = ["50 mm", "50 mm", "50 mm"]
+temperature = "{TEMPERATURE} K"
+absorption = "2000 1/m"
+"""
+
+
+def sector(name, angle, extent, transmission):
+    return (f'[[camera.pupil_filters]]\nname = "{name}"\nangle = "{angle} deg"\nextent = "{extent} deg"\n'
+            f'transmission = "{transmission}"\n')
+
+
+RED = sector("red", -90, 180, "640 nm 0, 650 nm 0.9, 660 nm 0")
+INFRARED = sector("infrared", 90, 180, "840 nm 0, 850 nm 0.6, 860 nm 0")
+
+
+class PupilFilters(CommandTest):
+    def rendered(self, filters):
+        self.write("a.toml", CAMERA + filters + CHANNEL + FLAME)
+        self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "64", "--quiet")
+
+    def json_of(self, *words):
+        """Figures; a camera as small as this one is warned of."""
+        result = self.run_command(*words, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def test_a_uniform_flame_has_its_temperature(self):
+        self.rendered(RED + INFRARED)
+        figures = self.json_of("pyrometry", "a.exr", "--filters", "red,infrared", "-o", "t.exr", "--picture", "t.png")
+        for key in ("mean_K", "lowest_K", "highest_K"):
+            self.assertLess(abs(figures[key] / TEMPERATURE - 1), 1e-3, figures)
+        self.assertEqual(figures["filters"], ["red", "infrared"])
+        self.assertGreaterEqual(figures["microlenses"], 9)
+        self.assertGreater(min(figures["pixels_of_a_microlens"]), 30)
+        self.assertIn("t.exr", self.files())
+        self.assertIn("t.png", self.files())
+
+    def test_electrons_give_the_temperature_too(self):
+        # A uniform flame: what is left is noise of many pixels. The dark signal is 30 electrons of some thousand.
+        camera = CAMERA.replace('pixel_pitch = "10 um"', 'pixel_pitch = "10 um"\nfull_well = 20000\n'
+                                'read_noise = 5\ndark_current = 30000\nexposure_time = "1 ms"\nquantum_efficiency = 0.4')
+        self.write("a.toml", camera + RED + INFRARED + CHANNEL + FLAME)
+        self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "64", "--quiet")
+        self.succeeds("develop", "a.exr", "--exposure", "auto", "-o", "e.exr")
+        figures = self.json_of("pyrometry", "e.exr", "--filters", "red,infrared")
+        self.assertGreater(figures["expected_deviation_K"], 0.1)
+        self.assertLess(abs(figures["mean_K"] - TEMPERATURE),
+                        3 * figures["expected_deviation_K"] / figures["microlenses"] ** 0.5 + 1e-3 * TEMPERATURE)
+
+    def test_the_matrix_weighs_the_filters(self):
+        # Two halves of 0.9 and 0.3 in all light of the channel, against the open stop: 0.6.
+        total = []
+        for filters in ("", sector("a", -90, 180, "300 nm 0.9, 1200 nm 0.9") +
+                        sector("b", 90, 180, "300 nm 0.3, 1200 nm 0.3")):
+            self.write("a.toml", CAMERA + filters + CHANNEL + FLAME)
+            result = self.run_command("operator", "a.toml", "--grid", "4", "--rays", "16", "--quiet", "-o", "A.mtx")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            with open(self.path("A.mtx"), encoding="ascii") as file:
+                rows = [line.split() for line in file if not line.startswith("%")]
+            total.append(sum(float(row[2]) for row in rows[1:]))
+        self.assertLess(abs(total[1] / total[0] / 0.6 - 1), 0.02)
+
+    def test_design_says_which_views_see_which_filter(self):
+        self.write("a.toml", CAMERA + RED + INFRARED + CHANNEL + FLAME)
+        figures = self.json_of("design", "a.toml")
+        parts = figures["pupil_parts"]
+        self.assertEqual([part["name"] for part in parts], ["red", "infrared"])
+        for part in parts:
+            self.assertLess(abs(part["share"] - 0.5), 2e-3)
+            # A pixel of 10 um behind a pupil of 25 mm at 115.38 mm.
+            self.assertLess(abs(part["etendue_m2_sr"] / (0.5 * 1e-10 * 3.14159 / (4 * (115.38 / 25) ** 2 + 1)) - 1), 0.01)
+        for row in figures["views_see"]:
+            self.assertEqual((row[0], row[3], row[6]), ("infrared", None, "red"))
+        self.assertIn("a of the stop", self.run_command("design", "a.toml").stdout)
+
+    def test_what_is_refused(self):
+        self.rendered(RED + INFRARED)
+        for words, status, mentions in (
+                (("--filters", "red"), 2, "two names"),
+                (("--filters", "red,green"), 2, ["no pupil filter 'green'", "it has: red, infrared"]),
+                (("--filters", "red,infrared", "--channels", "a,b"), 2, "one channel")):
+            self.fails(status, "pyrometry", "a.exr", *words, mentions=mentions)
+        self.rendered("")
+        self.fails(1, "pyrometry", "a.exr", "--filters", "red,infrared", mentions="no camera.pupil_filters")
+
+    def test_mistakes_have_their_place(self):
+        twice = sector("b", 80, 180, "400 nm 1, 900 nm 1")
+        self.write("a.toml", CAMERA + RED + twice + CHANNEL + FLAME)
+        line = (CAMERA + RED).count("\n") + 3
+        self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", '"red" and pupil filter "b" overlap'])
+        far = '[[camera.pupil_filters]]\nshape = "polygon"\ncorners = "1.1 0, 2 0, 2 1"\n'
+        self.write("a.toml", CAMERA + far + CHANNEL + FLAME)
+        line = CAMERA.count("\n") + 3
+        self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", "outside of the stop"])
+        self.write("a.toml", CAMERA + far.replace("1.1 0, 2 0, 2 1", "0 0, 1") + CHANNEL + FLAME)
+        self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", "corners are pairs of numbers"])
+        self.assertEqual(self.files(), ["a.toml"])
+
+
+if __name__ == "__main__":
+    main()

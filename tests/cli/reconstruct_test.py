@@ -1,0 +1,259 @@
+"""plenoflame reconstruct: from rendered pictures of a candle back to its temperatures."""
+
+import array
+import json
+import os
+import pathlib
+import shutil
+import tempfile
+import zipfile
+
+from command import CommandTest, main
+
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
+def npy(content):
+    """The numbers of a one-dimensional .npy file."""
+    size = int.from_bytes(content[8:10], "little")
+    kind = {"'<f4'": "f", "'<i4'": "i", "'<i8'": "q"}
+    code = next(c for name, c in kind.items() if name in content[10:10 + size].decode())
+    return array.array(code, content[10 + size:])
+
+
+FAST = ("--draws", "4", "--probes", "4", "--quiet")
+
+
+class Reconstruct(CommandTest):
+    """Pictures are made once: a candle through two small cameras, with the sensor's noise."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.mkdtemp(prefix="plenoflame-reconstruct-")
+        maker = cls("run_command")
+        maker.folder = cls.shared
+        for name in ("front", "side", "two-colours"):
+            shutil.copy(EXAMPLES / f"reconstruct-{name}.toml", os.path.join(cls.shared, f"{name}.toml"))
+        maker.run_command("flame", "candle", "-o", "candle.vdb")
+        for name in ("front", "side"):
+            maker.run_command("render", f"{name}.toml", "-o", f"{name}.exr", "--samples", "512", "--quiet")
+            maker.run_command("develop", f"{name}.exr", "--sensor", "-o", f"{name}-electrons.exr")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.shared)
+
+    def setUp(self):
+        super().setUp()
+        for file in os.listdir(self.shared):
+            os.symlink(os.path.join(self.shared, file), self.path(file))
+
+    def reconstruct(self, *arguments):
+        fast = FAST[4:] if "--draws" in arguments else FAST
+        result = self.run_command("reconstruct", *arguments, *fast, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout), result.stderr
+
+    def test_rings_from_one_camera(self):
+        found, warnings = self.reconstruct(
+            "front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "16,32",
+            "--absorption", "scene", "--truth", "-o", "rings.vdb", "--report", "rings.json",
+            "--residual", "left.exr", "--rays", "128")
+        self.assertLess(found["truth_temperature_error"], 0.015)
+        self.assertLess(found["truth_emission_error"], 0.15)
+        self.assertLess(abs(found["chi_squared"] - 1), 0.25)
+        self.assertNotIn("times worse", warnings)
+        self.assertEqual(json.loads(self.read("rings.json"))["rows"], found["rows"])
+        self.assertGreater(len(found["history"]), 5)
+        grids = self.json_of("info", "rings.vdb")
+        self.assertIn("resolved", json.dumps(grids))
+        self.assertIn("temperature_deviation", json.dumps(grids))
+        self.assertIn("explained", self.succeeds("info", "left.exr"))
+
+    def test_voxels_from_two_cameras_and_from_one(self):
+        both, warnings = self.reconstruct(
+            "front.toml", "side.toml", "--images", "front-electrons.exr", "side-electrons.exr",
+            "--grid", "24", "--absorption", "scene", "--truth", "-o", "both.vdb")
+        self.assertNotIn("times worse", warnings)
+        self.assertLess(both["truth_temperature_error"], 0.05)
+        one, warnings = self.reconstruct(
+            "front.toml", "--images", "front-electrons.exr", "--grid", "24", "--absorption", "scene",
+            "--truth", "-o", "one.vdb")
+        self.assertIn("times worse", one["warning"])
+        self.assertIn("times worse", warnings)
+        self.assertLess(both["truth_emission_error"], one["truth_emission_error"])
+
+    def test_emission_without_absorption_and_the_flame_is_a_flame(self):
+        found, _ = self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "8,16",
+                                    "-o", "glow.vdb")
+        self.assertNotIn("mean_temperature_K", found)
+        self.assertGreater(found["largest_emission"], 0)
+        self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "8,16",
+                         "--absorption", "scene", "-o", "found.vdb")
+        # What was found can be rendered as any flame.
+        scene = self.read("front.toml").decode().replace("candle.vdb", "found.vdb").replace(
+            '"1 m", "0 m", "-16 mm"', '"0 m", "0 m", "0 m"')
+        self.write("again.toml", scene)
+        self.succeeds("render", "again.toml", "-o", "again.exr", "--samples", "16", "--quiet")
+
+    RINGS = ("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "8,16", "--bin", "2",
+             "--rays", "16")
+    FINE_RINGS = RINGS[:5] + ("--grid", "16,32", "--bin", "2", "--rays", "64")
+
+    def test_every_solver_finds_about_the_same(self):
+        """Two programs for the same minimum agree; the others differ by what penalties and stops make of it."""
+        errors = {}
+        for solver in ("fista", "nnls", "cgls", "lsqr", "tv", "sirt", "sart", "mlem", "osem", "mart"):
+            # Active sets are dense: their problem, and the one that they are held against, is small.
+            rings = self.RINGS if solver == "nnls" else self.FINE_RINGS
+            found, _ = self.reconstruct(*rings, "--absorption", "scene", "--truth", "--solver", solver,
+                                        "--draws", "0", "--probes", "0", "-o", f"{solver}.vdb")
+            errors[solver] = found["truth_emission_error"]
+            self.assertEqual("strength" in found and found["strength"] > 0,
+                             solver in ("fista", "nnls", "cgls", "lsqr", "tv"), solver)
+        coarse, _ = self.reconstruct(*self.RINGS, "--absorption", "scene", "--truth", "--draws", "0", "--probes", "0",
+                                     "-o", "coarse.vdb")
+        self.assertLess(abs(errors.pop("nnls") / coarse["truth_emission_error"] - 1), 1e-3, errors)
+        self.assertLess(abs(errors["lsqr"] / errors["cgls"] - 1), 1e-3, errors)
+        self.assertLess(max(errors[s] for s in ("fista", "tv", "mlem", "osem")), 0.2, errors)
+        self.assertLess(max(errors.values()), 0.45, errors)  # negative values cut off; rows within the noise left out
+        self.fails(2, "reconstruct", *self.RINGS, "--solver", "sirt", "--strength", "1", "-o", "x.vdb",
+                   mentions="has no penalty")
+        result = self.run_command("reconstruct", *self.RINGS, "--solver", "mart", "--memory", "0", "-o", "x.vdb", *FAST)
+        self.assertEqual(result.returncode, 2)
+        self.assertRegex(result.stderr, r"\Aplenoflame: error: [^\n]*stored matrix[^\n]*\n\Z")
+        self.assertNotIn("x.vdb", self.files())
+
+    def test_rules_and_reports(self):
+        for rule in ("gcv", "l-curve"):
+            found, _ = self.reconstruct(*self.RINGS, "--rule", rule, "--draws", "0", "--probes", "2", "--truth",
+                                        "-o", "rule.vdb", "--report", "rule.html", "--report", "rule.txt",
+                                        "--absorption", "scene", "--spread", "1 m, 2 mm, 0 m")
+            self.assertEqual(len(found["trials"]), 9)
+            self.assertEqual(found["trials"][0]["gcv"] is None, rule == "l-curve")
+            self.assertLess(found["truth_emission_error"], 0.4)
+            self.assertEqual(len(found["point_spreads"][0]["widths"]), 2)
+            self.assertGreater(found["emission_deviation"], 0)
+        page = self.read("rule.html").decode()
+        self.assertEqual(page.count("<h1>"), 1)
+        self.assertGreater(page.count("data:image/png;base64,"), 10)
+        self.assertEqual(page.count("data:image/svg+xml;base64,"), 2)
+        self.assertNotIn("http", page.replace("http://www.w3.org", ""))
+        self.assertIn("chi^2 per row:", self.read("rule.txt").decode())
+
+    def test_temperature_on_the_renderers_formulas(self):
+        found, _ = self.reconstruct(*self.RINGS, "--absorption", "scene", "--find", "temperature", "--truth",
+                                    "-o", "hot.vdb", "--strength", "1")
+        self.assertLess(found["truth_temperature_error"], 0.03)
+        self.assertGreater(found["temperature_deviation_K"], 0)
+        self.fails(2, "reconstruct", *self.RINGS, "--find", "temperature", "-o", "x.vdb", mentions="--absorption")
+        self.fails(1, "reconstruct", *self.RINGS, "--find", "both", "-o", "x.vdb", *FAST, mentions="single channel")
+
+    def test_temperature_and_absorption_of_two_channels(self):
+        self.succeeds("render", "two-colours.toml", "-o", "two.exr", "--samples", "256", "--quiet")
+        found, _ = self.reconstruct("two-colours.toml", "--images", "two.exr", "--find", "both", "--unknowns", "rings",
+                                    "--grid", "6,8", "--truth", "-o", "both.vdb", "--report", "both.html",
+                                    "--bin", "2", "--rays", "8", "--strength", "1")
+        self.assertLess(found["truth_temperature_error"], 0.05)
+        # Few rays: some percent of noise, which two wavelengths turn into ten times as much of the absorption.
+        self.assertLess(found["truth_absorption_error"], 1)
+        self.assertEqual(found["channel"], "650nm, 850nm")
+        self.assertIn("absorption_deviation", json.dumps(self.json_of("info", "both.vdb")))
+        self.fails(2, "reconstruct", "two-colours.toml", "--images", "two.exr", "--find", "both", "-o", "x.vdb", *FAST,
+                   "--absorption-ratios", "0.7,0.5", mentions="for 2 channels")
+
+    def test_series_start_resume_support_and_prior(self):
+        done = self.run_command("reconstruct", "front.toml", "--images", "front.exr", "front-electrons.exr", "--unknowns",
+                                "rings", "--grid", "8,16", "--axis", "fit", "-o", "moment.vdb", "--report", "moment.json",
+                                "--bin", "2", "--rays", "16", *FAST)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("frame 2 of 2", done.stdout)
+        first, second = (json.loads(self.read(f"moment-000{k}.json")) for k in (1, 2))
+        self.assertGreater(len(first["trials"]), 3)
+        self.assertEqual(second["trials"], [])
+        self.assertEqual(second["strength"], first["strength"])
+        self.assertLess(abs(first["axis"]["point"][1]), 1e-4)
+        self.assertLess(abs(first["axis"]["point"][0] - 1), 1e-6)  # the depth is not told by one camera
+        # The same again from the result: the same strength, and almost nothing left to do.
+        again, _ = self.reconstruct(*self.RINGS, "--axis", "fit", "--resume", "moment-0002.vdb", "-o", "again.vdb")
+        self.assertEqual(again["strength"], second["strength"])
+        self.assertLessEqual(again["iterations"], second["iterations"])
+        self.reconstruct(*self.RINGS, "--start", "again.vdb", "--prior", "again.vdb", "--support", "again.vdb",
+                         "--smoothing", "2,1", "-o", "more.vdb")
+        layers, _ = self.reconstruct("front.toml", "--images", "front-electrons.exr", "--unknowns", "layers", "--grid",
+                                     "8", "-o", "layers.vdb", "--report", "layers.html")
+        self.assertEqual(layers["unknowns"], 8)
+        self.fails(2, "reconstruct", *self.RINGS, "--smoothing", "1,2,3", "-o", "x.vdb", mentions="2 axes of rings")
+        self.fails(1, "reconstruct", *self.RINGS, "--start", "candle.vdb", "-o", "x.vdb", mentions="no grid 'emission'")
+        self.fails(2, "reconstruct", *self.RINGS, "--start", "again.vdb", "--resume", "again.vdb", "-o", "x.vdb",
+                   mentions="not both")
+
+    def test_operator(self):
+        made = self.json_of("operator", "front.toml", "--unknowns", "rings", "--grid", "40,64", "--absorption", "scene",
+                            "--pixels", "rows.csv", "--places", "places.csv", "--quiet", "-o", "A.npz")
+        matrix = {name: npy(zipfile.ZipFile(self.path("A.npz")).read(name + ".npy"))
+                  for name in ("data", "indices", "indptr")}
+        self.assertEqual(len(matrix["indptr"]), made["rows"] + 1)
+        self.assertEqual(len(matrix["data"]), made["entries"])
+        self.assertLess(max(matrix["indices"]), made["unknowns"])
+        self.assertEqual(len(self.read("rows.csv").split()), made["rows"] + 1)
+        self.assertEqual(len(self.read("places.csv").split()), made["unknowns"] + 1)
+        self.assertGreater(min(matrix["data"]), 0)
+        self.succeeds("operator", "front.toml", "--grid", "4", "--quiet", "-o", "A.mtx")
+        self.assertTrue(self.read("A.mtx").startswith(b"%%MatrixMarket matrix coordinate real general"))
+        self.fails(2, "operator", "front.toml", "--grid", "4", "-o", "A.txt", mentions=".npz")
+
+    def test_options_that_mean_nothing_to_each_other(self):
+        """One line, before scenes and pictures are read: those here do not exist."""
+        none = ("nowhere.toml", "--images", "nowhere.exr", "-o", "x.vdb")
+        for mentions, *arguments in (
+                ("no penalty", "--solver", "sirt", "--strength", "1"),
+                ("no penalty", "--solver", "osem", "--prior", "p.vdb"),
+                ("no penalty", "--solver", "mlem", "--penalty", "curvature"),
+                ("no penalty", "--solver", "mart", "--rule", "gcv"),
+                ("no penalty", "--solver", "sart", "--smoothing", "1,1,1"),
+                ("stored matrix", "--solver", "osem", "--memory", "0"),
+                ("resolution", "--solver", "tv", "--spread", "1 m, 0 m, 0 m"),
+                ("total variation", "--solver", "tv", "--penalty", "identity"),
+                ("squares", "--solver", "tv", "--rule", "gcv"),
+                ("leaves nothing", "--penalty", "none", "--strength", "1"),
+                ("differences", "--penalty", "identity", "--smoothing", "1,1,2"),
+                ("--strength gives", "--strength", "1", "--rule", "gcv"),
+                ("sart and osem", "--subsets", "4"),
+                ("sirt, sart and mart", "--relaxation", "0.5"),
+                ("at most 1", "--solver", "mart", "--relaxation", "1.5"),
+                ("above 0", "--solver", "sirt", "--relaxation", "0"),
+                ("for rings", "--axis", "fit"),
+                ("for voxels", "--unknowns", "rings", "--basis", "constant"),
+                ("needs --absorption", "--find", "temperature"),
+                ("leave --absorption out", "--find", "both", "--absorption", "scene"),
+                ("two channels", "--find", "both", "--channel", "650nm"),
+                ("one at a time", "--channel", "a,b"),
+                ("--find both", "--absorption-ratios", "0.7"),
+                ("--find emission", "--find", "both", "--solver", "cgls"),
+                ("--find emission", "--find", "both", "--spread", "1 m, 0 m, 0 m"),
+                ("three lengths", "--spread", "here"),
+                ("3 axes", "--smoothing", "1")):
+            self.fails(2, "reconstruct", *none, *arguments, mentions=mentions)
+        self.fails(2, "reconstruct", "front.toml", "--images", "front.exr", "-o", "x.vdb", "--bin", "101", mentions="100 x 180")
+        self.fails(1, "reconstruct", "front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "60,60",
+                   "--solver", "nnls", "-o", "x.vdb", "--quiet", mentions="3600 unknowns")
+
+    def test_bad_input(self):
+        def fails(mentions, *arguments, status=1):
+            self.fails(status, "reconstruct", *arguments, *FAST, mentions=mentions)
+        out = ("-o", "x.vdb")
+        fails("each camera", "front.toml", "side.toml", "--images", "front.exr", *out, status=2)
+        fails("another camera", "front.toml", "--images", "side.exr", *out)
+        fails("must end in .vdb", "front.toml", "--images", "front.exr", "-o", "x.exr", status=2)
+        fails("no channel", "front.toml", "--images", "front.exr", "--channel", "blue", *out)
+        fails("outside of all pictures", "front.toml", "--images", "front.exr", "--center",
+              "1 m, 1 m, 0 m", "--size", "1 cm, 1 cm, 1 cm", *out)
+        fails("--grid", "front.toml", "--images", "front.exr", "--grid", "4,5", *out, status=2)
+        fails("--absorption", "front.toml", "--images", "front.exr", "--absorption", "8 mm", *out, status=2)
+        small = self.read("front.toml").decode().replace("columns = 100", "columns = 90")
+        self.write("small.toml", small)
+        fails(["does not belong", "90 x 180"], "small.toml", "--images", "front.exr", *out)
+        self.assertNotIn("x.vdb", self.files())
+
+
+if __name__ == "__main__":
+    main()

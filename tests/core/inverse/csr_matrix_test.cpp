@@ -1,0 +1,120 @@
+#include "plenoflame/inverse/csr_matrix.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "core/inverse/dense.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "support/approx.h"
+#include "support/temporary_folder.h"
+
+namespace plenoflame::csr_matrix_test {
+namespace {
+
+using namespace test;
+
+Execution threads(int count) {
+  Execution execution;
+  execution.threads = count;
+  return execution;
+}
+
+TEST(CsrMatrix, TimesVectorsIsTheDenseProduct) {
+  const TwinMatrix a = random_matrix(300, 90, 0.2, 1);
+  const auto x = random_vector(90, -1, 1, 2), y = random_vector(300, -1, 1, 3);
+  const auto operator_of = make_csr_operator(a.sparse, threads(2));
+  EXPECT_LT(distance(*operator_of * x, a.dense * dense(x)), 1e-15);
+  EXPECT_LT(distance(transposed_times(*operator_of, y), a.dense.transpose() * dense(y)), 1e-15);
+  EXPECT_TRUE(relative(operator_of->squared_norm({}), a.dense.squaredNorm(), 1e-14));
+  EXPECT_TRUE(relative(operator_of->squared_norm(y),
+                       (dense(y).asDiagonal() * a.dense).squaredNorm(), 1e-14));
+}
+
+// Large enough that A^T is summed up in parts.
+TEST(CsrMatrix, GivesTheSameBitsForAnyNumberOfThreads) {
+  const TwinMatrix a = random_matrix(3000, 200, 0.5, 4);
+  const auto x = random_vector(200, -1, 1, 5), y = random_vector(3000, -1, 1, 6);
+  const auto one = make_csr_operator(a.sparse, threads(1));
+  for (const int count : {2, 3, 7}) {
+    const auto many = make_csr_operator(a.sparse, threads(count));
+    EXPECT_EQ(*one * x, *many * x);
+    EXPECT_EQ(transposed_times(*one, y), transposed_times(*many, y));
+  }
+  EXPECT_LT(distance(transposed_times(*one, y), a.dense.transpose() * dense(y)), 1e-14);
+}
+
+TEST(CsrMatrix, LargestSingularValueIsThatOfTheDenseMatrix) {
+  const TwinMatrix a = random_matrix(80, 40, 0.4, 7);
+  const auto w = random_vector(80, 0.5, 2, 8);
+  const double exact = (dense(w).asDiagonal() * a.dense).jacobiSvd().singularValues()[0];
+  const double found = largest_singular_value(*make_csr_operator(a.sparse), w, 60);
+  EXPECT_LE(found, exact * (1 + 1e-12));
+  EXPECT_GT(found, exact * (1 - 1e-6));
+}
+
+TEST(CsrMatrix, RefusesWhatIsNoMatrix) {
+  using Matrix = CsrMatrix<float>;
+  EXPECT_THROW(Matrix(3, {0, 2}, {0}, {1}), InputError);
+  EXPECT_THROW(Matrix(3, {0, 2, 1}, {0}, {1}), InputError);
+  EXPECT_THROW(Matrix(3, {0, 2}, {1, 1}, {1, 1}), InputError);
+  EXPECT_THROW(Matrix(3, {0, 1}, {3}, {1}), InputError);
+  EXPECT_THROW(Matrix(3, {0, 1}, {-1}, {1}), InputError);
+  EXPECT_THROW(Matrix(3, {0, 1}, {0}, {std::nanf("")}), InputError);
+}
+
+TEST(CsrMatrix, InterleavedRowsAreThoseRows) {
+  const TwinMatrix a = random_matrix(10, 6, 0.5, 9);
+  const CsrMatrix<float> part = interleaved_rows(a.sparse, 1, 3);
+  Eigen::MatrixXd rows(3, 6);
+  rows << a.dense.row(1), a.dense.row(4), a.dense.row(7);
+  EXPECT_EQ(dense(*make_csr_operator(part)), rows);
+}
+
+class CsrFile : public testing::TestWithParam<const char*> {};
+
+TEST_P(CsrFile, ComesBackAsItWas) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/matrix" + GetParam();
+  const TwinMatrix a = random_matrix(23, 11, 0.3, 10);
+  write_csr(path, a.sparse);
+  const CsrMatrix<float> back = read_csr(path);
+  EXPECT_EQ(back.columns(), a.sparse.columns());
+  EXPECT_TRUE(std::ranges::equal(back.row_starts(), a.sparse.row_starts()));
+  EXPECT_TRUE(std::ranges::equal(back.column_indices(), a.sparse.column_indices()));
+  EXPECT_TRUE(std::ranges::equal(back.values(), a.sparse.values()));
+}
+
+TEST_P(CsrFile, CutOffOrChangedIsRefusedInOneLine) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() + "/matrix" + GetParam();
+  write_csr(path, random_matrix(23, 11, 0.3, 11).sparse);
+  const std::string whole = read_file(path);
+  for (std::size_t cut = 0; cut < whole.size(); cut += 1 + whole.size() / 97) {
+    write_file(path, std::string_view(whole).substr(0, cut));
+    EXPECT_THROW(read_csr(path), FileError) << cut;
+  }
+  // A changed byte may give another matrix, but nothing that ends the process or spans lines.
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 499) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 0x45);
+    write_file(path, changed);
+    try {
+      read_csr(path);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, CsrFile, testing::Values(".npz", ".h5", ".mtx"),
+                         [](const auto& name) { return std::string(name.param + 1); });
+
+TEST(CsrFileNames, OtherEndingsAreRefused) {
+  EXPECT_THROW(write_csr("matrix.txt", CsrMatrix<float>()), UsageError);
+  EXPECT_THROW(read_csr("matrix.txt"), UsageError);
+}
+
+}  // namespace
+}  // namespace plenoflame::csr_matrix_test

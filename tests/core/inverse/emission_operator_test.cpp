@@ -1,0 +1,262 @@
+// The linear problem against the renderer: A x is the picture of the emission grid x.
+#include "plenoflame/inverse/emission_operator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "core/media_voxel/voxel_fixture.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/scene/spectral.h"
+#include "support/approx.h"
+#include "support/small_scene.h"
+
+namespace plenoflame::test::emission_operator_test {
+namespace {
+
+constexpr std::array<int, 3> kCount{9, 10, 14};
+
+AffineTransform lattice_map() {
+  return scaled(1.5e-3, {1 - 6e-3, -6.5e-3, -9e-3});
+}
+
+struct Grids {
+  std::vector<double> emission, absorption;
+};
+
+/// Samples that single precision holds exactly.
+Grids grids(float thickest) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> share(0, 1);
+  Grids g;
+  for (int n = 0; n < kCount[0] * kCount[1] * kCount[2]; ++n) {
+    g.emission.push_back(static_cast<double>(100 * share(random)));
+    g.absorption.push_back(static_cast<double>(thickest * (0.05F + share(random))));
+  }
+  return g;
+}
+
+MediumLoader loader(const Grids& g) {
+  return [g](const FlameSpec& flame, const std::string&,
+             const std::vector<SourceFunction>& channels, const Execution&) {
+    const auto field = [&](const std::vector<double>& samples) {
+      return make_field(
+          {0, 0, 0}, kCount,
+          [&](int i, int j, int k) {
+            return static_cast<float>(
+                samples[static_cast<std::size_t>((i * kCount[1] + j) * kCount[2] + k)]);
+          },
+          lattice_map());
+    };
+    VoxelExtras extras;
+    extras.lines = {field(g.emission)};
+    extras.line_weights = line_weights(flame, channels);
+    VoxelField cold = field(std::vector<double>(g.emission.size(), 0.0));
+    cold.background = 1;
+    return make_voxel_medium(cold, field(g.absorption), VoxelInterpolation::trilinear, channels, {},
+                             {}, std::move(extras));
+  };
+}
+
+Scene glowing_scene(bool with_array) {
+  ArraySpec array;
+  if (with_array) array = large_array(Lattice::hexagonal, LensModel::real);
+  Scene scene = small_scene(singlet(), array);
+  scene.camera.sensor = {24, 24, 0.4e-3};
+  FlameSpec flame;
+  flame.kind = FlameKind::vdb;
+  flame.file = "glow.vdb";
+  flame.lines = {{LineKind::custom, 431e-9, 0, {"glow"}}};
+  scene.flames = {flame};
+  scene.channels = {{"430nm", ChannelKind::band, 430e-9, 20e-9}};
+  return scene;
+}
+
+struct Problem {
+  CompiledScene scene;
+  std::unique_ptr<Unknowns> unknowns;
+  CameraRays rays;
+  Grids g;
+  EmissionProblem problem() const {
+    return {&rays, unknowns.get(), RowModel::emission, g.absorption};
+  }
+};
+
+Problem problem_of(const Scene& scene, float thickest, int threads = 2, int bin = 1) {
+  const Grids g = grids(thickest);
+  Problem p{compile(scene, loader(g)), nullptr, {}, g};
+  p.unknowns = make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
+  Execution execution;
+  execution.threads = threads;
+  CameraRaySettings settings;
+  settings.samples = 8;
+  settings.bin = bin;
+  p.rays = draw_camera_rays({{&p.scene, {}}}, p.unknowns->bounds(), settings, execution);
+  return p;
+}
+
+Problem make_problem(bool with_array, float thickest, int threads = 2, int bin = 1) {
+  return problem_of(glowing_scene(with_array), thickest, threads, bin);
+}
+
+std::vector<double> random_vector(std::size_t size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> v(size);
+  for (double& value : v) value = normal(random);
+  return v;
+}
+
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+/// Every pixel of the picture: the same rays and the same quadrature, added up in another order.
+void expect_picture(const Problem& p) {
+  RenderSettings render_settings;
+  render_settings.samples = 8;
+  render_settings.skip = false;
+  render_settings.control_variate = false;
+  render_settings.precision = Precision::double_precision;
+  const RenderResult picture = render(p.scene, render_settings);
+  const Image& flux = picture.light_field.channels[0].flux;
+  const auto a = make_emission_operator(p.problem(), {});
+  std::vector<double> b(a->rows());
+  a->apply(p.g.emission, b);
+  double lit = 0, sum = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const CameraRays::Row& row = p.rays.rows[i];
+    const double expected = static_cast<double>(flux.at(row.column, row.row));
+    EXPECT_TRUE(relative(b[i], expected, 1e-6)) << row.column << ", " << row.row;
+    sum += b[i];
+    lit += expected > 0;
+  }
+  EXPECT_GT(lit, 50);
+  EXPECT_TRUE(relative(sum, picture.statistics.flux, 1e-6));
+}
+
+// Clear and absorbing, with and without microlenses. Fails when rays lose the lens' etendue, or
+// when the absorption in front is left out.
+TEST(EmissionOperator, RowsTimesSamplesAreTheRenderedPicture) {
+  for (const bool with_array : {true, false})
+    for (const float thickest : {0.0F, 150.0F}) expect_picture(make_problem(with_array, thickest));
+}
+
+/// A third of the stop is behind a filter that takes half of the line's light, a third behind one
+/// that takes all.
+Scene filtered_scene() {
+  Scene scene = glowing_scene(true);
+  PupilFilterSpec half{"half"}, dark{"dark"};
+  half.extent = dark.extent = 2 * std::acos(-1.0) / 3;
+  dark.angle = half.extent;
+  half.transmission = "420 nm 0.4, 442 nm 0.6";
+  dark.transmission = "500 nm 1, 600 nm 1";
+  scene.camera.pupil_filters = {half, dark};
+  return scene;
+}
+
+TEST(EmissionOperator, FiltersInThePupilWeighTheRays) {
+  expect_picture(problem_of(filtered_scene(), 150));
+}
+
+// Where glasses disperse the line has rays of its own in the picture, while the matrix takes those
+// of the channel's middle as well: another sample of the same light.
+TEST(EmissionOperator, FiltersInThePupilOfADispersiveLens) {
+  Scene scene = filtered_scene();
+  scene.camera.lens.surfaces[0].glass = "N-BK7";
+  scene.channels.push_back({"600nm", ChannelKind::band, 600e-9, 20e-9});
+  const Problem p = problem_of(scene, 150);
+  ASSERT_GT(p.scene.paths().size(), 1U);
+  RenderSettings settings;
+  settings.samples = 64;
+  const Image picture = render(p.scene, settings).light_field.channels[0].flux;
+  std::vector<double> b(p.rays.rows.size());
+  make_emission_operator(p.problem(), {})->apply(p.g.emission, b);
+  double sum = 0, expected = 0;
+  for (const double flux : b) sum += flux;
+  for (const float flux : picture.pixels) expected += static_cast<double>(flux);
+  EXPECT_TRUE(relative(sum, expected, 0.02));
+}
+
+TEST(EmissionOperator, TransposeIsExact) {
+  for (const float thickest : {0.0F, 150.0F}) {
+    const Problem p = make_problem(true, thickest);
+    const auto a = make_emission_operator(p.problem(), {});
+    const std::vector<double> x = random_vector(a->columns(), 1), y = random_vector(a->rows(), 2);
+    std::vector<double> ax(a->rows()), aty(a->columns());
+    a->apply(x, ax);
+    a->apply_transpose(y, aty);
+    double size = 0;
+    for (std::size_t i = 0; i < y.size(); ++i) size += std::fabs(y[i] * ax[i]);
+    EXPECT_TRUE(within(product(x, aty), product(ax, y), 1e-12, size));
+  }
+}
+
+// The stored matrix has the same rows in single precision, and all is the same to the bit for one
+// thread and for two.
+TEST(EmissionOperator, StoredAndFollowedAgreeForAnyNumberOfThreads) {
+  const Problem p = make_problem(true, 150, 2), q = make_problem(true, 150, 1);
+  ASSERT_EQ(p.rays.rays.size(), q.rays.rays.size());
+  Execution one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const CsrMatrix<float> a = make_emission_matrix(p.problem(), two),
+                         b = make_emission_matrix(q.problem(), one);
+  EXPECT_TRUE(std::ranges::equal(a.values(), b.values()));
+  EXPECT_TRUE(std::ranges::equal(a.column_indices(), b.column_indices()));
+  EXPECT_TRUE(std::ranges::equal(a.row_starts(), b.row_starts()));
+  const auto followed = make_emission_operator(p.problem(), two);
+  const auto again = make_emission_operator(q.problem(), one);
+  std::vector<double> x = random_vector(followed->columns(), 4);
+  for (double& value : x) value = std::fabs(value);
+  std::vector<double> y(followed->rows()), z(followed->rows());
+  followed->apply(x, y);
+  again->apply(x, z);
+  EXPECT_EQ(y, z);
+  std::vector<double> s(x.size()), t(x.size());
+  followed->apply_transpose(y, s);
+  again->apply_transpose(y, t);
+  EXPECT_EQ(s, t);
+  const auto stored = make_csr_operator(a, two);
+  stored->apply(x, z);
+  for (std::size_t row = 0; row < y.size(); ++row) EXPECT_TRUE(relative(z[row], y[row], 1e-6));
+  const double estimate = static_cast<double>(estimated_entries(p.problem()));
+  EXPECT_TRUE(relative(estimate, static_cast<double>(a.entries()), 0.2));
+}
+
+// A block of pixels is the sum of its pixels.
+TEST(EmissionOperator, BlocksAreSumsOfPixels) {
+  const Problem pixels = make_problem(true, 150), blocks = make_problem(true, 150, 2, 3);
+  const auto a = make_emission_operator(pixels.problem(), {});
+  const auto b = make_emission_operator(blocks.problem(), {});
+  std::vector<double> single(a->rows()), sums(b->rows());
+  a->apply(pixels.g.emission, single);
+  b->apply(pixels.g.emission, sums);
+  EXPECT_LT(sums.size(), single.size() / 4);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    double expected = 0;
+    for (std::size_t j = 0; j < single.size(); ++j)
+      if (pixels.rays.rows[j].column / 3 == blocks.rays.rows[i].column / 3 &&
+          pixels.rays.rows[j].row / 3 == blocks.rays.rows[i].row / 3)
+        expected += single[j];
+    EXPECT_TRUE(relative(sums[i], expected, 1e-12));
+  }
+}
+
+TEST(EmissionOperator, RefusesWhatDoesNotFit) {
+  const Problem p = make_problem(false, 0);
+  EmissionProblem wrong = p.problem();
+  wrong.absorption = {1, 2};
+  EXPECT_THROW(make_emission_operator(wrong, {}), UsageError);
+  wrong.absorption = {};
+  wrong.model = RowModel::source;
+  EXPECT_THROW(make_emission_matrix(wrong, {}), UsageError);
+}
+
+}  // namespace
+}  // namespace plenoflame::test::emission_operator_test

@@ -1,0 +1,95 @@
+#include "plenoflame/inverse/penalty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/inverse/dense.h"
+#include "plenoflame/base/error.h"
+#include "support/approx.h"
+
+namespace plenoflame::penalty_test {
+namespace {
+
+using namespace test;
+
+/// Samples of a polynomial of x, y, z on the grid.
+template <class Field>
+std::vector<double> sampled(const PenaltyGrid& grid, const Field& field) {
+  std::vector<double> values;
+  for (int i = 0; i < grid.shape[0]; ++i)
+    for (int j = 0; j < grid.shape[1]; ++j)
+      for (int k = 0; k < grid.shape[2]; ++k)
+        values.push_back(field(i * grid.spacing[0], j * grid.spacing[1], k * grid.spacing[2]));
+  return values;
+}
+
+double squared(const LinearOperator& penalty, const std::vector<double>& x) {
+  return dense(penalty * x).squaredNorm();
+}
+
+// Slopes in units of 1 per smallest spacing: (2^2 + 3^2 + 5^2) over the edges of each axis.
+TEST(Penalty, FirstDifferencesMeasureTheSlopeOfALinearFieldOnAnyAxis) {
+  const PenaltyGrid grid{{4, 3, 5}, {0.5, 1, 2}};
+  const auto x = sampled(grid, [](double a, double b, double c) { return 2 * a + 3 * b + 5 * c; });
+  const auto penalty = make_penalty(PenaltyKind::first_differences, grid);
+  const double expected = 0.25 * (4 * (3 * 3 * 5) + 9 * (4 * 2 * 5) + 25 * (4 * 3 * 4));
+  EXPECT_TRUE(relative(squared(*penalty, x), expected, 1e-13));
+  EXPECT_EQ(squared(*make_penalty(PenaltyKind::second_differences, grid), x), 0.0);
+}
+
+TEST(Penalty, SecondDifferencesMeasureCurvature) {
+  const PenaltyGrid grid{{6, 1, 4}, {1, 1, 2}, {3, 1, 1}};
+  const auto x = sampled(grid, [](double a, double, double c) { return a * a + 0.25 * c * c; });
+  // Curvature 2 along the first axis with strength 3, 0.5 along the last, in units of the smallest
+  // spacing.
+  const double expected = 36 * (4 * 4) + 0.25 * (6 * 2);
+  EXPECT_TRUE(
+      relative(squared(*make_penalty(PenaltyKind::second_differences, grid), x), expected, 1e-13));
+}
+
+TEST(Penalty, MaskedUnknownsHaveNoPart) {
+  PenaltyGrid grid{{5, 1, 1}};
+  grid.mask = {1, 1, 0, 1, 1};
+  const std::vector<double> x{1, 2, 1000, 5, 7};
+  EXPECT_EQ(squared(*make_penalty(PenaltyKind::first_differences, grid), x), 1.0 + 4.0);
+  EXPECT_EQ(squared(*make_penalty(PenaltyKind::identity, grid), x), 1.0 + 4 + 25 + 49);
+  EXPECT_EQ(make_penalty(PenaltyKind::second_differences, grid)->rows(), 0u);
+  EXPECT_EQ(squared(*make_gradient(grid), x), 1.0 + 4.0);
+}
+
+TEST(Penalty, TransposesAreExact) {
+  const PenaltyGrid grid{{3, 4, 5}, {1, 2, 0.5}, {1, 0.25, 4}};
+  for (const PenaltyKind kind :
+       {PenaltyKind::identity, PenaltyKind::first_differences, PenaltyKind::second_differences}) {
+    const auto penalty = make_penalty(kind, grid);
+    const auto y = random_vector(penalty->rows(), -1, 1, 3);
+    EXPECT_LT(distance(transposed_times(*penalty, y), dense(*penalty).transpose() * dense(y)),
+              1e-15);
+    EXPECT_TRUE(relative(penalty->squared_norm({}), dense(*penalty).squaredNorm(), 1e-14));
+  }
+}
+
+// The same field on a grid of half the spacing, seen by the same rays: the penalty's unit changes
+// so that strength * |L x|^2 against the misfit stays the same to the order of the grid.
+TEST(Penalty, UnitIsTheRatioOfTraces) {
+  const TwinMatrix a = random_matrix(20, 12, 0.5, 4);
+  const auto w = random_vector(20, 1, 3, 5);
+  const auto penalty = make_penalty(PenaltyKind::first_differences, {{3, 4, 1}});
+  const Eigen::MatrixXd wa = dense(w).asDiagonal() * a.dense, l = dense(*penalty);
+  EXPECT_TRUE(relative(penalty_unit(*make_csr_operator(a.sparse), w, *penalty),
+                       (wa.transpose() * wa).trace() / (l.transpose() * l).trace(), 1e-13));
+}
+
+TEST(Penalty, RefusesGridsThatAreNone) {
+  EXPECT_THROW(make_penalty(PenaltyKind::identity, {{0, 1, 1}}), InputError);
+  EXPECT_THROW(make_penalty(PenaltyKind::identity, {{2, 1, 1}, {0, 1, 1}}), InputError);
+  EXPECT_THROW(make_penalty(PenaltyKind::identity, {{2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1}}),
+               InputError);
+  const TwinMatrix a = random_matrix(2, 1, 1, 1);
+  const auto none = make_penalty(PenaltyKind::first_differences, {});
+  EXPECT_THROW(penalty_unit(*make_csr_operator(a.sparse), {}, *none), InputError);
+}
+
+}  // namespace
+}  // namespace plenoflame::penalty_test

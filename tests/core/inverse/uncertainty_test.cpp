@@ -1,0 +1,289 @@
+#include "plenoflame/inverse/uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/inverse/dense.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/gauss_newton.h"
+#include "plenoflame/inverse/penalty.h"
+#include "plenoflame/inverse/strength.h"
+#include "support/approx.h"
+
+namespace plenoflame::uncertainty_test {
+namespace {
+
+using namespace test;
+
+/// Chords of a smooth profile of 30 samples, blurred: ill conditioned, with noise of known size.
+struct Profile {
+  static constexpr int kSamples = 30, kRows = 90;
+  double sigma = 0.05;
+  TwinMatrix a = twin_of(matrix());
+  std::vector<double> truth, b, w;
+  std::unique_ptr<LinearOperator> op = make_csr_operator(a.sparse);
+  std::unique_ptr<LinearOperator> penalty =
+      make_penalty(PenaltyKind::second_differences, {{kSamples, 1, 1}});
+
+  explicit Profile(unsigned seed = 1) {
+    for (int j = 0; j < kSamples; ++j) truth.push_back(2 + std::sin(0.25 * j));
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, sigma);
+    b = plain(a.dense * dense(truth));
+    for (double& value : b) value += noise(random);
+    w.assign(kRows, 1 / sigma);
+  }
+  static Eigen::MatrixXd matrix() {
+    Eigen::MatrixXd m(kRows, kSamples);
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; j < kSamples; ++j) {
+        const double d = i / 3.0 - j;
+        m(i, j) = static_cast<float>(std::exp(-d * d / 8) / 5);
+      }
+    return m;
+  }
+  LinearProblem problem() const { return {op.get(), b, w}; }
+  StrengthSolver solver() const {
+    return [this](double strength, const std::vector<double>& start) {
+      SolverOptions options;
+      options.iterations = 3000;
+      options.relative_change = 1e-10;
+      options.start = start;
+      return solve_cgls(problem(), {penalty.get(), strength}, options);
+    };
+  }
+  Eigen::VectorXd exact(double strength) const {
+    const Eigen::MatrixXd wa = a.dense / sigma, l = dense(*penalty);
+    return (wa.transpose() * wa + strength * l.transpose() * l)
+        .ldlt()
+        .solve(wa.transpose() * dense(b) / sigma);
+  }
+};
+
+TEST(Strength, DiscrepancyFindsTheMisfitOfTheNoise) {
+  const Profile p;
+  const StrengthChoice choice =
+      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, {}, p.solver());
+  EXPECT_TRUE(relative(choice.solution.misfit(), Profile::kRows, 0.01));
+  const double strength = choice.strength * penalty_unit(*p.op, p.w, *p.penalty);
+  EXPECT_LT(distance(choice.solution.x, p.exact(strength)), 1e-6);
+  EXPECT_FALSE(choice.at_end);
+}
+
+// The least of GCV's function, worked out densely on the same strengths.
+TEST(Strength, GcvFindsTheLeastOfItsFunction) {
+  const Profile p;
+  StrengthRange range;
+  range.probes = 400;
+  const StrengthChoice choice =
+      choose_strength(p.problem(), *p.penalty, StrengthRule::gcv, range, p.solver());
+  const double unit = penalty_unit(*p.op, p.w, *p.penalty);
+  const Eigen::MatrixXd wa = p.a.dense / p.sigma, l = dense(*p.penalty);
+  for (const StrengthPoint& point : choice.curve) {
+    const Eigen::MatrixXd normal = wa.transpose() * wa + point.strength * unit * l.transpose() * l;
+    const double trace = normal.ldlt().solve(wa.transpose() * wa).trace();
+    const double misfit =
+        (wa * p.exact(point.strength * unit) - dense(p.b) / p.sigma).squaredNorm();
+    EXPECT_TRUE(relative(point.gcv, misfit / std::pow(Profile::kRows - trace, 2), 0.03))
+        << point.strength;
+  }
+  EXPECT_LT((dense(choice.solution.x) - dense(p.truth)).norm(),
+            2 * (p.exact(unit * 1e-6) - dense(p.truth)).norm());
+}
+
+// Hansen's corner lies between what noise rules and what the penalty rules: the error against the
+// truth is within twice the least on the curve.
+TEST(Strength, LCurveComesNearTheLeastError) {
+  const Profile p;
+  StrengthRange range;
+  range.points = 21;
+  const StrengthChoice choice =
+      choose_strength(p.problem(), *p.penalty, StrengthRule::l_curve, range, p.solver());
+  const double unit = penalty_unit(*p.op, p.w, *p.penalty);
+  double least = 1e300;
+  for (const StrengthPoint& point : choice.curve)
+    least = std::min(least, (p.exact(point.strength * unit) - dense(p.truth)).norm());
+  EXPECT_LT((dense(choice.solution.x) - dense(p.truth)).norm(), 2 * least);
+}
+
+// Where no strength leaves as little as is expected: the strongest that leaves a tenth more than
+// the least.
+TEST(Strength, SaysWhereNoiseDoesNotExplainTheData) {
+  const Profile p;
+  StrengthRange range;
+  range.expected_misfit = 1;
+  const StrengthChoice choice =
+      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, range, p.solver());
+  EXPECT_FALSE(choice.reached);
+  double least = 1e300;
+  for (const StrengthPoint& point : choice.curve) least = std::min(least, point.misfit);
+  EXPECT_TRUE(relative(choice.solution.misfit(), 1.1 * least, 0.01));
+  EXPECT_TRUE(
+      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, {}, p.solver()).reached);
+}
+
+// A pyramid that falls to half within two samples along one axis and one along the other; at the
+// rim its width is not known.
+TEST(Uncertainty, HalfWidthsOfAPyramid) {
+  std::vector<double> values;
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 7; ++j)
+      values.push_back(8 * std::max(0.0, 1 - std::abs(i - 4) / 3.0 - std::abs(j - 3) / 2.0));
+  const auto widths = half_widths(values, {9, 7, 1}, {0.5, 3, 1}, 4 * 7 + 3);
+  EXPECT_TRUE(relative(widths[0], 3 * 0.5, 1e-12));
+  EXPECT_TRUE(relative(widths[1], 2 * 3, 1e-12));
+  EXPECT_EQ(widths[2], 0);
+  const std::vector<double> flat(5, 1.0);
+  EXPECT_TRUE(std::isinf(half_widths(flat, {5, 1, 1}, {1, 1, 1}, 2)[0]));
+}
+
+TEST(Uncertainty, ProbesAgreeWithDenseAlgebra) {
+  const Profile p;
+  const double strength = 20;
+  const Eigen::MatrixXd wa = p.a.dense / p.sigma, l = dense(*p.penalty);
+  const Eigen::MatrixXd inverse = (wa.transpose() * wa + strength * l.transpose() * l).inverse();
+  const Eigen::MatrixXd resolution = inverse * wa.transpose() * wa;
+  const Eigen::MatrixXd covariance = resolution * inverse;
+  const Regularisation regularisation{p.penalty.get(), strength};
+  const Uncertainty exact = exact_uncertainty(p.problem(), regularisation);
+  constexpr int kProbes = 2000;
+  const Uncertainty probed = estimate_uncertainty(p.problem(), regularisation, kProbes, 7);
+  EXPECT_TRUE(relative(exact.resolved_unknowns, resolution.trace(), 1e-9));
+  for (Eigen::Index j = 0; j < Profile::kSamples; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    EXPECT_TRUE(relative(exact.resolved[at], resolution(j, j), 1e-8));
+    EXPECT_TRUE(relative(exact.deviation[at], std::sqrt(covariance(j, j)), 1e-8));
+    // Standard errors of the probes: off-diagonal entries make that of the resolution, the square
+    // of a sum of signs has a relative variance of at most 2.
+    const double spread =
+        std::sqrt((resolution.row(j).squaredNorm() - std::pow(resolution(j, j), 2)) / kProbes);
+    EXPECT_TRUE(within_standard_errors(probed.resolved[at], resolution(j, j), spread, 5)) << j;
+    EXPECT_TRUE(within_standard_errors(std::pow(probed.deviation[at], 2), covariance(j, j),
+                                       covariance(j, j) * std::sqrt(2.0 / kProbes), 5))
+        << j;
+  }
+  const std::vector<double> spread = point_spread(p.problem(), regularisation, 12);
+  EXPECT_LT(distance(spread, resolution.col(12)), 1e-6);
+}
+
+// Deviations by new noise against those of linear algebra; 5 standard errors of a variance.
+TEST(Uncertainty, BootstrapAgreesWithTheCovariance) {
+  const Profile p;
+  const double strength = 20;
+  const Regularisation regularisation{p.penalty.get(), strength};
+  const Uncertainty exact = exact_uncertainty(p.problem(), regularisation);
+  constexpr int kDraws = 500;
+  SolverOptions options;
+  options.iterations = 2000;
+  options.relative_change = 1e-9;
+  const std::vector<double> model = plain(p.a.dense * dense(p.truth));
+  const Bootstrap found = bootstrap(model, p.w, kDraws, 3, [&](std::span<const double> b) {
+    return solve_cgls({p.op.get(), b, p.w}, regularisation, options).x;
+  });
+  for (std::size_t j = 0; j < found.deviation.size(); ++j)
+    EXPECT_TRUE(
+        within_standard_errors(std::pow(found.deviation[j], 2), std::pow(exact.deviation[j], 2),
+                               std::pow(exact.deviation[j], 2) * std::sqrt(2.0 / kDraws), 5))
+        << j;
+}
+
+// b = exp(-A x) with bounds: the optimum satisfies Karush, Kuhn and Tucker's conditions, and
+// consistent data give the truth.
+class Exponential : public testing::Test {
+ protected:
+  TwinMatrix a_ = random_matrix(30, 6, 0.6, 5);
+  std::vector<double> truth_ = random_vector(6, 0.1, 0.6, 6), w_ = random_vector(30, 5, 9, 7), b_;
+
+  class Scaled final : public LinearOperator {
+   public:
+    explicit Scaled(Eigen::MatrixXd m) : m_(std::move(m)) {}
+    std::size_t rows() const override { return static_cast<std::size_t>(m_.rows()); }
+    std::size_t columns() const override { return static_cast<std::size_t>(m_.cols()); }
+    void apply(std::span<const double> x, std::span<double> y) const override {
+      const Eigen::VectorXd product = m_ * Eigen::Map<const Eigen::VectorXd>(x.data(), m_.cols());
+      std::copy(product.data(), product.data() + product.size(), y.begin());
+    }
+    void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+      const Eigen::VectorXd product =
+          m_.transpose() * Eigen::Map<const Eigen::VectorXd>(y.data(), m_.rows());
+      std::copy(product.data(), product.data() + product.size(), x.begin());
+    }
+
+   private:
+    Eigen::MatrixXd m_;
+  };
+
+  Eigen::VectorXd model(std::span<const double> x) const {
+    return (-a_.dense * Eigen::Map<const Eigen::VectorXd>(x.data(), 6)).array().exp();
+  }
+  NonlinearProblem problem() const {
+    NonlinearProblem p;
+    p.model = [this](std::span<const double> x) { return plain(model(x)); };
+    p.derivative = [this](std::span<const double> x) -> std::unique_ptr<LinearOperator> {
+      return std::make_unique<Scaled>(-(model(x).asDiagonal() * a_.dense));
+    };
+    p.b = b_;
+    p.weights = w_;
+    return p;
+  }
+  SolverOptions options() const {
+    SolverOptions o;
+    o.iterations = 200;
+    o.relative_change = 0;
+    o.start = std::vector<double>(6, 0.0);
+    return o;
+  }
+};
+
+TEST_F(Exponential, ConsistentDataGiveTheTruth) {
+  b_ = plain(model(truth_));
+  const Solution s = solve_gauss_newton(problem(), {}, options());
+  EXPECT_LT(distance(s.x, dense(truth_)), 1e-9);
+  EXPECT_LT(s.history.size(), 30u);
+}
+
+TEST_F(Exponential, BoundsAndPenaltyGiveAnOptimum) {
+  b_ = plain(model(truth_));
+  const auto noise = random_vector(30, -0.1, 0.1, 8);
+  for (std::size_t i = 0; i < b_.size(); ++i) b_[i] += noise[i];
+  NonlinearProblem p = problem();
+  p.lower.assign(6, 0.3);
+  p.upper.assign(6, 0.45);
+  const auto penalty = make_penalty(PenaltyKind::first_differences, {{6, 1, 1}});
+  const Regularisation regularisation{penalty.get(), 0.5};
+  const Solution s = solve_gauss_newton(p, regularisation, options());
+  const Eigen::VectorXd x = dense(s.x), m = model(s.x);
+  const Eigen::MatrixXd j = -(m.asDiagonal() * a_.dense), l = dense(*penalty);
+  const Eigen::VectorXd w2 = dense(w_).array().square();
+  const Eigen::VectorXd uphill =
+      j.transpose() * w2.asDiagonal() * (m - dense(b_)) + 0.5 * l.transpose() * l * x;
+  const double scale = (j.transpose() * w2.asDiagonal() * dense(b_)).cwiseAbs().maxCoeff();
+  int held = 0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const double g = uphill[static_cast<Eigen::Index>(k)];
+    if (s.x[k] == 0.3)
+      EXPECT_GT(g, 0.0) << k;
+    else if (s.x[k] == 0.45)
+      EXPECT_LT(g, 0.0) << k;
+    else
+      EXPECT_LT(std::abs(g), 1e-6 * scale) << k;
+    held += s.x[k] == 0.3 || s.x[k] == 0.45;
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_LT(held, 6);
+}
+
+TEST(Refusals, NameWhatIsMissing) {
+  const Profile p;
+  StrengthRange range;
+  range.lowest = 0;
+  EXPECT_THROW(choose_strength(p.problem(), *p.penalty, StrengthRule::gcv, range, p.solver()),
+               UsageError);
+  EXPECT_THROW(estimate_uncertainty(p.problem(), {}, 0, 1), UsageError);
+  EXPECT_THROW(point_spread(p.problem(), {}, 30), UsageError);
+  EXPECT_THROW(solve_gauss_newton({}, {}, {}), UsageError);
+}
+
+}  // namespace
+}  // namespace plenoflame::uncertainty_test

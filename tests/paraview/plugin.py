@@ -1,0 +1,167 @@
+"""The plugin in pvpython: readers, sources and filters, held against the command's files and closed forms. Run by run.py."""
+
+
+import os
+import pathlib
+import subprocess
+import tempfile
+
+import numpy
+from paraview.simple import Delete, LoadPlugin, OpenDataFile
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+ROOT = pathlib.Path(os.environ["PLENOFLAME_ROOT"])
+folder = pathlib.Path(tempfile.mkdtemp(prefix="plenoflame-paraview-"))
+scene = folder / "small.toml"
+text = (ROOT / "examples/lenslets-30.toml").read_text()
+scene.write_text(text)
+SETTINGS = "camera.sensor.columns=80; camera.sensor.rows=80"
+
+from paraview import simple
+
+assert hasattr(simple, "PlenoflameScene"), "plenoflame-paraview starts ParaView with the plugin"
+LoadPlugin(os.environ["PLENOFLAME_PLUGIN"], remote=False, ns=globals())  # once more, for its names here
+import plenoflame
+from plenoflame import _core
+from plenoflame_data import voxels_to_image
+
+
+def command(*arguments):
+    done = subprocess.run([os.environ["PLENOFLAME_COMMAND"], *map(str, arguments)], capture_output=True, text=True, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def of(source, port=0):
+    """The data of a source's output."""
+    source.UpdatePipeline()
+    return source.GetClientSideObject().GetOutputDataObject(port)
+
+
+def array(data, name):
+    found = data.GetArray(name)
+    assert found is not None, (name, [data.GetArrayName(i) for i in range(data.GetNumberOfArrays())])
+    return vtk_to_numpy(found)
+
+
+def picture(image, name):
+    columns, rows, _ = image.GetDimensions()
+    return array(image.GetPointData(), name).reshape(rows, columns)[::-1]
+
+
+def reference():
+    small = plenoflame.Scene(scene)
+    for setting in SETTINGS.split(";"):
+        key, _, value = setting.partition("=")
+        small[key.strip()] = value.strip()
+    return small
+
+
+def test_scene_has_camera_flame_and_rays():
+    whole = PlenoflameScene(FileName=str(scene), Settings=SETTINGS, Pixel=[40, 41], Rays=8, FlameSamples=3, FlameResolution=24)
+    camera = of(whole, 0)
+    names = [camera.GetMetaData(i).Get(camera.NAME()) for i in range(camera.GetNumberOfBlocks())]
+    assert names == ["lens surfaces", "lens edges", "stop", "microlenses", "array plate", "sensor"], names
+    box = camera.GetBlock(5).GetBounds()
+    sides = sorted(box[2 * k + 1] - box[2 * k] for k in range(3))
+    scene_pitch = reference()["camera.sensor.pixel_pitch"]
+    numpy.testing.assert_allclose(sides[1:], [80 * scene_pitch] * 2, rtol=1e-9)
+    flame = of(whole, 1)
+    assert max(flame.GetDimensions()) == 24, flame.GetDimensions()
+    temperature = array(flame.GetPointData(), "temperature")
+    assert 300 < temperature.max() < 3000, temperature.max()
+    rays = of(whole, 2)
+    command("rays", scene, "--set", "camera.sensor.columns=80", "--set", "camera.sensor.rows=80", "--pixel", "40,41", "--rays", 8,
+            "--flame-samples", 3, "-o", "rays.vtp")
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(str(folder / "rays.vtp"))
+    reader.Update()
+    same = reader.GetOutput()
+    assert rays.GetNumberOfLines() == same.GetNumberOfLines() > 0
+    numpy.testing.assert_array_equal(array(rays.GetCellData(), "weight"), array(same.GetCellData(), "weight"))
+    numpy.testing.assert_array_equal(vtk_to_numpy(rays.GetPoints().GetData()), vtk_to_numpy(same.GetPoints().GetData()))
+    numpy.testing.assert_array_equal(array(rays.GetPointData(), "temperature"), array(same.GetPointData(), "temperature"))
+
+
+def test_rays_of_points_and_pixels():
+    rays = of(PlenoflameRays(SceneFile=str(scene), Settings=SETTINGS, UsePoint=1, Point=[1, 0, 0], Rays=16))
+    start = vtk_to_numpy(rays.GetPoints().GetData())[0]
+    numpy.testing.assert_array_equal(start, (1, 0, 0))
+    assert rays.GetNumberOfLines() == 16
+
+
+def test_light_field_is_that_of_the_command():
+    command("render", scene, "--set", "camera.sensor.columns=80", "--set", "camera.sensor.rows=80", "--samples", 4, "-o", "a.exr")
+    rendered = of(PlenoflameLightField(SceneFile=str(scene), Settings=SETTINGS, Samples=4))
+    read = of(OpenDataFile(str(folder / "a.exr")))
+    for name in ("red_650nm", "red_650nm.error"):
+        numpy.testing.assert_array_equal(picture(rendered, name), picture(read, name))
+    assert picture(read, "red_650nm").max() > 0
+    assert rendered.GetOrigin() == read.GetOrigin() == (0.5, 0.5, 0)
+
+
+def test_filters_give_the_pictures_of_the_library():
+    source = PlenoflameLightField(SceneFile=str(scene), Settings=SETTINGS, Samples=4)
+    field = reference().render(samples=4)
+    sheet = of(PlenoflameViews(Input=source, Grid=3))
+    numpy.testing.assert_array_equal(picture(sheet, "radiance"), field.views(3).sheet)
+    one = of(PlenoflameViews(Input=source, Grid=3, View=[0, 2], WhiteCorrection=0, Resampling="nearest"))
+    numpy.testing.assert_array_equal(picture(one, "flux"), field.views(3, white_correction=False, resampling="nearest")[0, 2])
+    refocused = of(PlenoflameRefocus(Input=source, Depth=0.95, Width=30))
+    sharp = field.refocus(0.95, width=30)
+    numpy.testing.assert_array_equal(picture(refocused, "radiance"), sharp.image)
+    numpy.testing.assert_allclose(refocused.GetSpacing()[:2], [sharp.pixel] * 2, rtol=1e-12)
+    # Upright: the middle of the uppermost row of pixels is highest.
+    top = refocused.GetOrigin()[1] + (refocused.GetDimensions()[1] - 1) * refocused.GetSpacing()[1]
+    numpy.testing.assert_allclose(top, -sharp.y[0], rtol=1e-9)
+    developed = of(PlenoflameDevelop(Input=source, Bits=10, Curve="linear"))
+    numpy.testing.assert_array_equal(picture(developed, "digital_number"), field.develop(bits=10, curve="linear"))
+
+
+def test_vdb_keeps_its_place():
+    command("flame", "candle", "--voxel-size", "2 mm", "-o", "candle.vdb")
+    image = of(OpenDataFile(str(folder / "candle.vdb")))
+    arrays, spacing, origin, _ = plenoflame.flame_arrays(plenoflame.read_flame(folder / "candle.vdb"))
+    numpy.testing.assert_allclose(image.GetSpacing(), spacing, rtol=1e-12)
+    numpy.testing.assert_allclose(image.GetOrigin(), origin, rtol=1e-12)
+    numpy.testing.assert_array_equal(array(image.GetPointData(), "temperature"), arrays["temperature"].ravel(order="F"))
+
+
+def test_turned_voxels_keep_their_directions():
+    """A quarter turn about z: the image's x axis is the world's y."""
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    turned = _core.Voxels((2, 3, 4), (1, 2, 3), (1e-3, 2e-3, 3e-3), [(0, 1, 0), (-1, 0, 0), (0, 0, 1)])
+    turned.Add("temperature", numpy.arange(24.0).reshape(2, 3, 4))
+    image = vtkImageData()
+    voxels_to_image(turned, image)
+    at = [0.0] * 3
+    image.TransformIndexToPhysicalPoint(1, 2, 3, at)
+    numpy.testing.assert_allclose(at, (1 - 4e-3, 2 + 1e-3, 3 + 9e-3), rtol=1e-12)
+
+
+def test_properties_are_those_of_the_schema():
+    about = {path: description for path, description, _, _ in _core.GetSchema()}
+    field = PlenoflameLightField()
+    for name, path in (("Samples", "render.samples"), ("Seed", "render.seed"), ("Estimator", "render.estimator")):
+        said = field.GetProperty(name).SMProperty.GetDocumentation().GetDescription()
+        assert about[path].split()[0] in said and path in said, said
+    said = PlenoflameDevelop(Input=PlenoflameLightField(SceneFile=str(scene))).GetProperty("Saturation").SMProperty
+    assert said.GetDocumentation().GetDescription().strip().startswith("[W] "), said
+
+
+def test_bad_input_is_one_line_and_no_output():
+    broken = folder / "broken.toml"
+    broken.write_text(text.replace("[camera]", "[camera]\nlens_count = 3", 1))
+    for source in (PlenoflameScene(FileName=str(broken)), PlenoflameScene(FileName=str(scene), Settings="camera.colour=red"),
+                   PlenoflameScene(FileName=str(scene), Settings="nonsense"), PlenoflameRays(SceneFile=str(folder / "none.toml"), RandomPixels=1)):
+        source.UpdatePipeline()
+        assert source.GetDataInformation(0).GetNumberOfPoints() == 0
+        Delete(source)
+
+
+for name, test in list(globals().items()):
+    if name.startswith("test_"):
+        test()
+        print(name, "passed", flush=True)
+print("all of it passed")

@@ -1,0 +1,261 @@
+"""Operators and reconstructions, with SciPy and the renderer as references."""
+
+import gc
+import os
+import signal
+import sys
+import threading
+import unittest.mock
+
+import numpy
+import scipy.optimize
+import scipy.sparse.linalg
+from package import PackageTest, main
+
+import plenoflame
+
+
+class Reconstruct(PackageTest):
+    """A sphere of layers through a small camera: rings about its middle."""
+
+    RINGS = {"unknowns": "rings", "grid": (5, 6), "rays": 8}
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scene_once = PackageTest.scene(cls, 60)
+        cls.picture_once = cls.scene_once.render(64, seed=5)
+        cls.operator_once = cls.scene_once.operator(**cls.RINGS)
+
+    def setUp(self):
+        super().setUp()
+        self.small, self.picture, self.operator = self.scene_once, self.picture_once, self.operator_once
+
+    def test_directions_are_transposes_of_each_other_and_of_the_matrix(self):
+        fresh = self.small.operator(**self.RINGS)
+        generator = numpy.random.default_rng(1)
+        x, y = generator.random(fresh.shape[1]), generator.random(fresh.shape[0])
+        forward, back = fresh @ x, fresh.rmatvec(y)
+        self.assertLess(abs(forward @ y / (x @ back) - 1), 1e-12)
+        self.assertLess(numpy.abs(fresh.T @ y - back).max(), 1e-15 * back.max())
+        matrix = fresh.matrix
+        self.assertEqual(matrix.dtype, numpy.float32)
+        self.assertTrue(matrix.has_sorted_indices and matrix.has_canonical_format)
+        # Single precision, and another program's product.
+        self.assertLess(numpy.linalg.norm(matrix @ x - forward), 1e-6 * numpy.linalg.norm(forward))
+        self.assertLess(numpy.linalg.norm(matrix.T @ y - back), 1e-6 * numpy.linalg.norm(back))
+        self.assertLess(numpy.linalg.norm(fresh @ x - matrix.astype(float) @ x), 1e-13 * numpy.linalg.norm(forward))
+        self.assertLess(abs(fresh.matrix_bytes / (8 * matrix.nnz) - 1), 0.3)
+
+    def test_matrix_is_the_librarys_memory_and_outlives_it(self):
+        operator = self.small.operator(**self.RINGS)
+        matrix = operator.matrix
+        self.assertIs(operator.matrix, matrix)
+        from plenoflame._library import data
+        for mine, theirs in ((matrix.data, operator.algorithm.GetValues()),
+                             (matrix.indices, operator.algorithm.GetColumnIndices())):
+            self.assertTrue(numpy.shares_memory(mine, data.numbers(theirs)))
+        with self.assertRaises(ValueError):
+            matrix.data[0] = 1
+        copy = matrix.copy()
+        copy.data[0] *= 1  # a copy can be written to
+        del operator
+        gc.collect()
+        scrap = [numpy.ones(matrix.nnz, dtype=numpy.float32) for _ in range(20)]  # would be put where memory was freed
+        self.assertEqual((matrix != copy).nnz, 0)
+        del scrap
+
+    def test_product_is_the_rendered_picture(self):
+        """Samples of a constant emission make the picture that the renderer makes of a flame that has it."""
+        shape, step, origin = (9, 8, 7), 2e-3, (0.992, -7e-3, -6e-3)
+        generator = numpy.random.default_rng(2)
+        glow = generator.random(shape).astype(numpy.float32)  # W/m^3 into the line
+        scene = self.small.copy()
+        while scene.list_size("flames"):
+            scene.remove("flames", 0)
+        scene["channels[0].wavelength"] = "431 nm"
+        scene["channels[0].width"] = "30 nm"
+        zero = numpy.zeros(shape, dtype=numpy.float32)
+        flame = plenoflame.flame_from_arrays(zero + 300, zero, spacing=step, origin=origin, **{"CH*": glow})
+        scene.add_flame(flame, lines=["ch"])
+        operator = scene.operator(grid=shape, center=[o + step * (n - 1) / 2 for o, n in zip(origin, shape)],
+                                  size=[step * n for n in shape], rays=8, seed=3)
+        self.assertEqual(operator.grid_shape, shape)
+        self.assertLess(numpy.abs(operator.places[1] - operator.places[0] - [0, 0, step]).max(), 1e-12)
+        # All of the line, which is narrow, lies in the channel; a sample is per steradian.
+        product = operator.image(operator @ glow.ravel()) / (4 * numpy.pi)
+        # The renderer's integrals along the same rays, in double precision.
+        traced = numpy.zeros(product.shape)
+        for block in scene.ray_blocks(8, seed=3, precision="double", radiance=True):
+            numpy.add.at(traced, (block.pixel[:, 1], block.pixel[:, 0]), block.etendue * block.radiance[:, 0])
+        self.assertGreater(numpy.count_nonzero(traced), 1000)
+        numpy.testing.assert_allclose(product, traced, rtol=1e-6)
+        # Its picture, in single precision and with its table of radiance: the same rays, so well within their errors.
+        rendered = scene.render(8, seed=3)
+        known = rendered.error > 0
+        self.assertLess((numpy.abs(product - rendered.flux)[known] / rendered.error[known]).max(), 0.5)
+
+    def test_scipys_solvers_find_what_ours_do(self):
+        operator = self.small.operator(unknowns="rings", grid=(3, 4), rays=8)
+        data = self.picture.flux[operator.pixels[:, 1], operator.pixels[:, 0]].astype(float)
+        scale = numpy.linalg.norm(operator.matrix.data)
+        dense = operator.matrix.toarray().astype(float)
+        exact = numpy.linalg.lstsq(dense / scale, data / data.max(), rcond=None)[0]
+        found = scipy.sparse.linalg.lsqr(operator * (1 / scale), data / data.max(), atol=1e-14, btol=1e-14, iter_lim=2000)[0]
+        self.assertLess(numpy.linalg.norm(found - exact), 1e-6 * numpy.linalg.norm(exact))
+        # Without noise but that of --noise, which is the same for all pixels, ours is the least-squares problem.
+        plain = self.picture.copy()
+        plain.error[:] = 0
+        ours = plenoflame.reconstruct(self.small, plain, unknowns="rings", grid=(3, 4), rays=8, solver="nnls", penalty="none",
+                                      all_voxels=True, draws=0, probes=0, noise=1, seed=int(self.small["render.seed"]))
+        expected = scipy.optimize.nnls(dense / scale, data / data.max())[0] * data.max() / scale
+        # The error of the rays weighs rows apart from each other by its square, (some per cent)^2 beside the noise of 1.
+        self.assertLess(numpy.linalg.norm(ours.emission.ravel() - expected), 1e-3 * numpy.linalg.norm(expected))
+
+    def test_a_reconstruction_is_what_the_command_finds(self):
+        found = plenoflame.reconstruct(self.small, self.picture, absorption="scene", truth=True, draws=2, probes=2, **self.RINGS)
+        self.small.save(self.folder / "scene.toml")
+        self.picture.save(self.folder / "picture.exr")
+        figures = self.figures("reconstruct", "scene.toml", "--images", "picture.exr", "--absorption", "scene", "--truth",
+                               "--draws", "2", "--probes", "2", "--unknowns", "rings", "--grid", "5,6", "--rays", "8", "-o",
+                               "found.vdb", "--quiet")
+        for name in ("strength", "chi_squared", "truth_emission_error", "history", "mean_temperature_K"):
+            self.assertEqual(found.figures[name], figures[name], name)
+        self.assertEqual(found.history[-1], found.figures["history"][-1])
+        self.assertEqual(found.shape, (5, 6))
+        self.assertEqual(found.temperature.shape, found.temperature_deviation.shape)
+        self.assertTrue(found.complete)
+        self.assertIsNone(found.absorption_deviation)
+        self.assertTrue(0 <= found.resolved.min() <= found.resolved.max() <= 1)
+        explained = found.explained[0]
+        self.assertEqual(explained.shape, self.picture.flux.shape)
+        seen = explained != 0
+        self.assertLess(numpy.abs(found.residuals[0] + explained - self.picture.flux)[seen].max(),
+                        1e-5 * self.picture.flux.max())
+        # A flame like any other, in memory and as the file that the command writes.
+        found.save(self.folder / "mine.vdb")
+        for grid in ("temperature", "emission", "resolved"):
+            mine, theirs = (plenoflame.read_flame(self.folder / name, grid=grid) for name in ("mine.vdb", "found.vdb"))
+            numpy.testing.assert_array_equal(*(plenoflame.flame_arrays(image)[0][grid] for image in (mine, theirs)))
+        again = self.small.copy()
+        again.remove("flames", 0)
+        again.add_flame(found.image)
+        self.assertGreater(again.render(2).flux.max(), 0.2 * self.picture.flux.max())
+        # And the start of the next, which begins within 1 % of the way from where one without begins.
+        once = {"absorption": "scene", "strength": found.figures["strength"], "draws": 0, "probes": 0, **self.RINGS}
+        more, cold = (plenoflame.reconstruct(self.small, [self.picture], start=start, **once) for start in (found, None))
+        self.assertLess(abs(more.history[0] - found.history[-1]), 1e-2 * (cold.history[0] - found.history[-1]))
+
+    def test_several_cameras(self):
+        text = self.small.text.replace("[camera]\nname = \"\"", "[[cameras]]\nname = \"front\"", 1).replace(
+            "[camera.", "[cameras.").replace("[[camera.", "[[cameras.")
+        text += "\n[[cameras]]\nname = \"side\"\nlike = \"front\"\nposition = [\"1 m\", \"1 m\", \"0 m\"]\nlook_direction = [0, -1, 0]\n"
+        scene = plenoflame.Scene(text=text, name=str(self.folder / "two.toml"))
+        operator = scene.operator(**self.RINGS)
+        x = numpy.random.default_rng(3).random(operator.shape[1])
+        own = operator.pixels[:, 2] == 0
+        front = scene.with_camera("front").operator(**self.RINGS)
+        numpy.testing.assert_array_equal(operator.pixels[own], front.pixels)
+        numpy.testing.assert_array_equal((operator @ x)[own], front @ x)
+        self.assertGreater(operator.image(operator @ x, camera=1).max(), 0)
+        pictures = {"side": scene.with_camera("side").render(16), "front": self.picture}
+        found, listed = (plenoflame.reconstruct(scene, images, draws=0, probes=0, **self.RINGS)
+                         for images in (pictures, [pictures["front"], pictures["side"]]))
+        numpy.testing.assert_array_equal(found.emission, listed.emission)
+        self.assertEqual(len(found.residuals), 2)
+        with self.assertRaisesRegex(plenoflame.Error, "the cameras are 'front', 'side'"):
+            plenoflame.reconstruct(scene, {"back": self.picture})
+        # A single one has its name, too.
+        alone = plenoflame.reconstruct(scene.with_camera("front"), {"front": self.picture}, draws=0, probes=0, **self.RINGS)
+        self.assertIn("emission", repr(alone))
+
+    # Draws of noise would go on for hours: the run ends by itself in no case.
+    ENDLESS = {"draws": 100000, **RINGS}
+
+    def test_progress_ends_it_with_what_is_there(self):
+        fractions = []
+
+        def progress(fraction):
+            fractions.append(fraction)
+            return fraction > 0.3
+        found = plenoflame.reconstruct(self.small, self.picture, progress=progress, **self.ENDLESS)
+        self.assertFalse(found.complete)
+        self.assertIn("stopped early", repr(found))
+        self.assertGreater(found.emission.max(), 0)
+        self.assertEqual(fractions, sorted(fractions))
+        with self.assertRaisesRegex(plenoflame.Error, "before there was a result"):
+            plenoflame.reconstruct(self.small, self.picture, progress=lambda _: True, **self.ENDLESS)
+        self.assertRaises(ZeroDivisionError, plenoflame.reconstruct, self.small, self.picture, progress=lambda _: 1 / 0,
+                          **self.ENDLESS)
+
+    def test_ctrl_c_keeps_what_was_reached(self):
+        def progress(fraction):
+            if fraction > 0.3:
+                os.kill(os.getpid(), signal.SIGINT)
+        with self.assertRaises(KeyboardInterrupt) as caught:
+            plenoflame.reconstruct(self.small, self.picture, progress=progress, **self.ENDLESS)
+        found = caught.exception.reconstruction
+        self.assertFalse(found.complete)
+        self.assertGreater(found.emission.max(), 0)
+
+    def test_other_threads_go_on(self):
+        ticks, ended = [], threading.Event()
+
+        def tick():
+            while not ended.wait(0.001):
+                ticks.append(1)
+        thread = threading.Thread(target=tick)
+        thread.start()
+        before = len(ticks)
+        self.operator @ numpy.ones(self.operator.shape[1])
+        plenoflame.reconstruct(self.small, self.picture, draws=0, probes=0, **self.RINGS)
+        inside = len(ticks) - before
+        ended.set()
+        thread.join()
+        self.assertGreater(inside, 5)
+
+    def test_scipy_is_needed_for_operators_alone(self):
+        hidden = {name: None for name in ("plenoflame.operators", "scipy", "scipy.sparse", "scipy.sparse.linalg")}
+        with unittest.mock.patch.dict(sys.modules, hidden):
+            with self.assertRaisesRegex(plenoflame.Error, r"operator\(\) needs SciPy"):
+                self.small.operator(**self.RINGS)
+            plenoflame.reconstruct(self.small, self.picture, draws=0, probes=0, **self.RINGS)
+
+    def test_every_bad_argument_has_the_commands_sentence(self):
+        def refuses(sentence, **arguments):
+            with self.assertRaisesRegex(plenoflame.Error, sentence) as caught:
+                plenoflame.reconstruct(self.small, self.picture, **{**self.RINGS, **arguments})
+            self.assertNotIn("--", str(caught.exception))
+        refuses("unknowns: 'ring' is not one of voxels, rings, layers; did you mean 'rings'", unknowns="ring")
+        refuses("grid: rings and heights", grid=4)
+        refuses("smoothing: 3 numbers for 2 axes of rings", smoothing=(1, 2, 3))
+        refuses("solver sirt has no penalty", solver="sirt", strength=1)
+        refuses("memory 0 leaves no room for the stored matrix", solver="mart", memory=0)
+        refuses("noise: 2 is not a number from 0 to 1", noise=2)
+        refuses("rays takes a whole number", rays=1)
+        refuses("bin: the sensor .* has 60 x 60 pixels", bin=61)
+        refuses("find temperature needs absorption", find="temperature")
+        refuses("absorption_ratios is for find both", absorption_ratios=0.7)
+        refuses("no channel", channel="blue")
+        refuses("lies outside of all pictures", center=(1, 1, 0), size=(0.01, 0.01, 0.01))
+        refuses("earlier result has 30 unknowns, not 12", grid=(3, 4), start=plenoflame.reconstruct(
+            self.small, self.picture, draws=0, probes=0, **self.RINGS))
+        dark = self.picture.copy()
+        dark.flux[10, 20] = numpy.nan
+        with self.assertRaisesRegex(plenoflame.Error, "not finite in pixel 20,10"):
+            plenoflame.reconstruct(self.small, dark)
+        other = self.scene(64)
+        with self.assertRaisesRegex(plenoflame.Error, "60 x 60 pixels, the scene's has 64 x 64"):
+            plenoflame.reconstruct(other, self.picture)
+        for images in ([], [self.picture] * 2, 3, [None]):
+            self.assertRaises(plenoflame.Error, plenoflame.reconstruct, self.small, images)
+        self.assertRaises(plenoflame.Error, plenoflame.reconstruct, "scene.toml", self.picture)
+        for arguments in ({"grid": (4, 5)}, {"absorption": "8 mm"}, {"rays": "many"}, {"axis": "fit", "unknowns": "rings"},
+                          {"axis": (0, 0, 1)}, {"threads": -1}, {"basis": "linear"}):
+            self.assertRaises(plenoflame.Error, self.small.operator, **arguments)
+        with self.assertRaisesRegex(ValueError, "dimension mismatch"):
+            self.operator @ numpy.ones(3)
+        self.assertRaises(plenoflame.Error, self.operator.image, numpy.ones(3))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""The wheel that `pip install .` makes of the source tree: installed alone into an empty folder, it renders. CMake's part
+stands already in the build tree, so it is not done again here."""
+
+import importlib.util
+import os
+import pathlib
+import subprocess
+import sys
+import tarfile
+import zipfile
+
+import numpy
+from package import ROOT, PackageTest, main
+
+import plenoflame
+
+PROGRAM = """
+import sys
+sys.modules["vtkmodules"] = None
+sys.path.insert(0, sys.argv[1])
+import numpy, plenoflame
+assert plenoflame.__file__.startswith(sys.argv[1]), plenoflame.__file__
+numpy.save(sys.argv[3], plenoflame.Scene(sys.argv[2]).render(samples=2).flux)
+"""
+
+
+class Wheel(PackageTest):
+    def setUp(self):
+        super().setUp()
+        specification = importlib.util.spec_from_file_location("python_wheel", ROOT / "packaging/wheel/python_wheel.py")
+        self.backend = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(self.backend)
+
+    def test_the_wheel_works_alone(self):
+        self.backend._build = lambda _folder: pathlib.Path(plenoflame.__file__).parent
+        wheel = self.folder / self.backend.build_wheel(self.folder)
+        names = zipfile.ZipFile(wheel).namelist()
+        self.assertIn("plenoflame/scene.pyi", names)
+        self.assertEqual([name for name in names if "vtkPlenoflame" in name or "__pycache__" in name], [])
+        site = self.folder / "site"
+        made = subprocess.run([sys.executable, "-m", "pip", "install", "--no-deps", "--no-index", "--disable-pip-version-check",
+                               "--target", str(site), str(wheel)], capture_output=True, text=True)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        self.scene(60).save(self.folder / "a.toml")
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        # No display, no home, another language: it is all the same.
+        environment.update(HOME="/nonexistent", LANG="de_DE.UTF-8", LC_ALL="C")
+        environment.pop("DISPLAY", None)
+        run = subprocess.run([sys.executable, "-c", PROGRAM, str(site), str(self.folder / "a.toml"), str(self.folder / "a.npy")],
+                             capture_output=True, text=True, env=environment, cwd="/")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        numpy.testing.assert_array_equal(numpy.load(self.folder / "a.npy"), self.scene(60).render(samples=2).flux)
+
+    def test_the_source_archive_builds(self):
+        """It holds what the backend needs, and nothing that was built."""
+        name = self.backend.build_sdist(self.folder)
+        with tarfile.open(self.folder / name) as archive:
+            names = set(archive.getnames())
+        stem = name[:-len(".tar.gz")]
+        for wanted in ("pyproject.toml", "CMakeLists.txt", "packaging/wheel/python_wheel.py", "app/python/module.cpp", "PKG-INFO"):
+            self.assertIn(f"{stem}/{wanted}", names)
+        self.assertEqual([path for path in names if path.startswith((f"{stem}/build/", f"{stem}/.git/"))], [])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,212 @@
+// Damaged files of every kind that the core reads end in one line, or in something consistent. The
+// sanitizer builds make stray accesses visible; PLENOFLAME_DAMAGED_FILES=100000 tries so many of
+// each kind.
+#include <cmath>
+
+#include "plenoflame/film/checkpoint.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/png_file.h"
+#include "plenoflame/inverse/csr_matrix.h"
+#include "plenoflame/radiometry/spectral_response.h"
+#include "plenoflame/scene/lens_file.h"
+#include "plenoflame/scene/scene_settings.h"
+#include "plenoflame/scene/validate.h"
+#include "support/damaged_files.h"
+
+namespace plenoflame::test::reader_fuzz_test {
+namespace {
+
+using Random = std::mt19937_64;
+
+TEST(DamagedReaders, LightFields) {
+  const TemporaryFolder folder;
+  LightField field;
+  field.sensor_width = 12;
+  field.sensor_height = 9;
+  field.window = {2, 1, 7, 6};
+  field.channels = {{"total", Image(7, 6, 1e-9F), Image(7, 6, 1e-11F)}};
+  for (int i = 0; i < 42; ++i) field.channels[0].flux.pixels[i] = 1e-9F * static_cast<float>(i % 5);
+  field.layers["depth"] = Image(7, 6, 1);
+  field.scene_text = "[camera]\n";
+  field.numbers["array.pitch"] = 1e-4;
+  field.texts["note"] = "text";
+  std::vector<std::string> samples;
+  const std::string path = folder.file("a.exr");
+  for (const ExrCompression packed :
+       {ExrCompression::none, ExrCompression::rle, ExrCompression::zip, ExrCompression::piz}) {
+    write_light_field(path, field, {}, packed);
+    samples.push_back(read_bytes(path));
+  }
+  const auto header = samples[0].size() - 3 * 42 * sizeof(float);
+  Random random(20261125);
+  read_damaged(
+      "light fields (.exr)", damaged_files_wanted(2000), samples,
+      [&](const std::string& whole) { return damage_bytes(whole, header, random); },
+      [&](const std::string& bytes) {
+        write_bytes(path, bytes);
+        const LightField back = read_light_field(path);
+        const auto pixels = static_cast<std::size_t>(back.window.width) *
+                            static_cast<std::size_t>(back.window.height);
+        for (const LightFieldChannel& channel : back.channels)
+          ASSERT_EQ(channel.flux.pixels.size(), pixels);
+        for (const auto& [name, layer] : back.layers) ASSERT_EQ(layer.pixels.size(), pixels);
+      });
+}
+
+TEST(DamagedReaders, Pictures) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.png");
+  std::vector<std::string> samples;
+  for (const int channels : {1, 3})
+    for (const int bits : {8, 16}) {
+      PngImage image;
+      image.width = 9;
+      image.height = 6;
+      image.bits = bits;
+      image.channels = channels;
+      for (std::size_t i = 0; i < image.sample_count(); ++i)
+        image.samples.push_back(static_cast<std::uint16_t>(i * 37 % 256));
+      image.texts["Comment"] = "text";
+      write_png(path, image);
+      samples.push_back(read_bytes(path));
+    }
+  Random random(20261126);
+  read_damaged(
+      "pictures (.png)", damaged_files_wanted(2000), samples,
+      [&](const std::string& whole) { return damage_bytes(whole, 120, random); },
+      [&](const std::string& bytes) {
+        write_bytes(path, bytes);
+        const PngImage back = read_png(path);
+        ASSERT_EQ(back.samples.size(), back.sample_count());
+        ASSERT_GT(back.width, 0);
+      });
+}
+
+TEST(DamagedReaders, States) {
+  const TemporaryFolder folder;
+  Film film({3, 2, 70, 5}, 2, 2);
+  film.sum(0, 1, 4, 3) = 1.5;
+  film.add_samples(0, 8);
+  const std::string path = folder.file("state");
+  write_checkpoint(path, film, "key");
+  Random random(20261127);
+  read_damaged(
+      "states of runs", damaged_files_wanted(2000), {read_bytes(path)},
+      [&](const std::string& whole) {
+        // A checksum refuses all else: some files are cut short behind what is right.
+        return below(20, random) == 0 ? whole : damage_bytes(whole, 120, random);
+      },
+      [&](const std::string& bytes) {
+        write_bytes(path, bytes);
+        ASSERT_TRUE(read_checkpoint(path, read_checkpoint_key(path)) == film);
+      });
+}
+
+TEST(DamagedReaders, Matrices) {
+  const TemporaryFolder folder;
+  const CsrMatrix<float> matrix(4, {0, 2, 2, 4}, {0, 3, 1, 2}, {1.5F, -2, 0.25F, 4});
+  for (const std::string ending : {"npz", "h5", "mtx"}) {
+    const std::string path = folder.file("a." + ending);
+    write_csr(path, matrix);
+    const std::string whole = read_bytes(path);
+    Random random(20261128);
+    const std::string what = "matrices (." + ending + ")";
+    read_damaged(
+        what.c_str(), damaged_files_wanted(1000), {whole},
+        [&](const std::string& bytes) { return damage_bytes(bytes, bytes.size(), random); },
+        [&](const std::string& bytes) {
+          write_bytes(path, bytes);
+          const CsrMatrix<float> back = read_csr(path);
+          std::vector<double> x(back.columns(), 1.0), y(back.rows());
+          if (back.columns() < 1000 && back.rows() < 1000) make_csr_operator(back)->apply(x, y);
+        });
+  }
+}
+
+// Scenes with every kind of table, in text; what can be read is checked, too.
+TEST(DamagedReaders, Scenes) {
+  std::vector<std::string> samples;
+  for (const char* name : {"quartz-tube", "three-filters", "three-cameras", "square-lenses",
+                           "smoke", "candle-colours", "calibration-plate", "lenslets-30"})
+    samples.push_back(read_bytes(std::string(PLENOFLAME_SOURCE_DIR "/examples/") + name + ".toml"));
+  for (const std::string& sample : samples) ASSERT_FALSE(sample.empty());
+  const std::vector<std::string> words = awkward_words();
+  Random random(20261129);
+  read_damaged(
+      "scenes (.toml)", damaged_files_wanted(2000), samples,
+      [&](const std::string& whole) { return damage_text(whole, words, random); },
+      [&](const std::string& text) {
+        const SceneDocument document = parse_embedded_scene(text, "a.toml");
+        static_cast<void>(validate(document.scene));
+        static_cast<void>(write_scene(document.scene));
+      });
+}
+
+TEST(DamagedReaders, Layers) {
+  const std::string layers =
+      "[[layers]]\nname = \"core\"\ncentre = [\"0 m\", \"0 m\", \"8 mm\"]\n"
+      "semi_axes = [\"4 mm\", \"4 mm\", \"12 mm\"]\ntemperature = \"1800 K\"\n"
+      "absorption = \"20 1/m\"\n\n[[layers]]\nsemi_axes = [\"6 mm\", \"6 mm\", \"16 mm\"]\n"
+      "temperature = \"1500 degC\"\nvolume_fraction = 1e-6\n";
+  ASSERT_NO_THROW(static_cast<void>(parse_layers(layers, "a.toml")));
+  const std::vector<std::string> words = awkward_words();
+  Random random(20261130);
+  read_damaged(
+      "layers of flames (.toml)", damaged_files_wanted(2000), {layers},
+      [&](const std::string& whole) { return damage_text(whole, words, random); },
+      [&](const std::string& text) {
+        for (const EllipsoidSpec& layer : parse_layers(text, "a.toml"))
+          ASSERT_TRUE(std::isfinite(layer.temperature) && layer.semi_axes.x > 0);
+      });
+}
+
+TEST(DamagedReaders, Lenses) {
+  const std::string columns =
+      "# sample\n56.20238 8.75 1.622292 66\n152.28580 0.5 1 66\n37.68262 12.5 1.607379 56\n"
+      "1e9 3.8 1.603417 56\n24.2313 16.369445 1.0 42\n0 13.747957 0 34.4\n"
+      "-28.37731 3.8 1.603417 46\n-1e9\t11 1.620408 56\r\n-37.92546 61.5 1 56\n";
+  const std::string zemax =
+      "VERS 140124 258 36214\nMODE SEQ\nNAME A doublet\nUNIT MM X W X CM MR CPMM\n"
+      "SURF 0\n  TYPE STANDARD\n  CURV 0.0 0 0 0 0 \"\"\n  DISZ INFINITY\n"
+      "SURF 1\n  STOP\n  TYPE STANDARD\n  CURV 1.932292471788530E-02 0 0\n  DISZ 9\n"
+      "  GLAS N-BK7 0 0 1.5168 64.17\n  DIAM 13.5 1 0 0 1 \"\"\n"
+      "SURF 2\n  TYPE EVENASPH\n  CURV -2.233289411974898E-02 0\n  PARM 2 1.5E-7\n"
+      "  CONI -0.4\n  DISZ 3\n  GLAS SF2 0 0 1.64769 33.85\n  DIAM 13.5 1 0\n"
+      "SURF 3\n  TYPE STANDARD\n  CURV -4.600281537230078E-03 0\n  DISZ 92.75\n  DIAM 13.5 1 0\n"
+      "SURF 4\n  TYPE STANDARD\n  CURV 0\n  DISZ 0\n  DIAM 10\n";
+  std::vector<std::string> words = awkward_words();
+  words.insert(words.end(), {"SURF 1", "SURF 99999999", "GLAS ", "PARM 16 1", "UNIT IN", "STOP\n"});
+  const auto consistent = [](const LensFile& file) {
+    ASSERT_FALSE(file.lens.surfaces.empty());
+    static_cast<void>(write_lens(file.lens));
+  };
+  Random random(20261131);
+  const auto damage = [&](const std::string& whole) { return damage_text(whole, words, random); };
+  const int files = damaged_files_wanted(2000);
+  read_damaged("lenses (four columns)", files, {columns}, damage,
+               [&](const std::string& text) { consistent(import_four_columns(text, "a.dat")); });
+  read_damaged("lenses (.zmx)", files, {zemax}, damage,
+               [&](const std::string& text) { consistent(import_zmx(text, "a.zmx")); });
+}
+
+TEST(DamagedReaders, Curves) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.csv");
+  const std::vector<std::string> samples{
+      "wavelength_nm,response\n400,0\n500,0.5\n600,1\n700,0.25\n",
+      "# a camera\nwavelength_um;response\n0.4;0\n0.5;0.5\n0.6;1\n", "400 0\n500 1\n"};
+  const std::vector<std::string> words = awkward_words();
+  Random random(20261132);
+  read_damaged(
+      "curves (.csv)", damaged_files_wanted(2000), samples,
+      [&](const std::string& whole) { return damage_text(whole, words, random); },
+      [&](const std::string& text) {
+        write_bytes(path, text);
+        const std::vector<SpectralPoint> points = read_spectral_csv(path);
+        ASSERT_FALSE(points.empty());
+        for (const SpectralPoint& point : points) ASSERT_TRUE(std::isfinite(point.wavelength));
+      });
+}
+
+}  // namespace
+}  // namespace plenoflame::test::reader_fuzz_test

@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""Measures what each device of the sampler is worth, and writes docs/developer/ablation.md.
+
+Usage: ablation.py [--scenes NAME,..] [--devices NAME,..] [--samples 16,128] [--repeat 5] [--jobs 2] [--built] [--page] [--check]
+
+Builds the command from a copy of the sources, in build/ablation, in which tools/ablation_devices.py has put a switch at each device,
+and renders each scene with all devices and with one of them off, in turn and with the same seeds. Error is the relative RMSE against a
+picture of many more samples and another seed; time is the processor's, of one thread, without compiling the scene. Figures are medians
+of ratios within pairs: sqrt of the mean of squares for errors. --check only looks whether the switches fit the sources.
+Results are kept in build/ablation/results.json: what is not measured again stays on the page.
+"""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from ablation_devices import COMMON, DEVICES  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WORK = ROOT / "build" / "ablation"
+COMMAND = WORK / "source" / "build" / "release" / "app" / "cli" / "plenoflame"
+PAGE = ROOT / "docs" / "developer" / "ablation.md"
+BEGIN, END = "<!-- figures begin -->\n", "<!-- figures end -->\n"
+PATHS = ("CMakeLists.txt", "CMakePresets.json", "cmake", "core", "volumes", "app", "packaging", "tests", "tools", "docs", "examples", "LICENSE",
+         "README.md", "CITATION.cff", "CHANGELOG.md")
+REFERENCE_FACTOR, REFERENCE_SEED = 16, 1000000
+
+# Name: (file, generated as, window); windows keep runs of some seconds.
+FLAME = '[[flames]]\npreset = "paper-layered"\nposition = ["1 m", "0 m", "-29 mm"]\n'
+R29 = 'camera.preset = "raytrix-r29"\ncamera.focus = { mode = "best", object_distance = "1 m", conjugate = "array" }\n' + FLAME
+SPARSE = ('camera.preset = "paper-plenoptic2"\ncamera.focus = { mode = "best", object_distance = "4 m", conjugate = "type2" }\n'
+          '[[flames]]\nkind = "vdb"\nfile = "layered.vdb"\nposition = ["4 m", "0 m", "-29 mm"]\n')
+SCENES = {
+    "paper-flame-1m": (None, "1300,1300,400,400"),
+    "paper-previous-60x60": (None, None),
+    "raytrix-r29": (R29, "3100,2000,400,400"),
+    "candle": (None, "300,300,400,400"),
+    "lenslets-30": (None, None),
+    "sparse": (SPARSE, None),
+    "smoke": (None, "100,100,100,100"),
+}
+WHICH = {"roulette of walks": ["smoke"]}  # all but smoke, where nothing is said
+
+
+def switch(name):
+    return f'(without("{name}"))'
+
+
+def put_switches(text, what):
+    return re.sub(r"WITHOUT\(([^()]*)\)", lambda m: switch(m.group(1)), text)
+
+
+def edited_sources():
+    """{path: text} of all files with switches. Ends the program where a switch does not fit."""
+    texts, faults = {}, []
+    for device, edits in [("common", COMMON)] + [(d.name, d.edits) for d in DEVICES]:
+        for path, old, new in edits:
+            text = texts.get(path) or (ROOT / path).read_text()
+            if text.count(old) != 1:
+                faults.append(f"{path}: {device}: occurs {text.count(old)} times, not once: {old.strip()}")
+                continue
+            texts[path] = text.replace(old, put_switches(new, device))
+    for path, text in texts.items():
+        if "without(" in text:
+            texts[path] = text.replace("namespace plenoflame", '#include "base/ablation.h"\nnamespace plenoflame', 1) \
+                if not path.endswith(".inl.h") else text
+    if faults:
+        sys.exit("\n".join(faults))
+    texts["core/src/base/ablation.h"] = (
+        "#pragma once\n#include <cstdlib>\n#include <cstring>\nnamespace plenoflame {\n"
+        "inline bool without(const char* device) {\n"
+        "  static const char* const off = std::getenv(\"PLENOFLAME_WITHOUT\");\n"
+        "  return off != nullptr && std::strcmp(off, device) == 0;\n}\n}  // namespace plenoflame\n")
+    return texts
+
+
+def build(jobs):
+    source = WORK / "source"
+    texts = edited_sources()
+    for path in subprocess.run(["git", "ls-files", "-z", "--", *PATHS], cwd=ROOT, check=True, capture_output=True,
+                               text=True).stdout.split("\0"):
+        if path and path not in texts and (ROOT / path).is_file():
+            copy_if_other(source / path, (ROOT / path).read_bytes())
+    for path, text in texts.items():
+        copy_if_other(source / path, text.encode())
+    folder = COMMAND.parent.parent.parent  # as deep as the usual one: ccache then knows what is the same
+    with open(WORK / "build.log", "w") as log:
+        for command in (["cmake", "--preset", "release", "-DPLENOFLAME_WITH_VTK=OFF", "-DPLENOFLAME_WITH_DESKTOP=OFF"],
+                        ["ninja", "-C", folder, f"-j{jobs}", "plenoflame"]):
+            if subprocess.run(command, cwd=source, stdout=log, stderr=log).returncode != 0:
+                sys.exit(f"the build failed: see {WORK / 'build.log'}")
+    return COMMAND
+
+
+def copy_if_other(path, content):
+    if path.is_file() and path.read_bytes() == content:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(content)
+
+
+def run(command, *arguments, without=""):
+    environment = dict(os.environ, PLENOFLAME_WITHOUT=without)
+    done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, env=environment)
+    if done.returncode != 0:
+        sys.exit(f"{command} {' '.join(map(str, arguments))}\n{done.stderr}")
+    return done.stdout
+
+
+def prepare(command):
+    folder = WORK / "scenes"
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / "candle.vdb").exists():
+        run(command, "flame", "candle", "-o", folder / "candle.vdb")
+    if not (folder / "layered.vdb").exists():
+        run(command, "flame", "layered", "-o", folder / "layered.vdb", "--voxel-size", "0.5 mm")
+    for name, (text, _) in SCENES.items():
+        if text is None:
+            shutil.copy(ROOT / "examples" / f"{name}.toml", folder)
+        else:
+            (folder / f"{name}.toml").write_text(text)
+    return folder
+
+
+def render(command, folder, scene, samples, seed, picture, without=""):
+    window = SCENES[scene][1]
+    stats = picture.with_suffix(".json")
+    run(command, "render", folder / f"{scene}.toml", "-o", picture, "--samples", samples, "--seed", seed, "--threads", 1, "--quiet",
+        "--stats", stats, *(["--window", window] if window else []), without=without)
+    return json.loads(stats.read_text())
+
+
+def error_of(command, picture, reference):
+    return json.loads(run(command, "compare", picture, reference, "--json"))["relative_rmse"]
+
+
+def measure(command, folder, scene, samples, devices, repeat, results):
+    """Adds {device: {"time", "error", "gain"}} for a scene: ratios without the device to with it."""
+    names = [d.name for d in devices if scene in WHICH.get(d.name, [s for s in SCENES if s != "smoke"])]
+    if not names:
+        return
+    reference = folder / f"{scene}-{samples}.exr"
+    if not reference.exists():
+        render(command, folder, scene, samples * REFERENCE_FACTOR, REFERENCE_SEED, reference)
+    pairs = {name: [] for name in names}
+    for turn in range(repeat):
+        for name in names:
+            both = []
+            for off in ("", name):  # in turn: the machine's speed changes slowly
+                picture = folder / "picture.exr"
+                figures = render(command, folder, scene, samples, turn + 1, picture, off)
+                both.append((figures["seconds"], error_of(command, picture, reference), figures["peak_memory"]))
+            pairs[name].append(both)
+    for name, measured in pairs.items():
+        time = statistics.median(off[0] / on[0] for on, off in measured)
+        square = sum(off[1] ** 2 for _, off in measured) / sum(on[1] ** 2 for on, _ in measured)
+        results.setdefault(name, {})[f"{scene} {samples}"] = {
+            "time": time, "error": math.sqrt(square), "gain": time * square,
+            "memory": statistics.median(off[2] / on[2] for on, off in measured)}
+        print(f"{scene:22} {samples:4} {name:30} time {time:.3f} error {math.sqrt(square):.3f} gain {time * square:.3f}", flush=True)
+
+
+def lines_of(parts):
+    count = 0
+    for part in parts:
+        if isinstance(part, str):
+            count += len((ROOT / part).read_text().splitlines())
+            continue
+        path, first, last = part
+        lines = (ROOT / path).read_text().splitlines()
+        begin = next((i for i, line in enumerate(lines) if line.startswith(first) or line.strip().startswith(first)), None)
+        if begin is None:
+            sys.exit(f"{path}: no line begins with: {first}")
+        count += next(i for i in range(begin, len(lines)) if lines[i] == last) - begin + 1
+    return count
+
+
+def page_of(results):
+    keys = sorted({key for of_device in results.values() for key in of_device},
+                  key=lambda key: (list(SCENES).index(key.split()[0]), int(key.split()[1])))
+    text = ""
+    for title, what in (("Gain in error^2 x time", "gain"), ("Time", "time"), ("Error", "error"), ("Memory", "memory")):
+        text += f"### {title}\nWithout the device divided by with it: above 1 the device pays.\n\n"
+        text += "| device | " + " | ".join(f"{key.split()[0]}, {key.split()[1]}" for key in keys) + " |\n"
+        text += "|---" * (len(keys) + 1) + "|\n"
+        for device in DEVICES:
+            of_device = results.get(device.name, {})
+            text += f"| {device.name} | " + " | ".join(
+                f"{of_device[key][what]:.2f}" if key in of_device else "" for key in keys) + " |\n"
+        text += "\n"
+    text += "### Devices and their size\n| device | what it does | lines | of tests |\n|---|---|---|---|\n"
+    for device in DEVICES:
+        text += f"| {device.name} | {device.what} | {lines_of(device.parts) or ''} | {lines_of(device.tests) or ''} |\n"
+    return text
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--scenes", default=",".join(SCENES))
+    parser.add_argument("--devices", default=",".join(d.name for d in DEVICES))
+    parser.add_argument("--samples", default="16,128")
+    parser.add_argument("--repeat", type=int, default=5)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--check", action="store_true", help="only look whether the switches fit the sources")
+    parser.add_argument("--built", action="store_true", help="measure what was built last")
+    parser.add_argument("--page", action="store_true", help="only write the page from what was measured")
+    options = parser.parse_args()
+    edited_sources()
+    for device in DEVICES:
+        lines_of(device.parts + device.tests)
+    if options.check:
+        return
+    kept = WORK / "results.json"
+    results = json.loads(kept.read_text()) if kept.exists() else {}
+    if not options.page:
+        WORK.mkdir(parents=True, exist_ok=True)
+        command = COMMAND if options.built else build(options.jobs)
+        folder = prepare(command)
+        chosen = [d for d in DEVICES if d.name in options.devices.split(",")]
+        for scene in options.scenes.split(","):
+            for samples in map(int, options.samples.split(",")):
+                measure(command, folder, scene, samples, chosen, options.repeat, results)
+                kept.write_text(json.dumps(results, indent=1))
+    before, rest = PAGE.read_text().split(BEGIN)
+    after = rest.split(END)[1]
+    PAGE.write_text(before + BEGIN + page_of(results) + END + after)
+
+
+if __name__ == "__main__":
+    main()
