@@ -6,7 +6,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?P<quote>[<"])(?P<name>[^>"]+)[>"]')
 
 # An area of core may include areas with a lower number, and itself.
 LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "film": 2, "media": 3,
-          "optics": 3, "solids": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6, "inverse": 7}
+          "optics": 3, "solids": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6, "calibration": 6, "inverse": 7}
 # Plain values of a scene, visible below their level to these areas.
 PLAIN_VALUES = re.compile(r"scene/(scene|\w+_spec)\.h$")
 SEE_PLAIN_VALUES = {"optics", "camera", "solids", "lightfield"}
@@ -22,7 +22,7 @@ LIBRARIES = {
     "toml++": re.compile(r"toml\+\+/|toml\.hpp$"),
     "nlohmann-json": re.compile(r"nlohmann/"),
     "fmt": re.compile(r"fmt/"),
-    "Eigen": re.compile(r"Eigen/"),
+    "Eigen": re.compile(r"(unsupported/)?Eigen/"),
     "Embree": re.compile(r"embree3/"),
     "OpenVDB": re.compile(r"openvdb/|nanovdb/"),
     "TBB": re.compile(r"tbb/|oneapi/"),

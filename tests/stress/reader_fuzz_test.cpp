@@ -6,6 +6,8 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/image/raw_picture.h"
+#include "plenoflame/image/tiff_file.h"
 #include "plenoflame/inverse/csr_matrix.h"
 #include "plenoflame/radiometry/spectral_response.h"
 #include "plenoflame/scene/lens_file.h"
@@ -80,6 +82,72 @@ TEST(DamagedReaders, Pictures) {
         ASSERT_EQ(back.samples.size(), back.sample_count());
         ASSERT_GT(back.width, 0);
       });
+}
+
+/// A tiled TIFF of 12 bits in the other order of bytes, and a planar one in colour, by hand.
+std::string tiff_by_hand(bool tiles) {
+  std::string bytes("MM\0*\0\0\0\10", 8);
+  const auto number = [&](std::uint32_t value, int size) {
+    for (int i = size - 1; i >= 0; --i) bytes += static_cast<char>(value >> (8 * i) & 255);
+  };
+  struct Entry {
+    std::uint32_t tag, kind, count, value;
+  };
+  const std::vector<Entry> entries =
+      tiles ? std::vector<Entry>{{256, 4, 1, 20},      {257, 4, 1, 9},       {258, 3, 1, 12 << 16},
+                                 {259, 3, 1, 1 << 16}, {262, 3, 1, 1 << 16}, {277, 3, 1, 1 << 16},
+                                 {322, 4, 1, 16},      {323, 4, 1, 16},      {324, 4, 2, 134},
+                                 {325, 4, 2, 142}}
+            : std::vector<Entry>{{256, 4, 1, 20},      {257, 4, 1, 9},       {258, 3, 3, 134},
+                                 {259, 3, 1, 1 << 16}, {262, 3, 1, 2 << 16}, {273, 4, 3, 140},
+                                 {277, 3, 1, 3 << 16}, {278, 4, 1, 9},       {279, 4, 3, 152},
+                                 {284, 3, 1, 2 << 16}};
+  number(static_cast<std::uint32_t>(entries.size()), 2);
+  for (const Entry& entry : entries) {
+    number(entry.tag, 2);
+    number(entry.kind, 2);
+    number(entry.count, 4);
+    number(entry.value, 4);
+  }
+  number(0, 4);
+  if (tiles) {
+    for (const std::uint32_t value : {150U, 534U, 384U, 384U}) number(value, 4);
+    bytes.append(768, '\x5a');
+  } else {
+    for (int i = 0; i < 3; ++i) number(8, 2);
+    for (const std::uint32_t value : {164U, 344U, 524U, 180U, 180U, 180U}) number(value, 4);
+    bytes.append(540, '\x31');
+  }
+  return bytes;
+}
+
+TEST(DamagedReaders, RawPictures) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.tif");
+  write_tiff(path, 9, 7, std::vector<std::uint16_t>(63, 1234), "a frame");
+  const std::vector<std::string> samples{read_bytes(path), tiff_by_hand(true), tiff_by_hand(false),
+                                         "P5\n# a camera\n9 7\n4095\n" + std::string(126, '\1'),
+                                         std::string(126, '\1')};
+  RawLayout layout;
+  layout.width = 9;
+  layout.height = 7;
+  const auto read = [&](const std::string& bytes) {
+    write_bytes(path, bytes);
+    int pictures = 0;
+    read_raw_pictures(path, layout, [&](RawPicture&& picture) {
+      ++pictures;
+      ASSERT_EQ(picture.samples.size(),
+                picture.pixel_count() * static_cast<std::size_t>(picture.channels));
+      ASSERT_GT(picture.width, 0);
+      ASSERT_LE(picture.bits, 16);
+    });
+    ASSERT_GT(pictures, 0);
+  };
+  for (const std::string& sample : samples) ASSERT_NO_THROW(read(sample));
+  Random random(20261133);
+  read_damaged(
+      "raw pictures (.tif, .pgm, headerless)", damaged_files_wanted(3000), samples,
+      [&](const std::string& whole) { return damage_bytes(whole, 160, random); }, read);
 }
 
 TEST(DamagedReaders, States) {

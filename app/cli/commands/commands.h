@@ -22,6 +22,7 @@ void register_refocus(const Registry& registry);
 void register_export(const Registry& registry);
 void register_compare(const Registry& registry);
 void register_info(const Registry& registry);
+void register_import(const Registry& registry);
 
 /// Registers every command, in the order in which --help lists them.
 void register_commands(const Registry& registry);

@@ -21,7 +21,8 @@ void check_belongs(const LightField& picture, const Scene& scene, const std::str
   if (picture.unit != "W" && picture.unit != "e-")
     throw InputError(what + " holds " + picture.unit +
                      "; a reconstruction takes fluxes in W, as render writes them, or electrons, "
-                     "as develop writes them");
+                     "as develop writes them" +
+                     (picture.unit == "DN" ? " (import --unit e- or W)" : ""));
   if (picture.scene_text.empty()) return;
   CameraSpec own = parse_embedded_scene(picture.scene_text, what).scene.camera;
   own.sensor = sensor;                       // how a frame was taken does not move any ray
@@ -64,6 +65,33 @@ bool has_shot_noise(const LightFieldChannel& electrons, double full) {
   return seen;
 }
 
+/// Pixels of an imported picture that say nothing: defective, full, or of a mosaic's other colours,
+/// whose values are means of neighbours.
+class LeftOut {
+ public:
+  LeftOut(const LightField& picture, const SensorSpec& sensor, std::size_t channel)
+      : window_(picture.window), sensor_(sensor), channel_(channel) {
+    const auto found = picture.layers.find("sensor.state");
+    if (found != picture.layers.end()) state_ = &found->second;
+  }
+  bool operator()(int column, int row) const {
+    if (state_ == nullptr) return false;
+    if (state_->at(column, row) != 0) return true;
+    return sensor_.mosaic != MosaicPattern::none && channel_ < 3 &&
+           mosaic_colour(sensor_.mosaic, window_.x + column, window_.y + row) !=
+               static_cast<int>(channel_);
+  }
+  bool saturated(int column, int row) const {
+    return state_ != nullptr && state_->at(column, row) == 2;
+  }
+
+ private:
+  PixelWindow window_;
+  const SensorSpec& sensor_;
+  std::size_t channel_;
+  const Image* state_ = nullptr;
+};
+
 }  // namespace
 
 Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
@@ -90,6 +118,7 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
   }
   result.flux = Image(own.flux.width, own.flux.height);
   result.deviation = result.flux;
+  const LeftOut left_out(picture, scene.camera.sensor, channel);
   double largest = 0;
   for (int row = 0; row < own.flux.height; ++row)
     for (int column = 0; column < own.flux.width; ++column) {
@@ -98,7 +127,7 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
         throw InputError(what + " has a value that is not finite in pixel " +
                          std::to_string(picture.window.x + column) + "," +
                          std::to_string(picture.window.y + row));
-      if (value < full) largest = std::max(largest, value - dark);
+      if (value < full && !left_out(column, row)) largest = std::max(largest, value - dark);
     }
   if (!(largest > 0)) throw InputError(what + " is dark in channel " + own.name);
   // No pixel is known better than a part in a million of the brightest.
@@ -106,10 +135,11 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
   for (int row = 0; row < own.flux.height; ++row)
     for (int column = 0; column < own.flux.width; ++column) {
       const double value = static_cast<double>(own.flux.at(column, row));
-      if (value >= full) {
+      if (value >= full || left_out.saturated(column, row)) {
         ++result.saturated;
         continue;
       }
+      if (left_out(column, row)) continue;
       // A pixel that counted nothing is known to about one electron.
       double error = has_error ? static_cast<double>(own.standard_error.at(column, row)) : 0;
       if (!std::isfinite(error)) error = 0;

@@ -81,9 +81,9 @@ Camera at_distance(CameraSpec spec, double h) {
 
 void check_raw_image(const LightField& light_field, const CameraSpec& camera,
                      const std::string& what) {
-  if (light_field.unit != "W" && light_field.unit != "e-")
+  if (light_field.unit != "W" && light_field.unit != "e-" && light_field.unit != "DN")
     throw InputError(what + " is not a raw image: it holds " + light_field.unit +
-                     ", not the flux of pixels in W or their electrons");
+                     ", not the flux of pixels in W, their electrons or their counts");
   if (camera.sensor.columns != light_field.sensor_width ||
       camera.sensor.rows != light_field.sensor_height)
     throw InputError("the scene's sensor has " + std::to_string(camera.sensor.columns) + " x " +

@@ -8,5 +8,7 @@ namespace plenoflame {
 /// figures of the camera ("lens.focal_length", "array.pitch", ...; SI units).
 /// @throws InputError as write_scene
 void describe(const CompiledScene& scene, LightField& field);
+/// The same of a camera alone: flames and lights of the scene are not opened.
+void describe(const Scene& scene, const Camera& camera, LightField& field);
 
 }  // namespace plenoflame

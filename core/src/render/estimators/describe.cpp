@@ -8,9 +8,12 @@
 namespace plenoflame {
 
 void describe(const CompiledScene& scene, LightField& field) {
-  field.scene_text = write_scene(scene.scene);
+  describe(scene.scene, scene.camera, field);
+}
+
+void describe(const Scene& scene, const Camera& camera, LightField& field) {
+  field.scene_text = write_scene(scene);
   field.version = version();
-  const Camera& camera = scene.camera;
   const CameraSpec& spec = camera.spec();
   field.numbers["lens.focal_length"] = camera.lens_first_order().focal_length;
   field.numbers["lens.f_number"] =

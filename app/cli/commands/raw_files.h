@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/calibration/count_frames.h"
+#include "plenoflame/image/raw_picture.h"
+
+namespace CLI {
+class App;
+}
+
+namespace plenoflame::cli {
+
+/// Options of every command that reads a camera's files.
+struct RawFileOptions {
+  std::string size, endian = "little", skip = "0";
+  int bits = 0, shift = 0, turn = 0;
+  bool mirror = false;
+
+  /// @throws UsageError
+  RawLayout layout() const;
+};
+
+void add_raw_file_options(CLI::App& command, RawFileOptions& options);
+
+/// Reads the frames of one series; pages of a TIFF and pictures that follow each other in a
+/// headerless file are frames, too. What is probably not meant is said as a warning.
+/// @param full counts from which on a pixel is saturated; 0: the largest number
+/// @throws FileError, InputError with the file's name
+CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
+                        double full = 0);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,46 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace plenoflame {
+
+/// What a camera's file holds: whole numbers, row by row from the top left, channels interleaved.
+struct RawPicture {
+  int width = 0;
+  int height = 0;
+  int channels = 1;            ///< 1: grey or a mosaic, 3: RGB
+  int bits = 16;               ///< that a number may have, 1 to 16
+  std::string kind;            ///< "TIFF", "PNG", "PGM" or "headerless", for messages
+  bool display_curve = false;  ///< the file says that its numbers follow a display's curve
+  bool lossy = false;          ///< it was packed with losses (JPEG within TIFF)
+  std::vector<std::uint16_t> samples;
+
+  std::size_t pixel_count() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+};
+
+/// How to read a file that does not say what it holds.
+struct RawLayout {
+  int width = 0, height = 0;  ///< 0: such files are refused
+  int bits = 16;              ///< up to 8: one byte for a number, above: two
+  bool big_endian = false;
+  std::uint64_t skip = 0;  ///< bytes in front of the first picture
+};
+
+/// Reads all pictures of a file in turn: the pages of a TIFF (strips or tiles, 1 to 16 bits), a PNG
+/// (8 or 16 bits; where it says how many bits carry information, those), a PGM (P5), or numbers
+/// without header, as `layout` says. Only one picture is held at a time.
+/// @throws FileError: cannot be read, no picture, cut off, damaged, of a kind that is not read
+///         (JPEG, floating point, palettes); what it claims is checked before memory is taken
+void read_raw_pictures(const std::string& path, const RawLayout& layout,
+                       const std::function<void(RawPicture&&)>& take);
+
+/// The picture mirrored left to right where that is asked for, then turned clockwise by so many
+/// quarter turns.
+RawPicture turned(RawPicture picture, int quarter_turns, bool mirror);
+
+}  // namespace plenoflame

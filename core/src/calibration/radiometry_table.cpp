@@ -1,0 +1,103 @@
+#include "plenoflame/calibration/radiometry_table.h"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <cmath>
+#include <sstream>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/printable.h"
+#include "plenoflame/image/atomic_file.h"
+
+namespace plenoflame {
+namespace {
+
+SourcePosition position_in(const std::string& path, const toml::source_region& region) {
+  return {path, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
+}
+
+double number_in(const toml::table& table, const char* key, double otherwise, double least,
+                 const std::string& path) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) {
+    if (std::isfinite(otherwise)) return otherwise;
+    throw InputError(position_in(path, table.source()), std::string(key) + " is missing");
+  }
+  const auto value = node->value<double>();
+  if (!value || !std::isfinite(*value) || !(*value >= least))
+    throw InputError(
+        position_in(path, node->source()),
+        std::string(key) + " must be a number" +
+            (least > -1e300 ? fmt::format(" of at least {:g}", least) : std::string()));
+  return *value;
+}
+
+}  // namespace
+
+RadiometryTable read_radiometry(const std::string& path) {
+  toml::table root;
+  try {
+    root = toml::parse(read_file(path), path);
+  } catch (const toml::parse_error& error) {
+    throw InputError(position_in(path, error.source()), printable(error.description()));
+  }
+  constexpr double kNeeded = std::numeric_limits<double>::quiet_NaN();
+  RadiometryTable table;
+  table.columns = static_cast<int>(number_in(root, "columns", kNeeded, 1, path));
+  table.rows = static_cast<int>(number_in(root, "rows", kNeeded, 1, path));
+  const toml::array* channels = root["channels"].as_array();
+  if (channels == nullptr || channels->empty())
+    throw InputError(
+        "'" + path +
+        "' is no radiometric calibration: it has no [[channels]] (written by calibrate "
+        "radiometry)");
+  for (const toml::node& node : *channels) {
+    const toml::table* entry = node.as_table();
+    if (entry == nullptr)
+      throw InputError(position_in(path, node.source()), "a channel is a table [[channels]]");
+    ChannelScale scale;
+    const auto name = (*entry)["name"].value<std::string>();
+    if (!name) throw InputError(position_in(path, entry->source()), "a channel needs its name");
+    scale.channel = *name;
+    scale.joules_per_count = number_in(*entry, "joules_per_count", kNeeded, 1e-300, path);
+    scale.relative_error = number_in(*entry, "relative_error", 0, 0, path);
+    scale.curvature = number_in(*entry, "curvature", 0, -1e308, path);
+    scale.curvature_error = number_in(*entry, "curvature_error", 0, 0, path);
+    table.channels.push_back(scale);
+  }
+  return table;
+}
+
+std::string radiometry_text(const RadiometryTable& table) {
+  std::ostringstream out;
+  out << "# What a count stands for. Written by plenoflame calibrate radiometry, read by "
+         "plenoflame\n"
+         "# import --radiometry.\n"
+      << fmt::format("columns = {}\nrows = {}\n", table.columns, table.rows);
+  for (const ChannelScale& scale : table.channels) {
+    std::string name;
+    for (const char c : printable(scale.channel))
+      name += (c == '"' || c == '\\' ? std::string("\\") : std::string()) + c;
+    out << fmt::format(
+        "\n[[channels]]\nname = \"{}\"\n"
+        "joules_per_count = {:.9e}  # radiant energy on a pixel for a count above dark\n"
+        "relative_error = {:.3e}  # standard error, common to all pixels\n"
+        "curvature = {:.6e}  # a linear sensor would have counted c (1 + curvature c)\n"
+        "curvature_error = {:.3e}\n",
+        name, scale.joules_per_count, scale.relative_error, scale.curvature, scale.curvature_error);
+  }
+  return out.str();
+}
+
+const ChannelScale& scale_of(const RadiometryTable& table, const std::string& channel,
+                             const std::string& path) {
+  std::string names;
+  for (const ChannelScale& scale : table.channels) {
+    if (scale.channel == channel) return scale;
+    names += (names.empty() ? "" : ", ") + scale.channel;
+  }
+  throw InputError("'" + path + "' has no scale of channel " + channel + "; it has " + names);
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,65 @@
+// Pixels of imported pictures that say nothing are left out of a measurement.
+#include "plenoflame/inverse/measurement.h"
+
+#include <gtest/gtest.h>
+
+namespace plenoflame::test::measurement_test {
+namespace {
+
+Scene scene_of(MosaicPattern mosaic) {
+  Scene scene;
+  scene.camera.sensor.columns = 4;
+  scene.camera.sensor.rows = 3;
+  scene.camera.sensor.mosaic = mosaic;
+  scene.channels.assign(3, {});
+  for (std::size_t c = 0; c < 3; ++c) scene.channels[c].name = std::string(1, "rgb"[c]);
+  return scene;
+}
+
+LightField picture() {
+  LightField field;
+  field.sensor_width = 4;
+  field.sensor_height = 3;
+  field.window = {0, 0, 4, 3};
+  for (const char* name : {"r", "g", "b"})
+    field.channels.push_back({name, Image(4, 3, 1e-9F), Image(4, 3, 1e-11F)});
+  return field;
+}
+
+TEST(Measurement, LeavesOutWhatSaysNothing) {
+  LightField field = picture();
+  field.channels[0].flux.at(1, 2) = 5e-9F;  // defective: not the brightest pixel of the picture
+  Image state(4, 3);
+  state.at(1, 2) = 1;
+  state.at(3, 0) = 2;
+  field.layers["sensor.state"] = state;
+  const Measurement result = take_measurement(field, scene_of(MosaicPattern::none), 0, 0.5);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      EXPECT_EQ(result.deviation.at(column, row) > 0, state.at(column, row) == 0);
+  EXPECT_EQ(result.saturated, 1U);
+  // Half of the brightest pixel that is used.
+  EXPECT_GT(result.deviation.at(0, 0), 0.499e-9F);
+  EXPECT_LT(result.deviation.at(0, 0), 0.501e-9F);
+}
+
+// RGGB: red where column and row are even, blue where both are odd.
+TEST(Measurement, MosaicsTakeOwnColoursOnly) {
+  LightField field = picture();
+  field.layers["sensor.state"] = Image(4, 3);
+  const Scene scene = scene_of(MosaicPattern::rggb);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Measurement result = take_measurement(field, scene, c, 0);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) {
+        const std::size_t own = static_cast<std::size_t>(column % 2 + row % 2);
+        EXPECT_EQ(result.deviation.at(column, row) > 0, own == c) << column << "," << row;
+      }
+  }
+  // A picture that was computed knows all colours everywhere.
+  field.layers.clear();
+  EXPECT_GT(take_measurement(field, scene, 0, 0).deviation.at(1, 1), 0);
+}
+
+}  // namespace
+}  // namespace plenoflame::test::measurement_test
