@@ -17,6 +17,8 @@ void register_picture(const Registry& registry);      ///< only with PLENOFLAME_
 void register_operator(const Registry& registry);
 void register_optimize(const Registry& registry);
 void register_truth(const Registry& registry);
+void register_merge(const Registry& registry);
+void register_submit(const Registry& registry);
 void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
 void register_export(const Registry& registry);

@@ -46,6 +46,7 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
       scene,
       {options.estimator, options.samples, options.target_error, options.time_limit, options.seed});
   if (options.window) settings.window = *options.window;
+  if (options.part) settings.part = *options.part;
   settings.skip = options.skip;
   settings.control_variate = options.control_variate;
   return settings;
@@ -452,6 +453,10 @@ int run_render(const RenderArguments& arguments, const std::stop_token& stop) {
   for (const Picture& picture : pictures) {
     check_window(picture.options, picture.document.scene.camera.sensor);
     check_files(picture.options);
+    if (asked.part && !has_fixed_samples(settings_of(picture.options, picture.document.scene)))
+      throw UsageError(
+          "--part: bundles of the forward estimator are not those of a part of the picture; render "
+          "pictures of several --seed and merge them");
     if (asked.truth && picture.time && picture.moments().size() > 1)
       throw UsageError(
           "--truth: the exposure covers several moments of the flames, and ground truth is of one; "

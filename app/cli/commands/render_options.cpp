@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "choice.h"
+#include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -80,6 +81,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       .add_option("--window", arguments.window,
                   "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
       ->option_text("X,Y,W,H");
+  add_part_option(command, arguments.part,
+                  "Render only part K of N, into OUT-part-K-of-N.exr: 'plenoflame merge' makes the "
+                  "picture of all, bit by bit");
   command
       .add_option("--checkpoint", arguments.checkpoint,
                   "Keep the state of the run at least so often, beside the light field in "
@@ -189,6 +193,12 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   if (!arguments.estimator.empty())
     options.estimator = arguments.estimator == "forward" ? Estimator::forward : Estimator::backward;
   if (!arguments.window.empty()) options.window = window_option("--window", arguments.window);
+  if (!arguments.part.empty()) options.part = part_option("--part", arguments.part);
+  if (options.part && (options.target_error || options.time_limit))
+    throw UsageError(
+        "--part: what --target-error or --time-limit asks for depends on the whole picture, of "
+        "which "
+        "a part does not know; give --samples");
   if (!arguments.f_numbers.empty()) {
     options.f_numbers = f_number_list(arguments.f_numbers);
     if (!options.white) throw UsageError("--f-numbers: only white images are taken at several");

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "commands/moment_options.h"
+#include "plenoflame/base/part.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/render_spec.h"
@@ -32,6 +33,7 @@ struct RenderOptions {
   std::optional<Estimator> estimator;
   std::optional<std::uint64_t> seed;
   std::optional<PixelWindow> window;  ///< of the sensor; not yet checked against its size
+  std::optional<Part> part;           ///< of --part
   std::optional<FrameRange> frames;   ///< of --frames
   std::optional<double> time;         ///< [s] of --time
   std::string all_frames;             ///< of one of several frames: the name of all, without number
@@ -53,7 +55,7 @@ struct RenderOptions {
 /// The options as they stand on the command line.
 struct RenderArguments {
   RenderOptions options;
-  std::string target_error, time_limit, checkpoint, estimator, window;
+  std::string target_error, time_limit, checkpoint, estimator, window, part;
   std::string seed, samples;
   std::string f_numbers, frames, time;
 };

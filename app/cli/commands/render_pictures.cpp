@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "commands/moment_options.h"
+#include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
@@ -164,7 +165,9 @@ std::vector<Picture> pictures_of(const RenderOptions& options) {
     Picture one{options, camera.document};
     if (named) one = with_ending(one, camera.document.scene.camera.name);
     for (const Picture& stopped : with_f_numbers(one))
-      for (Picture& picture : with_frames(stopped)) pictures.push_back(std::move(picture));
+      for (const Picture& picture : with_frames(stopped))
+        pictures.push_back(options.part ? with_ending(picture, part_ending(*options.part))
+                                        : picture);
   }
   return pictures;
 }

@@ -65,6 +65,7 @@ void compare_options(const RenderOptions& options, const RunRecord& record, Diff
     found.add("--estimator", name_of(then.estimator), name_of(*options.estimator));
   if (options.seed) found.add("--seed", std::to_string(then.seed), std::to_string(*options.seed));
   if (options.window) found.add("--window", text_of(then.window), text_of(*options.window));
+  if (options.part) found.add("--part", to_string(then.part), to_string(*options.part));
   if (options.white) found.add("--white", yes_or_no(record.white), "yes");
   if (!options.control_variate)
     found.add("--no-control-variate", yes_or_no(!then.control_variate), "yes");
@@ -127,6 +128,8 @@ RunRecord record_of(const LightField& picture, const std::string& path) {
       picture.estimator == "forward" ? Estimator::forward : Estimator::backward;
   record.settings.seed = picture.seed;
   record.settings.window = picture.window;
+  if (const auto part = picture.texts.find(kPartOfPicture); part != picture.texts.end())
+    record.settings.part = part_from(part->second);
   record.white = picture.texts.contains("white");
   for (const char* key : {"exposure.time", "exposure.begin", "frame.number"})
     if (const auto known = picture.numbers.find(key); known != picture.numbers.end())
@@ -134,6 +137,17 @@ RunRecord record_of(const LightField& picture, const std::string& path) {
   if (const auto run = picture.texts.find("frame.run"); run != picture.texts.end())
     record.texts[run->first] = run->second;
   return record;
+}
+
+/// Samples per replicate of the tiles that the run is about.
+std::vector<double> samples_of_part(const Continuation& run) {
+  const Part& part = run.record.settings.part;
+  std::vector<double> samples;
+  for (int t = 0; t < run.film.tile_count(); ++t)
+    if (part_of_tile(t, run.film.tiles_across(), part.count) == part.number - 1)
+      samples.push_back(run.film.tile_samples(t));
+  if (samples.empty()) samples.push_back(0);
+  return samples;
 }
 
 }  // namespace
@@ -154,6 +168,7 @@ std::string to_text(const RunRecord& record) {
   json["target_error"] = s.target_error;
   json["time_limit"] = s.time_limit;
   json["window"] = {s.window.x, s.window.y, s.window.width, s.window.height};
+  json["part"] = to_string(s.part);
   json["skip"] = s.skip;
   json["control_variate"] = s.control_variate;
   json["isa"] = name(s.isa);
@@ -189,6 +204,7 @@ RunRecord record_from(const std::string& text, const std::string& path) {
     const auto& window = json.at("window");
     s.window = {window.at(0).get<int>(), window.at(1).get<int>(), window.at(2).get<int>(),
                 window.at(3).get<int>()};
+    s.part = part_from(json.at("part").get<std::string>());
     s.skip = json.at("skip").get<bool>();
     s.control_variate = json.at("control_variate").get<bool>();
     s.isa = isa_named(json.at("isa").get<std::string>());
@@ -239,13 +255,18 @@ Continuation read_continuation(const RenderOptions& options, const SceneDocument
     throw InputError("'" + options.resume +
                      "' is the mean of several moments, to which no samples can be added; render "
                      "it anew with more");
+  if (run.picture->texts.contains(kMergedPicture))
+    throw InputError(
+        "'" + options.resume +
+        "' is merged from pictures that differ in their samples or seeds; render one more, with "
+        "another --seed, and merge it with them");
   run.record = record_of(*run.picture, options.resume);
   compare_options(options, run.record, found);
   run.document = scene_of(options, run.record, now, found);
   found.refuse(options.resume);
   run.film = film_of(*run.picture);
   run.record.settings.replicates = run.film.replicates();
-  const std::vector<double>& tiles = run.film.all_tile_samples();
+  const std::vector<double> tiles = samples_of_part(run);
   const double most = *std::max_element(tiles.begin(), tiles.end()) * run.film.replicates();
   run.record.settings.samples = static_cast<int>(std::min(most, double{kMostBundles}));
   return run;
@@ -255,7 +276,7 @@ RenderSettings continued_settings(const RenderOptions& options, const Continuati
   RenderSettings settings = run.record.settings;
   const bool forward = settings.estimator == Estimator::forward;
   settings.skip = settings.skip && options.skip;
-  const std::vector<double>& tiles = run.film.all_tile_samples();
+  const std::vector<double> tiles = samples_of_part(run);
   const auto [least, most] = std::minmax_element(tiles.begin(), tiles.end());
   if (options.target_error) settings.target_error = *options.target_error;
   if (options.time_limit)

@@ -49,8 +49,22 @@ void reopen(const Film& film, int tile, Film& open) {
   }
 }
 
-/// Samples per replicate of every tile.
-std::vector<double> tile_samples(const LightField& picture, int replicates, int tiles) {
+}  // namespace
+
+std::string tile_samples_text(const Film& film) {
+  const std::vector<double>& samples = film.all_tile_samples();
+  if (std::adjacent_find(samples.begin(), samples.end(), std::not_equal_to<>()) == samples.end())
+    return "";
+  std::string text;
+  for (auto at = samples.begin(); at != samples.end();) {
+    const auto next = std::find_if(at, samples.end(), [&](double s) { return s != *at; });
+    text += fmt::format("{}{}x{}", text.empty() ? "" : " ", next - at, *at);
+    at = next;
+  }
+  return text;
+}
+
+std::vector<double> tile_samples_of(const LightField& picture, int replicates, int tiles) {
   const auto fail = [] {
     return InputError("the light field does not say how many samples its parts have");
   };
@@ -77,21 +91,6 @@ std::vector<double> tile_samples(const LightField& picture, int replicates, int 
   return samples;
 }
 
-}  // namespace
-
-std::string tile_samples_text(const Film& film) {
-  const std::vector<double>& samples = film.all_tile_samples();
-  if (std::adjacent_find(samples.begin(), samples.end(), std::not_equal_to<>()) == samples.end())
-    return "";
-  std::string text;
-  for (auto at = samples.begin(); at != samples.end();) {
-    const auto next = std::find_if(at, samples.end(), [&](double s) { return s != *at; });
-    text += fmt::format("{}{}x{}", text.empty() ? "" : " ", next - at, *at);
-    at = next;
-  }
-  return text;
-}
-
 Film film_of(const LightField& picture) {
   const auto replicates = picture.numbers.find("render.replicates");
   if (replicates == picture.numbers.end() || !(replicates->second >= 1 && replicates->second <= 64))
@@ -101,7 +100,7 @@ Film film_of(const LightField& picture) {
   for (const LightFieldChannel& channel : picture.channels)
     if (count > 1 && channel.standard_error.empty())
       throw InputError("the light field has no standard errors, which more samples need");
-  const std::vector<double> samples = tile_samples(picture, count, film.tile_count());
+  const std::vector<double> samples = tile_samples_of(picture, count, film.tile_count());
   std::vector<float> values;
   for (int tile = 0; tile < film.tile_count(); ++tile) {
     const PixelWindow pixels = film.tile(tile);

@@ -8,8 +8,17 @@ namespace plenoflame {
 /// they differ: "COUNTxSAMPLES" of runs of neighbouring tiles, separated by blanks.
 inline constexpr const char* kTileSamples = "render.tile_samples";
 
-/// That entry. @return empty when all tiles have the same
+/// Entries of LightField::texts that a picture has which is a part of one ("2/4", base/part.h), or
+/// is put together (render/merge.h) of what no run could go on with.
+inline constexpr const char* kPartOfPicture = "render.part";
+inline constexpr const char* kMergedPicture = "render.merged";
+
+/// That entry of kTileSamples. @return empty when all tiles have the same
 std::string tile_samples_text(const Film& film);
+
+/// Samples per replicate of every tile of a picture. @param tiles how many it has
+/// @throws InputError when the light field does not say how many samples it has
+std::vector<double> tile_samples_of(const LightField& picture, int replicates, int tiles);
 
 /// The film that a rendered picture was made from, as far as the picture tells: every lit tile is
 /// finished. @throws InputError when the light field does not say how many samples it has

@@ -29,7 +29,8 @@ inline constexpr const char* kSurfaceDistance = "truth.surface_distance";
 /// pixel gathers a bundle of rays; this is its middle one. It ends on the first solid surface: of
 /// the flames only what stands in front counts. Distances are along the optical axis from the front
 /// vertex of the main lens, as depths in refocusing are. Pixels whose ray does not leave the camera
-/// have 0 everywhere.
+/// have 0 everywhere. Of a picture that is a part of one (kPartOfPicture) only its tiles are looked
+/// at.
 ///
 /// Optical depth and distance are integrated by Gauss' rule of four points on steps that end where
 /// the medium's fields have kinks and are at most 0.1 deep: relative error below 1e-6.

@@ -6,6 +6,7 @@
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/base/isa.h"
+#include "plenoflame/base/part.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/render/work_counters.h"
@@ -39,7 +40,10 @@ struct RenderSettings {
   double target_error = 0;
   double time_limit = 0;  ///< [s] after which no further round is begun; 0: none
   PixelWindow window;     ///< width 0: the whole sensor
-  bool skip = true;       ///< false: nothing is left out (for comparison)
+  /// Which of the film's tiles get rays (part_of_tile()): all parts together are the picture, bit
+  /// by bit (render/merge.h). For a fixed number of samples only.
+  Part part = {};
+  bool skip = true;  ///< false: nothing is left out (for comparison)
   /// Radiance of costly media from a table, corrected by some of the rays so that the mean stays
   /// unbiased; false: every ray is integrated.
   bool control_variate = true;

@@ -7,6 +7,9 @@ namespace plenoflame {
 /// cannot be, and an instruction set that the processor does not have
 void check_settings(const RenderSettings& settings, const SensorSpec& sensor);
 
+/// @throws UsageError when there are more parts than tiles
+void check_part(const Part& part, const PixelWindow& window);
+
 /// The window of the settings, or the whole sensor.
 PixelWindow window_of(const RenderSettings& settings, const SensorSpec& sensor);
 

@@ -72,6 +72,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   const SensorSpec& sensor = scene.scene.camera.sensor;
   check_settings(settings, sensor);
   const PixelWindow window = window_of(settings, sensor);
+  check_part(settings.part, window);
   const int channels = static_cast<int>(scene.scene.channels.size());
   const bool forward = settings.estimator == Estimator::forward;
 
@@ -104,7 +105,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
       render_rounds(scene, settings, execution, film, statistics);
     }
   } else {
-    for (int t = 0; t < film.tile_count(); ++t) film.add_samples(t, 1);
+    for (int t = 0; t < film.tile_count(); ++t)
+      if (part_of_tile(t, film.tiles_across(), settings.part.count) == settings.part.number - 1)
+        film.add_samples(t, 1);
   }
 
   LightField& field = result.light_field;
@@ -130,7 +133,9 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     statistics.relative_error_bound = error.bound;
   }
   statistics.flux = sum_of(first.flux, parts, execution);
-  if (statistics.complete && !(statistics.flux > 0) && has_content(scene)) {
+  // A part may well see nothing of the flame.
+  if (statistics.complete && !(statistics.flux > 0) && has_content(scene) &&
+      settings.part.is_whole()) {
     if (statistics.rays >= kTellingRays)
       execution.warn(
           fmt::format("the picture is black: none of {:.3g} rays found light; what is small beside "
@@ -149,6 +154,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
   // A picture that is gone on with must know them.
   if (const std::string tiles = tile_samples_text(film); !tiles.empty())
     field.texts[kTileSamples] = tiles;
+  if (!settings.part.is_whole()) field.texts[kPartOfPicture] = to_string(settings.part);
   field.complete = statistics.complete;
   statistics.seconds = seconds_since(start);
   return result;

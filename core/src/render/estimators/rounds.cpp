@@ -115,12 +115,16 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
                   const Execution& execution, Film& film, RenderStatistics& statistics,
                   const BackwardShared& shared, RunProgress& progress) {
   std::map<int, std::vector<int>> groups;  // by the samples that they have
+  const Part& part = settings.part;
+  std::vector<double> goals(static_cast<std::size_t>(film.tile_count()), points);
   for (int t = 0; t < film.tile_count(); ++t)
-    if (film.tile_samples(t) < points) groups[static_cast<int>(film.tile_samples(t))].push_back(t);
+    if (part_of_tile(t, film.tiles_across(), part.count) != part.number - 1)
+      goals[static_cast<std::size_t>(t)] = film.tile_samples(t);
+    else if (film.tile_samples(t) < points)
+      groups[static_cast<int>(film.tile_samples(t))].push_back(t);
   Checkpoints checkpoints(settings);
   TileProgress tile_progress(progress, film);
-  tile_progress.foresee(film,
-                        std::vector<double>(static_cast<std::size_t>(film.tile_count()), points));
+  tile_progress.foresee(film, goals);
   if (!settings.keep_sums) film.allow_finishing();
   statistics.complete = true;
   for (const auto& [done, tiles] : groups) {

@@ -1,4 +1,5 @@
 #include "plenoflame/render/ground_truth.h"
+#include "plenoflame/film/reopened.h"
 
 #include <algorithm>
 #include <array>
@@ -282,6 +283,13 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
       temperature = optical_depth, surface, surface_distance;
   if (scene.surfaces) surface = surface_distance = optical_depth;
   const auto beams = SceneBeams::make(scene);
+  const auto text = light_field.texts.find(kPartOfPicture);
+  const Part part = text == light_field.texts.end() ? Part() : part_from(text->second);
+  const int across = (window.width + Film::kTile - 1) / Film::kTile;
+  const auto is_wanted = [&](int column, int row) {
+    return part_of_tile(row / Film::kTile * across + column / Film::kTile, across, part.count) ==
+           part.number - 1;
+  };
   const FirstChannel channel = first_channel(scene);
   const RigidTransform& to_world = scene.camera.to_world();
   std::mutex mutex;
@@ -315,6 +323,7 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
         work.cells = dynamic_cast<const CellSampling*>(scene.medium.get());
         ChiefRays rays(scene.camera, beams.get());
         for (int column = 0; column < window.width; ++column) {
+          if (!part.is_whole() && !is_wanted(column, row)) continue;
           const std::optional<Ray> ray = rays(window.x + column, window.y + row);
           if (!ray) continue;
           const Ray world{to_world.point(ray->origin), to_world.direction(ray->direction)};

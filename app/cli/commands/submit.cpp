@@ -1,0 +1,248 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include "commands/commands.h"
+#include "commands/render_options.h"
+#include "commands/scene_input.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/part.h"
+#include "plenoflame/image/atomic_file.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct SubmitArguments {
+  std::vector<std::string> scenes;
+  std::string output, options, parts = "1", threads = "1", time, memory, partition;
+  bool slurm = false;
+};
+
+/// A picture of the array: of each all parts.
+struct SubmittedPicture {
+  std::string scene, camera;  ///< camera: empty where the scene has one
+  std::string whole;          ///< name of the picture without .exr
+};
+
+/// The text as one word of the shell.
+std::string quoted(const std::string& text) {
+  if (!text.empty() &&
+      text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                             "_-+=:,./%@") == std::string::npos)
+    return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+/// The options for render, as the shell would part them. @throws UsageError for an open quote
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  bool within = false;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote == 0 && (c == ' ' || c == '\t' || c == '\n')) {
+      within = false;
+      continue;
+    }
+    if (!within) words.emplace_back();
+    within = true;
+    if (quote == 0 && (c == '"' || c == '\''))
+      quote = c;
+    else if (c == quote)
+      quote = 0;
+    else
+      words.back() += c;
+  }
+  if (quote != 0) throw UsageError("--options: a quote is not closed");
+  return words;
+}
+
+/// What render will read, checked here: a job that waited for a day should not end with it.
+/// @throws UsageError
+RenderArguments checked_render_options(const std::vector<std::string>& words) {
+  RenderArguments arguments;
+  CLI::App render;
+  add_render_options(render, arguments);
+  try {
+    render.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(fmt::format("--options: {}", error.what()));
+  }
+  for (const char* name : {"--output", "--part", "--resume", "--threads", "--camera", "--stats"})
+    if (render.count(name) > 0)
+      throw UsageError(fmt::format("--options: the script itself says {}", name));
+  if (!arguments.options.scene.empty())
+    throw UsageError("--options: '" + arguments.options.scene +
+                     "' is no option; scenes stand before it");
+  return arguments;
+}
+
+std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
+                                          const RenderArguments& render) {
+  std::vector<SubmittedPicture> pictures;
+  std::set<std::string> names;
+  for (const std::string& scene : arguments.scenes) {
+    RenderArguments one = render;
+    one.options.scene = scene;
+    static_cast<void>(checked_options(one));
+    const SceneDocument document = read_valid_scene(scene, render.options.set);
+    const std::string stem = std::filesystem::path(scene).stem().string();
+    const bool several = !document.scene.cameras.empty();
+    for (const CameraScene& camera : choose_cameras(document, scene, {})) {
+      const std::string& name = camera.document.scene.camera.name;
+      pictures.push_back({scene, several ? name : "", several ? stem + "-" + name : stem});
+      if (!names.insert(pictures.back().whole).second)
+        throw UsageError(fmt::format("two pictures would be called {}.exr: rename a scene",
+                                     pictures.back().whole));
+    }
+  }
+  return pictures;
+}
+
+/// "1-02:03:04", as sbatch has it.
+std::string slurm_time(const std::string& text) {
+  const double seconds = quantity_option("--time", text, Dimension::time);
+  constexpr double kMost = 365 * 86400.0;
+  if (!(seconds >= 1 && seconds <= kMost))
+    throw UsageError("--time: from 1 s to a year, not '" + text + "'");
+  const auto whole = static_cast<long long>(std::ceil(seconds));
+  return fmt::format("{}-{:02}:{:02}:{:02}", whole / 86400, whole / 3600 % 24, whole / 60 % 60,
+                     whole % 60);
+}
+
+std::string header(const SubmitArguments& arguments, const std::string& name, std::size_t tasks,
+                   int threads) {
+  std::string text = fmt::format(
+      "#!/bin/sh\n#SBATCH --job-name={0}\n#SBATCH --array=1-{1}\n#SBATCH --ntasks=1\n"
+      "#SBATCH --cpus-per-task={2}\n#SBATCH --output={0}-%a.log\n",
+      name, tasks, threads);
+  if (!arguments.time.empty())
+    text += fmt::format("#SBATCH --time={}\n", slurm_time(arguments.time));
+  if (!arguments.memory.empty()) text += fmt::format("#SBATCH --mem={}\n", arguments.memory);
+  if (!arguments.partition.empty())
+    text += fmt::format("#SBATCH --partition={}\n", arguments.partition);
+  return text;
+}
+
+/// The script: a task of the array renders a part, and goes on with it when it is begun anew.
+std::string script(const SubmitArguments& arguments, const std::string& name,
+                   const std::vector<SubmittedPicture>& pictures,
+                   const std::vector<std::string>& options, bool frames) {
+  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
+  const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
+  std::string text =
+      header(arguments, name, pictures.size() * static_cast<std::size_t>(parts), threads);
+  const std::string ending = parts > 1 ? fmt::format("-part-$part-of-{}", parts) : "";
+  text += "set -eu\ncommand=${PLENOFLAME:-plenoflame}\n";
+  if (parts > 1) {
+    text += "if [ \"${1:-}\" = merge ]; then\n";
+    for (const SubmittedPicture& picture : pictures) {
+      const std::string first = fmt::format("-part-1-of-{}.exr", parts);
+      text += fmt::format(
+          "  for first in {0}{1}{2}; do\n    whole=${{first%{2}}}\n"
+          "    \"$command\" merge \"$whole\"-part-*-of-{3}.exr -o \"$whole.exr\"\n  done\n",
+          quoted(picture.whole), frames ? ".*" : "", first, parts);
+    }
+    text += "  exit 0\nfi\n";
+  }
+  text += "task=${SLURM_ARRAY_TASK_ID:?is not set: submit this script with sbatch}\n";
+  if (parts > 1) text += fmt::format("part=$(( (task - 1) % {} + 1 ))\n", parts);
+  text += fmt::format("case $(( (task - 1) / {} )) in\n", parts);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    text += fmt::format("  {}) set -- {}{}; whole={} ;;\n", i, quoted(pictures[i].scene),
+                        pictures[i].camera.empty() ? "" : " --camera " + quoted(pictures[i].camera),
+                        quoted(pictures[i].whole));
+  text += "  *) echo \"there is no task $task\" >&2; exit 2 ;;\nesac\n";
+  std::string resume;
+  if (frames) {
+    resume = " --resume \"$whole.exr\"";
+  } else {
+    text += fmt::format(
+        "file=$whole{0}.exr\nif [ -e \"$file.state\" ]; then\n"
+        "  exec \"$command\" render --resume \"$file\" --threads {1} --quiet\nfi\n"
+        "if [ -e \"$file\" ]; then\n  echo \"$file is done\"\n  exit 0\nfi\n",
+        ending, threads);
+  }
+  text += "exec \"$command\" render \"$@\" -o \"$whole.exr\"" + resume;
+  if (parts > 1) text += fmt::format(" --part \"$part/{}\"", parts);
+  text += fmt::format(" --threads {} --quiet", threads);
+  for (const std::string& option : options) text += ' ' + quoted(option);
+  return text + '\n';
+}
+
+int run_submit(const SubmitArguments& arguments) {
+  if (!arguments.slurm) throw UsageError("say for which batch system: --slurm");
+  for (const std::string& scene : arguments.scenes)
+    check_not_overwritten("-o", arguments.output, scene);
+  for (const auto& [option, text] :
+       {std::pair{"--memory", arguments.memory}, std::pair{"--partition", arguments.partition}})
+    if (text.find_first_of(" \t\n") != std::string::npos)
+      throw UsageError(fmt::format("{}: '{}' has blanks", option, text));
+  std::vector<std::string> options = words_of(arguments.options);
+  const RenderArguments render = checked_render_options(options);
+  std::erase(options, "--quiet");
+  const std::vector<SubmittedPicture> pictures = pictures_of(arguments, render);
+  std::string name = std::filesystem::path(arguments.output).stem().string();
+  for (char& c : name)
+    if (c == ' ' || c == '%') c = '_';
+  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
+  RenderArguments one = render;
+  one.options.scene = arguments.scenes.front();
+  one.part = parts > 1 ? fmt::format("1/{}", parts) : "";
+  static_cast<void>(checked_options(one));
+  write_file(arguments.output, script(arguments, name, pictures, options, !render.frames.empty()));
+  const std::string file = quoted(arguments.output);
+  if (parts == 1)
+    std::cout << fmt::format("sbatch {}\n", file);
+  else
+    std::cout << fmt::format(
+        "job=$(sbatch --parsable {0})\nsbatch --dependency=afterok:$job --wrap \"sh {0} merge\"\n",
+        file);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_submit(const Registry& registry) {
+  const auto arguments = std::make_shared<SubmitArguments>();
+  CLI::App& command = add_command(
+      registry, "submit", "Write a batch system's script that renders scenes in parts",
+      "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
+  command.add_option("SCENE", arguments->scenes, "Scene files (.toml), each for a picture")
+      ->required();
+  command.add_flag("--slurm", arguments->slurm,
+                   "A Slurm job array: a task for each part of each picture, from 1");
+  command
+      .add_option("-o,--output", arguments->output,
+                  "The script; how to submit it is printed. Pictures are written to the folder in "
+                  "which it is submitted, named after their scenes")
+      ->required()
+      ->option_text("FILE");
+  command.add_option("--parts", arguments->parts, "Parts of each picture (1)")->option_text("N");
+  command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
+  command
+      .add_option("--time", arguments->time,
+                  "Time limit of a task, with unit, e.g. 2h; none: the "
+                  "batch system's own")
+      ->option_text("TIME");
+  command.add_option("--memory", arguments->memory, "Memory of a task as sbatch has it, e.g. 4G")
+      ->option_text("SIZE");
+  command.add_option("--partition", arguments->partition, "Partition of the cluster")
+      ->option_text("NAME");
+  command
+      .add_option("--options", arguments->options,
+                  "Options for render, in quotes: --options '--samples 256 --truth'")
+      ->option_text("TEXT");
+  on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
+}
+
+}  // namespace plenoflame::cli
