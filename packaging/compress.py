@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Compresses what Debian wants compressed, without names and times, so that the same input gives the same bytes.
 
-    compress.py MAN_FOLDER CHANGELOG CHANGELOG_OUT PAGE PAGE_FOLDER
+    compress.py MAN_FOLDER FILE OUT [FILE OUT ...]
 
-Manual pages in MAN_FOLDER are replaced by .gz; CHANGELOG is written to CHANGELOG_OUT, PAGE to PAGE_FOLDER/PAGE.gz."""
+Manual pages in MAN_FOLDER are replaced by .gz; each FILE is written to OUT, compressed."""
 
 import gzip
 import pathlib
@@ -15,9 +15,9 @@ def compress(source, target):
     target.write_bytes(gzip.compress(source.read_bytes(), 9, mtime=0))
 
 
-folder, changelog, changelog_out, page, page_folder = map(pathlib.Path, sys.argv[1:])
+folder = pathlib.Path(sys.argv[1])
 for each in sorted(folder.glob("*.1")):
     compress(each, each.with_name(each.name + ".gz"))
     each.unlink()
-compress(changelog, changelog_out)
-compress(page, page_folder / (page.name + ".gz"))
+for source, target in zip(sys.argv[2::2], sys.argv[3::2]):
+    compress(pathlib.Path(source), pathlib.Path(target))

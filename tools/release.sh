@@ -42,7 +42,7 @@ mkdir -p build/logs "$folder"
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
 {
-  cmake --preset package -S . && cmake --build --preset package -j "${PLENOFLAME_JOBS:-$(nproc)}"
+  cmake --preset package -S . -DPLENOFLAME_COMPILE_TOGETHER=ON && cmake --build --preset package -j "${PLENOFLAME_JOBS:-$(nproc)}"
 } >build/logs/package.log 2>&1 || {
   tail -n 50 build/logs/package.log
   echo "release.sh: the build failed; all of its output is in build/logs/package.log" >&2

@@ -59,5 +59,5 @@ set(desktop_vtk_sources widgets/flame_opacity.cpp widgets/image_view.cpp widgets
   widgets/scene_view_aim.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::InteractionStyle VTK::InteractionWidgets VTK::RenderingCore)
-set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame"
+set(desktop_definitions PLENOFLAME_DOC_FOLDER="../${CMAKE_INSTALL_DATAROOTDIR}/doc/plenoflame-doc/docs"
   PLENOFLAME_SOURCE_DOCS="${PROJECT_SOURCE_DIR}/docs")

@@ -14,11 +14,11 @@ try:
 except NameError:  # the window runs the text of the file
     here = pathlib.Path("/usr/lib/x86_64-linux-gnu/plenoflame/paraview")
 places = [os.environ.get("PLENOFLAME_EXAMPLES"), here.parent.parent.parent / "examples",
-          "/usr/share/doc/plenoflame-doc/examples"]
+          "/usr/share/plenoflame/examples"]
 scenes = [pathlib.Path(place) / "paper-flame-1m.toml" for place in places if place]
 scene = next((path for path in scenes if path.exists()), None)
 if scene is None:
-    raise RuntimeError("paper-flame-1m.toml is not there: install plenoflame-doc, or say in PLENOFLAME_EXAMPLES where it is")
+    raise RuntimeError("paper-flame-1m.toml is not there: install the package plenoflame, or say in PLENOFLAME_EXAMPLES where it is")
 
 if not hasattr(inspect, "getargspec"):  # Debian's ParaView 5.11.0 needs it to load plugins in Python (start/sitecustomize.py)
     inspect.getargspec = inspect.getfullargspec

@@ -30,7 +30,7 @@ void* load() {
     throw FileError("cannot load what needs VTK: " + std::string(reason ? reason : path.string()));
   }
   throw FileError("cannot load what needs VTK: there is no " + tried +
-                  " (Debian package plenoflame-vtk, or a build with PLENOFLAME_WITH_VTK)");
+                  " (a build with PLENOFLAME_WITH_VTK has it)");
 }
 
 template <class Function>

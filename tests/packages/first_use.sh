@@ -1,6 +1,6 @@
 #!/bin/bash
 # Runs inside of a fresh Debian (run.sh): what a new user does with the installed packages, in LANG=C and a German
-# locale, with a home folder that does not exist, first without and then with a display.
+# locale, with a home folder that does not exist, first without and then with a display. Pictures stay in /first.
 set -euo pipefail
 apt=(apt-get -qq -o Dpkg::Use-Pty=0)
 export DEBIAN_FRONTEND=noninteractive
@@ -15,54 +15,84 @@ refuses() {
     fail "$*: status $status, said: $said"
 }
 
+install() { "${apt[@]}" install -y --no-install-recommends "$@" >/dev/null; }
+
 "${apt[@]}" update
-say "the command alone"
-"${apt[@]}" install -y --no-install-recommends /packages/plenoflame_*.deb >/dev/null
+say "two packages"
+install /packages/plenoflame_*.deb /packages/plenoflame-desktop_*.deb
 mkdir /first
 cd /first
 plenoflame --version
-cat >scene.toml <<'TOML'
-[camera]
-preset = "lenslets-30"
-TOML
+cp -r /usr/share/plenoflame/examples .
+scene=examples/lenslets-30.toml
 plenoflame flame candle --voxel-size "2 mm" -o candle.vdb >/dev/null
-refuses 1 plenoflame-vtk plenoflame picture scene.toml -o scene.png
-
-say "documentation and examples"
-"${apt[@]}" install -y --no-install-recommends /packages/plenoflame-doc_*.deb >/dev/null
-examples=/usr/share/doc/plenoflame-doc/examples
-plenoflame render "$examples/lenslets-30.toml" --samples 4 --window 100,100,80,80 --quiet -o a.exr >/dev/null
-plenoflame develop a.exr -o a.png >/dev/null
-plenoflame info a.exr >info.txt
-LC_ALL=de_DE.UTF-8 plenoflame info a.exr | cmp - info.txt || fail "the locale changes what is printed"
+refuses 1 display plenoflame picture "$scene" -o scene.png
+refuses 1 display plenoflame-desktop "$scene"
 test -s /usr/share/man/man1/plenoflame-render.1.gz
 test -s /usr/share/bash-completion/completions/plenoflame
-mkdir readonly
-chmod 500 readonly
-refuses 1 nowhere plenoflame render nowhere.toml -o readonly/a.exr
 
-say "Python"
-"${apt[@]}" install -y --no-install-recommends /packages/plenoflame-vtk_*.deb /packages/python3-plenoflame_*.deb >/dev/null
-refuses 1 xvfb-run plenoflame picture "$examples/lenslets-30.toml" -o scene.png
-python3 - "$examples/lenslets-30.toml" <<'PYTHON'
-import sys
-import plenoflame
-field = plenoflame.Scene(sys.argv[1]).render(samples=1)
-assert field.flux.max() > 0
-PYTHON
+say "another language, no place to write"
+plenoflame render "$scene" --samples 4 --window 100,100,80,80 --quiet -o a.exr >/dev/null
+plenoflame info a.exr >info.txt
+install locales python3
+localedef -i de_DE -f UTF-8 de_DE.UTF-8
+LC_ALL=de_DE.UTF-8 python3 -c 'import locale; locale.setlocale(locale.LC_ALL, ""); assert locale.localeconv()["decimal_point"] == ","'
+export LC_ALL=de_DE.UTF-8
+plenoflame info a.exr | cmp - info.txt || fail "the locale changes what is printed"
+plenoflame render "$scene" --samples 4 --window 100,100,80,80 --quiet -o b.exr >/dev/null
+plenoflame compare a.exr b.exr >/dev/null || fail "the locale changes what is rendered"
+refuses 1 display plenoflame-desktop "$scene"
+mkdir /nobody
+chmod 755 /first
+refuses 1 nowhere setpriv --reuid 65534 --regid 65534 --clear-groups plenoflame render nowhere.toml -o /nobody/a.exr
+refuses 1 /nobody setpriv --reuid 65534 --regid 65534 --clear-groups plenoflame render "$scene" --samples 1 -o /nobody/a.exr
+unset LC_ALL
+
+say "the tutorial"
+ln -s /usr/share/plenoflame/examples /packages/tree/examples
+python3 /packages/tree/tools/measure_tutorial.py
 
 say "desktop"
-"${apt[@]}" install -y --no-install-recommends /packages/plenoflame-desktop_*.deb xvfb xauth libgl1-mesa-dri \
-  shared-mime-info >/dev/null
-refuses 1 display plenoflame-desktop "$examples/lenslets-30.toml"
-xvfb-run -a plenoflame picture "$examples/lenslets-30.toml" -o scene.png >/dev/null
+install xvfb xauth libgl1-mesa-dri shared-mime-info libglib2.0-bin
+on_display=(env QT_QPA_PLATFORM=xcb xvfb-run -a -s "-screen 0 1600x1000x24" setpriv --reuid 65534 --regid 65534 --clear-groups)
+mkdir -m 777 windows
+"${on_display[@]}" plenoflame-desktop "$scene" --screenshot windows/window.png
+test -s windows/window.png
+printf 'a = 1\n' >other.toml
+for each in "$scene x-plenoflame-scene" "other.toml toml" "a.exr x-plenoflame-light-field" "candle.vdb x-openvdb"; do
+  gio info -a standard::content-type "${each% *}" | grep -q "application/${each#* }$" || fail "${each% *} is no application/${each#* }"
+done
+
+say "Python without VTK"
+install /packages/python3-plenoflame_*.deb
+cat >script.py <<'PYTHON'
+import sys
+import numpy
+import plenoflame
+assert (plenoflame.vtk is None) == (sys.argv[2] == "alone"), plenoflame.vtk
+scene = plenoflame.Scene(sys.argv[1])
+numpy.save(sys.argv[2] + ".npy", scene.render(samples=1, window=(100, 100, 40, 40)).flux)
+assert scene.rays(pixels=[(150, 150)], rays=4).weight.sum() > 0
+PYTHON
+python3 script.py "$scene" alone
+said=$(python3 -c 'import plenoflame; plenoflame.import_flame("a.vtu", constant=1)' 2>&1) && fail "an import without VTK"
+[[ "$said" == *"Debian package python3-plenoflame-vtk"* ]] || fail "an import without VTK says: $said"
+
+say "Python with VTK"
+install /packages/python3-plenoflame-vtk_*.deb
+python3 script.py "$scene" vtk
+cmp alone.npy vtk.npy || fail "with VTK Python renders something else"
+xvfb-run -a plenoflame picture "$scene" -o scene.png >/dev/null
 test -s scene.png
-QT_QPA_PLATFORM=xcb xvfb-run -a -s "-screen 0 1600x1000x24" plenoflame-desktop "$examples/lenslets-30.toml" \
-  --screenshot window.png
-test -s window.png
+
+say "documentation"
+install /packages/plenoflame-doc_*.deb
+test -s /usr/share/doc/plenoflame-doc/docs/user/tutorial.md
+grep -q doc/plenoflame-doc/docs /usr/bin/plenoflame-desktop || fail "the desktop application looks for its help elsewhere"
+test -s /usr/share/doc/plenoflame-doc/examples/candle.toml
 
 say "C++"
-"${apt[@]}" install -y --no-install-recommends /packages/libplenoflame-dev_*.deb g++ cmake make >/dev/null
+install /packages/libplenoflame-dev_*.deb g++ cmake make
 mkdir consumer
 cp /packages/core.cpp consumer/main.cpp
 cat >consumer/CMakeLists.txt <<'CMAKE'
@@ -77,8 +107,8 @@ cmake --build consumer/build >/dev/null
 consumer/build/consumer /first
 
 say "ParaView"
-# Debian's ParaView has a VTK of its own, which excludes the one of python3-plenoflame.
-"${apt[@]}" install -y --no-install-recommends /packages/plenoflame-paraview_*.deb >/dev/null
+# Debian's ParaView has a VTK of its own, which excludes that of python3-plenoflame-vtk.
+install /packages/plenoflame-paraview_*.deb
 cat >paraview.py <<'PYTHON'
 import glob
 import runpy
@@ -90,7 +120,8 @@ xvfb-run -a -s "-noreset -screen 0 1280x1024x24" plenoflame-paraview --pvpython 
 test -s paraview.png
 
 say "removed again"
-"${apt[@]}" purge -y 'plenoflame*' 'python3-plenoflame' 'libplenoflame-dev' >/dev/null
-[ -z "$(find / -xdev -iname '*plenoflame*' -not -path '/packages/*' -not -path '/proc/*' -not -path '/var/*' -print -quit)" ] ||
-  fail "something is left behind: $(find / -xdev -iname '*plenoflame*' -not -path '/packages/*' -not -path '/proc/*' -not -path '/var/*' | head -3)"
+"${apt[@]}" purge -y 'plenoflame*' 'python3-plenoflame*' 'libplenoflame-dev' >/dev/null
+left=$(find / -xdev -iname '*plenoflame*' -not -path '/packages/*' -not -path '/proc/*' -not -path '/var/cache/*' \
+  -not -path '/var/log/*' -not -path '/first/*' -not -path '/tmp/*')
+[ -z "$left" ] || fail "something is left behind: $left"
 say "all well"

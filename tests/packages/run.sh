@@ -3,10 +3,12 @@
 # seen the project: renders, scripts, opens the desktop application, builds a C++ program. Wants root, mmdebstrap and
 # the package registry.
 #
-#   tests/packages/run.sh FOLDER
+#   tests/packages/run.sh FOLDER [PICTURES]
+#
+# PICTURES receives what was drawn there: the window of the desktop application, a scene, ParaView's.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-[ $# -eq 1 ] || { sed -n '6s/^# *//p' "$0" >&2; exit 2; }
+[ $# -eq 1 ] || [ $# -eq 2 ] || { sed -n '6s/^# *//p' "$0" >&2; exit 2; }
 packages=$(cd "$1" && pwd)
 ls "$packages"/plenoflame_*.deb >/dev/null
 
@@ -28,6 +30,10 @@ mount --bind /dev "$root/dev"
 mkdir -p "$root/packages" "$root/dev/shm"
 cp "$packages"/*.deb "$root/packages"
 cp "$here/first_use.sh" "$here/../install/consumer/core.cpp" "$root/packages"
+mkdir -p "$root/packages/tree/tools" "$root/packages/tree/docs/user"
+cp "$here/../../tools/measure_tutorial.py" "$root/packages/tree/tools"
+cp "$here/../../docs/user/tutorial.md" "$root/packages/tree/docs/user"
 env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C HOME=/nonexistent \
   ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
   chroot "$root" bash /packages/first_use.sh
+[ $# -lt 2 ] || { mkdir -p "$2" && cp "$root"/first/windows/*.png "$root"/first/*.png "$2"; }

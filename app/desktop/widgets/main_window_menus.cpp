@@ -171,7 +171,7 @@ void MainWindow::open_help() {
     help_->show_page(QFileInfo(path).canonicalFilePath());
     return;
   }
-  fail(tr("The documentation page %1 is not installed.").arg(page));
+  fail(tr("The documentation page %1 is not installed (Debian package plenoflame-doc).").arg(page));
 }
 
 }  // namespace plenoflame::desktop

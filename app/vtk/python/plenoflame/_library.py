@@ -29,6 +29,6 @@ else:
 def need_vtk(what):
     """Refuses what only VTK can do. Raises Error."""
     if vtk is None:
-        raise Error(f"{what} needs VTK: install the package with it (Debian packages python3-plenoflame and python3-vtk9)"
+        raise Error(f"{what} needs VTK: install the package with it (Debian package python3-plenoflame-vtk)"
                     + _why)
     return vtk
