@@ -128,5 +128,138 @@ def interval_drawing():
     plt.close(figure)
 
 
+def save(figure, name):
+    figure.tight_layout()
+    figure.savefig(IMAGES / f"theory-{name}.png", dpi=90, metadata={"Software": None})
+    plt.close(figure)
+
+
+def cardinal_drawing():
+    """A lens of two surfaces: focal points, principal planes and the distances of first-order optics, from its matrix."""
+    n, thickness, front, back, height = 1.5, 1.6, 3.2, -3.2, 1.1
+    matrix = [[1.0, 0.0], [0.0, 1.0]]
+    for step in ([[1, 0], [-(n - 1) / front, 1]], [[1, thickness / n], [0, 1]], [[1, 0], [-(1 - n) / back, 1]]):
+        matrix = [[sum(step[i][k] * matrix[k][j] for k in range(2)) for j in range(2)] for i in range(2)]
+    (a, _), (c, d) = matrix
+    efl, bfl, ffl = -1 / c, -a / c, d / c
+    first, second = (d - 1) / c, thickness + (1 - a) / c
+    figure, axes = plt.subplots(figsize=(8.5, 3.4))
+    heights = [-1.4 + 2.8 * k / 40 for k in range(41)]
+    axes.plot([front - math.sqrt(front ** 2 - y ** 2) for y in heights], heights, color=INK, lw=1.2)
+    axes.plot([thickness - (front - math.sqrt(front ** 2 - y ** 2)) for y in heights], heights, color=INK, lw=1.2)
+    axes.plot([ffl - 0.6, thickness + bfl + 0.8], [0, 0], color=INK, lw=0.6, ls="-.")
+    for x, name in ((first, "H"), (second, "H'")):
+        axes.plot([x, x], [-1.5, 1.5], color="#888888", lw=0.8, ls="--")
+        axes.text(x, 1.55, name, ha="center", fontsize=9)
+    axes.plot([ffl - 0.4, second, thickness + bfl], [height, height, 0], color=OPEN, lw=1)
+    axes.plot([ffl, first, thickness + bfl + 0.6], [0, -height, -height], color=CUT, lw=1)
+    for x, name in ((ffl, "F"), (thickness + bfl, "F'")):
+        axes.plot([x], [0], "o", color=INK, ms=3)
+        axes.text(x, 0.12, name, ha="center", fontsize=9)
+    arrow(axes, (second, -1.75), (thickness + bfl, -1.75), "EFL = -1/c", (0, 0.02))
+    arrow(axes, (thickness, -2.3), (thickness + bfl, -2.3), "BFL = -a/c", (0, 0.02))
+    arrow(axes, (ffl, -2.3), (0, -2.3), "-FFL = -d/c", (0, 0.02))
+    axes.text(ffl - 0.4, height + 0.08, "from the scene", fontsize=8, color=OPEN)
+    axes.set_ylim(-2.6, 1.9)
+    plain(axes)
+    save(figure, "cardinal")
+
+
+def measurement_drawing():
+    """A pixel and a parallel plane at the distance g: what the measurement equation integrates over."""
+    figure, axes = plt.subplots(figsize=(6.5, 3))
+    g, s, u = 5.0, -0.7, 0.9
+    axes.plot([0, 0], [-1.6, 1.6], color=INK, lw=1.5)
+    axes.plot([0, 0], [s - 0.15, s + 0.15], color=CUT, lw=4, solid_capstyle="butt")
+    axes.plot([g, g], [-1.6, 1.6], color=INK, lw=0.8, ls="--")
+    axes.plot([0, g + 1.6], [s, s + (u - s) * (g + 1.6) / g], color=OPEN, lw=1.2)
+    axes.plot([0, 1.9], [s, s], color="#888888", lw=0.7)
+    axes.text(1.35, s + 0.1, "theta", fontsize=9)
+    axes.text(-0.15, s, "s", fontsize=10, ha="right", va="center", color=CUT)
+    axes.text(g + 0.1, u - 0.22, "u", fontsize=10, color=OPEN)
+    axes.text(g + 1.65, s + (u - s) * (g + 1.6) / g, "L(s, u)", fontsize=9, va="center", color=OPEN)
+    axes.text(0, 1.7, "sensor", ha="center", fontsize=9)
+    axes.text(g, 1.7, "aim plane", ha="center", fontsize=9)
+    arrow(axes, (0, -1.5), (g, -1.5), "g", (0, 0.02))
+    plain(axes)
+    save(figure, "measurement")
+
+
+def window_drawing():
+    """A plate and a tube, refracted by Snell's law; the straight line on which the ray left the camera is dashed."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2))
+    n, thickness, slope = 1.5, 1.2, math.tan(0.6)
+    inside = math.tan(math.asin(math.sin(0.6) / n))
+    y = [0, 2 * slope, 2 * slope + thickness * inside, 2 * slope + thickness * inside + 2.2 * slope]
+    x = [0, 2, 2 + thickness, 4.2 + thickness]
+    left.axvspan(2, 2 + thickness, color="#cfe3f3", lw=0)
+    left.plot(x, y, color=OPEN, lw=1.3)
+    left.plot([0, x[-1]], [0, x[-1] * slope], color="#888888", lw=0.8, ls="--")
+    left.text(0, -0.35, "camera", fontsize=9)
+    left.text(2 + thickness / 2, -0.35, "t", fontsize=9, ha="center")
+    left.set_title("A plate displaces", fontsize=10)
+    plain(left)
+    outer, inner, b = 2.0, 1.5, 0.9
+    turn = [2 * math.pi * k / 200 for k in range(201)]
+    right.fill([outer * math.cos(t) for t in turn], [outer * math.sin(t) for t in turn], color="#cfe3f3", lw=0)
+    right.fill([inner * math.cos(t) for t in turn], [inner * math.sin(t) for t in turn], color="white", lw=0)
+    # b, n b, b: the distance of the line from the axis, times the index, is the same along the ray.
+    at, direction, points = [-3.4, b], [1.0, 0.0], []
+    points.append(tuple(at))
+    for radius, ratio, nearest in ((outer, 1 / n, True), (inner, n, True), (inner, 1 / n, False), (outer, n, False)):
+        along = at[0] * direction[0] + at[1] * direction[1]
+        root = math.sqrt(along ** 2 - (at[0] ** 2 + at[1] ** 2 - radius ** 2))
+        t = -along - root if nearest else -along + root
+        at = [at[0] + t * direction[0], at[1] + t * direction[1]]
+        points.append(tuple(at))
+        side = -1 if nearest else 1
+        normal = [side * at[0] / radius, side * at[1] / radius]  # along the ray
+        cosine = direction[0] * normal[0] + direction[1] * normal[1]
+        if cosine < 0:
+            normal, cosine = [-normal[0], -normal[1]], -cosine
+        behind = math.sqrt(1 - ratio ** 2 * (1 - cosine ** 2))
+        direction = [ratio * e + (behind - ratio * cosine) * m for e, m in zip(direction, normal)]
+    points.append((at[0] + 1.6 * direction[0], at[1] + 1.6 * direction[1]))
+    right.plot(*zip(*points), color=OPEN, lw=1.3)
+    right.plot([-3.4, 3.4], [b, b], color="#888888", lw=0.8, ls="--")
+    right.plot([0, 0], [0, b], color=INK, lw=0.8)
+    right.plot([0], [0], "+", color=INK)
+    right.text(0.08, b / 2, "b", fontsize=9)
+    right.text(0, -1.25, "r", fontsize=9)
+    right.text(0, -1.85, "R", fontsize=9)
+    right.set_title("A tube turns", fontsize=10)
+    plain(right)
+    save(figure, "window")
+
+
+def rings_drawing():
+    """A ray through rings around an axis, seen along it; one row of the matrix."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), width_ratios=(1.2, 1))
+    turn = [2 * math.pi * k / 200 for k in range(201)]
+    b, count = 0.9, 5
+    for k in range(1, count + 1):
+        left.plot([k / 2 * math.cos(t) for t in turn], [k / 2 * math.sin(t) for t in turn], color="#aaaaaa", lw=0.8)
+    left.plot([-5, 3], [b, b], color=OPEN, lw=1.2)
+    lengths = []
+    for k in range(1, count + 1):
+        outer, inner = (math.sqrt(max(0, (j / 2) ** 2 - b * b)) for j in (k, k - 1))
+        lengths.append(2 * (outer - inner))
+        for x in ({-outer, outer} if outer else ()):
+            left.plot([x], [b], "|", color=INK, ms=9)
+    left.text(-5, b + 0.15, "ray r of pixel i", fontsize=9)
+    left.set_title("Intervals of a ray in rings j", fontsize=10)
+    plain(left)
+    right.bar(range(1, count + 1), lengths, color=OPEN)
+    right.set_xlabel("ring j", fontsize=9)
+    right.set_ylabel("way in the ring", fontsize=9)
+    right.set_yticks([])
+    right.set_title("its part of row i of A, where nothing absorbs", fontsize=10)
+    save(figure, "rings")
+
+
 pupil_drawing()
 interval_drawing()
+cardinal_drawing()
+measurement_drawing()
+window_drawing()
+rings_drawing()
