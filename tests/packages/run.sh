@@ -14,7 +14,9 @@ ls "$packages"/plenoflame_*.deb >/dev/null
 
 root=$(mktemp -d)
 unmount() {
-  for each in dev/shm dev proc; do mountpoint -q "$root/$each" && umount "$root/$each"; done
+  for each in dev/shm dev proc; do
+    if mountpoint -q "$root/$each"; then umount --lazy "$root/$each"; fi
+  done
   rm -rf --one-file-system "$root"
 }
 trap unmount EXIT
