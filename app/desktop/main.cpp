@@ -15,8 +15,11 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <optional>
+#include <string>
 #include <string_view>
 
+#include "display.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
@@ -34,13 +37,24 @@ int fail(int status, const QString& message) {
   return status;
 }
 
-/// Whether a window could be shown. Without a display Qt itself would end the process, with lines
-/// about plug-ins.
-bool has_display() {
+/// Why no window could be shown; empty: one could. Without a display, or with one that refuses
+/// (that of another user, of a connection that has ended), Qt itself would end the process, with
+/// lines about plug-ins. The connection is kept: a virtual X server starts anew when its last
+/// client leaves.
+std::string why_no_window(std::optional<plenoflame::views::DisplayConnection>& connection) {
   const QByteArray platform = qgetenv("QT_QPA_PLATFORM");
   if (!platform.isEmpty() && !platform.startsWith("xcb") && !platform.startsWith("wayland"))
-    return true;
-  return !qEnvironmentVariableIsEmpty("DISPLAY") || !qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY");
+    return {};
+  if (!platform.startsWith("xcb") && !qEnvironmentVariableIsEmpty("WAYLAND_DISPLAY")) return {};
+  const std::string name = qgetenv("DISPLAY").toStdString();
+  const std::string advice =
+      "put xvfb-run -a in front of the command (Debian packages xvfb and xauth)";
+  if (name.empty())
+    return "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); log in with one, or " +
+           advice;
+  connection.emplace();
+  if (connection->why_not().empty()) return {};
+  return "the display '" + name + "' cannot be opened; see that it runs and is yours, or " + advice;
 }
 
 /// Whether only a text is asked for, which needs no window.
@@ -67,12 +81,9 @@ int main(int argc, char** argv) {
   using plenoflame::desktop::MainWindow;
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGILL, SIGBUS})
     std::signal(signal, say_goodbye);
-  if (!has_display()) {
-    if (!asks_for_text(argc, argv))
-      return fail(
-          1,
-          "there is no display (DISPLAY and WAYLAND_DISPLAY are empty); log in with one, or "
-          "put xvfb-run -a in front of the command (Debian packages xvfb and xauth)");
+  std::optional<plenoflame::views::DisplayConnection> connection;
+  if (const std::string why = why_no_window(connection); !why.empty()) {
+    if (!asks_for_text(argc, argv)) return fail(1, QString::fromStdString(why));
     qputenv("QT_QPA_PLATFORM", "offscreen");
   }
   QSurfaceFormat::setDefaultFormat(QVTKOpenGLNativeWidget::defaultFormat());
