@@ -11,6 +11,7 @@
 #include "number_range.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field_channel.h"
+#include "plenoflame/image/staging_folder.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/scene/cameras.h"
 
@@ -120,6 +121,7 @@ void check_folder(const std::string& folder, bool force) {
   if (fs::exists(path, error)) {
     if (!fs::is_directory(path, error))
       throw FileError("'" + folder + "' is not a folder; choose another one with -o");
+    StagingFolder::remove_abandoned(folder);
     const bool empty = fs::is_empty(path, error);
     if (error) throw FileError("cannot read the folder '" + folder + "': " + error.message());
     if (!empty && !force)

@@ -1,5 +1,7 @@
 #include "plenoflame/image/staging_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +12,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -22,6 +25,33 @@ namespace plenoflame {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::string_view kTemporaryPrefix = ".plenoflame.", kTemporarySuffix = ".tmp";
+
+std::string temporary_name(int attempt) {
+  return std::string(kTemporaryPrefix) + std::to_string(getpid()) + "-" + std::to_string(attempt) +
+         std::string(kTemporarySuffix);
+}
+
+/// Whether temporary_name() makes such names.
+bool is_temporary(std::string_view name) {
+  if (!name.starts_with(kTemporaryPrefix) || !name.ends_with(kTemporarySuffix)) return false;
+  name.remove_prefix(kTemporaryPrefix.size());
+  return name.find_first_not_of("0123456789-") + kTemporarySuffix.size() == name.size();
+}
+
+/// @return its descriptor, negative when it cannot be opened; a link is not followed
+int open_folder(const char* path) {
+  return open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+/// Whether the open folder still has this name.
+bool is_at(int descriptor, const char* path) {
+  struct stat open_one {
+  }, named{};
+  return fstat(descriptor, &open_one) == 0 && lstat(path, &named) == 0 &&
+         open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
+}
 
 /// A file on its way to its place. Undone by the destructor, unless it is told to stay.
 ///
@@ -91,12 +121,13 @@ class Move {
 }  // namespace
 
 StagingFolder::StagingFolder(const std::string& folder) : folder_(folder) {
+  remove_abandoned(folder);
   int error = EEXIST;
   for (int attempt = 0; error == EEXIST && attempt < 1000; ++attempt) {
-    path_ = (fs::path(folder) /
-             (".plenoflame." + std::to_string(getpid()) + "-" + std::to_string(attempt) + ".tmp"))
-                .string();
+    path_ = (fs::path(folder) / temporary_name(attempt)).string();
     error = mkdir(path_.c_str(), 0777) == 0 ? 0 : errno;
+    // Another process may take the new folder for an abandoned one before it is locked.
+    if (error == 0 && !claim()) error = EEXIST;
   }
   if (error != 0)
     throw FileError("cannot write into the folder '" + folder +
@@ -106,6 +137,33 @@ StagingFolder::StagingFolder(const std::string& folder) : folder_(folder) {
 StagingFolder::~StagingFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  if (lock_ >= 0) close(lock_);
+}
+
+bool StagingFolder::claim() {
+  lock_ = open_folder(path_.c_str());
+  if (lock_ < 0) return errno != ENOENT;
+  const bool taken = flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (!taken && is_at(lock_, path_.c_str())) return true;
+  close(lock_);
+  lock_ = -1;
+  return false;
+}
+
+void StagingFolder::remove_abandoned(const std::string& folder) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (is_temporary(entry->path().filename().string())) found.push_back(entry->path());
+  }
+  for (const fs::path& path : found) {
+    const int lock = open_folder(path.c_str());
+    // A process that lives holds the lock; where the file system has no locks nobody can tell.
+    if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && is_at(lock, path.c_str()))
+      fs::remove_all(path, error);
+    if (lock >= 0) close(lock);
+  }
 }
 
 void StagingFolder::commit() {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -156,6 +158,60 @@ TEST(StagingFolder, WhatWasMovedBeforeAFailureIsTakenBack) {
   EXPECT_EQ(read_bytes(folder.file("z")), "old z");
   EXPECT_EQ(other.names(), std::vector<std::string>{"c"});
   EXPECT_EQ(read_bytes(other.file("c")), "old c");
+}
+
+/// A process that begins to write a set of files into the folder, and gets no further.
+class Writer {
+ public:
+  explicit Writer(const std::string& folder) {
+    int ready[2];
+    if (pipe(ready) != 0) throw std::runtime_error("no pipe");
+    process_ = fork();
+    if (process_ == 0) {
+      const StagingFolder staging(folder);
+      write_bytes(staging.path() + "/b", "half");
+      static_cast<void>(write(ready[1], "r", 1));
+      for (;;) pause();
+    }
+    close(ready[1]);
+    char byte = 0;
+    if (read(ready[0], &byte, 1) != 1) throw std::runtime_error("no other process");
+    close(ready[0]);
+  }
+  ~Writer() { end(); }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void end() {
+    if (process_ > 0) kill(process_, SIGKILL);
+    if (process_ > 0) waitpid(process_, nullptr, 0);
+    process_ = 0;
+  }
+
+ private:
+  pid_t process_ = 0;
+};
+
+// SIGKILL leaves no time to clean up.
+TEST(StagingFolder, WhatAKilledProcessLeftIsRemovedByTheNext) {
+  const TemporaryFolder folder;
+  write_bytes(folder.file("b"), "old");
+  fs::create_directory(folder.file(".plenoflame.mine.tmp"));  // not of our making
+  Writer killed(folder.path()), alive(folder.path());
+  EXPECT_EQ(folder.names().size(), 4U);
+  killed.end();
+  EXPECT_EQ(folder.names().size(), 4U);
+  {
+    StagingFolder staging(folder.path());
+    write_bytes(staging.path() + "/b", "new");
+    staging.commit();
+  }
+  EXPECT_EQ(folder.names().size(), 3U);  // that of the process which lives stays
+  alive.end();
+  StagingFolder::remove_abandoned(folder.path());
+  EXPECT_EQ(sorted_names(folder), (std::vector<std::string>{".plenoflame.mine.tmp", "b"}));
+  EXPECT_EQ(read_bytes(folder.file("b")), "new");
+  EXPECT_NO_THROW(StagingFolder::remove_abandoned("/no/such/folder"));
 }
 
 TEST(StagingFolder, FolderThatIsNotThereIsNamed) {

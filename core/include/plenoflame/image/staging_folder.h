@@ -6,7 +6,8 @@ namespace plenoflame {
 
 /// Files that appear in a folder all together. They are written into a temporary folder within it,
 /// and moved out of that by commit(); without commit() the destructor removes it with all that is
-/// in it, and the folder is as it was before.
+/// in it, and the folder is as it was before. A process that is killed leaves the temporary folder;
+/// the next one that writes into the same folder removes it.
 class StagingFolder {
  public:
   /// @param folder exists
@@ -23,9 +24,16 @@ class StagingFolder {
   void commit();
   /// The same for several folders: all of their files appear, or none.
   static void commit(const std::vector<const StagingFolder*>& folders);
+  /// Removes temporary folders within a folder that killed processes left, and no others: the one
+  /// that writes holds a lock, which ends with it. What cannot be removed stays.
+  static void remove_abandoned(const std::string& folder);
 
  private:
+  /// Locks the new folder. @return whether it is still there
+  bool claim();
+
   std::string folder_, path_;
+  int lock_ = -1;  ///< the open folder at path_
 };
 
 }  // namespace plenoflame
