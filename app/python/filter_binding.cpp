@@ -199,6 +199,7 @@ void bind_export(py::module_& module) {
       .def("SetFormat", [](ExportFilter& f, const std::string& v) { f.request.format = v; })
       .def("SetStem", [](ExportFilter& f, const std::string& v) { f.request.name = v; })
       .def("SetGrid", [](ExportFilter& f, int grid) { f.request.grid = grid; })
+      .def("SetChannels", [](ExportFilter& f, const std::string& v) { f.request.channels = v; })
       .def("GetNumberOfFiles", [](const ExportFilter& f) { return f.result.files.size(); })
       .def("GetWrittenFile",
            [](const ExportFilter& f, std::size_t i) { return f.result.files.at(i); })

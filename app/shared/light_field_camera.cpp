@@ -1,14 +1,35 @@
 #include "light_field_camera.h"
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/cameras.h"
+#include "plenoflame/scene/scene_settings.h"
+#include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
 
-CameraSpec camera_of(const LightField& field) {
+void check_camera_of(const SceneDocument& document, const std::string& path) {
+  Scene alone;
+  alone.camera = document.scene.camera;
+  alone.channels = document.scene.channels;
+  try {
+    validate(alone, document.positions);
+  } catch (const InputError& error) {
+    if (error.position().file.empty()) throw InputError(SourcePosition{path}, error.what());
+    throw;
+  }
+}
+
+SceneDocument scene_of(const LightField& field, const std::string& name,
+                       const std::vector<std::string>& values) {
   if (field.scene_text.empty())
-    throw InputError("the light field holds no scene, so its camera is not known");
-  const CameraSpec camera = parse_scene(field.scene_text, "scene of the light field").scene.camera;
+    throw InputError(name + " holds no scene, so its camera is not known");
+  SceneDocument document = for_camera(parse_embedded_scene(field.scene_text, name, values));
+  check_camera_of(document, "scene of " + name);
+  return document;
+}
+
+CameraSpec camera_of(const LightField& field) {
+  const CameraSpec camera = scene_of(field, "the light field").scene.camera;
   check_raw_image(field, camera);
   return camera;
 }

@@ -1,10 +1,24 @@
 #pragma once
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/micro_images.h"
+#include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
+
+/// The scene that a light field holds, of its one camera, which is checked; what burns may have
+/// moved. No file that the scene names is opened.
+/// @param name of the light field, for messages @param values of --set
+/// @throws InputError also for a light field without a scene
+SceneDocument scene_of(const LightField& field, const std::string& name,
+                       const std::vector<std::string>& values = {});
+
+/// Makes sure of a scene's camera alone, with the channels that its filters are for: what a light
+/// field is evaluated with. @param path of the scene, for messages @throws InputError
+void check_camera_of(const SceneDocument& document, const std::string& path);
 
 /// The camera that a light field was taken with. @throws InputError: the light field holds no
 /// scene, or pixels that are not its camera's

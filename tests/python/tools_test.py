@@ -162,6 +162,58 @@ class Tools(PackageTest):
         for name in a.files:
             numpy.testing.assert_array_equal(a[name], b[name])
 
+    def test_exports_of_colour_channels_are_in_colour(self):
+        """As the command's files, whose colours are tested against the fluxes (cli.export_colour)."""
+        bands = "".join(f'[[channels]]\nname = "{name}"\nkind = "band"\nwavelength = "{nm} nm"\nwidth = "10 nm"\n'
+                        for name, nm in (("ir", 850), ("red", 650), ("green", 600), ("blue", 560)))
+        scene = self.scene(60)
+        field = plenoflame.Scene(text=scene.text + bands).render(samples=1)
+        field.save(self.folder / "lightfield.exr")
+
+        def contents(folder):
+            folder = self.folder / folder
+            return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+        def exported(number, format, options, **arguments):
+            self.command("export", "lightfield.exr", "--format", format, "-o", f"a{number}", *options)
+            field.export(self.folder / f"b{number}", format, **arguments)
+            found = contents(f"b{number}")
+            self.assertEqual(found, contents(f"a{number}"))
+            return {path: data for path, data in found.items() if path.suffix == ".png" and "white" not in path.name}
+
+        colour = exported(0, "libpleno", [])
+        grey = exported(1, "libpleno", ["--channel", "ir"], channel="ir")
+        other = exported(2, "libpleno", ["--channels", "blue,green,red"], channels=("blue", "green", "red"))
+        self.assertTrue(colour and colour.keys() == grey.keys() == other.keys())
+        for path in colour:
+            self.assertEqual(len({colour[path], grey[path], other[path]}), 3)
+        for path, data in exported(3, "hci", ["--grid", "3"], grid=3).items():
+            if path.name.startswith("input_"):
+                self.assertEqual(data[25], 2)           # PNG's type of colour: red, green, blue
+        for message, arguments in (("three names", {"channels": "red,green"}), ("pink", {"channels": "red,green,pink"}),
+                                   ("give one of them", {"channels": "red,green,blue", "channel": "ir"}),
+                                   ("channels", {"channels": 3})):
+            with self.assertRaisesRegex(plenoflame.Error, message):
+                field.export(self.folder / "c", "libpleno", **arguments)
+        with self.assertRaisesRegex(plenoflame.Error, "holds one channel"):
+            field.export(self.folder / "c", "npz", channels="red,green,blue")
+        self.assertFalse((self.folder / "c").exists())
+
+    def test_scene_within_a_light_field_opens_no_file(self):
+        self.scene(20).render(samples=1).save(self.folder / "a.exr")
+        (self.folder / "lens.toml").write_text("[camera.lens]\n")
+        # A text of the same length, so that the file stays what it is.
+        data = (self.folder / "a.exr").read_bytes()
+        begin = data.index(b"[camera")
+        end = data.index(b"\n[", data.index(b"[camera.lens]")) if b"[camera.lens]" in data else begin + 60
+        text = f'[camera.lens]\nfile = "{self.folder}/lens.toml"\n#'.encode()
+        self.assertLess(len(text), end - begin)
+        (self.folder / "b.exr").write_bytes(data[:begin] + text.ljust(end - begin, b" ") + data[end:])
+        field = plenoflame.read_light_field(self.folder / "b.exr")
+        for action in (lambda: field.views(3), lambda: field.refocus(1.0), lambda: field.export(self.folder / "c", "npz")):
+            with self.assertRaisesRegex(plenoflame.Error, "opens no file"):
+                action()
+
     def test_comparison_is_that_of_the_command(self):
         scene = self.scene(60)
         a, b = scene.render(samples=2, seed=1), scene.render(samples=8, seed=2)

@@ -13,6 +13,7 @@
 #include "plenoflame/scene/lens_file.h"
 #include "plenoflame/scene/scene_settings.h"
 #include "plenoflame/scene/validate.h"
+#include "scene/files/time_table.h"
 #include "support/damaged_files.h"
 
 namespace plenoflame::test::reader_fuzz_test {
@@ -47,11 +48,22 @@ TEST(DamagedReaders, LightFields) {
       [&](const std::string& bytes) {
         write_bytes(path, bytes);
         const LightField back = read_light_field(path);
-        const auto pixels = static_cast<std::size_t>(back.window.width) *
-                            static_cast<std::size_t>(back.window.height);
-        for (const LightFieldChannel& channel : back.channels)
-          ASSERT_EQ(channel.flux.pixels.size(), pixels);
-        for (const auto& [name, layer] : back.layers) ASSERT_EQ(layer.pixels.size(), pixels);
+        const PixelWindow& w = back.window;
+        ASSERT_TRUE(w.x >= 0 && w.y >= 0 && w.width > 0 && w.height > 0);
+        ASSERT_LE(std::int64_t{w.x} + w.width, back.sensor_width);
+        ASSERT_LE(std::int64_t{w.y} + w.height, back.sensor_height);
+        const auto fills_window = [&](const Image& image) {
+          return image.width == w.width && image.height == w.height &&
+                 image.pixels.size() ==
+                     static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height);
+        };
+        ASSERT_FALSE(back.channels.empty());
+        for (const LightFieldChannel& channel : back.channels) {
+          ASSERT_TRUE(fills_window(channel.flux));
+          ASSERT_TRUE(channel.standard_error.pixels.empty() ||
+                      fills_window(channel.standard_error));
+        }
+        for (const auto& [name, layer] : back.layers) ASSERT_TRUE(fills_window(layer));
       });
 }
 
@@ -187,7 +199,8 @@ TEST(DamagedReaders, Matrices) {
           const CsrMatrix<float> back = read_csr(path);
           std::vector<double> x(back.columns(), 1.0), y(back.rows());
           if (back.columns() < 1000 && back.rows() < 1000) make_csr_operator(back)->apply(x, y);
-        });
+        },
+        {0.01, 0.5});
   }
 }
 
@@ -273,6 +286,37 @@ TEST(DamagedReaders, Curves) {
         const std::vector<SpectralPoint> points = read_spectral_csv(path);
         ASSERT_FALSE(points.empty());
         for (const SpectralPoint& point : points) ASSERT_TRUE(std::isfinite(point.wavelength));
+      });
+}
+
+TEST(DamagedReaders, TimeTables) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.csv");
+  const std::vector<std::string> samples{
+      "time [ms], x [mm], z [mm], brightness\n0, 0, -29, 1\n10, 2.5, -29, 0.8 # a gust\n",
+      "\xef\xbb\xbftime_s;scale\r\n0;1\r\n0.5;1.25\r\n1;2\r\n", "time (us)\ty (m)\n-5\t0\n5\t1"};
+  for (const std::string& sample : samples) {
+    write_bytes(path, sample);
+    ASSERT_NO_THROW(static_cast<void>(TimeTable(path)));
+  }
+  const std::vector<std::string> words = awkward_words();
+  Random random(20261133);
+  read_damaged(
+      "tables of time (.csv)", damaged_files_wanted(2000), samples,
+      [&](const std::string& whole) { return damage_text(whole, words, random); },
+      [&](const std::string& text) {
+        write_bytes(path, text);
+        const TimeTable table(path);
+        ASSERT_GT(table.rows(), 0U);
+        ASSERT_LE(table.first_time(), table.last_time());
+        for (const double share : {0.0, 0.3, 1.0}) {
+          const FlameSpec flame =
+              table.at((1 - share) * table.first_time() + share * table.last_time(), FlameSpec{});
+          ASSERT_TRUE(std::isfinite(flame.position.x) && std::isfinite(flame.position.y) &&
+                      std::isfinite(flame.position.z));
+          ASSERT_TRUE(flame.scale > 0 && std::isfinite(flame.scale));
+          ASSERT_TRUE(flame.brightness >= 0 && std::isfinite(flame.brightness));
+        }
       });
 }
 

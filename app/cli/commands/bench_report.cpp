@@ -74,6 +74,12 @@ double number(const Json& value) {
   return value.is_number() ? value.get<double>() : std::nan("");
 }
 
+/// The value of a key of an object; null where there is none.
+Json member(const Json& json, const char* key) {
+  const auto found = json.is_object() ? json.find(key) : json.end();
+  return json.is_object() && found != json.end() ? *found : Json();
+}
+
 /// Slopes between neighbours, and efficiencies in units of the forward estimator's (median).
 void add_relations(Json& points) {
   std::vector<double> forward;
@@ -226,41 +232,51 @@ void write_bench_plots(const std::string& base, const Json& bench) {
 }
 
 Json read_bench_json(const std::string& path) {
-  Json json = Json::parse(read_file(path), nullptr, false);
-  if (!json.is_object() || json.value("kind", "") != "plenoflame bench" || !json.contains("points"))
+  const Json json = Json::parse(read_file(path), nullptr, false);
+  if (member(json, "kind") != "plenoflame bench" || !member(json, "points").is_array())
     throw InputError(path + " is not what 'plenoflame bench -o' writes");
-  if (json.value("format", 0) != kFormat)
+  if (member(json, "format") != kFormat)
     throw InputError(path + " is of another format; run 'plenoflame bench' again to compare");
+  const Json points = member(json, "points");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (const char* key : {"samples", "seconds", "seconds_least", "seconds_most"})
+      if (!member(points[i], key).is_number())
+        throw InputError(path + " is damaged: \"points\" [" + std::to_string(i) + "] has no " +
+                         key);
   return json;
 }
 
 std::string bench_comparison(const Json& now, const Json& old) {
   std::ostringstream out;
-  if (now["scene_text"] != old.value("scene_text", "") || now["window"] != old["window"])
+  const auto same = [&](const char* key) { return member(now, key) == member(old, key); };
+  if (!same("scene_text") || !same("window"))
     out << "warning: scene or window differ from those of the old run; the ratios mean little\n";
-  if (now["machine"] != old["machine"] || now["threads"] != old["threads"])
+  if (!same("machine") || !same("threads"))
     out << "warning: machine or threads differ from those of the old run; compare errors, not "
            "times\n";
   int common = 0;
   for (const Json& a : now["points"])
     for (const Json& b : old["points"]) {
-      if (a["estimator"] != b["estimator"] || a["samples"] != b["samples"]) continue;
+      if (member(a, "estimator") != member(b, "estimator") || a["samples"] != b["samples"])
+        continue;
       ++common;
+      const auto ratio = [&](const char* key) {
+        return number(member(a, key)) / number(member(b, key));
+      };
       // Times count as different when all runs of one were faster than all of the other.
       const char* speed = number(a["seconds_most"]) < number(b["seconds_least"])   ? "faster"
                           : number(a["seconds_least"]) > number(b["seconds_most"]) ? "slower"
                                                                                    : "as fast";
-      const double error = number(a["relative_rmse"]) / number(b["relative_rmse"]);
+      const double error = ratio("relative_rmse");
       // Errors of the errors: some per cent over a few hundred lit pixels or more.
       const char* accuracy = error < 0.9   ? "more accurate"
                              : error > 1.1 ? "less accurate"
                                            : "as accurate";
       out << a["estimator"].get<std::string>() << ' ' << formatted("%.6g", number(a["samples"]))
           << ": " << speed << ", " << accuracy << "; new/old: time "
-          << formatted("%.3f", number(a["seconds"]) / number(b["seconds"])) << ", RMSE "
-          << formatted("%.3f", error) << ", efficiency "
-          << formatted("%.3f", number(a["efficiency"]) / number(b["efficiency"])) << ", memory "
-          << formatted("%.2f", number(a["peak_memory"]) / number(b["peak_memory"])) << '\n';
+          << formatted("%.3f", ratio("seconds")) << ", RMSE " << formatted("%.3f", error)
+          << ", efficiency " << formatted("%.3f", ratio("efficiency")) << ", memory "
+          << formatted("%.2f", ratio("peak_memory")) << '\n';
     }
   if (common == 0)
     throw InputError("the old run has no estimator and number of samples in common with this one");

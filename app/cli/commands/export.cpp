@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "choice.h"
 #include "commands/commands.h"
 #include "commands/light_field_output.h"
 #include "commands/scene_input.h"
+#include "export_folder.h"
 #include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -33,37 +35,14 @@ const ExportName& format_of(const std::string& name) {
                        [&](const ExportName& format) { return format.name == name; });
 }
 
-/// The colours of the pictures: those that are asked for, or, unless one channel is, those that the
-/// scene's channels are.
+/// The colours of the pictures, as the light field's scene and its channels allow.
 ColourChannels colours_of(const ExportArguments& settings, const ExportName& format) {
-  ColourChannels colours;
-  if (!settings.channels.empty()) {
-    if (settings.channels.size() != 3)
-      throw UsageError("--channels: three names, of red, green and blue, with commas between");
-    if (!settings.raw.channel.empty())
-      throw UsageError("--channel is for grey pictures, --channels for colour; give one of them");
-    if (!format.colour)
-      throw UsageError("--channels: the format '" + settings.format +
-                       "' holds one channel; choose it with --channel");
-    std::copy(settings.channels.begin(), settings.channels.end(), colours.names.begin());
-    const LightField header = read_light_field_header(settings.raw.input);
-    if (!header.scene_text.empty()) {
-      const Scene scene = read_scene_of(header, settings.raw.input).scene;
-      colours.is_xyz =
-          colours.names == colour_channels(scene).names && colour_channels(scene).is_xyz;
-    }
-    return colours;
-  }
-  if (!format.colour || !settings.raw.channel.empty() || !settings.raw.scene.empty()) return {};
+  if (settings.channels.empty() && !settings.raw.scene.empty()) return {};
   const LightField header = read_light_field_header(settings.raw.input);
-  if (header.scene_text.empty()) return {};
-  colours = colour_channels(read_scene_of(header, settings.raw.input).scene);
-  const auto missing = [&](const std::string& name) {
-    return std::none_of(header.channels.begin(), header.channels.end(),
-                        [&](const LightFieldChannel& channel) { return channel.name == name; });
-  };
-  return std::any_of(colours.names.begin(), colours.names.end(), missing) ? ColourChannels{}
-                                                                          : colours;
+  std::optional<Scene> scene;
+  if (!header.scene_text.empty()) scene = read_scene_of(header, settings.raw.input).scene;
+  return export_colours(header, scene ? &*scene : nullptr, format, settings.channels,
+                        settings.raw.channel, "--");
 }
 
 int run_export(const ExportArguments& settings, const std::stop_token& stop) {

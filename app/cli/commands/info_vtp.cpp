@@ -1,9 +1,11 @@
+#include <charconv>
 #include <map>
 #include <optional>
 #include <string_view>
 
 #include "commands/info.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/printable.h"
 #include "plenoflame/image/atomic_file.h"
 
 namespace plenoflame::cli {
@@ -84,9 +86,17 @@ void describe_poly_data(const std::string& path, Report& report) {
                       {"type", attribute(tag, "type")},
                       {"components", number}});
   };
-  const auto count = [](const Tag& tag, std::string_view name) {
-    const std::string number = attribute(tag, name);
-    return number.empty() ? 0LL : std::strtoll(number.c_str(), nullptr, 10);
+  const auto count = [&](const Tag& tag, std::string_view name) {
+    constexpr long long kMost = 1'000'000'000'000;
+    const std::string stated = attribute(tag, name);
+    long long number = 0;
+    const char* const end = stated.data() + stated.size();
+    const auto [stop, error] = std::from_chars(stated.data(), end, number);
+    if (!stated.empty() && (error != std::errc{} || stop != end || number < 0 || number > kMost))
+      throw InputError("'" + path + "': " + std::string(name) + " of a Piece is '" +
+                       printable(stated) +
+                       "', which is no number of such things; the file is damaged");
+    return number;
   };
   report.add("type", "ray paths or geometry (VTK PolyData)", "type", "poly data");
   while (const std::optional<Tag> tag = reader.next()) {
@@ -105,8 +115,11 @@ void describe_poly_data(const std::string& path, Report& report) {
     polygons += count(*tag, "NumberOfPolys");
   }
   if (type != "PolyData" || !has_piece)
-    throw InputError("'" + path + "' is a VTK file of type '" + type +
+    throw InputError("'" + path + "' is a VTK file of type '" + printable(type) +
                      "'; only PolyData (.vtp) is known, and it needs a Piece");
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  if (last == std::string::npos || !text.substr(0, last + 1).ends_with("</VTKFile>"))
+    throw InputError("'" + path + "' has no </VTKFile> at its end: the file was cut short");
   report.add("points", std::to_string(points), "points", points);
   report.add("lines", std::to_string(lines), "lines", lines);
   if (vertices > 0) report.add_text("vertices", std::to_string(vertices));

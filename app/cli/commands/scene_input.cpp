@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "light_field_camera.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/cameras.h"
@@ -36,20 +37,6 @@ SceneSettings settings_of(const std::vector<std::string>& values) {
   settings.values = values;
   settings.option = kOption;
   return settings;
-}
-
-/// The camera alone, with the channels that its filters are for: what a light field is evaluated
-/// with. What burns may have moved.
-void check_camera_of(const SceneDocument& document, const std::string& path) {
-  Scene alone;
-  alone.camera = document.scene.camera;
-  alone.channels = document.scene.channels;
-  try {
-    validate(alone, document.positions);
-  } catch (const InputError& error) {
-    if (error.position().file.empty()) throw InputError(SourcePosition{path}, error.what());
-    throw;
-  }
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ FileContent Document::read(const std::string& path, const std::stop_token& stop)
       throw InputError("'" + path +
                        "' holds no scene, so its camera is not known; open the scene instead");
     content.kind = FileContent::Kind::light_field;
-    content.scene = parse_scene(field->scene_text, "scene of " + path);
+    content.scene = parse_embedded_scene(field->scene_text, path);
     check_raw_image(*field, content.scene.scene.camera, "'" + path + "'");
     content.scene.scene.file = path;  // relative paths start beside it
     content.image = std::move(field);

@@ -1,7 +1,9 @@
 #include "mesh_sampling.h"
 
+#include <vtkAbstractArray.h>
 #include <vtkBoundingBox.h>
 #include <vtkCell.h>
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
@@ -120,11 +122,38 @@ std::vector<std::array<int, 2>> slabs_of(vtkImageData& lattice) {
   return slabs;
 }
 
+/// Damaged files may give arrays of any length, and cells with corners that are not there.
+/// @throws InputError
+void check_sizes(vtkDataSet& part, const std::string& path) {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError("'" + path + "' is damaged: " + what);
+  };
+  const auto check = [&](vtkDataSetAttributes& data, vtkIdType count, const char* of) {
+    for (int i = 0; i < data.GetNumberOfArrays(); ++i) {
+      const vtkIdType values = data.GetAbstractArray(i)->GetNumberOfTuples();
+      if (values != count)
+        refuse("an array has " + std::to_string(values) + " values for " + std::to_string(count) +
+               " " + of);
+    }
+  };
+  check(*part.GetPointData(), part.GetNumberOfPoints(), "points");
+  check(*part.GetCellData(), part.GetNumberOfCells(), "cells");
+  auto* const loose = vtkUnstructuredGrid::SafeDownCast(&part);
+  vtkCellArray* const cells = loose ? loose->GetCells() : nullptr;
+  if (!cells || part.GetNumberOfCells() == 0) return;
+  if (!cells->IsValid()) refuse("its cells begin and end beyond the list of their corners");
+  double range[2]{};
+  cells->GetConnectivityArray()->GetRange(range);
+  if (!(range[0] >= 0 && range[1] < static_cast<double>(part.GetNumberOfPoints())))
+    refuse("a cell has a corner that is none of its points");
+}
+
 }  // namespace
 
 void check_mesh(const std::vector<vtkSmartPointer<vtkDataSet>>& parts, const std::string& path) {
   vtkIdType solid = 0, regular = 0, inverted = 0, first = -1;
   for (const auto& part : parts) {
+    check_sizes(*part, path);
     double b[6];
     part->GetBounds(b);
     for (const double value : b)

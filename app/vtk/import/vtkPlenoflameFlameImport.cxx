@@ -249,6 +249,9 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
     if (value < 0)
       throw InputError("'" + path + "': the array '" + this->TemperatureArray +
                        "' gives temperatures below 0 K; check its unit");
+    if (std::isinf(value))
+      throw InputError("'" + path + "': the array '" + this->TemperatureArray +
+                       "' gives temperatures that single precision cannot hold");
   }
   if (!any) throw InputError("'" + path + "': no voxel lies inside of a cell; take smaller voxels");
   std::vector<float> absorption;
@@ -266,6 +269,9 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
       // Interpolation of higher order and solvers leave tiny negative values: they are none.
       value = std::isnan(value) ? 0 : static_cast<float>(factor * static_cast<double>(value));
       value = std::max(value, 0.0F);
+      if (std::isinf(value))
+        throw InputError("'" + path + "': the array '" + name +
+                         "' gives absorption that single precision cannot hold");
     }
     drop_nothing(absorption, longest * this->LengthScale);
   }

@@ -30,6 +30,7 @@ void vtkPlenoflameExport::PrintSelf(ostream& os, vtkIndent indent) {
      << indent << "Format: " << this->Format << "\n"
      << indent << "Stem: " << this->Stem << "\n"
      << indent << "Channel: " << this->Channel << "\n"
+     << indent << "Channels: " << this->Channels << "\n"
      << indent << "Grid: " << this->Grid << "\n";
 }
 
@@ -65,7 +66,8 @@ int vtkPlenoflameExport::RequestData(vtkInformation*, vtkInformationVector** inp
   return pipeline::run(*this, 0, [&](const Execution& execution) {
     const LightField field = pipeline::image_to_light_field(*in);
     const ExportResult result = export_to_folder(
-        field, {this->Format, this->Folder, this->Stem, this->Channel, this->Grid}, execution);
+        field, {this->Format, this->Folder, this->Stem, this->Channel, this->Grid, this->Channels},
+        execution);
     this->Files = result.files;
     this->Notes = result.notes;
   });

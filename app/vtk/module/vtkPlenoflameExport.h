@@ -57,10 +57,19 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameExport : public vtkImageAlgorithm {
 
   ///@{
   /**
-   * Channel by its name; empty (default): the first.
+   * Channel of grey pictures by its name; empty (default): the first.
    */
   vtkSetStdStringFromCharMacro(Channel);
   vtkGetCharFromStdStringMacro(Channel);
+  ///@}
+
+  ///@{
+  /**
+   * Channels of red, green and blue of colour pictures, with commas between; empty (default): the
+   * scene's colour channels, where it has some, no Channel is set and the tool knows colour.
+   */
+  vtkSetStdStringFromCharMacro(Channels);
+  vtkGetCharFromStdStringMacro(Channels);
   ///@}
 
   ///@{
@@ -88,7 +97,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameExport : public vtkImageAlgorithm {
   int RequestData(vtkInformation* request, vtkInformationVector** inputs,
                   vtkInformationVector* outputs) override;
 
-  std::string Folder, Format = "npz", Stem = "lightfield", Channel;
+  std::string Folder, Format = "npz", Stem = "lightfield", Channel, Channels;
   int Grid = 0;
 
  private:

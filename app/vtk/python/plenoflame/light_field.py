@@ -183,11 +183,13 @@ class LightField:
             planes = [data.image_array(output, f"plane_{i:04}").copy() for i in range(len(depths))]
             return FocusStack(*arrays, planes, depths)
 
-    def export(self, folder, format="npz", *, name="lightfield", grid=0, channel=""):
+    def export(self, folder, format="npz", *, name="lightfield", grid=0, channel="", channels=()):
         """Writes the files of another tool, as `plenoflame export`, all of them or none.
 
         folder: made when missing, else it must be empty; format: one of export_formats(); name: stem of the files;
         grid: views along each side, for formats of views; 0: as the tool expects
+        channel: of grey pictures; channels: red, green and blue of colour pictures. With neither, pictures have the colours
+        that the scene's channels are, where the tool knows colour; else they are grey, of the first channel
 
         Returns Export, with the names of the files and what should be known about them. Raises Error.
         """
@@ -201,6 +203,13 @@ class LightField:
         writer.SetStem(stem)
         writer.SetGrid(_check.whole("grid", grid, 0, 99))
         writer.SetChannel(_check.text("channel", channel))
+        if isinstance(channels, str):
+            channels = channels.split(",") if channels else ()
+        try:
+            channels = [_check.text("channels", name) for name in channels]
+        except TypeError:
+            raise Error(f"channels takes three names of channels, not {channels!r}") from None
+        writer.SetChannels(",".join(channels))
         update(writer)
         return Export([writer.GetWrittenFile(i) for i in range(writer.GetNumberOfFiles())],
                       [writer.GetNote(i) for i in range(writer.GetNumberOfNotes())])

@@ -150,10 +150,11 @@ constexpr SchemaKey kRows[] = {
         "Radius of the face towards the sensor, positive when convex.", kLength, kNonzero),
     key<TYPE, &MicrolensSpec::index>("camera.array.types[].index",
                                      "Refractive index of the microlens.", kPure, kIndex),
-    key<TYPE, &MicrolensSpec::focal_length>(
-        "camera.array.types[].focal_length",
-        "Focal length of an ideal thin microlens; used when both faces are plane, 0 m otherwise.",
-        kLength, within(10)),
+    key<TYPE, &MicrolensSpec::focal_length>("camera.array.types[].focal_length",
+                                            "Focal length of an ideal microlens, which is then "
+                                            "thin, whatever its radii; 0 m: radii and "
+                                            "`index` give it. `real` microlenses do not use it.",
+                                            kLength, within(10)),
 
     key<TYPE, &MicrolensSpec::glass>("camera.array.types[].glass",
                                      "Its glass in place of `index`, as for the main lens."),
