@@ -9,6 +9,7 @@
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_schema.h"
+#include "plenoflame/scene/scene_settings.h"
 #include "plenoflame/volumes/vdb_info.h"
 
 namespace plenoflame::desktop {
