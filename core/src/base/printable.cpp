@@ -35,7 +35,7 @@ Character character_at(std::string_view text) {
   return {code, size};
 }
 
-/// Whether a terminal would act on it, or show what follows elsewhere or in another order.
+/// Tells whether a terminal would act on it, or show what follows elsewhere or in another order.
 bool acts(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x061C ||
          (code >= 0x200E && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||

@@ -59,8 +59,8 @@ struct KernelBlock {
   Real *x, *y, *z, *dx, *dy, *dz, *weight;
   Real* scratch[2];  ///< for the making of rays
   int* code;
-  /// Where rays cross the stop, in its radii, in the frame of the main lens; nullptr where nobody
-  /// asks.
+  /// Places where rays cross the stop, in its radii, in the frame of the main lens; nullptr where
+  /// nobody asks.
   Real *stop_x = nullptr, *stop_y = nullptr;
 };
 

@@ -295,7 +295,7 @@ PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
   }
 }
 
-/// Where rays that have just passed the stop did so.
+/// Keeps the places where rays have just passed the stop.
 template <class Real>
 [[gnu::noinline]] void keep_stop_crossing(const KernelCamera<Real>& camera, int count,
                                           const KernelBlock<Real>& block) {
@@ -306,7 +306,8 @@ template <class Real>
   }
 }
 
-/// Where rays that come to an ideal lens cross what stands for its stop (pass_ideal()).
+/// Keeps the places where rays that come to an ideal lens cross what stands for its stop
+/// (pass_ideal()).
 template <class Real>
 [[gnu::noinline]] void keep_pupil_crossing(const KernelCamera<Real>& camera, int count,
                                            const KernelBlock<Real>& block) {

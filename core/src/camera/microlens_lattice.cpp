@@ -8,7 +8,8 @@
 namespace plenoflame {
 namespace {
 
-/// What is drawn for a lens is the same whatever else is asked for: a counter-based generator.
+/// The number of a lens for a counter-based generator: its draws are the same whatever else is
+/// asked for.
 std::uint64_t number_of(LensIndex lens) {
   return (std::uint64_t{static_cast<std::uint32_t>(lens.q)} << 32) |
          static_cast<std::uint32_t>(lens.r);
@@ -54,7 +55,7 @@ MicrolensLattice::MicrolensLattice(const ArraySpec& array)
 Vec2 MicrolensLattice::centre(LensIndex lens) const {
   const Vec2 place =
       offset_ + static_cast<double>(lens.q) * step_q_ + static_cast<double>(lens.r) * step_r_;
-  // Where lens (0, 0) is, the offset says.
+  // The offset says where lens (0, 0) is.
   return jitter_ > 0 && !(lens == LensIndex{}) ? place + displacement(lens) : place;
 }
 

@@ -6,7 +6,7 @@
 namespace plenoflame {
 namespace {
 
-/// Where a line meets the plane z.
+/// The place where a line meets the plane z.
 Vec2 at_plane(const Ray& ray, double z) {
   const double t = (z - ray.origin.z) / ray.direction.z;
   return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y};

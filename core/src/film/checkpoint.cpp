@@ -46,7 +46,7 @@ class Reader {
   std::string_view rest_;
 };
 
-/// Of a tile.
+/// The states of a tile.
 constexpr char kNothing = 0, kSums = 1, kFinished = 2;
 
 char contents_of(const Film& film, int tile) {
@@ -76,7 +76,7 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   const std::uint64_t key_size = key.size();
   const std::string_view tiles =
       bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
-  // What the tiles hold: only those with anything follow.
+  // The tiles' states come first: only tiles with anything in them follow.
   std::string present;
   for (int tile = 0; tile < film.tile_count(); ++tile) present += contents_of(film, tile);
   const std::uint64_t goal_count = film.tile_goals().size();

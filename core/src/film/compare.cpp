@@ -100,11 +100,11 @@ class LitChoice {
   double share_a_ = 0.5, above_ = 0;
 };
 
-/// Whether differences are alike among the pixels of a block. Where they are independent, and 0 in
-/// the mean, the square of their sum has the sum of their squares as its mean, and its variance is
-/// known as well, however large and however distributed each of them is. That holds for sums over
-/// blocks with weights that do not depend on the differences, but not for ratios: errors that are
-/// large to one side make large both what is divided and what it is divided by.
+/// Tells whether differences are alike among the pixels of a block. If they are independent, and 0
+/// in the mean, the square of their sum has the sum of their squares as its mean, and its variance
+/// is known as well, however large and however distributed each of them is. That holds for sums
+/// over blocks with weights that do not depend on the differences, but not for ratios: errors that
+/// are large to one side make large both what is divided and what it is divided by.
 class BlockTest {
  public:
   struct Pixel {

@@ -87,7 +87,7 @@ void estimate(const double* at, std::size_t stride, int replicates, int count, d
     standard_error[i] = static_cast<float>(std::sqrt(squares[i] * part) * scale);
 }
 
-/// Of a tile's rows where they begin in an image, and in what is kept of the tile.
+/// Visits the rows of a tile: where each begins in an image, and in what is kept of the tile.
 template <class Visit>
 void for_rows(const PixelWindow& tile, const PixelWindow& window, const Visit& visit) {
   for (int row = 0; row < tile.height; ++row)

@@ -108,7 +108,7 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   } sums;
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {
          LitSums of_part{};
-         // Where there is no flux there is no scatter.
+         // There is no scatter without flux.
          for_pixels(flux, window, [&](std::size_t lane, std::size_t i) {
            add_lit(static_cast<double>(flux.pixels[i]),
                    static_cast<double>(standard_error.pixels[i]), limit, lane, of_part);

@@ -13,7 +13,7 @@
 namespace plenoflame {
 namespace {
 
-/// Where replicates lie about their mean, in units of the standard error of the mean: their scatter
+/// Places of replicates about their mean, in units of the standard error of the mean: their scatter
 /// gives that standard error again.
 std::vector<double> places_about_mean(int replicates) {
   std::vector<double> places(static_cast<std::size_t>(replicates), 0.0);

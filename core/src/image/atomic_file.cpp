@@ -51,14 +51,14 @@ namespace fs = std::filesystem;
 
 constexpr int kMostLinks = 40;  ///< as the system follows
 
-/// Whether a link is one of the system's for the open files of a process: /proc/PID/fd/N.
+/// Tells whether a link is one of the system's for the open files of a process: /proc/PID/fd/N.
 bool is_descriptor(const fs::path& link) {
   std::error_code error;
   const fs::path folder = fs::canonical(link.parent_path(), error);
   return !error && folder.filename() == "fd" && folder.string().starts_with("/proc/");
 }
 
-/// Where the bytes go: `path` itself, or what it links to.
+/// The file that gets the bytes: `path` itself, or what it links to.
 std::string follow_links(const std::string& path) {
   std::error_code error;
   fs::path target = path;

@@ -241,7 +241,7 @@ class Attributes {
     return header_.findTypedAttribute<Attribute>(joined(kPrefix, key));
   }
   [[noreturn]] void fail(const std::string& key) const {
-    // Where some are there, another program has written the file anew and dropped the rest.
+    // If some are there, another program has written the file anew and dropped the rest.
     bool some = false;
     for (auto entry = header_.begin(); entry != header_.end(); ++entry)
       some = some || std::string_view(entry.name()).starts_with(kPrefix);
@@ -332,7 +332,7 @@ LightField from_header(const std::string& path, const Imf::Header& header) {
   return light_field;
 }
 
-/// What is read of a file.
+/// The parts of a file that are read.
 struct Wanted {
   bool everything = true;
   std::string channel;  ///< otherwise this one's flux; empty: that of the first
@@ -349,7 +349,7 @@ void allocate_images(const std::string& path, const Imf::Header& header, std::ui
       throw InputError("'" + path + "': channel '" + channel.name() + "' is subsampled");
     ++images;
   }
-  // What the header promises must be possible: uncompressed, a half takes 2 bytes; no
+  // The header's promises must be possible: uncompressed, a half takes 2 bytes; no
   // compression of OpenEXR packs more than about 1000 to 1.
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(window.width) * static_cast<std::uint64_t>(window.height);

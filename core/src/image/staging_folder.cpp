@@ -33,7 +33,7 @@ std::string temporary_name(int attempt) {
          std::string(kTemporarySuffix);
 }
 
-/// Whether temporary_name() makes such names.
+/// Tells whether temporary_name() makes such names.
 bool is_temporary(std::string_view name) {
   if (!name.starts_with(kTemporaryPrefix) || !name.ends_with(kTemporarySuffix)) return false;
   name.remove_prefix(kTemporaryPrefix.size());
@@ -45,7 +45,7 @@ int open_folder(const char* path) {
   return open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
 }
 
-/// Whether the open folder still has this name.
+/// Tells whether the open folder still has this name.
 bool is_at(int descriptor, const char* path) {
   struct stat open_one {
   }, named{};
@@ -171,7 +171,8 @@ void StagingFolder::commit() {
 }
 
 void StagingFolder::commit(const std::vector<const StagingFolder*>& folders) {
-  // What may fail comes first. What fails nevertheless takes back what was moved before it.
+  // Steps that may fail come first. One that fails nevertheless takes back what was moved before
+  // it.
   std::vector<std::unique_ptr<Move>> moves;
   for (const StagingFolder* folder : folders) {
     std::vector<fs::path> files;

@@ -89,7 +89,7 @@ PLENOFLAME_INLINE double power_of_two(double shifted) {
       double, (__builtin_bit_cast(unsigned long, shifted) << 52) + 0x3FF0000000000000ul);
 }
 
-// What differs between the two precisions.
+// The constants that differ between the two precisions.
 PLENOFLAME_INLINE float round_shift(float) {
   return 12582912.0f;
 }  // 1.5 * 2^23
@@ -169,7 +169,7 @@ struct Attenuation {
   Real emissivity;     ///< 1 - e^-tau, without cancellation
 };
 
-/// What of the reduced exponent comes out.
+/// The attenuation that belongs to a reduced exponent.
 template <class Real>
 PLENOFLAME_INLINE Attenuation<Real> attenuation(const exp_detail::Reduced<Real>& reduced) {
   const Real scale = exp_detail::power_of_two(reduced.shifted);

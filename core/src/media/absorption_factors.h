@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// What a medium keeps of the factors on its absorption, one per channel: nothing when all are 1.
+/// The factors on its absorption that a medium keeps, one per channel: none when all are 1.
 /// @throws InputError for another number of them, or one that is not a number of at least 0
 std::vector<double> grey_or_checked(std::vector<double> factors, std::size_t channels);
 

@@ -64,7 +64,7 @@ class CompositeMedium final : public Medium {
   std::string description() const override;
 
  private:
-  /// Where a ray can meet one medium.
+  /// The span in which a ray can meet one medium.
   struct Extent {
     RaySpan span;
     std::size_t medium;
@@ -139,7 +139,7 @@ std::string CompositeMedium::description() const {
   return text;
 }
 
-/// Whether neighbours in a list sorted by `near` overlap.
+/// Tells whether neighbours in a list sorted by `near` overlap.
 bool overlap(const RaySpan& before, const RaySpan& after) {
   return after.near < before.far;
 }

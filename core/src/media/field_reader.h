@@ -8,7 +8,7 @@
 
 namespace plenoflame::voxel {
 
-/// Of a sample, a cell or a brick, along the three axes.
+/// The index of a sample, a cell or a brick, along the three axes.
 using Index = std::array<int, 3>;
 
 /// Bricks beyond +- this are refused: their keys would collide, and single precision could not

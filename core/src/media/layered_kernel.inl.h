@@ -93,9 +93,9 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
   }
 }
 
-/// Where the rays enter and leave one layer. In the space where the ellipsoid is the unit sphere,
-/// from the point q nearest to its centre: half chord sqrt((1 - q.q) / (v.v)), which loses no
-/// digits to the distance. A miss gives an empty interval.
+/// The interval in which the rays are inside of one layer. In the space where the ellipsoid is the
+/// unit sphere, from the point q nearest to its centre: half chord sqrt((1 - q.q) / (v.v)), which
+/// loses no digits to the distance. A miss gives an empty interval.
 /// @param low, high what the interval is clamped to, if kClamped
 template <bool kClamped, class Real>
 PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int count,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kStackLayers = 8;  ///< scratch for so many layers fits on the stack
 
-/// Whether ellipsoid `inner` lies inside `outer`; both have their axes along x, y, z.
+/// Tells whether ellipsoid `inner` lies inside `outer`; both have their axes along x, y, z.
 /// The largest value over the inner surface of |outer^-1(p)|^2 = sum (e_i + r_i u_i)^2, |u| = 1,
 /// equals the least over s > max r_i^2 of the dual s + sum e_i^2 + sum (e_i r_i)^2 / (s - r_i^2)
 /// (the trust region problem; Stern and Wolkowicz, SIAM J. Optim. 5 (1995) 286). Every s bounds it
@@ -226,7 +226,7 @@ std::vector<Box> LayeredMedium::occupied() const {
 }
 
 double LayeredMedium::largest_share(const Box& box) const {
-  // Of what may be in the box: the layers that reach into its circumscribed sphere, seen in units
+  // Layers that may be in the box are those that reach into its circumscribed sphere, seen in units
   // of their semi-axes.
   const Vec3 centre = to_local_.point(0.5 * (box.lower + box.upper));
   const double radius = 0.5 * length(box.upper - box.lower);

@@ -54,7 +54,7 @@ std::vector<double> integrate_reference(const Medium& medium, const Ray& ray, do
     result = integrate_transfer(
         [&](double t, double* emission) { return medium.coefficients(ray.at(t), emission); },
         medium.channel_count(), limits, relative_tolerance);
-    // Where channels differ in absorption each has a transfer of its own.
+    // Channels that differ in absorption have a transfer of their own each.
     const auto channels = static_cast<std::size_t>(medium.channel_count());
     std::vector<double> emissions(channels), each(channels);
     for (std::size_t c = 1; c < channels && !medium.is_grey(); ++c)

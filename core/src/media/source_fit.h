@@ -31,7 +31,7 @@ struct SourceFit {
 SourceFit fit_source(const SourceFunction& source, double coldest, double hottest, double tolerance,
                      int most_terms, int most_of_two);
 
-/// Where there is no such fit: the fewest nodes whose sum is as
+/// Without such a fit: the fewest nodes whose sum is as
 /// accurate, from the Gauss rule of the source's own nodes under Planck's function at `hottest`.
 /// @param tolerance relative, from `coldest` on
 std::vector<SourceFunction::Node> fewer_nodes(const SourceFunction& source, double coldest,

@@ -17,7 +17,7 @@ struct KernelSurface {
 
 inline constexpr int kAsphericTerms = 7;  ///< h^4 to h^16
 
-/// What makes a surface differ from the sphere of its curvature. Heights count in units of the
+/// The difference of a surface from the sphere of its curvature. Heights count in units of the
 /// rim's height: coefficients per metre to the 15th would leave the range of single precision.
 template <class Real>
 struct KernelAsphere {
@@ -28,7 +28,7 @@ struct KernelAsphere {
 };
 inline constexpr int kAsphereSteps = 8;  ///< of Newton's method
 
-/// What a surface reflects: a single layer between the two media.
+/// The coating by which a surface reflects: a single layer between the two media.
 template <class Real>
 struct KernelCoating {
   Real before, layer, behind;  ///< indices; layer = before: no layer

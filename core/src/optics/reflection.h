@@ -15,7 +15,7 @@ struct Coating {
   double phase = 0;                          ///< 4 thickness layer / wavelength
 };
 
-/// What the layer does between two media: it is where one of them is air.
+/// The layer between two media: it is there if one of them is air.
 Coating coating_of(const AntiReflection& layer, double before, double behind);
 
 /// Share of unpolarised light that passes, by Fresnel's formulas with complex amplitudes (Born and

@@ -1,4 +1,4 @@
-// What surfaces reflect, for the camera's vector kernels. Included once per instruction set.
+// Reflection by surfaces, for the camera's vector kernels. Included once per instruction set.
 #pragma once
 
 #include "math/kernel_math.h"

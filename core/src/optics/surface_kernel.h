@@ -122,7 +122,7 @@ PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
   dz = surface.mu * dz + along_normal;
   int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
   failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
-  // Where there is no crossing, the steps have led anywhere.
+  // Without a crossing, the steps have led anywhere.
   const Real off2 = (sag - z) * (sag - z) * asphere.inverse_height2;
   failure = (inside > Real(1e-6)) & (cos_in > Real(0)) & (off2 < Real(1e-8))
                 ? failure

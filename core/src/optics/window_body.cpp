@@ -61,7 +61,7 @@ WindowSet::Body::Body(const WindowSpec& spec)
       upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
     }
   centre_ = 0.5 * (lower + upper);
-  // What lies between the points of the outline is less than a tenth farther out.
+  // The outline between its points is less than a tenth farther out.
   reach_square_ = 1.21 * 0.25 * dot(upper - lower, upper - lower);
   if (spec.shape == WindowShape::dome) {
     centre_ = spec.position;

@@ -22,12 +22,12 @@ class WindowSet::Body {
   Hit intersect(const Ray& world, int from, double far) const;
   /// Unit normal of a face, out of the glass, in the world.
   Vec3 normal(int face, Vec3 world) const;
-  /// Whether light passes a face: the others are ground, and black.
+  /// Tells whether light passes a face: the others are ground, and black.
   bool is_polished(int face) const { return faces_[static_cast<std::size_t>(face)].polished; }
   bool contains(Vec3 world) const;
   std::vector<Vec3> points() const;
   std::vector<std::vector<Vec3>> outline() const;
-  /// Whether a ray comes within the sphere around the window, ahead of its origin.
+  /// Tells whether a ray comes within the sphere around the window, ahead of its origin.
   bool may_meet(const Ray& world) const;
 
   double index() const { return spec_.index; }

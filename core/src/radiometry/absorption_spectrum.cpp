@@ -83,7 +83,7 @@ AbsorptionSpectrum AbsorptionSpectrum::table(double reference, std::vector<Spect
   return spectrum;
 }
 
-/// What factor() is a ratio of: [1/m] of a volume fraction of 1 for soot.
+/// The absorption that factor() is a ratio of: [1/m] of a volume fraction of 1 for soot.
 double AbsorptionSpectrum::absolute(double wavelength) const {
   switch (kind_) {
     case Kind::grey:

@@ -153,7 +153,7 @@ ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
   };
   for (int count = fewest; count <= kMostNodes; ++count) {
     const MeasurePoints rule = gauss_rule(measure, count);
-    // What a single wavelength emits is exact.
+    // The emission of a single wavelength is exact.
     if (good_enough(count == 1 && response ? std::vector{whole.at(1 / rule.places[0])}
                                            : nodes_of(rule)))
       return best;
@@ -199,7 +199,7 @@ std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& res
       error = std::max(error, worst_error(nodes_of(rules[c]), all[c], spectra));
     }
     if (error > kSpectralTolerance) continue;
-    // Where one node stands for the first channel (transmittance, optical thickness), it is the one
+    // The one node that stands for the first channel (transmittance, optical thickness) is the one
     // with the most of it.
     const auto heaviest = std::max_element(rules[0].weights.begin(), rules[0].weights.end());
     const double first =

@@ -27,7 +27,7 @@ bool to_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
-/// What is wrong with one more point; empty: nothing.
+/// The fault of one more point; empty: it has none.
 std::string trouble(const std::vector<SpectralPoint>& before, const SpectralPoint& point) {
   if (!(point.wavelength >= kFirstAllowed && point.wavelength <= kLastAllowed))
     return fmt::format("the wavelength {} is not between 10 nm and 1 mm",

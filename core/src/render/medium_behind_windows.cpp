@@ -45,7 +45,7 @@ RigidTransform place_of(const WindowSpec& window) {
   return {rotation_xyz(window.rotation), window.position};
 }
 
-/// Whether a box lies in the air within a tube.
+/// Tells whether a box lies in the air within a tube.
 bool holds(const WindowSpec& window, const Box& box) {
   if (window.shape != WindowShape::tube) return false;
   const RigidTransform to_own = place_of(window).inverse();

@@ -68,7 +68,7 @@ void check_around(const ChannelSpec& channel, const std::string& path, Issues& i
                  fmt::format("{} has a {} that begins at or below a wavelength of 0", name, what));
 }
 
-/// Whether a response can be made at all.
+/// Tells whether a response can be made at all.
 void check_response(const ChannelSpec& channel, const std::string& key, Issues& issues) {
   issues.expect(key, name_in_words(channel), [&] { static_cast<void>(response_of_kind(channel)); });
 }

@@ -61,7 +61,7 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
                                    const Execution& execution, const PositionMap& positions) {
   FlameSpec flame = scene.flames[index];
   std::vector<SourceFunction> channels = all_channels;
-  // Of a grid of albedos the loader does this itself.
+  // The loader does this itself for a grid of albedos.
   if (const double albedo = flame.scattering.albedo; albedo > 0 && flame.scattering.grid.empty()) {
     // Media know extinction: what is scattered is taken away, and not emitted.
     const double extinction = 1 / (1 - albedo);
@@ -95,11 +95,11 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   return brightened(std::move(medium), flame.brightness);
 }
 
-/// Whether the camera sees a flame whose extent is known only now.
+/// Tells whether the camera sees a flame whose extent is known only now.
 void check_place(const Scene& scene, std::size_t index, const Medium* medium,
                  const PositionMap& positions, const Execution& execution) {
   const FlameSpec& flame = scene.flames[index];
-  // Where layers lie is known without loading them, and validate() has looked at that.
+  // The places of layers are known without loading them, and validate() has looked at them.
   if (flame.kind == FlameKind::layered || !medium) return;
   const std::string key = "flames[" + std::to_string(index) + "].position";
   const std::string name = flame.name.empty() ? flame.file : flame.name;
@@ -256,7 +256,7 @@ Media flames_of_channel(const Media& flames, int channel, const Scene& scene,
   return media;
 }
 
-/// What is compiled from channels, or what stands for them, once camera and flames are there.
+/// Compiles the channels, or what stands for them, once camera and flames are there.
 CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils, Media media,
                               const std::vector<SourceFunction>& sources,
                               const std::vector<SourceFunction>& emitters,
@@ -302,7 +302,8 @@ CameraSpec at_wavelength(const Camera& solved, double wavelength, const Position
   return spec;
 }
 
-/// Whether glasses refract alike in both cameras: pupils, which are costly, are the same then.
+/// Tells whether glasses refract alike in both cameras: pupils, which are costly, are the same
+/// then.
 bool have_same_indices(const CameraSpec& a, const CameraSpec& b) {
   const auto alike = [](const auto& x, const auto& y) { return x.index == y.index; };
   return std::equal(a.lens.surfaces.begin(), a.lens.surfaces.end(), b.lens.surfaces.begin(),

@@ -27,7 +27,7 @@ std::optional<Response> behind(const Scene& scene, const ChannelSpec& channel,
   }
 }
 
-/// What is counted of all lines of the flames.
+/// The light that is counted of all lines of the flames.
 double light_of_lines(const Scene& scene, const Response& response) {
   double sum = 0;
   for (const FlameSpec& flame : scene.flames)

@@ -127,7 +127,7 @@ std::optional<SpectralResponse> camera_response(const Scene& scene, const Channe
   for (const std::string& text : {scene.camera.transmission.filter, pupil_filter}) {
     if (text.empty()) continue;
     const SpectralResponse filter = SpectralResponse::curve(parse_spectral_points(text));
-    // Of all wavelengths those are left that the filter lets through.
+    // The filter leaves of all wavelengths those that it lets through.
     response = response ? response->behind(filter) : filter;
   }
   return response;
@@ -218,7 +218,7 @@ SpectralNodes nodes_behind(const Scene& scene, const std::string& pupil_filter,
       const ChannelNodes nodes =
           channel_nodes(response, spectra, dispersive ? channel.wavelengths : 1);
       all.error = std::max(all.error, nodes.error);
-      // Of light whose spectrum nobody gave, the filter takes what it takes of white light.
+      // The filter takes from light whose spectrum nobody gave what it takes from white light.
       const std::optional<SpectralResponse> open = spectral_response(channel);
       add(response ? SourceFunction::of(*response) : SourceFunction::total(),
           with_lines(nodes.nodes, response), nodes.nodes.size(), c,
@@ -229,7 +229,7 @@ SpectralNodes nodes_behind(const Scene& scene, const std::string& pupil_filter,
     }
   }
   if (all.sources.size() > scene.channels.size()) all.mix = ChannelMix::of_parts(channel_of_node);
-  // What else emits does so into channels as a whole, and light that disperses has its own way.
+  // Other sources emit into channels as a whole, and light that disperses has its own way.
   const bool only_flames = scene.surfaces.empty() && scene.lights.empty() && lines.empty();
   if (all.mix.empty() || !only_flames || dispersive || responses.size() < scene.channels.size())
     return all;

@@ -32,7 +32,7 @@ std::string in_words(double time) {
   return readable_quantity(time, Dimension::time, 6);
 }
 
-/// Of a frame, as whole numbers of files.
+/// The number of a frame, as whole numbers of files.
 int to_frame(double number) {
   constexpr double kMost = std::numeric_limits<int>::max();
   return static_cast<int>(std::clamp(number, -kMost, kMost));
@@ -111,7 +111,7 @@ struct SceneTimeline::State {
     throw InputError(positions.find(flame.key + key), message);
   }
 
-  /// Whether all flames are known from one time to another (the same: an instant).
+  /// Tells whether all flames are known from one time to another (the same: an instant).
   void check(double begin, double end) const {
     const std::string what =
         end > begin ? "an exposure from " + in_words(begin) + " to " + in_words(end) + " reaches "
@@ -245,7 +245,7 @@ int SceneTimeline::last_frame() const {
     if (flame.series) {
       const double end = flame.series->size() / flame.rate - s.delay - s.exposure;
       const double frames = in_frames(end, s.rate);
-      // What lasts no time cannot begin at the end.
+      // An exposure that lasts no time cannot begin at the end.
       last = std::min(last, s.exposure > 0 ? std::floor(frames) : std::ceil(frames) - 1);
     }
     if (flame.table)

@@ -29,7 +29,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-/// What a file says must not steer the terminal.
+/// Text of a file must not steer the terminal.
 std::string printable(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';

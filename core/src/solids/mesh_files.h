@@ -12,7 +12,7 @@
 
 namespace plenoflame {
 
-/// What a mesh file says, before anything is made of it: faces of any number of corners.
+/// The content of a mesh file, before anything is made of it: faces of any number of corners.
 struct MeshFile {
   /// One corner of a face: numbers of its vertex, texture coordinates and normal; -1: it has none.
   struct Corner {
@@ -25,7 +25,7 @@ struct MeshFile {
   std::vector<std::uint32_t> corner_counts;  ///< of each face
 };
 
-/// What is wrong with a file, as the rest of "the mesh file ... is damaged or breaks off: ".
+/// The fault of a file, as the rest of "the mesh file ... is damaged or breaks off: ".
 struct MeshFault {
   std::string text;
 };

@@ -190,7 +190,7 @@ class BinaryValues : public Values {
   bool swap_;
 };
 
-/// Where a property goes: 0 to 2 place, 3 to 5 normal, 6 and 7 texture; -1: nowhere.
+/// The number that a property has: 0 to 2 place, 3 to 5 normal, 6 and 7 texture; -1: none.
 int role_of(std::string_view name) {
   constexpr std::string_view kNames[8][3] = {{"x"},
                                              {"y"},

@@ -33,7 +33,8 @@ std::vector<Vec2> flattened(const std::vector<Vec3>& corners) {
   return flat;
 }
 
-/// Whether a corner can be cut off: it turns left, and no other corner lies within its triangle.
+/// Tells whether a corner can be cut off: it turns left, and no other corner lies within its
+/// triangle.
 bool is_ear(const std::vector<Vec2>& flat, const std::vector<std::uint32_t>& left, std::size_t i) {
   const std::size_t n = left.size();
   const Vec2 a = flat[left[(i + n - 1) % n]], b = flat[left[i]], c = flat[left[(i + 1) % n]];

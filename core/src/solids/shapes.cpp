@@ -24,7 +24,7 @@ int solve(double a, double b, double c, double discriminant, double (&t)[2]) {
   return count;
 }
 
-/// Where a line meets the plane at z.
+/// The parameter where a line meets the plane at z.
 int flat_root(double z, double o, double d, double (&t)[2]) {
   if (d == 0) return 0;
   t[0] = (z - o) / d;
@@ -121,7 +121,7 @@ void Shape::roots(int part, Vec3 o, Vec3 d, double (&t)[2], int& count) const {
   }
 }
 
-/// Whether a point of a part's plane, cylinder or cone belongs to the part.
+/// Tells whether a point of a part's plane, cylinder or cone belongs to the part.
 bool Shape::bounded(int part, Vec3 p) const {
   switch (shape_) {
     case SolidShape::cylinder:

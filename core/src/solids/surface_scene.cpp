@@ -23,7 +23,7 @@ struct Surface {
   std::vector<double> emission;  ///< per channel; empty: dark
 };
 
-/// What the callbacks of one ray need. Embree hands back the pointer to its first member.
+/// The data of the callbacks of one ray. Embree hands back the pointer to its first member.
 struct Query {
   RTCIntersectContext context{};
   Ray ray;           ///< world

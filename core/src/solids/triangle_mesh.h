@@ -24,8 +24,8 @@ class TriangleMesh {
   const std::vector<Vertex>& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
 
-  /// Where a line (relative to the centre) meets a triangle's plane. Near the plane the sign of its
-  /// distance is lost in rounding: a start there counts as lying on it.
+  /// Finds where a line (relative to the centre) meets a triangle's plane. Near the plane the sign
+  /// of its distance is lost in rounding: a start there counts as lying on it.
   /// @return false when it is parallel, or when the crossing cannot be told from t = 0
   bool plane_crossing(std::uint32_t triangle, const Ray& ray, double& t) const;
   Vec3 normal(std::uint32_t triangle) const;  ///< unit, towards the front

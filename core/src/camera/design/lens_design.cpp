@@ -40,7 +40,7 @@ class FieldTracer {
     return Arrival{{ray.origin.x + distance * slope.x, ray.origin.y + distance * slope.y}, slope};
   }
 
-  /// Where the chief ray crosses the plane of the paraxial entrance pupil.
+  /// The place where the chief ray crosses the plane of the paraxial entrance pupil.
   double chief() const { return chief_; }
   bool has_chief() const { return arrive({chief_, 0}).has_value(); }
 

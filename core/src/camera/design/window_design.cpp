@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNearAxis = 1e-3;  ///< share of the pupil's radius that the rays are apart
 
-/// Where two rays pass each other most closely, along the first one [m].
+/// The place where two rays pass each other most closely, along the first one [m].
 double crossing(const Ray& a, const Ray& b) {
   const Vec3 apart = b.origin - a.origin;
   const double turned = dot(a.direction, b.direction);

@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// Whether a ray to or from a point passes.
+/// Tells whether a ray to or from a point passes.
 using Passes = std::function<bool(Vec2)>;
 
 /// Some point that passes, near `guess`; searched on ever finer grids within `range`.

@@ -68,8 +68,8 @@ Vec2 PupilOutline::aim(int azimuth, double distance, std::size_t i) const {
   return discs_.far_centre({dot(s, e), s.y * e.x - s.x * e.y}) + discs_.radius_at(s) * points_[i];
 }
 
-/// Whether also rays within an interval of the point tell how far beams reach (zones of a lens
-/// focus at different distances): of the disc's middle, its edge and a ring just inside.
+/// Tells whether also rays within an interval of the point tell how far beams reach (zones of a
+/// lens focus at different distances): of the disc's middle, its edge and a ring just inside.
 bool PupilOutline::bounds_beam(std::size_t i) {
   const std::size_t ring = (i - 1) / kSpokes;
   return i == 0 || ring == 4 || ring == 6;
@@ -168,7 +168,7 @@ PupilCut PupilOutline::cut(int azimuth, double distance) const {
     member[i] = inside[i] > 0 && grid[i].in <= distance && distance <= grid[i].out;
     if (member[i]) outline.push_back(aims[i]);
   }
-  // Where an edge of the grid leaves what is open: the nearest of the three reasons.
+  // The place where an edge of the grid leaves what is open: the nearest of the three reasons.
   const auto cross = [&](std::size_t a, std::size_t b) {
     if (member[a] == member[b]) return;
     if (member[b]) std::swap(a, b);

@@ -52,7 +52,7 @@ class PupilOutline {
   std::array<Vec2, PupilCuts::kAzimuths> directions_;
   ApertureDiscs discs_;
   std::array<Grid, PupilCuts::kAzimuths> grids_;
-  /// Of every interval, as far as its point lies inside the bound.
+  /// Ends of every interval, as far as its point lies inside the bound.
   std::array<std::array<double, kPoints>, PupilCuts::kAzimuths> ends_{};
   std::array<double, PupilCuts::kAzimuths> opens_{}, closes_{};
   std::vector<Ray> beam_rays_;

@@ -85,7 +85,7 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   const double guess_radius = telecentric
                                   ? 0.5 * b * main.entrance_pupil_diameter / main.focal_length
                                   : 0.5 * b * main.exit_pupil_diameter / std::fabs(z);
-  // Where vignetting leaves the middle dark, the sides may still see.
+  // The sides may still see where vignetting leaves the middle dark.
   const double a = tracer.aperture_radius();
   for (const Vec2 u : {Vec2{0, 0}, Vec2{0.7 * a, 0}, Vec2{-0.7 * a, 0}, Vec2{a, 0}, Vec2{-a, 0}}) {
     const Passes passes = [&](Vec2 s) {
@@ -104,8 +104,8 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   return {};
 }
 
-/// What aim points get through the microlens itself, as seen from sensor points out to `s_max`;
-/// independent of the field.
+/// The aim points that the microlens itself lets through, as seen from sensor points out to
+/// `s_max`; independent of the field.
 ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
   ApertureDiscs discs;
   const double own = 0.5 * camera.spec().array.diameter;

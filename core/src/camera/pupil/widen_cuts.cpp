@@ -68,7 +68,7 @@ class Between {
   PupilCuts cuts_;
 };
 
-/// What a cut leaves open, in coordinates along and across its line.
+/// The opening that a cut leaves, in coordinates along and across its line.
 class Opening {
  public:
   explicit Opening(const PupilCut& cut)

@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// What a medium can do besides, whose fields are stored by cells: coefficients at several places
+/// An ability of media whose fields are stored by cells: coefficients at several places
 /// of one cell, which is looked up once.
 class CellSampling {
  public:

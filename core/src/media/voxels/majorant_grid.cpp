@@ -6,8 +6,8 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostCells = 32;  ///< along the longest side
-/// What a box is widened by, over the size of everything: places near the face of a cell may be
-/// rounded to the other side of it.
+/// The amount by which a box is widened, over the size of everything: places near the face of a
+/// cell may be rounded to the other side of it.
 constexpr double kRounding = 1e-9;
 
 }  // namespace

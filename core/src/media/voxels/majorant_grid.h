@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// Where in a medium light may be absorbed or scattered: places are proposed by delta tracking
+/// Places in a medium where light may be absorbed or scattered: they are proposed by delta tracking
 /// (Woodcock et al., ANL-7050, 1965) with a largest extinction for each cell of a coarse grid
 /// (Szirmay-Kalos et al., Comput. Graph. Forum 30 (2011) 1823), so that a dense wisp in a wide thin
 /// cloud costs steps only where it is. Immutable.

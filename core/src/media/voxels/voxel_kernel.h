@@ -1,4 +1,4 @@
-// What the voxel medium's kernels read and write: plain data, no inline functions, so that kernels
+// Data that the voxel medium's kernels read and write: plain, no inline functions, so that kernels
 // compiled for different processors may share it.
 #pragma once
 
@@ -76,7 +76,8 @@ struct MediumView {
   /// The other extra fields are emission lines [W/(m^3 sr)]; what channel c counts of field e is
   /// at [c * extra_fields + e].
   const Real* line_weights;
-  /// What lines emit into channel c in constant brick n, at [c * constants + n]; nullptr: no lines.
+  /// Light that lines emit into channel c in constant brick n, at [c * constants + n]; nullptr: no
+  /// lines.
   const Real* constant_lines;
 };
 

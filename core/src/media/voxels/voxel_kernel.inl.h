@@ -49,7 +49,7 @@ class Packet {
     int met = 0;
 #pragma omp simd reduction(+ : met)
     for (int l = 0; l < kLanes; ++l) {
-      // What is not finite, or so large that single precision could overflow, meets nothing.
+      // A ray that is not finite, or so large that single precision could overflow, meets nothing.
       const bool sane =
           (magnitude(origin[0][l]) < kLargest) & (magnitude(origin[1][l]) < kLargest) &
           (magnitude(origin[2][l]) < kLargest) & (magnitude(direction[0][l]) < kLargest) &

@@ -136,7 +136,8 @@ PLENOFLAME_INLINE Real within_cell(Real p, int cell) {
   return clamp(p - static_cast<Real>(cell), Real(0), Real(1));
 }
 
-// Where a crossed face leads; elsewhere the cell at p of the block of rest + 1 cells from `low`.
+// The cell behind a crossed face; elsewhere the cell at p of the block of rest + 1 cells from
+// `low`.
 template <bool kPlain, class Real>
 PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p) {
   const int beyond = low - 1 + ((rest + 2) & up);

@@ -37,7 +37,7 @@ void interpolate_extras(const LatticeView& cells, const float* const (&extras)[k
     }
 }
 
-// What emission lines send out of a constant brick into a channel.
+// The light that emission lines send out of a constant brick into a channel.
 template <class Real>
 Real constant_line(const voxel::MediumView<Real>& medium, int channel, int constant, Real length) {
   const Real tau = (medium.factors ? medium.factors[channel] : Real(1)) *

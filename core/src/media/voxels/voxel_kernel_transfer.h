@@ -12,7 +12,7 @@ namespace {
 // Temperatures whose source function is evaluated together: two nodes in every lane.
 constexpr int kSources = 2 * voxel::kLanes;
 
-// What the fits of all channels go by: 1/T - 1/hottest [1/K], endless at 0 K. The differences
+// The variable of the fits of all channels: 1/T - 1/hottest [1/K], endless at 0 K. The differences
 // first: near the hottest the inverses are nearly equal.
 template <class Real>
 PLENOFLAME_INLINE void inverse_above(Real hottest, const Real* __restrict temperature,

@@ -7,7 +7,7 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-// What an interval with two Gauss nodes does: radiance = near * S(first node) + far * S(second
+// The effect of an interval with two Gauss nodes: radiance = near * S(first node) + far * S(second
 // node), and the light behind it is multiplied by `transmittance`.
 template <class Real>
 struct IntervalWeights {

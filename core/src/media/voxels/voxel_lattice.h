@@ -37,9 +37,9 @@ class Lattice {
   void sample_cell(const Vec3* index, int count, double* temperature, double* absorption) const;
   /// Adds up what a caller makes of the extra fields at an index coordinate: weights[e] * field e.
   double sum_extras(Vec3 index, const double* weights) const;
-  /// Whether the brick around an index coordinate is stored.
+  /// Tells whether the brick around an index coordinate is stored.
   bool occupied(Vec3 index) const;
-  /// What the kernel reads. Valid as long as this lattice is.
+  /// The kernel's view of the lattice. Valid as long as this lattice is.
   LatticeView view() const;
 
   const AffineTransform& index_to_world() const { return index_to_world_; }

@@ -42,7 +42,7 @@ std::optional<Index> shift_between(const AffineTransform& temperature,
   return shift;
 }
 
-/// What is not scattered of the extinction, from a field of albedos.
+/// The share of the extinction that is not scattered, from a field of albedos.
 VoxelField share_of(const VoxelField& albedo) {
   VoxelField share = albedo;
   const auto turn = [&](float& value, const std::string& where) {
@@ -141,7 +141,7 @@ voxel::CellMap cell_map(const voxel::Lattice& lattice, Vec3 anchor) {
   return out;
 }
 
-// What the kernel needs in one precision.
+// The kernel's tables in one precision.
 template <class Real>
 struct Tables {
   std::vector<std::vector<Real>> exponents, weights;
@@ -292,7 +292,7 @@ class VoxelMedium final : public Medium, public CellSampling {
   double albedo(Vec3 world) const override {
     if (share_fields_ == 0) return 0;
     double first[voxel::kMaxExtras] = {1};
-    // Where nothing is stored nothing is scattered.
+    // Nothing is scattered where nothing is stored.
     const Vec3 index = cells_.world_to_index().point(world);
     return cells_.occupied(index) ? 1 - cells_.sum_extras(index, first) : 0;
   }

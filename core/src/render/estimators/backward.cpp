@@ -109,7 +109,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   return plan;
 }
 
-/// What one thread traces with: the tracer of a range, until jobs of another one come.
+/// The tracer of one thread: that of a range, until jobs of another one come.
 template <class Real>
 class Tracer {
  public:

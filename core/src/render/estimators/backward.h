@@ -18,7 +18,7 @@ namespace plenoflame {
 template <class Real>
 struct BackwardPlan;
 
-/// What all passes of a rendering share, of one spectral path.
+/// Data of one spectral path that all passes of a rendering share.
 struct PathShared {
   std::unique_ptr<const SceneBeams> beams;  ///< nullptr: nothing is skipped
   /// Stands in for a medium that only windows separate from the camera; nullptr: they do not, or in
@@ -46,8 +46,8 @@ struct TileJob {
 /// Called after each tile, from one thread at a time. @param rays that were sent for it
 using TileDone = std::function<void(const TileJob& job, double rays)>;
 
-/// What is the same for all tiles is made once, in the constructor. Keeps references to scene and
-/// settings.
+/// A pass makes what is the same for all tiles once, in the constructor. Keeps references to scene
+/// and settings.
 class BackwardPass {
  public:
   /// @param ranges of points that its tiles get, each its own
@@ -84,8 +84,8 @@ class BackwardPass {
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics);
 
-/// Whether single precision is accurate enough: rounding of a ray over the distance to the medium
-/// must stay well below the medium's features.
+/// Tells whether single precision is accurate enough: rounding of a ray over the distance to the
+/// medium must stay well below the medium's features.
 bool single_precision_suffices(const CompiledScene& scene);
 
 }  // namespace plenoflame

@@ -24,7 +24,7 @@ std::string_view bytes_of(const Image& image) {
   return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size() * sizeof(float)};
 }
 
-/// Of everything in it but the checksum itself.
+/// The checksum of everything in a light field but the checksum itself.
 std::string checksum(const LightField& field) {
   Fnv sum;
   const auto add = [&sum](const auto&... parts) { (sum.add(fmt::format("{}|", parts)), ...); };

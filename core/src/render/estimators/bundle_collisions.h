@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a medium does to bundles of light, drawn as it happens: places of extinction by delta
+/// Collisions of bundles of light in a medium, drawn as they happen: places of extinction by delta
 /// tracking (Woodcock et al., ANL-7050, 1965), and there whether the bundle is absorbed or which
 /// flame scatters it, all at one of the nodes. One per worker.
 class BundleCollisions {

@@ -111,7 +111,7 @@ Pass render_all(const std::vector<SceneMoment>& moments, const MomentCompiler& c
   return pass;
 }
 
-/// What the mean's errors say, as render() does of one picture.
+/// States the error of the mean, as render() does of one picture.
 void state_error(const RenderSettings& settings, RenderResult& result) {
   const LightFieldChannel& first = result.light_field.channels.front();
   result.statistics.flux = 0;

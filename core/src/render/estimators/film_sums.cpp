@@ -37,7 +37,8 @@ double FilmSums<Real>::not_negative(double sum, double scale) {
   return sum;
 }
 
-/// Of few points: which are how many could not be foretold, if every ray were added on its own.
+/// Sums rays of few points: which are how many could not be foretold, if every ray were added on
+/// its own.
 template <class Real>
 void FilmSums<Real>::sum_rays(const TracedRays<Real>& rays, const Real* radiance) {
   Real* sums = sums_of_rays_[0].data();

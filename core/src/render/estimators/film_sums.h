@@ -19,7 +19,7 @@ class FilmSums {
   void begin_tile(int index, const PixelWindow& tile);
   /// @param radiance channel c of ray i at [c * kPaddedBlock + i]
   void add(const TracedRays<Real>& rays, const Real* radiance);
-  /// Of sums that a table's corrections made negative: clamped, clamped_sum and total.
+  /// Counts of sums that a table's corrections made negative: clamped, clamped_sum and total.
   const TableCounters& table_counters() const { return table_; }
 
  private:
@@ -31,7 +31,7 @@ class FilmSums {
   Film& film_;
   int tile_index_ = 0;
   PixelWindow tile_;
-  /// What each ray of the block adds, and the sums of 2, 4 and 8 from each on.
+  /// The light that each ray of the block adds, and the sums of 2, 4 and 8 from each on.
   std::vector<std::vector<Real>> sums_of_rays_;
   TableCounters table_;
 };

@@ -259,7 +259,7 @@ bool Run::trace_until(std::int64_t points) {
 void Run::trace_to_target(std::int64_t points) {
   // The film alone decides how far to go, at the ends of rounds only: a run that goes on from there
   // does what the first would have done.
-  // What a round was to reach is kept with the film: one that was stopped is ended first.
+  // The goal of a round is kept with the film: a round that was stopped is ended first.
   const auto goal = [&] {
     return film_.tile_goals().empty() ? 0 : static_cast<std::int64_t>(film_.tile_goals().front());
   };

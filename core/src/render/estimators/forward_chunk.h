@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What one chunk of bundles adds to the film.
+/// A deposit of one chunk of bundles on the film.
 struct ForwardDeposit {
   int column, row, replicate;
 };

@@ -73,7 +73,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
   endless_ = std::make_unique<EndlessPlanes>(scene, centre_, radius_, field_versine_);
 }
 
-/// Whether any surface reflects at all.
+/// Tells whether any surface reflects at all.
 bool SurfaceBundles::can_reflect() const {
   return std::any_of(scene_.scene.surfaces.begin(), scene_.scene.surfaces.end(),
                      [](const SolidSurfaceSpec& surface) {

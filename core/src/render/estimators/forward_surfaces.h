@@ -35,7 +35,7 @@ class SurfaceBundles : public BundleSource {
 
  private:
   enum class Origin { flame, delta_light, environment, surface };
-  /// What a bundle may do; each is as likely.
+  /// The jobs that a bundle may have; each is as likely.
   struct Job {
     Origin origin;
     int index;       ///< of the light or surface

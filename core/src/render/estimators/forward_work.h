@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// What one chunk of bundles is traced with.
+/// The arrays with which one chunk of bundles is traced.
 struct SurfaceBundles::Work {
   Work(const Medium* medium, const MediumOptions& options, std::size_t channel_count)
       : channels(channel_count), segments(medium, options), emission(channel_count) {}
@@ -14,7 +14,7 @@ struct SurfaceBundles::Work {
   MediumSegments segments;
   std::vector<double> emission;
   std::vector<double> spectra;  ///< channels values for each bundle
-  /// Where those of bundles that media scatter are: the density with which each node as the driver
+  /// Shares of bundles that media scatter: the density with which each node as the driver
   /// would have drawn their ways, over the mean of all.
   std::vector<double> shares;
   std::vector<Camera::Arrival> arrivals;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kTellingRays = 1e4;  ///< of fewer it says little that they find no light
 
-/// What a rendering does without, beyond what counters count.
+/// Lists the effects that a rendering does without, beyond what counters count.
 std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettings& settings) {
   std::vector<std::string> list;
   const CameraSpec& camera = scene.scene.camera;
@@ -50,7 +50,7 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
 
 namespace {
 
-/// Whether there are finished tiles that the settings give more samples, or ask the sums of.
+/// Tells whether there are finished tiles that the settings give more samples, or ask the sums of.
 bool takes_more(const Film& film, const RenderSettings& settings) {
   if (!film.has_finished_tiles()) return false;
   if (!has_fixed_samples(settings) || settings.keep_sums) return true;

@@ -79,7 +79,7 @@ std::vector<int> spread(const std::vector<int>& tiles) {
   return order;
 }
 
-/// What the passes of a run have in common.
+/// The parts that the passes of a run have in common.
 struct RunParts {
   const RenderSettings& settings;
   const Execution& execution;
@@ -130,7 +130,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
   for (const auto& [done, tiles] : groups) {
     std::vector<TileJob> jobs;
     for (const int tile : spread(tiles)) jobs.push_back({tile});
-    // What goes on with a sequence takes its further points.
+    // A tile that goes on with a sequence takes its further points.
     const std::vector<PointRange> ranges{
         {static_cast<std::uint32_t>(done), points - done, done > 0}};
     const BackwardPass pass(scene, settings, ranges, shared, execution.threads);
@@ -145,20 +145,21 @@ bool is_started(const Film& film) {
                      [](double s) { return s > 0; });
 }
 
-/// Whether any ray was sent: without, the picture is known to be dark.
+/// Tells whether any ray was sent: without, the picture is known to be dark.
 bool is_sent(const Film& film) {
   for (int t = 0; t < film.tile_count(); ++t)
     if (!film.tile_sums(t).empty()) return true;
   return false;
 }
 
-/// Whether the target is met. Of a picture that has been dark so far no relative error is known.
+/// Tells whether the target is met. Of a picture that has been dark so far no relative error is
+/// known.
 bool is_met(const Film& film, const TileErrors& errors, const RenderSettings& settings) {
   return settings.target_error > 0 && errors.stated.bound <= settings.target_error &&
          (errors.mean_flux > 0 || !is_sent(film));
 }
 
-/// Whether enough rays found no light to give up.
+/// Tells whether enough rays found no light to give up.
 bool seems_dark(const Film& film, const TileErrors& errors) {
   if (errors.mean_flux > 0) return false;
   for (int t = 0; t < film.tile_count(); ++t)
@@ -166,7 +167,7 @@ bool seems_dark(const Film& film, const TileErrors& errors) {
   return true;
 }
 
-/// Whether a round was decided on and not ended.
+/// Tells whether a round was decided on and not ended.
 bool in_a_round(const Film& film) {
   for (int t = 0; t < film.tile_count(); ++t)
     if (!film.tile_goals().empty() &&
@@ -206,7 +207,7 @@ struct RoundPlan {
   std::vector<double> at_end;  ///< as foreseen, after the last; empty: nothing is known yet
 };
 
-/// What tiles will have when the goal is met: a round takes none beyond some doublings.
+/// The samples that tiles will have when the goal is met: a round takes none beyond some doublings.
 std::vector<double> foreseen_samples(const std::vector<TileNeed>& needs,
                                      const std::vector<int>& samples, double goal, int limit) {
   double squares = 0, lit = 0;
@@ -308,7 +309,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   Checkpoints checkpoints(settings);
   TileProgress tile_progress(progress, film);
   const RunParts run{settings, inner, film, statistics, checkpoints, tile_progress};
-  // Of a round that an earlier run began no more is known than its own goals.
+  // A round that an earlier run began is known by no more than its own goals.
   if (in_a_round(film)) tile_progress.foresee(film, film.tile_goals());
   for (bool finished = true; finished; finished = run_round(scene, shared, most_points, run)) {
     if (in_a_round(film)) continue;

@@ -7,8 +7,8 @@
 namespace plenoflame {
 namespace {
 
-/// What a stretch whose outcome is open is taken for: little, since what is found out later can
-/// make the share grow but never fall.
+/// The share that a stretch counts for whose outcome is open: little, since what is found out later
+/// can make the share grow but never fall.
 constexpr double kExploredShare = 0.02;
 /// Rays that the work on a tile costs besides those of its samples, per sample: tiles that see
 /// nothing take little time, but some.

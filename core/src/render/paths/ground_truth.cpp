@@ -19,7 +19,7 @@
 namespace plenoflame {
 namespace {
 
-/// What one ray meets; distances along the ray.
+/// The truth of one ray; distances along the ray.
 struct MediumTruth {
   double optical_depth = 0;
   double radiance = 0, moment = 0;  ///< of the first channel; moment: weighted by t
@@ -33,7 +33,7 @@ struct MediumTruth {
 constexpr double kDeepest = 0.1;
 constexpr double kMostSteps = 1000;
 
-/// What the medium's wavelengths are to the first channel, one each.
+/// The parts of the medium's wavelengths in the first channel, one each.
 struct FirstChannel {
   std::vector<double> weights;  ///< with which it counts their light
   std::vector<double> shares;   ///< of its light from a body at 1700 K, together 1
@@ -41,7 +41,7 @@ struct FirstChannel {
 
 constexpr std::size_t kPoints = 4;  ///< of Gauss' rule
 
-/// What a ray needs, kept from one to the next.
+/// The arrays that a ray needs, kept from one to the next.
 struct Work {
   std::vector<double> limits, depth;
   /// Emission [W/(m^3 sr)] and absorption [1/m] at the points of a step, of every wavelength.
@@ -68,7 +68,7 @@ struct Deepest {
   double absorption = 0, emission = 0;
 };
 
-/// What a medium of any kind is at places of a ray, as CellSampling gives it.
+/// Coefficients of a medium of any kind at places of a ray, as CellSampling gives them.
 void coefficients_at(const Medium& medium, const Ray& ray, const double* t, std::size_t nodes,
                      Work& work) {
   work.all.resize(static_cast<std::size_t>(medium.channel_count()));
@@ -210,7 +210,7 @@ class ChiefRays {
   bool looked_ = false, sees_ = true;
 };
 
-/// What the middle ray of a pixel meets; distances from the front vertex along the optical axis
+/// The truth of a pixel's middle ray; distances from the front vertex along the optical axis
 /// [m].
 struct PixelTruth {
   int surface = -1;  ///< number; -1: none
@@ -220,7 +220,8 @@ struct PixelTruth {
   double light = 0, moment = 0, heat = 0;  ///< radiance, and weighted by distance, temperature
 };
 
-/// Of a ray that windows bend: stretch by stretch, each at its true place behind the windows.
+/// The truth of a ray that windows bend: stretch by stretch, each at its true place behind the
+/// windows.
 PixelTruth through_windows(const CompiledScene& scene, const Ray& world, const CameraFront& front,
                            const FirstChannel& channel, Work& work) {
   PixelTruth truth;

@@ -93,9 +93,9 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
   ray.pupil_part = path.pupil_part;
   ray.weight *= path.passed;
   Vertices vertices(ray, paths);
-  // Where a ray was that missed a surface is nowhere.
+  // A ray that missed a surface has no place there.
   const std::size_t points = path.points.size() - (path.status.status == RayStatus::missed ? 1 : 0);
-  // What goes between the microlenses skips their faces, but for the one where it may end.
+  // A ray between the microlenses skips their faces, but for the one where it may end.
   std::size_t skipped = 0;
   if (!lens && camera_.has_array())
     skipped = (camera_.ideal_array() ? 1u : 2u) -

@@ -50,7 +50,7 @@ class PathTracer {
 /// optical thickness. `to` may be infinite.
 std::vector<double> carried_by(const Medium& medium, const Ray& ray, double from, double to);
 
-/// What a way through windows carries, seen from its begin.
+/// The light that a way through windows carries, seen from its begin.
 struct CarriedLight {
   std::vector<double> radiance;             ///< of the medium, of each node
   std::vector<std::vector<double>> passed;  ///< transmittance of the medium up to a stretch

@@ -115,7 +115,7 @@ void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>
   carried.resize(scene.scene.channels.size() + 1);
 }
 
-/// What surfaces and surroundings send along single rays behind the flames, and what these scatter.
+/// Light of surfaces and surroundings along single rays behind the flames, and what these scatter.
 class LightBehind {
  public:
   explicit LightBehind(const CompiledScene& scene)
@@ -191,7 +191,7 @@ class LightBehind {
   }
 
  private:
-  /// What a surface sends back along the ray that ends there.
+  /// Adds the light that a surface sends back along the ray that ends there.
   void send_back(const SurfaceHit& hit, std::size_t number,
                  std::vector<std::vector<double>>& radiance) {
     SurfacePath path;

@@ -228,7 +228,7 @@ class BlockWriter : public RayConsumer<Real> {
     }
   }
 
-  /// Of the chosen rays stretch k; one that ended in the camera is some line in front of it.
+  /// Fills stretch k of the chosen rays; one that ended in the camera is some line in front of it.
   void set_stretches(const TracedRays<Real>& rays, const WindowWays& ways, std::size_t k) {
     StretchArrays& to = *stretches_;
     const std::size_t size = to.rays.size();
@@ -262,7 +262,7 @@ class BlockWriter : public RayConsumer<Real> {
       if (!integrator_ || way.count <= k) continue;
       const WindowIntegrator<Real>& windows = *integrator_->windows();
       to.transmittance[j] = static_cast<Real>(windows.transmittance(way.first + k));
-      // What the glass keeps is in the etendue.
+      // The light that the glass keeps is in the etendue.
       for (std::size_t n = 0; stretch.throughput > 0 && n * padded < to.shares.size(); ++n)
         to.shares[n * padded + j] = windows.shares()[n * ways.segments.size() + way.first + k] /
                                     static_cast<Real>(stretch.throughput);
@@ -302,7 +302,7 @@ class BlockWriter : public RayConsumer<Real> {
     block_.transmittance = to.transmittance;
   }
 
-  /// Of a block of stretches.
+  /// The arrays of a block of stretches.
   struct StretchArrays {
     AlignedColumns<Real> columns{10};
     std::vector<int> rays;  ///< whose stretches they are

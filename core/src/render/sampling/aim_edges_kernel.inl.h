@@ -1,5 +1,5 @@
-// Where the rays that a pixel aims begin to be stopped: part of the backward estimator's vector
-// kernels, compiled once per instruction set.
+// The edges at which the rays that a pixel aims begin to be stopped: part of the backward
+// estimator's vector kernels, compiled once per instruction set.
 #pragma once
 #include "math/kernel_math.h"
 #include "render/sampling/backward_kernel.h"
@@ -12,7 +12,7 @@ namespace {
 /// rim; of the second to the stop's edge, as a part of the first.
 constexpr float kStopStep = 0.6F, kFarStep = 0.15F, kSecondStep = 0.5F;
 
-/// Where a ray from s to u crosses: at of_s * s + of_u * u.
+/// The place where a ray from s to u crosses: of_s * s + of_u * u.
 template <class Real>
 PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux, Real uy,
                              Real& of_s, Real& of_u) {
@@ -46,7 +46,7 @@ struct EdgePoint {
   Real x, y, change_x, change_y;
 };
 
-/// Where a ray from s to u crosses a surface, and how that changes with u along v.
+/// The place where a ray from s to u crosses a surface, and how that changes with u along v.
 template <class Real>
 PLENOFLAME_INLINE EdgePoint<Real> edge_point(const KernelCrossing<Real>& crossing, Real sx, Real sy,
                                              Real ux, Real uy, Real vx, Real vy) {
@@ -185,7 +185,7 @@ PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int coun
                   da * b * (edge.m1 + Real(2) * edge.m2 * a));
     const Real beyond = along * along + across * across - edge.radius2;
     const Real by = step_to_rim(beyond, curvature, slope);
-    // Where the line does not lead outwards, or the edge is not ahead, none is in sight; and
+    // No edge is in sight where the line does not lead outwards, or the edge is not ahead; and
     // where the bounds lie well outside of the edge there may be another one between.
     const bool in_sight = (slope > Real(0)) & (by > Real(0)) & (by < Real(kStopStep) * bound);
     steps[i] = in_sight ? by : Real(0);
@@ -199,10 +199,10 @@ PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int coun
     const Real beyond = beyond_stop(edge, sx, sy, ux, uy);
     const Real part = beyond / (Real(2) * (beyond_line[i] - beyond));
     const Real second = magnitude(part) * step;
-    // What the next step would be, as the edge bends: by the two that were made, or as a
+    // The next step would be this, as the edge bends: by the two that were made, or as a
     // circle; and by as much as the parabola may miss the slope.
     const Real left = second * (greatest(second, Real(2) * part * part) + Real(0.5) * step * step);
-    // Where the second step is no small one, there was no edge.
+    // There was no edge if the second step is no small one.
     const bool trusted = (step > Real(0)) & (magnitude(part) <= Real(kSecondStep));
     bounds[i] = bound - (trusted ? greatest(step + step * part - left, Real(0)) : Real(0));
   }

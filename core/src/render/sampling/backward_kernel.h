@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// Where rays cross a surface behind the microlens (camera/stop_landing.h, RayCrossing).
+/// The crossing of rays with a surface behind the microlens (camera/stop_landing.h, RayCrossing).
 template <class Real>
 struct KernelCrossing {
   Real of_sensor[10], of_aim[10];
@@ -24,8 +24,9 @@ struct KernelFrame {
       origin_shift;  ///< aim points count from (origin_x, origin_y) + origin_shift * s
   /// The discs of the microlens' own apertures (ApertureDiscs), from the origin.
   Real near_radius, near_shift, far_radius, far_growth, far_shift, far_bend;
-  /// Where rays cross the microlens' far face and the stop, if that is known: sensor and aim points
-  /// times per_unit. The stop's axes (StopMap) are along `field`, away from the optical axis.
+  /// Crossings of rays with the microlens' far face and the stop, if they are known: sensor and aim
+  /// points times per_unit. The stop's axes (StopMap) are along `field`, away from the optical
+  /// axis.
   bool finds_far, finds_stop;
   Real per_unit, far_reach, stop_reach, field_x, field_y;
   KernelCrossing<Real> at_far, at_pupil;
@@ -34,8 +35,9 @@ struct KernelFrame {
   int side_pairs;
   Real side_x[kMostSidePairs], side_y[kMostSidePairs];
   Real near_half[kMostSidePairs], far_half[kMostSidePairs];
-  /// Where every lens of a type is alike: half the distance of the sides on the faces themselves,
-  /// the near face's curvature (as KernelSurface), and one over the far aperture's radius.
+  /// Sides of lenses, if every lens of a type is alike: half the distance of the sides on the faces
+  /// themselves, the near face's curvature (as KernelSurface), and one over the far aperture's
+  /// radius.
   bool finds_sides;
   Real face_half[kMostSidePairs], near_curvature, per_far_radius;
 };

@@ -7,7 +7,7 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// Of the sides' distance: so much beyond them bounds stay, for rounding.
+/// The share of the sides' distance by which bounds stay beyond them, for rounding.
 constexpr float kSideRoom = 2e-5F;
 
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
@@ -58,7 +58,7 @@ typedef float Lanes __attribute__((vector_size(32)));
 typedef int LaneNumbers __attribute__((vector_size(32)));
 #endif
 constexpr int kLanes = sizeof(Lanes) / sizeof(float);
-// Of arrays of floats, aligned or not.
+// Vectors in arrays of floats, aligned or not.
 typedef Lanes LooseLanes __attribute__((aligned(4), may_alias));
 typedef LaneNumbers LooseLaneNumbers __attribute__((aligned(4), may_alias));
 

@@ -1,5 +1,6 @@
-// Of a TileTracer: pairs of a pixel and a microlens, whose rays are queued. Between two of them
-// there is little to do and much to keep, which is why all of it is one function for the compiler.
+// A part of TileTracer: pairs of a pixel and a microlens, whose rays are queued. Between two of
+// them there is little to do and much to keep, which is why all of it is one function for the
+// compiler.
 #include <algorithm>
 
 #include "render/sampling/backward_tile.h"

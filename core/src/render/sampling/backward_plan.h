@@ -53,8 +53,8 @@ struct BackwardPlan {
   CameraKernels<Real> optics;
   KernelCamera<Real> camera;
   std::vector<KernelMicrolens<Real>> microlenses;
-  /// Of `microlenses`, for rays that pass between them (clear arrays; -1: opaque); their aim plane
-  /// in front of the array [m].
+  /// The entry of `microlenses` for rays that pass between them (clear arrays; -1: opaque); their
+  /// aim plane in front of the array [m].
   int between_type = -1;
   Real between_z = 0;
   Vec3 anchor;                        ///< [m] world
@@ -72,10 +72,10 @@ struct BackwardPlan {
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
 };
 
-/// What a BackwardPass goes by in a precision. @param medium the scene's, or what stands in
-/// for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing scatters.
-/// Plan and tracers keep pointers to all of them @param pools of another plan of the same settings
-/// and range; nullptr: they are made
+/// The plan by which a BackwardPass goes in a precision. @param medium the scene's, or what stands
+/// in for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing
+/// scatters. Plan and tracers keep pointers to all of them @param pools of another plan of the same
+/// settings and range; nullptr: they are made
 template <class Real>
 BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
                                   const RenderSettings& settings, const PointRange& range,

@@ -1,4 +1,4 @@
-// Of a TileTracer: the pixels behind a microlens, row by row.
+// A part of TileTracer: the pixels behind a microlens, row by row.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace plenoflame {
 
 namespace {
 
-/// Of the rows behind a microlens: all but which pixels they are.
+/// The survey of the rows behind a microlens: all but which pixels they are.
 KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLevels::Rings& worth,
                      double lens_x, Vec2 field) {
   const SensorSpec& sensor = camera.spec().sensor;

@@ -14,7 +14,7 @@ namespace plenoflame {
 /// Random bits of pixel, microlens and seed.
 using PairRandom = std::array<std::uint64_t, kRowWords>;
 
-/// What is found of rows of pixels (KernelRowPixels).
+/// The findings about rows of pixels (KernelRowPixels).
 struct PixelRows {
   template <class Number>
   using Array = std::array<Number, kRowsPixels + kRowLanes>;
@@ -56,11 +56,11 @@ class TileTracer {
   const bool shows_drawn_, keeps_groups_;
   PixelWindow tile_;  ///< that is being rendered
   KernelFrame<Real> frame_{};
-  /// Of the frame: what is queued refers to their cuts.
+  /// The frame's cuts, to which queued rays refer.
   PupilNode node_;
   CutColumn whole_{};
   PixelRows rows_;
-  /// Of the microlens, where its pixels are looked at one by one.
+  /// The microlens' beam, if its pixels are looked at one by one.
   std::optional<PixelBeam> beam_;
   KernelBeam kernel_beam_{};
   LensIndex lens_;                    ///< of the frame; (0, 0): none

@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// What the kernels know of a microlens that stands at `place`, in the direction `field` from the
+/// The kernels' data of a microlens that stands at `place`, in the direction `field` from the
 /// optical axis. @param node the table's there @param ideal_array the microlens has one aperture
 template <class Real>
 KernelFrame<Real> microlens_frame(const PupilTable& table, const PupilNode& node, Vec2 place,

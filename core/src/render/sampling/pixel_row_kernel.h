@@ -1,4 +1,4 @@
-// What is asked of rows of pixels behind a microlens before rays are drawn, for every instruction
+// Questions about rows of pixels behind a microlens before rays are drawn, for every instruction
 // set.
 #pragma once
 #include <cstdint>
@@ -10,9 +10,9 @@ namespace plenoflame {
 inline constexpr int kRowsPixels = 256;  ///< looked at together, at most
 inline constexpr int kRowLanes = 8;      ///< of them in a vector
 inline constexpr int kWorthRings = 6;
-/// Of random bits, for each pixel: one of pixel and microlens, and those of its successors, from
-/// one to four more. Whatever else is made of the first one adds a number of its own, far from
-/// these.
+/// Counters of random bits, for each pixel: one of pixel and microlens, and those of its
+/// successors, from one to four more. Whatever else is made of the first one adds a number of its
+/// own, far from these.
 inline constexpr int kRowWords = 5;
 
 /// Rows of pixels; all lengths from the microlens' centre [m]. A pixel's own is at
@@ -21,7 +21,8 @@ struct KernelRows {
   int rows, count;  ///< so many columns; rows * count is at most kRowsPixels
   double half_columns, pitch, pitch_y, lens_x;
   const double* y;  ///< of the middle of each row
-  /// Of each sector: no light comes from farther away than this from the micro-image's centre.
+  /// The end of each sector: no light comes from farther away than this from the micro-image's
+  /// centre.
   double closes[kCutAzimuths + 1];
   double centre_x, centre_y;  ///< of the micro-image
   double field_x, field_y;    ///< unit vector away from the optical axis
@@ -35,23 +36,23 @@ struct KernelRows {
 
 inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre
 inline constexpr int kRasterSide = 128;
-/// Of the raster's extent: rays are moved to world axes.
+/// The share of the raster's extent that rounding may take: rays are moved to world axes.
 inline constexpr double kBeamRounding = 1e-9;
 
-/// What pixels behind a microlens see of the region that is lit (PixelBeam, OccupiedRegion): the
-/// middle between the region's two planes, and the way from one to the other, are affine in the
-/// pixel's place, a[0] + a[1] x + a[2] y [m].
+/// The view that pixels behind a microlens have of the region that is lit (PixelBeam,
+/// OccupiedRegion): the middle between the region's two planes, and the way from one to the other,
+/// are affine in the pixel's place, a[0] + a[1] x + a[2] y [m].
 struct KernelBeam {
   double middle_x[3], middle_y[3], axis_x[3], axis_y[3];
   double bins_per_metre;
-  /// Of each bin: the radii of the beams' discs at most and at least [m].
+  /// Radii of the beams' discs in each bin, at most and at least [m].
   const double *radius, *inner;
   double lower_x, lower_y, upper_x, upper_y, scale_x, scale_y;  ///< of the raster
   const double* to_lit;  ///< at least as far is the nearest lit place from each one [m]
   double lit_room;       ///< and at most so much farther [m]
 };
 
-/// Whether the footprint of a pixel meets anything.
+/// Tells whether the footprint of a pixel meets anything.
 enum PixelVisibility {
   kSeesNone,
   kSeesSomething,

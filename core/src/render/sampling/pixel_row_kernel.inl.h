@@ -47,7 +47,7 @@ void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   int* __restrict sector = pixels.sector;
   const double* closes = rows.closes;
   alignas(64) double from_centre2[kRowsPixels], sector_found[kRowsPixels], level_found[kRowsPixels];
-  // Where each row's last vector goes beyond it the next row begins.
+  // The next row begins where each row's last vector goes beyond it.
   for (int row = 0; row < r.rows; ++row) {
     const double y = r.y[row];
     const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);

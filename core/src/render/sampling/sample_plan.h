@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// What is known of a tile when further samples are handed out.
+/// The need of a tile when further samples are handed out.
 struct TileNeed {
   double lit = 0;      ///< pixels that count for the error
   double samples = 0;  ///< per replicate, so far

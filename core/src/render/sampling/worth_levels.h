@@ -19,7 +19,7 @@ class WorthLevels {
   static constexpr double kWorthOfFew = 0.35;
   /// As set_up_rows() finds it (render/pixel_row_kernel.h).
   static int of(double worth);
-  /// What is worth no more has a level above k.
+  /// The limit of level k: places that are worth no more have a level above k.
   static double limit(std::size_t k);
 
   /// Levels over the distance from the centre of the micro-image of a microlens.

@@ -19,7 +19,7 @@ struct RayGroup {
   std::uint64_t key = 0;     ///< of pixel, microlens and seed
 };
 
-/// What surfaces add to the backward estimator; the same for all tiles.
+/// The plan of surfaces in the backward estimator; the same for all tiles.
 struct BackwardSurfacePlan {
   /// @param anchor world point that the rays' positions are relative to
   /// @param light kept, must live as long
@@ -50,7 +50,7 @@ class SurfaceBlock {
   double radiance(int i, std::size_t channel) const {
     return radiance_[channel][static_cast<std::size_t>(i)];
   }
-  /// Where each ray ends, in the block's own measure [m]; aligned to 64 bytes.
+  /// The distance at which each ray ends, in the block's own measure [m]; aligned to 64 bytes.
   const Real* t_far() const { return t_far_; }
   /// [m] where ray i ends.
   double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }

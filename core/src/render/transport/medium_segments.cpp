@@ -18,7 +18,7 @@ BasicMediumSegments<Real>::BasicMediumSegments(const Medium* medium, const Mediu
   passes_ = medium->is_grey() ? 1 : channels_;
 }
 
-/// Whether a stretch touches the medium's bounds.
+/// Tells whether a stretch touches the medium's bounds.
 template <class Real>
 bool BasicMediumSegments<Real>::meets(const Ray& ray, double t_far) const {
   return !clip_to_box(bounds_, ray, 0, t_far).empty();

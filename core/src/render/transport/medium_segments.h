@@ -23,12 +23,12 @@ class BasicMediumSegments {
   /// Integrates what was added. @param with_radiance otherwise only the transmittance is kept
   void integrate(bool with_radiance, MediumCounters& counters);
 
-  /// Of the first channel, or of all of them when the medium is grey.
+  /// Transmittance in the first channel, or in all of them when the medium is grey.
   double transmittance(std::size_t segment) const { return transmittance_[segment * passes_]; }
   double transmittance(std::size_t segment, std::size_t channel) const {
     return transmittance_[segment * passes_ + (passes_ > 1 ? channel : 0)];
   }
-  /// Whether it is the same in all channels.
+  /// Tells whether it is the same in all channels.
   bool is_grey() const { return passes_ == 1; }
   /// [W/(m^2 sr)] that arrives at t = 0.
   double radiance(std::size_t segment, int channel) const {

@@ -14,7 +14,7 @@ namespace plenoflame {
 namespace {
 
 constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
-/// Of so many points one corrects the table, where it is smooth and where it is fair.
+/// One point of so many corrects the table, where it is smooth and where it is fair.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
 
 /// Columns of transmittance: what is behind a medium needs that of every node.
@@ -101,7 +101,7 @@ void RadianceIntegrator<Real>::mix_nodes(const TracedRays<Real>& rays) {
     filter(rays);
 }
 
-/// What the filters over parts of the stop leave of it, by where each ray crossed that.
+/// Weakens the light by the filters over parts of the stop, by where each ray crossed that.
 template <class Real>
 void RadianceIntegrator<Real>::filter(const TracedRays<Real>& rays) {
   const PupilFilters& filters = plan_.scene->camera.pupil_filters();
@@ -113,7 +113,7 @@ void RadianceIntegrator<Real>::filter(const TracedRays<Real>& rays) {
                       rays.padded);
 }
 
-/// What the medium scatters into the rays, one walk for each.
+/// Adds the light that the medium scatters into the rays, one walk for each.
 template <class Real>
 void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
   std::vector<ScatterWalk::Start> starts;
@@ -157,7 +157,7 @@ void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
           static_cast<Real>(scattered[c][i]);
 }
 
-/// Of each replicate's points in a pixel the first few, well spread by themselves, correct the
+/// The first few of each replicate's points in a pixel, well spread by themselves, correct the
 /// table. @return false when there is none, or too few points for it
 template <class Real>
 bool RadianceIntegrator<Real>::integrate_by_table([[maybe_unused]] const TracedRays<Real>& rays) {

@@ -22,12 +22,12 @@ class RadianceIntegrator {
   void integrate(const TracedRays<Real>& rays);
   /// [W/(m^2 sr)] of the block integrated last, channel c of ray i at [c * kPaddedBlock + i].
   const Real* radiance() const { return radiance_; }
-  /// Of the flames in the first channel, by ray; no such thing where a table stands in for them.
+  /// The flames' transmittance in the first channel, by ray; none where a table stands in for them.
   const Real* transmittance() const { return transmittance_; }
-  /// Where each ray ends at a solid surface, in the block's own measure [m]; nullptr without any.
-  /// Not of rays through windows.
+  /// The distance at which each ray ends at a solid surface, in the block's own measure [m];
+  /// nullptr without any. Not of rays through windows.
   const Real* ends() const { return surfaces_ ? surfaces_->t_far() : nullptr; }
-  /// Of scenes with windows, else nullptr.
+  /// The integrator of scenes with windows, else nullptr.
   const WindowIntegrator<Real>* windows() const { return windows_.get(); }
   /// Medium, table and the seconds of medium and surfaces.
   const WorkCounters& counters() const { return counters_; }

@@ -21,7 +21,7 @@ struct KernelRadianceTable {
   float smooth, fair;
 };
 
-/// Where rays fall; structure of arrays.
+/// Places of rays in the table; structure of arrays.
 struct KernelTablePlaces {
   int* block;            ///< -1: outside of the table
   int* corner;           ///< lowest corner within its block

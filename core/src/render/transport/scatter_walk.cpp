@@ -137,7 +137,7 @@ bool ScatterWalk::reflect(Walk& walk, const SurfaceHit& hit) const {
   return true;
 }
 
-/// Whether flames light the place of a walk, or what it is seen through.
+/// Tells whether flames light the place of a walk, or what it is seen through.
 bool ScatterWalk::sees_flame(const Walk& walk) const {
   return walk.reflections == 0 || scene_.scene.render.flame_light;
 }
@@ -270,7 +270,7 @@ void ScatterWalk::add_emitters(std::vector<Walk>& walks, Radiance& radiance,
     const bool front = leaving > 0;
     const double* emission = surfaces.emission(surface, front);
     if (!emission) continue;
-    // What the ray meets first must be this side of this part: no distance has to be compared.
+    // The first surface on the ray must be this side of this part: no distance has to be compared.
     SurfaceHit hit;
     rays_ += 1;
     if (!surfaces.intersect(ray, 0, kInfinity, walk.from, hit)) continue;

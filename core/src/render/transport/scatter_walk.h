@@ -16,7 +16,7 @@ namespace plenoflame {
 /// Sequences of scattered light are apart from what the rays use.
 inline constexpr std::uint64_t kScatterSeed = 0x73636174u;
 
-/// What all walks of a scene share; immutable.
+/// Data that all walks of a scene share; immutable.
 struct ScatterPlan {
   /// @param light on the scene's surfaces, kept; nullptr: there are none
   /// @throws InputError when the medium does not know its largest absorption
@@ -49,7 +49,7 @@ std::unique_ptr<const ScatterPlan> make_scatter_plan(const CompiledScene& scene,
 /// heuristic (Veach and Guibas, SIGGRAPH 95). All emission along a line counts, integrated by the
 /// medium without random numbers. Unbiased; walks end by Russian roulette, or at the last
 /// reflection on a surface that the scene allows.
-/// Where extinction depends on the wavelength each walk is driven by one node, drawn evenly, and
+/// If extinction depends on the wavelength, each walk is driven by one node, drawn evenly, and
 /// counts at all of them with the mean of the densities that all nodes would have drawn it with
 /// (Wilkie et al., Hero Wavelength Spectral Sampling, EGSR 2014): weights stay below the number of
 /// nodes however different these are. One per worker.
@@ -104,7 +104,7 @@ class ScatterWalk {
     /// @param light what of the light is kept, per node
     void weigh(const double* light, const double* drawn);
   };
-  /// What happens to light at a place, per node.
+  /// The fate of light at a place, per node.
   struct Place {
     const Scatterer* scatterer = nullptr;  ///< nullptr: the walk ends
     double *scattering, *extinction;       ///< [1/m] of the scatterer; of everything

@@ -6,7 +6,7 @@
 namespace plenoflame {
 namespace {
 
-/// What a scene without flames is filled with.
+/// The medium of a scene without flames.
 class EmptyMedium : public Medium {
  public:
   EmptyMedium(int channels, const Box& box) : channels_(channels), box_(box) {}

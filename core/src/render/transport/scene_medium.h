@@ -18,7 +18,7 @@ class SceneMedium {
   const Medium& medium_;
 };
 
-/// Whether any ray can carry light.
+/// Tells whether any ray can carry light.
 bool has_content(const CompiledScene& scene);
 
 }  // namespace plenoflame

@@ -136,7 +136,7 @@ void SurfaceLight::add_emitters(const std::vector<SurfacePath>& paths,
     if (!(cosine > 0) || leaving == 0) continue;
     const bool front = leaving > 0;
     if (!surfaces.emission(surface, front)) continue;
-    // What the ray meets first must be this side of this part: no distance has to be compared.
+    // The first surface on the ray must be this side of this part: no distance has to be compared.
     SurfaceHit hit;
     rays_ += 1;
     if (!surfaces.intersect(ray, 0, kInfinity, path.hit.where, hit)) continue;

@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// Where a ray from the camera ends, and with what share its light counts.
+/// The end of a ray from the camera, and the share with which its light counts.
 struct SurfacePath {
   int ray = 0;  ///< number of the camera's ray
   SurfaceHit hit;
@@ -46,11 +46,11 @@ struct SurfaceLightPlan {
   std::vector<double> area_density;  ///< [1/m^2] of drawn points, by surface; 0: none are drawn
   /// Draws the flames' light; nullptr: they do not light surfaces.
   std::unique_ptr<EmissionProposal> flame;
-  /// What leaves a surface is followed on even after the last reflection: it may come from an
+  /// Light that leaves a surface is followed on even after the last reflection: it may come from an
   /// emitter or from the surroundings.
   bool follow_last = false;
   bool scatters = false;  ///< some of the light is scattered on its way: see ScatterWalk
-  /// Whether the light of a path needs random numbers.
+  /// Tells whether the light of a path needs random numbers.
   bool random() const { return flame || follow_last || scatters || reflections > 1; }
   /// The density of a direction in which an emitting surface lies [1/sr].
   double emitter_density(int surface, double distance, double cosine) const {

@@ -86,7 +86,7 @@ void WindowIntegrator<Real>::integrate(const TracedRays<Real>& rays, Real* radia
   }
 }
 
-/// What the medium scatters into each stretch, one walk for each.
+/// Adds the light that the medium scatters into each stretch, one walk for each.
 template <class Real>
 void WindowIntegrator<Real>::add_scattered(const TracedRays<Real>& rays, MediumCounters& counters) {
   scattered_.assign(nodes_, std::vector<double>(ways_.segments.size()));

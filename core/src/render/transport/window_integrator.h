@@ -34,12 +34,12 @@ class WindowIntegrator {
   void integrate(const TracedRays<Real>& rays, Real* radiance, int stride, Real* transmittance,
                  MediumCounters& counters);
 
-  /// Of the block integrated last.
+  /// The ways of the block integrated last.
   const WindowWays& ways() const { return ways_; }
   /// [W/(m^2 sr)] that a stretch adds to its ray at the camera, of node n at [n * stretches + s];
   /// the last one of a ray has the light from its end, too.
   const std::vector<Real>& shares() const { return shares_; }
-  /// Of the flames along a stretch, in the first channel.
+  /// The flames' transmittance along a stretch, in the first channel.
   double transmittance(std::size_t stretch) const { return segments_.transmittance(stretch); }
   double seconds_surfaces() const { return seconds_surfaces_; }
 

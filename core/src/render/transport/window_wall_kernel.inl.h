@@ -162,7 +162,7 @@ PLENOFLAME_INLINE void leave(const KernelWall<Real>& w, int first, int count,
   }
 }
 
-/// What absorption and Fresnel's reflections at both faces leave (wall_transmission()).
+/// Weakens light by absorption and by Fresnel's reflections at both faces (wall_transmission()).
 template <class Real>
 PLENOFLAME_INLINE void weaken(const KernelWall<Real>& w, int first, int count,
                               const KernelWays<Real>& ways, const Between<Real>& b) {

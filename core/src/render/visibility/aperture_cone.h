@@ -10,7 +10,7 @@ class ApertureCone {
  public:
   explicit ApertureCone(const Camera& camera);
 
-  /// Whether a point lies on the scene's side of the camera.
+  /// Tells whether a point lies on the scene's side of the camera.
   bool in_front(Vec3 point) const { return point.z > front_; }
 
   /// [m] along a direction with z < 0, from a point in front, to the plane where the camera begins.
@@ -20,7 +20,7 @@ class ApertureCone {
 
   /// z in front of which the scene begins [m].
   double front() const { return front_; }
-  /// Of the sphere [m]; radius 0: directions have no such centre.
+  /// Centre and radius of the sphere [m]; radius 0: directions have no such centre.
   Vec3 centre() const { return centre_; }
   double radius() const { return telecentric_ > 0 ? 0 : radius_; }
 

@@ -88,7 +88,7 @@ void BeamBounds::survey(const Camera& camera) {
                     (0.5 + kBoundMargin) * length(cell)));
 }
 
-/// Whether nothing is seen from any place within `room` of the middle.
+/// Tells whether nothing is seen from any place within `room` of the middle.
 bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) const {
   const double h = length(middle);
   const double last = static_cast<double>(field.nodes.size() - 1);

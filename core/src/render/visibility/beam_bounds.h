@@ -7,16 +7,16 @@
 
 namespace plenoflame {
 
-/// What a beam sees.
+/// The share of a beam that sees anything.
 enum class Visibility {
   none,  ///< certainly
   partial,
   full,  ///< there may be something in all of it: parts of it need no look
 };
 
-/// Whether the light that a microlens (or, without array, a pixel) can receive meets anything.
-/// Conservative: the beam is bounded by discs around rays traced at its edge and within it, with a
-/// margin.
+/// Tells whether the light that a microlens (or, without array, a pixel) can receive meets
+/// anything. Conservative: the beam is bounded by discs around rays traced at its edge and within
+/// it, with a margin.
 ///
 /// A beam is what goes through a microlens' aperture and the main lens: its focal length does not
 /// matter. In a camera that is not aligned it is looked at in the frame of the main lens, from the

@@ -34,7 +34,7 @@ EndlessPlanes::EndlessPlanes(const CompiledScene& scene, Vec3 centre, double rad
   const double image = scene.camera.rear_vertex() - scene.camera.sensor() -
                        scene.camera.lens_first_order().rear_principal;
   cones_[0] = {camera, versine_of(1.5 * corner / image)};
-  // What leaves the whole front under the angles of the field comes from a point behind it.
+  // Rays that leave the whole front under the angles of the field come from a point behind it.
   const double tangent = std::sqrt(field_versine * (2 - field_versine)) / (1 - field_versine);
   cones_[1] = {camera - (front_radius(scene.scene.camera.lens) / tangent) * axis_, field_versine};
   for (std::size_t i = 0; i < scene.scene.surfaces.size(); ++i) {
@@ -113,7 +113,7 @@ double EndlessPlanes::density(std::size_t index, Vec3 point) const {
          cone_density(plane, point);
 }
 
-/// Where the logarithmic disc of a plane ends for light from a point [squared radius over height].
+/// The end of a plane's logarithmic disc for light from a point [squared radius over height].
 double EndlessPlanes::disc_reach(const Plane& plane, Vec3 from) const {
   const double reach = 2 * (length(from - plane.lookout) / plane.height + 1);
   return reach * reach;

@@ -48,7 +48,7 @@ class EndlessPlanes {
   Leaving leave(std::size_t plane, Vec3 point, Vec3 normal, double way, double choice, double u,
                 double v) const;
 
-  /// Where a line crosses a plane. @return false when it is parallel to it
+  /// Finds where a line crosses a plane. @return false when it is parallel to it
   bool crossing(std::size_t plane, const Ray& line, double& t) const;
   /// A number below all t at which the line crosses a plane, and at most `t`.
   double before(const Ray& line, double t) const;
@@ -70,8 +70,8 @@ class EndlessPlanes {
   /// Points for light that comes from a point of another plane.
   Place draw_from(std::size_t index, Vec3 from, double choice, double u, double v) const;
   double density_from(std::size_t index, Vec3 from, Vec3 point) const;
-  /// Of a sphere seen from a point: 1 - cos of its half angle; 0 from inside, or where there is
-  /// none.
+  /// The versine of a sphere seen from a point: 1 - cos of its half angle; 0 from inside, or where
+  /// there is none.
   double versine_of_objects(Vec3 point) const;
 
   std::vector<Plane> planes_;

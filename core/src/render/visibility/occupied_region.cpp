@@ -51,7 +51,7 @@ std::vector<double> distances(const std::vector<bool>& marked, int side, Vec2 si
   for (std::size_t row = 0; row < n; ++row) {
     const double* f = squares.data() + row * n;
     std::size_t count = 0;
-    // Where the parabola of a column comes below that of another one before it.
+    // The place where the parabola of a column comes below that of another one before it.
     const auto crossing = [&](std::size_t before, std::size_t column) {
       const double a = static_cast<double>(before) * size.x,
                    b = static_cast<double>(column) * size.x;
@@ -149,7 +149,7 @@ std::size_t OccupiedRegion::place_of(Vec2 p) const {
   return place((p.y - lower_.y) * scale_.y) * kSide + place((p.x - lower_.x) * scale_.x);
 }
 
-/// Whether nothing is within a disc.
+/// Tells whether nothing is within a disc.
 bool OccupiedRegion::is_beyond(Vec2 centre, double radius) const {
   // Seen from outside all that is lit lies behind the nearest point of the raster's border.
   const Vec2 nearest{std::clamp(centre.x, lower_.x, upper_.x),

@@ -14,8 +14,9 @@ namespace plenoflame {
 /// everywhere.
 std::optional<std::vector<Box>> occupied_boxes(const CompiledScene& scene);
 
-/// What can be seen of a scene, looked at along the optical axis: two planes across the axis that
-/// bracket it, and a raster of the places between them where there is anything.
+/// The region of a scene where anything can be seen, looked at along the optical axis: two planes
+/// across the axis that bracket it, and a raster of the places between them where there is
+/// anything.
 class OccupiedRegion {
  public:
   OccupiedRegion(const Camera& camera, const std::vector<Box>& world);
@@ -26,20 +27,20 @@ class OccupiedRegion {
   double near_plane() const { return planes_[0]; }
   double far_plane() const { return planes_[1]; }
 
-  /// Whether there may be anything in a beam that lies within a disc on each of the two planes, and
-  /// between the planes in their hull.
+  /// Tells whether there may be anything in a beam that lies within a disc on each of the two
+  /// planes, and between the planes in their hull.
   /// @param centre camera x, y [m]; @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
   /// Copies the raster's place and refers to it.
   void describe(KernelBeam& beam) const;
 
-  /// Whether there is something, or nearly so, where a line along the axis passes: what goes
+  /// Tells whether there is something, or nearly so, where a line along the axis passes: what goes
   /// through there needs no closer look.
   /// @param p camera x, y [m]
   bool holds(Vec2 p) const;
 
-  /// Whether there is something wherever a ray of that beam crosses one of the planes: nothing in
-  /// it is worth a closer look. May say no where the answer is yes.
+  /// Tells whether there is something wherever a ray of that beam crosses one of the planes:
+  /// nothing in it is worth a closer look. May say no where the answer is yes.
   bool is_filled(const Vec2 centre[2], double radius) const;
 
  private:
@@ -50,8 +51,8 @@ class OccupiedRegion {
   double planes_[2] = {0, 0};
   Vec2 lower_, upper_;  ///< of the raster, camera x, y [m]
   Vec2 scale_;          ///< places per metre
-  /// Of kSide^2 places: how far, at least, any point of each is from the nearest lit one, and from
-  /// the nearest dark one [m].
+  /// Distances of kSide^2 places: how far, at least, any point of each is from the nearest lit one,
+  /// and from the nearest dark one [m].
   std::vector<double> to_lit_, to_dark_;
 };
 

@@ -10,20 +10,21 @@
 namespace plenoflame {
 namespace {
 
-// What lies between the traced rays may reach a little farther: between their directions (a
+// Light between the traced rays may reach a little farther: between their directions (a
 // polygon of 16 corners lacks 2 % of its circle), and between the shares of the way to the edge of
 // the opening that they are aimed at.
 constexpr double kMargin = 0.08;
 constexpr int kDirections = 16;
 constexpr double kShares[] = {0.5, 0.85, 0.95, 0.985, 1};
 constexpr int kAzimuths = 5;  ///< of sensor points, over half a turn
-/// Of the micro-image's radius: in its very middle cuts hold for all azimuths, which says little.
+/// Shares of the micro-image's radius: in its very middle cuts hold for all azimuths, which says
+/// little.
 constexpr double kFirstRing = 0.02, kLastRing = 0.99;
 constexpr double kPoint = 0.01;           ///< of a pixel: cuts are asked for at points
 constexpr double kSingleRounding = 1e-6;  ///< of the distance: rays in single precision
 
-/// What a sensor point may see of a microlens' aperture, in coordinates along the line through the
-/// micro-image's centre and across (PupilCut).
+/// The part of a microlens' aperture that a sensor point may see, in coordinates along the line
+/// through the micro-image's centre and across (PupilCut).
 class Opening {
  public:
   /// @param distance from the micro-image's centre @param sensor from the microlens' centre
@@ -93,7 +94,7 @@ class Line {
     n_ += 1;
     x_ += x, y_ += y, xx_ += x * x, xy_ += x * y;
   }
-  /// Whether the points lie far enough apart to say how the line runs.
+  /// Tells whether the points lie far enough apart to say how the line runs.
   bool is_known() const { return scatter() > kLeastScatter * n_ * xx_; }
   double slope() const { return (n_ * xy_ - x_ * y_) / scatter(); }
   double at_zero() const { return (y_ - slope() * x_) / n_; }
@@ -172,8 +173,8 @@ std::vector<PixelBeams::Spot> PixelBeams::spots(int table, double h, double oute
   return spots;
 }
 
-/// What is closest to all rays; nothing where there are too few, at fields that hardly any light
-/// comes from.
+/// The map that is closest to all rays; nothing if there are too few, at fields that hardly any
+/// light comes from.
 std::optional<PixelBeams::Map> PixelBeams::map_of(const std::vector<Spot>& spots) {
   Map map;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -35,8 +35,8 @@ class PixelBeams {
   friend class PixelBeam;
   static constexpr std::size_t kRings =
       13;  ///< of sensor points, from the micro-image's centre out
-  /// What a sensor point sees lies about centre[k] + diag(along[k], across[k]) w on plane k: along
-  /// and across the direction away from the axis, which is a mirror plane.
+  /// The view of a sensor point lies about centre[k] + diag(along[k], across[k]) w on plane k:
+  /// along and across the direction away from the axis, which is a mirror plane.
   struct Map {
     double centre[2] = {0, 0}, along[2] = {0, 0}, across[2] = {0, 0};  ///< [m]
     /// @param w sensor point from the micro-image's centre, in units of Interval::outer
@@ -51,7 +51,7 @@ class PixelBeams {
     double outer = 1;  ///< [m] the micro-image's radius
     Map ends[2];
     std::array<double, kRings> radii{};  ///< [m] of the discs; infinite: nothing is known
-    /// What kernels know of the discs, by distance in units of outer / kBeamBins [m].
+    /// Bounds of the discs for kernels, by distance in units of outer / kBeamBins [m].
     std::array<double, kBeamBins> largest, least;
   };
   struct Table {

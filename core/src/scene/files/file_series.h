@@ -24,7 +24,7 @@ class FileSeries {
   /// The file as the pattern names it: "run_0007.vdb".
   std::string name(int number) const;
 
-  /// Whether a name has # in it, and how many in the longest run.
+  /// Tells whether a name has # in it, and how many in the longest run.
   static int digits_of(const std::string& pattern);
 
  private:

@@ -22,7 +22,7 @@ LensFile read_toml_lens(const std::string& text, const std::string& path) {
   return file;
 }
 
-/// Whether a prescription takes its lens from yet another file, perhaps itself.
+/// Tells whether a prescription takes its lens from yet another file, perhaps itself.
 bool refers_to_a_file(const std::string& text) {
   try {
     return toml::parse(text)["camera"]["lens"].as_table() != nullptr &&

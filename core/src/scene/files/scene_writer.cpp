@@ -45,7 +45,7 @@ std::string quote(std::string_view text) {
       result += c;
     }
   }
-  // What would act on a terminal besides: its escapes are those of TOML.
+  // Other characters that would act on a terminal are escaped as TOML does.
   return printable(result.append("\""));
 }
 

@@ -54,7 +54,7 @@ char separator_of(std::string_view line) {
   return ',';
 }
 
-/// What a column of this name measures; nothing for a name that no column has.
+/// The dimension of a column of this name; nothing for a name that no column has.
 std::optional<Dimension> dimension_of(std::string_view name) {
   if (name == "time") return Dimension::time;
   if (name == "x" || name == "y" || name == "z") return Dimension::length;

@@ -6,8 +6,8 @@
 
 namespace plenoflame {
 
-/// What a flame does over time: a CSV file of times and any of its position's components, its scale
-/// and its brightness, which vary along straight lines between rows.
+/// The course of a flame over time: a CSV file of times and any of its position's components, its
+/// scale and its brightness, which vary along straight lines between rows.
 ///
 ///     time [ms], x [mm], z [mm], brightness
 ///     0,         0,      -29,    1

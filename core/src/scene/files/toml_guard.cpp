@@ -32,7 +32,7 @@ std::size_t skip_string(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-/// Whether a string that begins at `at` and ends before `end` is closed.
+/// Tells whether a string that begins at `at` and ends before `end` is closed.
 bool is_closed(std::string_view text, std::size_t at, std::size_t end) {
   const char quote = text[at];
   const std::string_view three = text.substr(at, 3);

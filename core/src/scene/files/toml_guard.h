@@ -11,7 +11,7 @@ namespace plenoflame {
 /// @param name of the file, for the message. @throws InputError
 void check_key_depth(std::string_view text, const std::string& name);
 
-/// Where a string begins that has no closing quote. Line and column count from 1.
+/// The place where a string begins that has no closing quote. Line and column count from 1.
 struct OpenString {
   int line = 1, column = 1;
   char quote = '"';

@@ -34,7 +34,7 @@ struct Line {
   std::vector<std::string> words;
 };
 
-/// What a surface block says, in the file's unit.
+/// The values of a surface block, in the file's unit.
 struct Block {
   int line = 0;
   std::string type = "STANDARD", comment;
@@ -183,7 +183,7 @@ class Importer {
     }
   }
 
-  /// What changes nothing in the path of light: display, solves, pickups, tolerances, coatings.
+  /// Keys that change nothing in the path of light: display, solves, pickups, tolerances, coatings.
   static bool is_harmless(const std::string& key) {
     constexpr const char* kKeys[] = {
         "HIDE", "MIRR", "SLAB", "POPS", "FLAP", "COAT", "MAZH", "MEMA", "PPAR", "PZUP", "TPAR",

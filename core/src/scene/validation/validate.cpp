@@ -112,7 +112,7 @@ std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& posit
   if (!scene.cameras.empty()) return check_all_cameras(scene, positions);
   Issues issues(positions, scene.file);
   check_ranges(scene, positions, issues);
-  // What follows computes with the values and would be misled by impossible ones.
+  // The checks that follow compute with the values and would be misled by impossible ones.
   if (issues.errors() == 0) {
     check_plain_name(scene.camera, "camera", issues);
     check_camera(scene.camera, issues);

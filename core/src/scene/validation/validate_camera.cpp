@@ -354,7 +354,7 @@ void check_camera(const CameraSpec& camera, Issues& issues) {
                              camera.sensor.columns, camera.sensor.rows, 1e-6 * kMostPixels));
   check_focus(camera, lens_is_sound, issues);
   if (issues.errors() != errors_before) return;
-  // What shows only when the parts are put in their places, which are those of camera.focus.
+  // Some faults show only when the parts are put in their places, which are those of camera.focus.
   try {
     std::vector<std::string> warnings;
     const Camera solved(camera, &warnings);

@@ -122,7 +122,7 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
       for (const SpectralPoint& point : parse_spectral_points(filter))
         if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
     });
-  // What is left of each channel, once both are sound.
+  // Light must be left of each channel, once both are sound.
   for (const ChannelSpec& channel : scene.channels)
     if (!filter.empty() && issues.errors() == 0 &&
         !(channel.kind == ChannelKind::curve && channel.curve.empty()))

@@ -55,7 +55,7 @@ void check_line(const Scene& scene, const FlameSpec& flame, const LineSpec& line
                                      path, short_length(made.wavelength())));
 }
 
-/// Whether both would read one grid and count all of it.
+/// Tells whether both would read one grid and count all of it.
 bool count_the_same(const LineSpec& a, const LineSpec& b) {
   const auto is_c2 = [](LineKind kind) {
     return kind == LineKind::c2_474 || kind == LineKind::c2_517 || kind == LineKind::c2_564;

@@ -11,7 +11,7 @@
 namespace plenoflame {
 namespace {
 
-/// What touches may overlap by this much of the pitch: rounding.
+/// Lenses that touch may overlap by this much of the pitch: rounding.
 constexpr double kLensesTouch = 1e-12;
 constexpr int kNeighbours = 2;  ///< lattice steps to the farthest lens that could be met
 

@@ -24,7 +24,7 @@ std::string in_words(const PupilFilterSpec& filter, std::size_t i) {
                              : "pupil filter " + quote_for_message(filter.name);
 }
 
-/// Whether the corners go around a convex figure, one way or the other.
+/// Tells whether the corners go around a convex figure, one way or the other.
 bool is_convex(const std::vector<Vec2>& corners) {
   const std::size_t n = corners.size();
   int left = 0, right = 0;
