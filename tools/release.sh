@@ -29,7 +29,7 @@ if ! git diff --quiet HEAD --; then
   echo "release.sh: there are changes that are not committed; a release is made of commits" >&2
   exit 1
 fi
-git describe --exact-match --match "v$version" HEAD >/dev/null 2>&1 ||
+git describe --tags --exact-match --match "v$version" HEAD >/dev/null 2>&1 ||
   echo "release.sh: HEAD has no tag v$version: these packages are a trial" >&2
 
 if [ "$setup" = yes ]; then
