@@ -44,5 +44,6 @@ view.Background = (0.1, 0.1, 0.12)
 view.UseColorPaletteForBackground = 0
 view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = (0.45, -1.6, 0.5), (0.45, 0, 0), (0, 0, 1)
 ResetCamera(view)
-view.CameraViewAngle = 13
+width, height = view.ViewSize
+view.CameraViewAngle = 30 / min(max(width / height, 1), 2.3)  # the scene is long: wide views come nearer
 Render(view)
