@@ -54,7 +54,7 @@ python3 /packages/tree/tools/measure_tutorial.py
 
 say "desktop"
 install xvfb xauth libgl1-mesa-dri shared-mime-info libglib2.0-bin
-mkdir -p -m 1777 /tmp/.X11-unix  # else only root starts an X server
+mkdir -p -m 1777 ../tmp/.X11-unix  # else only root starts an X server
 on_display=(setpriv --reuid 65534 --regid 65534 --clear-groups env QT_QPA_PLATFORM=xcb xvfb-run -a -s "-screen 0 1600x1000x24")
 mkdir -m 777 windows
 "${on_display[@]}" plenoflame-desktop "$scene" --screenshot windows/window.png
