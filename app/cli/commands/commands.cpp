@@ -30,6 +30,7 @@ void register_commands(const Registry& registry) {
   add_missing(registry.app, "picture", "VTK", "Draw a scene in 3-D: flame, camera, rays");
 #endif
   register_import(registry);
+  register_calibrate(registry);
   register_compare(registry);
   register_info(registry);
 }

@@ -1,0 +1,9 @@
+#pragma once
+#include "commands/command.h"
+
+namespace plenoflame::cli {
+
+// Subcommands of `calibrate`, each in commands/calibrate_NAME.cpp; calibrate.cpp lists them.
+void add_calibrate_white(CLI::App& calibrate, const Registry& registry);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,165 @@
+#include "calibration/micro_image_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace plenoflame {
+namespace {
+
+constexpr int kParameters = 8;  ///< centre x, y, radius, blur, light, slope x, y, background
+using Vector = Eigen::Matrix<double, kParameters, 1>;
+using Square = Eigen::Matrix<double, kParameters, kParameters>;
+
+/// A pixel is as wide as the edge of a sharper disc would seem.
+constexpr double kLeastBlur = 0.6;
+
+struct CellPixel {
+  double x = 0, y = 0, value = 0;
+};
+
+/// The disc of parameters p at a pixel. The edge of a large disc that is blurred by a small one of
+/// radius b: the share of a disc on one side of a chord at t b from its middle,
+/// 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
+double disc_model(const Vector& p, const CellPixel& pixel, Vector& slope) {
+  const double dx = pixel.x - p[0], dy = pixel.y - p[1];
+  const double r = std::sqrt(dx * dx + dy * dy);
+  const double t = (p[2] - r) / p[3];
+  slope.setZero();
+  slope[7] = 1;
+  if (t <= -1) return p[7];
+  const double light = p[4] + p[5] * dx + p[6] * dy;
+  double share = 1;
+  if (t < 1) {
+    const double root = std::sqrt(1 - t * t);
+    share = 0.5 + (t * root + std::asin(t)) / std::numbers::pi;
+    const double steep = light * 2 * root / std::numbers::pi / p[3];
+    if (r > 0) {
+      slope[0] = steep * dx / r;
+      slope[1] = steep * dy / r;
+    }
+    slope[2] = steep;
+    slope[3] = -steep * t;
+  }
+  slope[0] -= p[5] * share;
+  slope[1] -= p[6] * share;
+  slope[4] = share;
+  slope[5] = dx * share;
+  slope[6] = dy * share;
+  return p[7] + light * share;
+}
+
+/// Sum of squares, and the normal equations' upper half where they are wanted.
+double normal_equations(const std::vector<CellPixel>& pixels, const Vector& p, Square* matrix,
+                        Vector* gradient) {
+  double sum = 0;
+  Vector slope;
+  if (matrix != nullptr) {
+    matrix->setZero();
+    gradient->setZero();
+  }
+  for (const CellPixel& pixel : pixels) {
+    const double off = pixel.value - disc_model(p, pixel, slope);
+    sum += off * off;
+    if (matrix == nullptr) continue;
+    for (int a = 0; a < kParameters; ++a) {
+      if (slope[a] == 0) continue;
+      (*gradient)[a] += off * slope[a];
+      for (int b = a; b < kParameters; ++b) (*matrix)(a, b) += slope[a] * slope[b];
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+LatticeCell::LatticeCell(const LatticeGuess& guess) : neighbours{guess.step_i, guess.step_j} {
+  if (guess.hexagonal) neighbours.push_back(guess.step_j - guess.step_i);
+  reach = guess.hexagonal ? guess.pitch() / std::sqrt(3.0)
+                          : 0.5 * std::hypot(length(guess.step_i), length(guess.step_j));
+}
+
+bool LatticeCell::holds(Vec2 d) const {
+  return std::all_of(neighbours.begin(), neighbours.end(),
+                     [&](Vec2 n) { return std::fabs(dot(d, n)) <= 0.5 * dot(n, n); });
+}
+
+MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
+                              const MicroImageFit& start) {
+  MicroImageFit fit = start;
+  fit.good = false;
+  const int x0 = static_cast<int>(std::floor(start.centre.x - cell.reach)),
+            x1 = static_cast<int>(std::ceil(start.centre.x + cell.reach)),
+            y0 = static_cast<int>(std::floor(start.centre.y - cell.reach)),
+            y1 = static_cast<int>(std::ceil(start.centre.y + cell.reach));
+  std::vector<CellPixel> pixels;
+  pixels.reserve(static_cast<std::size_t>((x1 - x0) * (y1 - y0)));
+  double brightest = 0;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const Vec2 d{x + 0.5 - start.centre.x, y + 0.5 - start.centre.y};
+      if (!cell.holds(d)) continue;
+      if (x < 0 || y < 0 || x >= white.width || y >= white.height) return fit;  // not all of it
+      // From the start on: small numbers keep their digits.
+      pixels.push_back({d.x, d.y, static_cast<double>(white.at(x, y))});
+      brightest = std::max(brightest, pixels.back().value);
+    }
+  if (pixels.size() < 12 || !(brightest > 0)) return fit;
+  Vector p;
+  double middle = 0;
+  int inner = 0;
+  for (const CellPixel& pixel : pixels)
+    if (pixel.x * pixel.x + pixel.y * pixel.y < 0.25 * start.radius * start.radius + 1) {
+      middle += pixel.value;
+      ++inner;
+    }
+  middle /= std::max(inner, 1);
+  if (!(middle > 0)) return fit;
+  p << 0, 0, start.radius, std::max(start.blur, kLeastBlur), middle, 0, 0, 0;
+  const double largest_radius = 1.2 * cell.reach;
+  double damping = 1e-4;
+  Square matrix;
+  Vector gradient;
+  double sum = normal_equations(pixels, p, &matrix, &gradient);
+  for (int step = 0; step < 12; ++step) {
+    Square damped = matrix;
+    for (int a = 0; a < kParameters; ++a)
+      damped(a, a) += damping * matrix(a, a) + 1e-9 * matrix(4, 4);
+    // Where micro-images touch, hardly a pixel tells the background: it is taken to be small
+    // against the light.
+    damped(7, 7) += 0.01 * static_cast<double>(pixels.size());
+    gradient[7] -= 0.01 * static_cast<double>(pixels.size()) * p[7];
+    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(gradient);
+    Vector next = p + change;
+    next[2] = std::clamp(next[2], 1.0, largest_radius);
+    next[3] = std::clamp(next[3], kLeastBlur, std::max(kLeastBlur, 0.95 * next[2]));
+    Square next_matrix;
+    Vector next_gradient;
+    const double next_sum = normal_equations(pixels, next, &next_matrix, &next_gradient);
+    if (!(next_sum <= sum * (1 + 1e-12))) {
+      damping = std::max(damping, 1e-3) * 10;
+      if (damping > 1e4) break;
+      normal_equations(pixels, p, &matrix, &gradient);
+      continue;
+    }
+    const double moved = (next - p).head<4>().cwiseAbs().maxCoeff();
+    p = next;
+    sum = next_sum;
+    matrix = next_matrix;
+    gradient = next_gradient;
+    damping *= 0.1;
+    if (moved < 1e-3) break;
+  }
+  fit.centre = start.centre + Vec2{p[0], p[1]};
+  fit.radius = p[2];
+  fit.blur = p[3];
+  fit.light = p[4];
+  fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
+  // What ran out of its cell, or looks like anything but a disc, is no micro-image.
+  fit.good =
+      std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > 0 && fit.rms < 0.25 && std::isfinite(sum);
+  return fit;
+}
+
+}  // namespace plenoflame

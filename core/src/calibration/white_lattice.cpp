@@ -1,0 +1,288 @@
+#include "plenoflame/calibration/white_lattice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "calibration/lattice_model.h"
+#include "calibration/micro_image_fit.h"
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+using Places = std::map<std::pair<int, int>, MicroImageFit>;  ///< by j, then i
+
+double middle_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Measures from the middle outwards: the model of what is known says where the next ones are.
+class WhiteMeasurer {
+ public:
+  WhiteMeasurer(const Image& white, const Execution& execution)
+      : white_(white), execution_(execution) {}
+
+  WhiteLattice run() {
+    result_.guess = find_lattice(white_);
+    cell_ = std::make_unique<LatticeCell>(result_.guess);
+    result_.model = plain_model(result_.guess, white_.width, white_.height);
+    radius_ = result_.guess.radius;
+    blur_ = 0.2 * radius_;
+    const double whole =
+        std::hypot(white_.width, white_.height) / (2 * length(result_.guess.step_j)) * 1.3 + 2;
+    for (double reach = 4;; reach *= 1.7) {
+      measure_new(std::min(reach, whole));
+      refit(reach >= whole);
+      if (reach >= whole) break;
+    }
+    // Those that began far off, or beside a wrong start, are tried again from the model.
+    remeasure();
+    refit(true);
+    summarise();
+    return std::move(result_);
+  }
+
+ private:
+  MicroImageFit start_at(int i, int j) const {
+    MicroImageFit start;
+    start.i = i;
+    start.j = j;
+    start.centre = result_.model.point(i, j);
+    start.radius = radius_;
+    start.blur = blur_;
+    return start;
+  }
+
+  bool inside(Vec2 centre) const {
+    return centre.x > 0 && centre.y > 0 && centre.x < white_.width && centre.y < white_.height;
+  }
+
+  void measure(std::vector<MicroImageFit>& starts) const {
+    const bool done =
+        parallel_for(execution_, (starts.size() + 63) / 64, [&](std::size_t block, int) {
+          for (std::size_t k = 64 * block; k < std::min(starts.size(), 64 * block + 64); ++k)
+            starts[k] = fit_micro_image(white_, *cell_, starts[k]);
+        });
+    if (!done) throw Cancelled();
+  }
+
+  void measure_new(double reach) {
+    const LatticeGuess& guess = result_.guess;
+    const double limit = reach * guess.pitch();
+    const int most = static_cast<int>(1.6 * reach) + 2;
+    std::vector<MicroImageFit> starts;
+    for (int j = -most; j <= most; ++j)
+      for (int i = -most; i <= most; ++i) {
+        const Vec2 about =
+            static_cast<double>(i) * guess.step_i + static_cast<double>(j) * guess.step_j;
+        if (length(about) > limit || places_.count({j, i}) != 0) continue;
+        const MicroImageFit start = start_at(i, j);
+        if (inside(start.centre)) starts.push_back(start);
+      }
+    measure(starts);
+    for (const MicroImageFit& fit : starts) places_[{fit.j, fit.i}] = fit;
+  }
+
+  void remeasure() {
+    std::vector<MicroImageFit> starts;
+    for (auto& [place, fit] : places_)
+      if (!fit.good || length(fit.centre - result_.model.point(fit.i, fit.j)) > 0.5)
+        starts.push_back(start_at(fit.i, fit.j));
+    measure(starts);
+    for (const MicroImageFit& fit : starts) places_[{fit.j, fit.i}] = fit;
+  }
+
+  void refit(bool all) {
+    result_.images.clear();
+    std::vector<double> radii, blurs, residuals;
+    for (const auto& [place, fit] : places_) {
+      result_.images.push_back(fit);
+      if (!fit.good) continue;
+      radii.push_back(fit.radius);
+      blurs.push_back(fit.blur);
+      residuals.push_back(fit.rms);
+    }
+    if (radii.size() < 12)
+      throw InputError(
+          fmt::format("the picture repeats every {:.2f} pixels ({}), but only {} of {} places in "
+                      "its middle hold "
+                      "something like a bright disc: micro-images of a white picture are wanted",
+                      result_.guess.pitch(), result_.guess.hexagonal ? "hexagonal" : "square",
+                      radii.size(), places_.size()));
+    radius_ = middle_of(radii);
+    blur_ = middle_of(blurs);
+    // Vignetted micro-images are no discs: their residuals are large, and their radii small.
+    const double usual = middle_of(residuals);
+    for (MicroImageFit& image : result_.images)
+      if (image.good)
+        image.good = image.rms < 2.5 * usual + 0.01 && image.radius > 0.85 * radius_ &&
+                     image.radius < 1.15 * radius_;
+    const auto good =
+        static_cast<std::size_t>(std::count_if(result_.images.begin(), result_.images.end(),
+                                               [](const auto& image) { return image.good; }));
+    fit_lattice_model(result_.images, all && good > 60, result_.model);
+  }
+
+  void summarise() {
+    double squares = 0;
+    result_.good = 0;
+    std::vector<MicroImageFit> kept;
+    for (MicroImageFit& image : result_.images) {
+      image.model = result_.model.point(image.i, image.j);
+      if (!inside(image.model)) continue;
+      if (image.good) {
+        const double off = length(image.centre - image.model);
+        squares += off * off;
+        result_.worst = std::max(result_.worst, off);
+        ++result_.good;
+      }
+      kept.push_back(image);
+    }
+    result_.images = std::move(kept);
+    result_.rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(result_.good, 1)));
+    const Vec2 i = 0.5 * (result_.model.point(1, 0) - result_.model.point(-1, 0));
+    const Vec2 j = 0.5 * (result_.model.point(0, 1) - result_.model.point(0, -1));
+    result_.pitch_i = length(i);
+    result_.pitch_j = length(j);
+    result_.rotation = std::atan2(i.y, i.x);
+    find_types();
+  }
+
+  /// What a micro-image has more than its neighbours, which are of other types: what changes
+  /// slowly over the picture drops out.
+  std::vector<double> against_neighbours(double MicroImageFit::*looks) const {
+    std::map<std::pair<int, int>, const MicroImageFit*> at;
+    for (const MicroImageFit& image : result_.images)
+      if (image.good) at[{image.j, image.i}] = &image;
+    std::vector<std::pair<int, int>> steps{{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+    if (result_.guess.hexagonal) steps.insert(steps.end(), {{1, -1}, {-1, 1}});
+    std::vector<double> values;
+    for (const MicroImageFit& image : result_.images) {
+      double sum = 0;
+      std::size_t count = 0;
+      for (const auto& [di, dj] : steps) {
+        const auto found = at.find({image.j + dj, image.i + di});
+        if (found == at.end()) continue;
+        sum += found->second->*looks;
+        ++count;
+      }
+      values.push_back(image.good && count == steps.size()
+                           ? image.*looks - sum / static_cast<double>(count)
+                           : std::numeric_limits<double>::quiet_NaN());
+    }
+    return values;
+  }
+
+  static int type_of(const MicroImageFit& image, int types) {
+    return ((image.j - image.i) % types + types) % types;  // lens (q, r) = (-i, -j): q - r
+  }
+
+  /// Largest difference of the types' means, in standard errors and in pixels.
+  std::pair<double, double> difference(int types) const {
+    std::pair<double, double> best{0, 0};
+    for (double MicroImageFit::*looks : {&MicroImageFit::radius, &MicroImageFit::blur}) {
+      const std::vector<double> values = against_neighbours(looks);
+      std::vector<double> sum(static_cast<std::size_t>(types)), square = sum, count = sum;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (!std::isfinite(values[k])) continue;
+        const auto t = static_cast<std::size_t>(type_of(result_.images[k], types));
+        sum[t] += values[k];
+        square[t] += values[k] * values[k];
+        count[t] += 1;
+      }
+      double low = 1e300, high = -1e300, error = 0;
+      for (std::size_t t = 0; t < sum.size(); ++t) {
+        if (count[t] < 4) return {0, 0};
+        const double mean = sum[t] / count[t];
+        error = std::max(error,
+                         std::sqrt(std::max(square[t] / count[t] - mean * mean, 0.0) / count[t]));
+        low = std::min(low, mean);
+        high = std::max(high, mean);
+      }
+      if (high - low > best.second) best = {(high - low) / std::max(error, 1e-12), high - low};
+    }
+    return best;
+  }
+
+  void find_types() {
+    // Less is what the places of pixels do to a fit.
+    constexpr double kLeastDifference = 0.08, kLeastScore = 8;
+    int types = 1;
+    double most = 0;
+    for (const int candidate : {3, 2}) {
+      const auto [score, size] = difference(candidate);
+      if (score < kLeastScore || size < kLeastDifference || size < 1.2 * most) continue;
+      most = size;
+      types = candidate;
+    }
+    for (MicroImageFit& image : result_.images) image.type = type_of(image, types);
+    result_.types = looks_of(result_.images, types);
+  }
+
+ public:
+  static std::vector<TypeLooks> looks_of(const std::vector<MicroImageFit>& images, int types) {
+    std::vector<TypeLooks> looks(static_cast<std::size_t>(types));
+    std::vector<double> radius2(looks.size()), blur2(looks.size());
+    for (const MicroImageFit& image : images) {
+      if (!image.good) continue;
+      const auto t = static_cast<std::size_t>(image.type);
+      looks[t].radius += image.radius;
+      looks[t].blur += image.blur;
+      radius2[t] += image.radius * image.radius;
+      blur2[t] += image.blur * image.blur;
+      ++looks[t].count;
+    }
+    for (std::size_t t = 0; t < looks.size(); ++t) {
+      const auto n = static_cast<double>(std::max<std::size_t>(looks[t].count, 1));
+      looks[t].radius /= n;
+      looks[t].blur /= n;
+      looks[t].radius_error =
+          std::sqrt(std::max(radius2[t] / n - looks[t].radius * looks[t].radius, 0.0) / n);
+      looks[t].blur_error =
+          std::sqrt(std::max(blur2[t] / n - looks[t].blur * looks[t].blur, 0.0) / n);
+    }
+    return looks;
+  }
+
+ private:
+  const Image& white_;
+  const Execution& execution_;
+  WhiteLattice result_;
+  std::unique_ptr<LatticeCell> cell_;
+  Places places_;
+  double radius_ = 0, blur_ = 0;
+};
+
+}  // namespace
+
+WhiteLattice measure_white(const Image& white, const Execution& execution) {
+  return WhiteMeasurer(white, execution).run();
+}
+
+std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
+                                const Execution& execution) {
+  const LatticeCell cell(lattice.guess);
+  // The stop's image is smaller or larger: its size in the middle of the picture is asked for
+  // first.
+  const double radius = find_lattice(white).radius;
+  std::vector<MicroImageFit> images = lattice.images;
+  const bool done = parallel_for(execution, images.size(), [&](std::size_t k, int) {
+    if (!images[k].good) return;
+    MicroImageFit start = images[k];
+    start.centre = start.model;
+    start.radius = radius;
+    images[k] = fit_micro_image(white, cell, start);
+    images[k].type = start.type;
+  });
+  if (!done) throw Cancelled();
+  return WhiteMeasurer::looks_of(images, static_cast<int>(lattice.types.size()));
+}
+
+}  // namespace plenoflame

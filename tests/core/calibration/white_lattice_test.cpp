@@ -1,0 +1,155 @@
+// White pictures of cameras whose micro-images are known by tracing single rays: places, types, and
+// the array's numbers come back from noisy counts.
+#include "plenoflame/calibration/white_lattice.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/calibration/array_fit.h"
+#include "plenoflame/lightfield/geometry.h"
+#include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/sampling/noise.h"
+
+namespace plenoflame::test::white_lattice_test {
+namespace {
+
+/// A focused camera of three types behind a singlet that vignettes, or an unfocused one.
+CameraSpec camera_of(Lattice lattice, double tilt, double rotation) {
+  CameraSpec camera;
+  camera.lens.model = LensModel::ideal;
+  camera.lens.focal_length = 50e-3;
+  camera.lens.diameter = 11e-3;
+  camera.array.present = true;
+  camera.array.lattice = lattice;
+  camera.array.model = LensModel::ideal;
+  camera.array.pitch = 127.4e-6;
+  camera.array.diameter = 127.4e-6;
+  camera.array.sensor_distance = 0.45e-3;
+  camera.array.offset = {31e-6, -17e-6};
+  camera.array.rotation = rotation;
+  camera.array.tilt = {tilt, -0.7 * tilt};
+  camera.array.types = {{.name = "far", .focal_length = 0.62e-3},
+                        {.name = "middle", .focal_length = 0.52e-3},
+                        {.name = "near", .focal_length = 0.44e-3}};
+  if (lattice == Lattice::square) camera.array.types.resize(1);
+  camera.sensor.columns = 720;
+  camera.sensor.rows = 540;
+  camera.sensor.pixel_pitch = 5.5e-6;
+  camera.focus.mode = FocusMode::paraxial;
+  camera.focus.object_distance = 0.5;
+  return camera;
+}
+
+/// Counts of a sensor of 10000 electrons, as light.
+Image noisy(const Image& white) {
+  SensorSpec sensor;
+  sensor.full_well = 10000;
+  sensor.read_noise = 8;
+  sensor.bits = 12;
+  const PixelWindow window{0, 0, white.width, white.height};
+  const SensorFrame frame = expose({{&white, 600e-9}}, window, white.width, sensor, {});
+  Image counts(white.width, white.height);
+  for (std::size_t i = 0; i < counts.pixels.size(); ++i)
+    counts.pixels[i] = static_cast<float>(frame.numbers[i] - frame.black_level);
+  return counts;
+}
+
+struct Measured {
+  WhiteLattice lattice;
+  ArrayFit fit;
+  double rms = 0, worst = 0;  ///< [pixel] of the model from the truth, over all in the picture
+  std::size_t count = 0, wrong_types = 0;
+};
+
+/// @param nominal what is known of the camera beforehand
+Measured measured(const CameraSpec& camera, const CameraSpec& nominal, bool tilt) {
+  const MicroImages truth(Camera(camera), true);
+  const PixelWindow window{0, 0, camera.sensor.columns, camera.sensor.rows};
+  Measured result;
+  result.lattice = measure_white(noisy(white_image(truth, window)));
+  result.fit = fit_array(nominal, result.lattice, window.width, window.height, tilt);
+  double squares = 0;
+  for (const MicroImageFit& image : result.lattice.images) {
+    // The nearest true micro-image: no index of ours is believed.
+    const Vec2 point = truth.camera().sensor_point(image.model.x, image.model.y);
+    const LensIndex near = truth.camera().lattice().nearest(point);
+    double best = 1e300;
+    MicroImages::Place place;
+    for (int dq = -1; dq <= 1; ++dq)
+      for (int dr = -1; dr <= 1; ++dr) {
+        const MicroImages::Place other = truth.place({near.q + dq, near.r + dr});
+        if (other.dark || length(other.centre - point) >= best) continue;
+        best = length(other.centre - point);
+        place = other;
+      }
+    const double off = best / camera.sensor.pixel_pitch;
+    squares += off * off;
+    result.worst = std::max(result.worst, off);
+    ++result.count;
+    const LensIndex lens = lens_of(result.fit, image.i, image.j);
+    const auto types = static_cast<int>(camera.array.types.size());
+    const int type = ((lens.q - lens.r) % types + types) % types;
+    result.wrong_types += type != place.type;
+  }
+  result.rms = std::sqrt(squares / static_cast<double>(result.count));
+  return result;
+}
+
+TEST(WhiteLattice, ThreeTypesTiltedAndTurned) {
+  const CameraSpec camera = camera_of(Lattice::hexagonal, 1e-3, 0.02);
+  CameraSpec nominal = camera_of(Lattice::hexagonal, 0, 0);
+  nominal.array.pitch = 127e-6;
+  nominal.array.diameter = 120e-6;
+  nominal.array.offset = {};
+  const Measured result = measured(camera, nominal, true);
+  std::printf(
+      "hexagonal: %zu micro-images, %zu good, model from truth %.4f px RMS, %.4f worst; %.4f from "
+      "model\n",
+      result.count, result.lattice.good, result.rms, result.worst, result.lattice.rms);
+  EXPECT_TRUE(result.lattice.guess.hexagonal);
+  EXPECT_GT(result.count, 700U);
+  EXPECT_LT(result.rms, 0.02);
+  ASSERT_EQ(result.lattice.types.size(), 3U);
+  EXPECT_EQ(result.wrong_types, 0U);
+  for (std::size_t t = 0; t < 3; ++t)
+    std::printf("  type %zu: radius %.3f blur %.3f (n %zu); expected %.3f\n", t,
+                result.lattice.types[t].radius, result.lattice.types[t].blur,
+                result.lattice.types[t].count, expected_blur(camera)[t]);
+  const ArraySpec& array = result.fit.array;
+  std::printf(
+      "  fit rms %.4f px; pitch %.4f +- %.4f um, tilt %.4f, %.4f +- %.4f mrad, rotation %.6f +- "
+      "%.6f\n",
+      result.fit.rms, array.pitch * 1e6, result.fit.pitch_error * 1e6, array.tilt.x * 1e3,
+      array.tilt.y * 1e3, result.fit.tilt_error.x * 1e3, array.rotation, result.fit.rotation_error);
+}
+
+TEST(WhiteLattice, Square) {
+  CameraSpec camera = camera_of(Lattice::square, 0, -0.01);
+  camera.array.types[0].focal_length = 0.45e-3;
+  const Measured result = measured(camera, camera, false);
+  std::printf(
+      "square: %zu micro-images, %zu good, model from truth %.4f px RMS, %.4f worst; %.4f from "
+      "model\n",
+      result.count, result.lattice.good, result.rms, result.worst, result.lattice.rms);
+  EXPECT_FALSE(result.lattice.guess.hexagonal);
+  EXPECT_LT(result.rms, 0.02);
+  EXPECT_EQ(result.lattice.types.size(), 1U);
+}
+
+TEST(WhiteLattice, NoLatticeIsSaid) {
+  Image noise(300, 200);
+  NoiseStream stream(1, 2);
+  for (float& value : noise.pixels) value = static_cast<float>(100 + 10 * stream.gaussian());
+  EXPECT_THROW(measure_white(noise), InputError);
+  EXPECT_THROW(measure_white(Image(300, 200, 5)), InputError);
+  Image stripes(300, 200);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 300; ++x) stripes.at(x, y) = x / 5 % 2 == 0 ? 100.0F : 20.0F;
+  EXPECT_THROW(measure_white(stripes), InputError);
+}
+
+}  // namespace
+}  // namespace plenoflame::test::white_lattice_test
