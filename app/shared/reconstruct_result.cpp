@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "options.h"
+#include "plenoflame/inverse/measurement.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "unknowns_request.h"
 
@@ -195,6 +196,25 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                  readable(deviation / weight, Dimension::temperature) + ", mean, of the noise",
                  "temperature_deviation_K", deviation / weight);
   }
+}
+
+void report_scale(const ReconstructResult& result, const SourceFunction* source,
+                  const Unknowns& unknowns, Report& report) {
+  const FlameEstimate& estimate = result.estimate;
+  std::string text = readable_percent(result.scale_error) + " of all emission together";
+  double weight = 0, sum = 0;
+  for (std::size_t j = 0; source != nullptr && j < estimate.temperature.size(); ++j) {
+    const double w = unknowns.volume(j) * estimate.emission[j];
+    const double slope = source_slope(*source, estimate.temperature[j]);
+    if (!(slope > 0)) continue;
+    weight += w;
+    sum += w * result.scale_error * (*source)(estimate.temperature[j]) / slope;
+  }
+  if (weight > 0) {
+    text += ", " + readable(sum / weight, Dimension::temperature) + " of the temperature";
+    report.add_json("scale_error_K", sum / weight);
+  }
+  report.add("error of the scale", text + ", besides", "scale_error", result.scale_error);
 }
 
 }  // namespace plenoflame

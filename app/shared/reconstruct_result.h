@@ -4,6 +4,7 @@
 
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/unknowns.h"
+#include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/compile.h"
 #include "report.h"
 
@@ -18,6 +19,8 @@ struct ReconstructResult {
   Reconstruction figures;
   FlameEstimate estimate;
   std::vector<double> resolved_absorption;  ///< where it was solved for
+  /// Relative standard error of all of the pictures' light together; no deviation holds it.
+  double scale_error = 0;
 };
 
 /// A field of what was found.
@@ -41,6 +44,11 @@ struct FlameTruth {
 FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns);
 void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
                    Report& report);
+
+/// What the common error of the pictures' light does to emission, and to the temperature that
+/// follows from it by the channel's source function. @param source nullptr: it does not follow so
+void report_scale(const ReconstructResult& result, const SourceFunction* source,
+                  const Unknowns& unknowns, Report& report);
 
 /// The figures of a reconstruction.
 void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,

@@ -309,6 +309,8 @@ ReconstructResult Reconstructor::frame(
                                  : thermal(measurements, execution);
   settings_.watch = nullptr;
   settings_.strength = result.figures.strength;
+  for (const Measurement& measurement : measurements[0])
+    result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;
 }
 
@@ -379,6 +381,11 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
                "axis", {{"point", {p.x, p.y, p.z}}, {"direction", {w.x, w.y, w.z}}});
   }
   report_reconstruction(result.figures, result.estimate, *unknowns_, report);
+  if (result.scale_error > 0) {
+    const SourceFunction source = channel_source(cameras_.first().scene, cameras_.channels[0]);
+    // Two unknown quantities take both channels, whose scales err apart from each other.
+    report_scale(result, request_.sought() == Sought::both ? nullptr : &source, *unknowns_, report);
+  }
   if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
   if (cameras_.cameras.size() == 1 && request_.unknowns.kind == "voxels")
     warn_single_camera(result.figures, *unknowns_,

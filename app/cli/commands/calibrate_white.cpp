@@ -15,6 +15,7 @@
 #include "commands/white_picture.h"
 #include "file_set.h"
 #include "messages.h"
+#include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/array_fit.h"
@@ -140,6 +141,7 @@ class WhiteRun {
     const std::vector<Aperture> apertures = apertures_of(arguments_.white);
     if (!arguments_.camera.empty())
       document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
+    if (arguments_.white.size() == 1 && arguments_.white[0].ends_with(".csv")) return run_centres();
     std::optional<CountFrames> dark;
     constexpr double kNever = 1e9;
     if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files, kNever);
@@ -164,6 +166,31 @@ class WhiteRun {
   }
 
  private:
+  /// Centres that another program found.
+  int run_centres() {
+    const std::string& file = arguments_.white[0];
+    const RawLayout layout = arguments_.files.layout();
+    frames_.width = layout.width > 0 ? layout.width : document_.scene.camera.sensor.columns;
+    frames_.height = layout.width > 0 ? layout.height : document_.scene.camera.sensor.rows;
+    if (layout.width == 0 && arguments_.camera.empty())
+      throw UsageError(
+          "--size: centres do not tell how large the picture is; give it, or --camera");
+    if (!arguments_.picture.empty()) throw UsageError("--picture: centres have none");
+    std::vector<Vec2> centres;
+    for (const NumberRow& row : read_number_rows(file, 2, "a centre: column,row in pixels"))
+      centres.push_back({row.values[0], row.values[1]});
+    try {
+      lattice_ = lattice_of_centres(centres, frames_.width, frames_.height);
+    } catch (const InputError& error) {
+      throw InputError("'" + file + "': " + error.what());
+    }
+    looks_.push_back(lattice_.types);
+    fit_camera();
+    write(Image());
+    print({{0, {file}}});
+    return kSuccess;
+  }
+
   void check_options() {
     static_cast<void>(arguments_.files.layout());
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
@@ -382,7 +409,8 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       .add_option(
           "WHITE", a->white,
           "White pictures (.tif, .png, .pgm, numbers without header), averaged. N=FILE: one "
-          "at f/N")
+          "at f/N. Or centres that another program found: a .csv of column,row, pixel (0, 0) "
+          "having its centre at 0.5, 0.5")
       ->required();
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");

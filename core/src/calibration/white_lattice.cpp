@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
-#include <memory>
+#include <numbers>
+#include <utility>
 
 #include "calibration/lattice_model.h"
 #include "calibration/micro_image_fit.h"
@@ -23,20 +25,71 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
+/// The lattice as the neighbours of the centre that is nearest to the middle of all have it.
+LatticeGuess guess_of_centres(const std::vector<Vec2>& centres, int width, int height) {
+  if (centres.size() < 12) throw InputError("a lattice takes 12 centres or more");
+  Vec2 mean;
+  for (const Vec2 centre : centres)
+    mean = mean + (1.0 / static_cast<double>(centres.size())) * centre;
+  for (const Vec2 centre : centres)
+    if (!(centre.x >= 0 && centre.y >= 0 && centre.x <= width && centre.y <= height))
+      throw InputError(
+          fmt::format("a centre at {:g}, {:g} does not lie in the picture of {} x {} pixels",
+                      centre.x, centre.y, width, height));
+  const Vec2 origin = *std::min_element(centres.begin(), centres.end(), [&](Vec2 a, Vec2 b) {
+    return length(a - mean) < length(b - mean);
+  });
+  std::vector<Vec2> around;
+  for (const Vec2 centre : centres)
+    if (length(centre - origin) > 0) around.push_back(centre - origin);
+  std::sort(around.begin(), around.end(), [](Vec2 a, Vec2 b) { return length(a) < length(b); });
+  // Six neighbours of a hexagonal lattice are about as near, of a square one four.
+  const auto near = static_cast<std::size_t>(std::count_if(
+      around.begin(), around.end(), [&](Vec2 d) { return length(d) < 1.2 * length(around[0]); }));
+  if (near != 4 && near != 6)
+    throw InputError(
+        fmt::format("the centre at {:.1f}, {:.1f} has {} neighbours at about the same distance "
+                    "({:.2f} pixels): "
+                    "neither a square nor a hexagonal lattice",
+                    origin.x, origin.y, near, length(around[0])));
+  around.resize(near);
+  LatticeGuess guess;
+  guess.hexagonal = near == 6;
+  guess.origin = origin;
+  guess.contrast = 1;
+  guess.radius = 0.4 * length(around[0]);
+  const auto direction = [](Vec2 v) { return std::atan2(v.y, v.x); };
+  const auto nearest_to = [&](double angle) {
+    return *std::min_element(around.begin(), around.end(), [&](Vec2 a, Vec2 b) {
+      const auto off = [&](Vec2 v) {
+        return std::fabs(std::remainder(direction(v) - angle, 2 * std::numbers::pi));
+      };
+      return off(a) < off(b);
+    });
+  };
+  guess.step_i = nearest_to(1e-9);
+  guess.step_j =
+      nearest_to(direction(guess.step_i) + (guess.hexagonal ? 60 : 90) * std::numbers::pi / 180);
+  return guess;
+}
+
+/// Measures the micro-image that should be at a place.
+using Measure = std::function<MicroImageFit(const MicroImageFit& start)>;
+
 /// Measures from the middle outwards: the model of what is known says where the next ones are.
-class WhiteMeasurer {
+class LatticeMeasurer {
  public:
-  WhiteMeasurer(const Image& white, const Execution& execution)
-      : white_(white), execution_(execution) {}
+  LatticeMeasurer(const LatticeGuess& guess, int width, int height, Measure measure,
+                  const Execution& execution)
+      : width_(width), height_(height), measure_(std::move(measure)), execution_(execution) {
+    result_.guess = guess;
+  }
 
   WhiteLattice run() {
-    result_.guess = find_lattice(white_);
-    cell_ = std::make_unique<LatticeCell>(result_.guess);
-    result_.model = plain_model(result_.guess, white_.width, white_.height);
+    result_.model = plain_model(result_.guess, width_, height_);
     radius_ = result_.guess.radius;
     blur_ = 0.2 * radius_;
-    const double whole =
-        std::hypot(white_.width, white_.height) / (2 * length(result_.guess.step_j)) * 1.3 + 2;
+    const double whole = std::hypot(width_, height_) / (2 * length(result_.guess.step_j)) * 1.3 + 2;
     for (double reach = 4;; reach *= 1.7) {
       measure_new(std::min(reach, whole));
       refit(reach >= whole);
@@ -61,14 +114,14 @@ class WhiteMeasurer {
   }
 
   bool inside(Vec2 centre) const {
-    return centre.x > 0 && centre.y > 0 && centre.x < white_.width && centre.y < white_.height;
+    return centre.x > 0 && centre.y > 0 && centre.x < width_ && centre.y < height_;
   }
 
   void measure(std::vector<MicroImageFit>& starts) const {
     const bool done =
         parallel_for(execution_, (starts.size() + 63) / 64, [&](std::size_t block, int) {
           for (std::size_t k = 64 * block; k < std::min(starts.size(), 64 * block + 64); ++k)
-            starts[k] = fit_micro_image(white_, *cell_, starts[k]);
+            starts[k] = measure_(starts[k]);
         });
     if (!done) throw Cancelled();
   }
@@ -252,10 +305,10 @@ class WhiteMeasurer {
   }
 
  private:
-  const Image& white_;
+  int width_, height_;
+  Measure measure_;
   const Execution& execution_;
   WhiteLattice result_;
-  std::unique_ptr<LatticeCell> cell_;
   Places places_;
   double radius_ = 0, blur_ = 0;
 };
@@ -263,7 +316,44 @@ class WhiteMeasurer {
 }  // namespace
 
 WhiteLattice measure_white(const Image& white, const Execution& execution) {
-  return WhiteMeasurer(white, execution).run();
+  const LatticeGuess guess = find_lattice(white);
+  const LatticeCell cell(guess);
+  return LatticeMeasurer(
+             guess, white.width, white.height,
+             [&](const MicroImageFit& start) { return fit_micro_image(white, cell, start); },
+             execution)
+      .run();
+}
+
+WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int height) {
+  const LatticeGuess guess = guess_of_centres(centres, width, height);
+  // Buckets as wide as a pitch.
+  const double pitch = guess.pitch();
+  std::map<std::pair<int, int>, std::vector<Vec2>> buckets;
+  const auto bucket = [pitch](double v) { return static_cast<int>(std::floor(v / pitch)); };
+  for (const Vec2 centre : centres) buckets[{bucket(centre.y), bucket(centre.x)}].push_back(centre);
+  return LatticeMeasurer(guess, width, height,
+                         [&](const MicroImageFit& start) {
+                           MicroImageFit fit = start;
+                           fit.good = false;
+                           double best = 0.35 * pitch;
+                           for (int v = -1; v <= 1; ++v)
+                             for (int u = -1; u <= 1; ++u) {
+                               const auto found = buckets.find(
+                                   {bucket(start.centre.y) + v, bucket(start.centre.x) + u});
+                               if (found == buckets.end()) continue;
+                               for (const Vec2 centre : found->second) {
+                                 const double off = length(centre - start.centre);
+                                 if (off >= best) continue;
+                                 best = off;
+                                 fit.centre = centre;
+                                 fit.good = true;
+                               }
+                             }
+                           return fit;
+                         },
+                         {})
+      .run();
 }
 
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
@@ -282,7 +372,7 @@ std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
     images[k].type = start.type;
   });
   if (!done) throw Cancelled();
-  return WhiteMeasurer::looks_of(images, static_cast<int>(lattice.types.size()));
+  return LatticeMeasurer::looks_of(images, static_cast<int>(lattice.types.size()));
 }
 
 }  // namespace plenoflame

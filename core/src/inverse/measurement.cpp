@@ -112,6 +112,7 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
 
   Measurement result;
   result.window = picture.window;
+  result.scale_error = number(("scale.error." + own.name).c_str(), 0);
   if (electrons && has_error && has_shot_noise(own, full)) {
     result.electron = factor;
     result.dark = factor * dark;

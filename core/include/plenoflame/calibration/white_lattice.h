@@ -65,6 +65,10 @@ struct WhiteLattice {
 /// @throws InputError that says what was seen where there is no lattice; Cancelled
 WhiteLattice measure_white(const Image& white, const Execution& execution = {});
 
+/// The model of centres that another program found, in any order. Types are not told apart.
+/// @throws InputError: too few, outside of the picture, or no lattice
+WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int height);
+
 /// Radius and blur of each micro-image of another white picture of the same camera, taken with
 /// another aperture: the same places. Types are those of `lattice`.
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,

@@ -19,6 +19,9 @@ struct Measurement {
   Image deviation;      ///< [W] standard deviation; 0: the pixel says nothing and is left out
   double electron = 0;  ///< [W] of one electron: the flux has shot noise; 0: none that is known
   double dark = 0;      ///< [W] of the dark signal, which was taken away and has shot noise as well
+  /// Relative standard error of all fluxes together: of a radiometric calibration (the picture's
+  /// number "scale.error.CHANNEL").
+  double scale_error = 0;
   std::size_t saturated = 0;  ///< pixels left out: their well was full
   std::size_t negative = 0;   ///< pixels below 0 by more than 5 standard deviations
 };

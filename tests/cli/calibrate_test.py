@@ -1,0 +1,178 @@
+"""calibrate: the array from white pictures, the scale from a blackbody; what is refused."""
+
+import csv
+import json
+import math
+import random
+
+from command import CommandTest, main
+from raw_pictures import tiff
+
+WIDTH, HEIGHT = 260, 200
+CAMERA = """[camera.lens]
+model = "ideal"
+focal_length = "50 mm"
+diameter = "11 mm"
+[camera.array]
+lattice = "hexagonal"
+model = "ideal"
+pitch = "{pitch} um"
+diameter = "110 um"
+sensor_distance = "0.45 mm"
+rotation = "{rotation} deg"
+offset = ["{offset} um", "0 um"]
+[[camera.array.types]]
+name = "far"
+focal_length = "0.62 mm"
+[[camera.array.types]]
+name = "middle"
+focal_length = "0.52 mm"
+[[camera.array.types]]
+name = "near"
+focal_length = "0.44 mm"
+[camera.sensor]
+columns = 260
+rows = 200
+pixel_pitch = "5.5 um"
+bits = 12
+full_well = 9000
+read_noise = 6
+quantum_efficiency = 0.5
+gain = 2.3
+black_level = 60
+exposure_time = "{exposure}"
+[camera.focus]
+object_distance = "0.5 m"
+[[channels]]
+name = "red"
+kind = "line"
+wavelength = "650 nm"
+width = "10 nm"
+"""
+
+
+def camera(pitch=127.4, rotation=0.8, offset=20, exposure="1 ms"):
+    return CAMERA.format(pitch=pitch, rotation=rotation, offset=offset, exposure=exposure)
+
+
+def source(temperature):
+    """A hot body that fills the view, so thick that it is black."""
+    return (f'[[flames]]\nposition = ["0.5 m", "0 m", "0 m"]\n[[flames.layers]]\n'
+            f'semi_axes = ["80 mm", "80 mm", "80 mm"]\ntemperature = "{temperature} K"\nabsorption = "20000 1/m"\n')
+
+
+class White(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("true.toml", camera() + source(1800))
+        self.succeeds("render", "true.toml", "-o", "white.exr", "--white", "--samples", "64", "--quiet")
+        self.run_command("develop", "white.exr", "-o", "white.tif", "--exposure", "auto")
+
+    def test_the_array_comes_back(self):
+        self.write("nominal.toml", camera(126.9, 0, 0))
+        figures = self.json_of("calibrate", "white", "white.tif", "--camera", "nominal.toml", "-o", "found.toml",
+                               "--centres", "centres.csv", "--picture", "seen.png")
+        self.assertEqual((figures["lattice"], figures["types"]), ("hexagonal", figures["types"]))
+        self.assertLess(abs(figures["pitch_m"] - 127.4e-6), 4 * figures["pitch_error_m"] + 1e-9)
+        self.assertLess(abs(figures["array_rotation_rad"] - math.radians(0.8)), 4 * figures["rotation_error_rad"])
+        self.assertLess(figures["camera_rms_pixels"], 0.03)
+        # The file that was written is a camera whose own white picture has these centres.
+        again = self.json_of("calibrate", "white", "white.tif", "--camera", "found.toml", "--centres", "again.csv")
+        self.assertLess(abs(again["pitch_m"] / figures["pitch_m"] - 1), 1e-6)
+        with open(self.path("centres.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), figures["micro_images"])
+        # Types are (q - r) mod 3 in the scene's order, and each pair of neighbours differs.
+        self.assertTrue(all(int(row["type"]) == (int(row["q"]) - int(row["r"])) % 3 for row in rows))
+        self.assertTrue(self.read("seen.png").startswith(b"\x89PNG"))
+
+    def test_keys_without_a_camera(self):
+        self.succeeds("calibrate", "white", "white.tif", "--pixel-pitch", "5.5 um", "-o", "array.toml",
+                      stderr="")
+        text = self.read("array.toml").decode()
+        self.assertIn('lattice = "hexagonal"', text)
+        self.fails(2, "calibrate", "white", "white.tif", "-o", "a.toml", mentions="--pixel-pitch")
+        self.fails(2, "calibrate", mentions="subcommand")
+
+    def test_no_lattice(self):
+        random.seed(1)
+        noise = [[1000 + round(random.gauss(0, 30)) for _ in range(WIDTH)] for _ in range(HEIGHT)]
+        self.write("noise.tif", tiff([noise]))
+        before = self.files()
+        self.fails(1, "calibrate", "white", "noise.tif", "--centres", "a.csv", mentions=["noise.tif", "no lattice is seen"])
+        self.assertEqual(self.files(), before)
+        self.fails(1, "calibrate", "white", "noise.tif", "--picture", "seen.png", mentions="seen.png")
+        self.assertTrue(self.read("seen.png").startswith(b"\x89PNG"))
+        square = camera().replace("hexagonal", "square")
+        self.write("square.toml", square)
+        self.fails(1, "calibrate", "white", "white.tif", "--camera", "square.toml", "-o", "b.toml",
+                   mentions=["square", "hexagonal"])
+
+
+class Radiometry(CommandTest):
+    def test_scale_within_its_error(self):
+        """Temperatures are stated with an error: the scale's truth is of the sensor's numbers alone."""
+        random.seed(3)
+        stated, error = [], 4.0
+        for number, (temperature, exposure) in enumerate(((1500, "4 ms"), (1650, "1.5 ms"), (1800, "0.8 ms"))):
+            real = temperature + random.gauss(0, error)
+            self.write("bb.toml", camera(exposure=exposure) + source(real))
+            self.succeeds("render", "bb.toml", "-o", "bb.exr", "--samples", "32", "--quiet")
+            self.run_command("develop", "bb.exr", "-o", f"bb{number}.tif", "--sensor", "--frames", "1")
+            self.run_command("develop", "bb.exr", "-o", f"dark{number}.tif", "--sensor", "--dark")
+            stated.append((f"{temperature} K@{exposure}=bb{number}.tif", f"{exposure}=dark{number}.tif"))
+        self.write("camera.toml", camera())
+        figures = self.json_of("calibrate", "radiometry", *(s for s, _ in stated), "--dark", *(d for _, d in stated),
+                               "--camera", "camera.toml", "--temperature-error", f"{error} K", "-o", "scale.toml")
+        (channel,) = figures["channels"]
+        # Energy of a photon by the gain over the quantum efficiency.
+        truth = 6.62607015e-34 * 299792458 / 650e-9 * 2.3 / 0.5
+        off = channel["joules_per_count"] / truth - 1
+        self.assertLess(abs(off), 3 * channel["relative_error"])
+        # Wien: an error of 4 K is 3 to 4 % of the light; three pictures know it better than one.
+        self.assertGreater(channel["relative_error"], 0.01)
+        self.assertLess(channel["relative_error"], 0.04)
+        # A picture that is imported with it has these watts.
+        words = ("bb1.tif", "--camera", "camera.toml", "--dark", "dark1.tif", "--exposure-time", "1.5 ms", "--json")
+        watts = json.loads(self.run_command("import", *words, "--radiometry", "scale.toml", "-o", "a.exr").stdout)
+        plain = json.loads(self.run_command("import", *words, "--unit", "W", "-o", "b.exr").stdout)
+        self.assertEqual((watts["unit"], watts["scale_error_red"]), ("W", channel["relative_error"]))
+        self.assertLess(abs(watts["largest"] / plain["largest"] / (1 + off) - 1), 1e-4)
+
+    def test_curvature_of_a_sensor(self):
+        """Counts of whites at five exposures, bent by hand."""
+        self.write("camera.toml", camera())
+        self.write("bb.toml", camera() + source(1700))
+        self.succeeds("render", "bb.toml", "-o", "bb.exr", "--samples", "32", "--quiet")
+        self.run_command("develop", "bb.exr", "-o", "bb.tif", "--sensor")
+        self.write("zero.tif", tiff([[[0] * WIDTH] * HEIGHT]))
+        k, words = 4e-5, []
+        for exposure in (1, 2, 4, 6, 8):
+            # c (1 + k c) = x
+            x = 400.0 * exposure
+            c = (math.sqrt(1 + 4 * k * x) - 1) / (2 * k)
+            self.write(f"w{exposure}.tif", tiff([[[round(c)] * WIDTH] * HEIGHT]))
+            words.append(f"{exposure} ms=w{exposure}.tif")
+        result = self.run_command("calibrate", "radiometry", "1700 K=bb.tif", "--camera", "camera.toml", "--dark",
+                                  "zero.tif", "--white", *words, "-o", "a.toml", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        (channel,) = json.loads(result.stdout)["channels"]
+        self.assertLess(abs(channel["curvature"] / k - 1), 0.02)
+
+    def test_what_is_refused(self):
+        self.write("camera.toml", camera())
+        self.write("a.tif", tiff([[[500] * WIDTH] * HEIGHT]))
+        words = ("--camera", "camera.toml", "-o", "r.toml")
+        self.fails(2, "calibrate", "radiometry", "a.tif", *words, mentions="1500K=a.tif")
+        self.fails(2, "calibrate", "radiometry", "-5K=a.tif", *words, mentions="K")
+        self.write("d.tif", tiff([[[600] * WIDTH] * HEIGHT]))
+        self.fails(1, "calibrate", "radiometry", "1500K=a.tif", "--dark", "d.tif", *words, mentions="no brighter")
+        self.fails(1, "calibrate", "radiometry", "1500K@2ms=a.tif", "--dark", "1ms=d.tif", *words,
+                   mentions="as long as")
+        self.write("r.toml", "columns = 3\nrows = 2\n[[channels]]\nname = \"red\"\njoules_per_count = -1\n")
+        self.fails(1, "import", "a.tif", "--camera", "camera.toml", "--radiometry", "r.toml", "-o", "a.exr",
+                   mentions=["r.toml:5", "joules_per_count"])
+
+
+if __name__ == "__main__":
+    main()
