@@ -73,7 +73,7 @@ class White(CommandTest):
         figures = self.json_of("calibrate", "white", "white.tif", "--camera", "nominal.toml", "-o", "found.toml",
                                "--centres", "centres.csv", "--picture", "seen.png")
         self.assertEqual((figures["lattice"], figures["types"]), ("hexagonal", figures["types"]))
-        self.assertLess(abs(figures["pitch_m"] - 127.4e-6), 4 * figures["pitch_error_m"] + 1e-9)
+        self.assertLess(abs(figures["pitch_m"] - 127.4e-6), 4 * figures["pitch_error_m"])
         self.assertLess(abs(figures["array_rotation_rad"] - math.radians(0.8)), 4 * figures["rotation_error_rad"])
         self.assertLess(figures["camera_rms_pixels"], 0.03)
         # The file that was written is a camera whose own white picture has these centres.
@@ -114,7 +114,7 @@ class Radiometry(CommandTest):
         """Temperatures are stated with an error: the scale's truth is of the sensor's numbers alone."""
         random.seed(3)
         stated, error = [], 4.0
-        for number, (temperature, exposure) in enumerate(((1500, "4 ms"), (1650, "1.5 ms"), (1800, "0.8 ms"))):
+        for number, (temperature, exposure) in enumerate(((1500, "0.6 ms"), (1650, "0.15 ms"), (1800, "0.05 ms"))):
             real = temperature + random.gauss(0, error)
             self.write("bb.toml", camera(exposure=exposure) + source(real))
             self.succeeds("render", "bb.toml", "-o", "bb.exr", "--samples", "32", "--quiet")
@@ -133,16 +133,17 @@ class Radiometry(CommandTest):
         self.assertGreater(channel["relative_error"], 0.01)
         self.assertLess(channel["relative_error"], 0.04)
         # A picture that is imported with it has these watts.
-        words = ("bb1.tif", "--camera", "camera.toml", "--dark", "dark1.tif", "--exposure-time", "1.5 ms", "--json")
+        words = ("bb1.tif", "--camera", "camera.toml", "--dark", "dark1.tif", "--exposure-time", "0.15 ms", "--json")
         watts = json.loads(self.run_command("import", *words, "--radiometry", "scale.toml", "-o", "a.exr").stdout)
         plain = json.loads(self.run_command("import", *words, "--unit", "W", "-o", "b.exr").stdout)
-        self.assertEqual((watts["unit"], watts["scale_error_red"]), ("W", channel["relative_error"]))
+        self.assertEqual(watts["unit"], "W")
+        self.assertLess(abs(watts["scale_error_red"] / channel["relative_error"] - 1), 1e-3)
         self.assertLess(abs(watts["largest"] / plain["largest"] / (1 + off) - 1), 1e-4)
 
     def test_curvature_of_a_sensor(self):
         """Counts of whites at five exposures, bent by hand."""
         self.write("camera.toml", camera())
-        self.write("bb.toml", camera() + source(1700))
+        self.write("bb.toml", camera(exposure="0.1 ms") + source(1700))
         self.succeeds("render", "bb.toml", "-o", "bb.exr", "--samples", "32", "--quiet")
         self.run_command("develop", "bb.exr", "-o", "bb.tif", "--sensor")
         self.write("zero.tif", tiff([[[0] * WIDTH] * HEIGHT]))
@@ -153,7 +154,7 @@ class Radiometry(CommandTest):
             c = (math.sqrt(1 + 4 * k * x) - 1) / (2 * k)
             self.write(f"w{exposure}.tif", tiff([[[round(c)] * WIDTH] * HEIGHT]))
             words.append(f"{exposure} ms=w{exposure}.tif")
-        result = self.run_command("calibrate", "radiometry", "1700 K=bb.tif", "--camera", "camera.toml", "--dark",
+        result = self.run_command("calibrate", "radiometry", "1700 K@0.1 ms=bb.tif", "--camera", "camera.toml", "--dark",
                                   "zero.tif", "--white", *words, "-o", "a.toml", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         (channel,) = json.loads(result.stdout)["channels"]

@@ -173,7 +173,13 @@ class RadiometryRun {
       throw UsageError(
           "--exposure-time: '" + files.files[0] +
           "' has no exposure time, nor has the camera's file (camera.sensor.exposure_time)");
-    const double largest = std::ldexp(1.0, document_.scene.camera.sensor.bits) - 1;
+    // A full well that the amplifier's noise made a little less of is full all the same.
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    const double largest =
+        std::min(std::ldexp(1.0, sensor.bits) - 1,
+                 levels_.black_level +
+                     std::max(0.5 * sensor.full_well, sensor.full_well - 5 * sensor.read_noise) /
+                         levels_.gain);
     taken.frames =
         read_frames(files.files, arguments_.files, arguments_.files.bits > 0 ? 0 : largest);
     check_size(taken.frames, files.files[0]);

@@ -58,7 +58,8 @@ CountFrames FrameSums::result() const {
   out.bits = bits_;
   out.frames = frames_;
   out.state = state_;
-  out.common_shift = used_bits_ != 0 ? std::countr_zero(used_bits_) : 0;
+  // Numbers of up to 12 bits may well be even by chance of the scene.
+  out.common_shift = std::bit_width(used_bits_) > 12 ? std::countr_zero(used_bits_) : 0;
   const auto channels = static_cast<std::size_t>(channels_);
   const std::size_t pixels = out.pixel_count();
   out.mean.assign(channels, Image(width_, height_));

@@ -239,13 +239,15 @@ LatticeGuess find_lattice(const Image& white) {
   std::vector<Peak> peaks = peaks_of(correlation);
   double highest = 0;
   for (const Peak& peak : peaks) highest = std::max(highest, peak.height);
-  constexpr double kLeast = 0.05;
-  if (highest < kLeast)
+  // Of noise alone the largest of all correlations is some 15 / side.
+  const double least = std::max(0.05, 20.0 / correlation.side());
+  if (highest < least)
     throw InputError(fmt::format(
         "no lattice is seen: the middle of the picture repeats at no distance from 3 to {:.0f} "
-        "pixels (correlation {:.3f} at best, {} is needed); is it a white picture, sharp and not "
+        "pixels (correlation {:.3f} at best, {:.2f} is needed); is it a white picture, sharp and "
+        "not "
         "overexposed?",
-        correlation.reach(), highest, kLeast));
+        correlation.reach(), highest, least));
   // Types of microlenses look alike enough for neighbours to correlate; the lattice of one type
   // alone does so more, and is wider.
   std::erase_if(peaks, [&](const Peak& peak) { return peak.height < 0.4 * highest; });

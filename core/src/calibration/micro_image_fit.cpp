@@ -19,40 +19,51 @@ struct CellPixel {
   double x = 0, y = 0, value = 0;
 };
 
-/// The disc of parameters p at a pixel. The edge of a large disc that is blurred by a small one of
-/// radius b: the share of a disc on one side of a chord at t b from its middle,
-/// 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
-double disc_model(const Vector& p, const CellPixel& pixel, Vector& slope) {
-  const double dx = pixel.x - p[0], dy = pixel.y - p[1];
-  const double r = std::sqrt(dx * dx + dy * dy);
+/// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc that is
+/// blurred by a small one of radius b: the share of a disc on one side of a chord at t b from its
+/// middle, 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
+double add_disc(const Vector& p, Vec2 step, const CellPixel& pixel, Vector& slope) {
+  const double x = pixel.x - p[0], y = pixel.y - p[1];
+  const double dx = x - step.x, dy = y - step.y;
+  const double outer = p[2] + p[3], r2 = dx * dx + dy * dy;
+  if (r2 >= outer * outer) return 0;
+  const double r = std::sqrt(r2);
   const double t = (p[2] - r) / p[3];
-  slope.setZero();
-  slope[7] = 1;
-  if (t <= -1) return p[7];
-  const double light = p[4] + p[5] * dx + p[6] * dy;
+  const double light = p[4] + p[5] * x + p[6] * y;
   double share = 1;
   if (t < 1) {
-    const double root = std::sqrt(1 - t * t);
-    share = 0.5 + (t * root + std::asin(t)) / std::numbers::pi;
+    const double root = std::sqrt(std::max(0.0, 1 - t * t));
+    share = 0.5 + (t * root + std::asin(std::max(t, -1.0))) / std::numbers::pi;
     const double steep = light * 2 * root / std::numbers::pi / p[3];
     if (r > 0) {
-      slope[0] = steep * dx / r;
-      slope[1] = steep * dy / r;
+      slope[0] += steep * dx / r;
+      slope[1] += steep * dy / r;
     }
-    slope[2] = steep;
-    slope[3] = -steep * t;
+    slope[2] += steep;
+    slope[3] -= steep * t;
   }
   slope[0] -= p[5] * share;
   slope[1] -= p[6] * share;
-  slope[4] = share;
-  slope[5] = dx * share;
-  slope[6] = dy * share;
-  return p[7] + light * share;
+  slope[4] += share;
+  slope[5] += x * share;
+  slope[6] += y * share;
+  return light * share;
+}
+
+/// The pixel's own disc and those of its neighbours, which are taken to look alike: where discs
+/// overlap a pixel gets the light of both.
+double disc_model(const Vector& p, const std::vector<Vec2>& steps, const CellPixel& pixel,
+                  Vector& slope) {
+  slope.setZero();
+  slope[7] = 1;
+  double value = p[7] + add_disc(p, {}, pixel, slope);
+  for (const Vec2 step : steps) value += add_disc(p, step, pixel, slope);
+  return value;
 }
 
 /// Sum of squares, and the normal equations' upper half where they are wanted.
-double normal_equations(const std::vector<CellPixel>& pixels, const Vector& p, Square* matrix,
-                        Vector* gradient) {
+double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<Vec2>& steps,
+                        const Vector& p, Square* matrix, Vector* gradient) {
   double sum = 0;
   Vector slope;
   if (matrix != nullptr) {
@@ -60,7 +71,7 @@ double normal_equations(const std::vector<CellPixel>& pixels, const Vector& p, S
     gradient->setZero();
   }
   for (const CellPixel& pixel : pixels) {
-    const double off = pixel.value - disc_model(p, pixel, slope);
+    const double off = pixel.value - disc_model(p, steps, pixel, slope);
     sum += off * off;
     if (matrix == nullptr) continue;
     for (int a = 0; a < kParameters; ++a) {
@@ -118,10 +129,15 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   if (!(middle > 0)) return fit;
   p << 0, 0, start.radius, std::max(start.blur, kLeastBlur), middle, 0, 0, 0;
   const double largest_radius = 1.2 * cell.reach;
+  std::vector<Vec2> steps;
+  for (const Vec2 n : cell.neighbours) {
+    steps.push_back(n);
+    steps.push_back(-1.0 * n);
+  }
   double damping = 1e-4;
   Square matrix;
   Vector gradient;
-  double sum = normal_equations(pixels, p, &matrix, &gradient);
+  double sum = normal_equations(pixels, steps, p, &matrix, &gradient);
   for (int step = 0; step < 12; ++step) {
     Square damped = matrix;
     for (int a = 0; a < kParameters; ++a)
@@ -136,11 +152,11 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     next[3] = std::clamp(next[3], kLeastBlur, std::max(kLeastBlur, 0.95 * next[2]));
     Square next_matrix;
     Vector next_gradient;
-    const double next_sum = normal_equations(pixels, next, &next_matrix, &next_gradient);
+    const double next_sum = normal_equations(pixels, steps, next, &next_matrix, &next_gradient);
     if (!(next_sum <= sum * (1 + 1e-12))) {
       damping = std::max(damping, 1e-3) * 10;
       if (damping > 1e4) break;
-      normal_equations(pixels, p, &matrix, &gradient);
+      normal_equations(pixels, steps, p, &matrix, &gradient);
       continue;
     }
     const double moved = (next - p).head<4>().cwiseAbs().maxCoeff();
@@ -149,7 +165,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     matrix = next_matrix;
     gradient = next_gradient;
     damping *= 0.1;
-    if (moved < 1e-3) break;
+    if (moved < 3e-3) break;
   }
   fit.centre = start.centre + Vec2{p[0], p[1]};
   fit.radius = p[2];

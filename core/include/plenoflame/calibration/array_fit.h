@@ -15,7 +15,8 @@ struct ArrayFit {
   double rms = 0;    ///< [pixel] of measured centres from those of rays through this camera
   double worst = 0;  ///< [pixel]
   std::size_t used = 0;
-  // Standard errors, from the centres' own scatter.
+  // Standard errors, from the centres' own scatter; of the pitch also from what centres are true
+  // to.
   double pitch_error = 0;     ///< [m]
   double rotation_error = 0;  ///< [rad]
   Vec2 offset_error;          ///< [m]
