@@ -32,7 +32,7 @@ void ReconstructionTask::set_earlier(const std::string& use, const std::string& 
   *to = std::move(values);
 }
 
-void ReconstructionTask::run(const Execution& execution) {
+void ReconstructionTask::run(const Execution& execution, const Watch& watch) {
   result_.reset();
   reconstructor_.reset();
   report_ = {};
@@ -47,7 +47,10 @@ void ReconstructionTask::run(const Execution& execution) {
   const FrameMeasurements measured = measure_frame(request_, cameras_, pictures_, names_);
   reconstructor_ = std::make_unique<Reconstructor>(request_, cameras_, measured, execution);
   warn_of_pictures(measured, names_, execution);
-  ReconstructResult result = reconstructor_->frame(measured, execution);
+  std::function<void(const ReconstructionState&)> told;
+  if (watch)
+    told = [&](const ReconstructionState& state) { watch(state, reconstructor_->unknowns()); };
+  ReconstructResult result = reconstructor_->frame(measured, execution, told);
   report_ = reconstructor_->report(result, "", execution);
   result_ = std::move(result);
 }

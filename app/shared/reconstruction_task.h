@@ -28,13 +28,17 @@ class ReconstructionTask {
   /// @throws UsageError
   void set_earlier(const std::string& use, const std::string& field, std::vector<double> values);
 
-  /// @throws as Reconstructor; there is no result then
-  void run(const Execution& execution);
+  /// What is told while it runs, by the thread that reconstructs.
+  using Watch = std::function<void(const ReconstructionState&, const Unknowns&)>;
+  /// @param watch may be empty @throws as Reconstructor; there is no result then
+  void run(const Execution& execution, const Watch& watch = {});
 
   bool has_result() const { return result_.has_value(); }
   /// With a result only.
   const ReconstructResult& result() const { return *result_; }
   const Unknowns& unknowns() const { return reconstructor_->unknowns(); }
+  /// With a result: the scene's flames at the unknowns, where "truth" was asked for; else null.
+  const FlameTruth* truth() const { return reconstructor_->truth(); }
   const Report& report() const { return report_; }
   /// Its lines, "label: text".
   std::string report_text() const;

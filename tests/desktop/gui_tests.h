@@ -18,6 +18,8 @@ std::unique_ptr<QObject> make_work_test();
 std::unique_ptr<QObject> make_moments_test();
 std::unique_ptr<QObject> make_handling_test();
 std::unique_ptr<QObject> make_looks_test();
+std::unique_ptr<QObject> make_reconstruct_test();
+std::unique_ptr<QObject> make_lecture_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0

@@ -313,7 +313,7 @@ class SelectionTest : public test::SceneFixture {
         QVERIFY(length(last - Vec3{end[0], end[1], end[2]}) < 1e-6 * length(last));
         QCOMPARE(
             QColor(static_cast<int>(ink[0]), static_cast<int>(ink[1]), static_cast<int>(ink[2])),
-            colours[ray]);
+            status_colour(path.status.status, true));  // those for dark grounds
         ++found;
       }
     }

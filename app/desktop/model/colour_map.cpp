@@ -100,7 +100,7 @@ Rgb colour(ColourMap map, double t) {
 }
 
 Rgb flame_colour(ColourMap map, double t) {
-  return colour(map, map == ColourMap::inferno ? 0.25 + 0.75 * t : t);
+  return colour(map, map == ColourMap::inferno ? 0.4 + 0.6 * t : t);
 }
 
 }  // namespace plenoflame::desktop

@@ -12,8 +12,8 @@ struct Rgb {
 
 /// @param t from 0 to 1; beyond it the ends
 Rgb colour(ColourMap map, double t);
-/// The same for a flame: without the darkest quarter of inferno, which would look like a hole in
-/// it.
+/// The same for a flame: without the dark part of inferno, which would look like a hole in it
+/// before a dark background.
 Rgb flame_colour(ColourMap map, double t);
 
 }  // namespace plenoflame::desktop

@@ -10,6 +10,7 @@
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "plenoflame/scene/scene_settings.h"
+#include "plenoflame/scene/timeline.h"
 #include "plenoflame/volumes/vdb_info.h"
 
 namespace plenoflame::desktop {
@@ -90,7 +91,23 @@ void Document::choose_camera(const std::string& name) {
   emit scene_changed(changes);
 }
 
+Scene Document::at_moment(const SceneDocument& scene, const std::optional<double>& time) {
+  if (!time || !changes_with_time(scene.scene)) return scene.scene;
+  return SceneTimeline(scene).at_time(*time);
+}
+
+void Document::choose_time(double seconds) {
+  if (time_ == seconds || !changes_with_time(scene())) return;
+  time_ = seconds;
+  image_current_ = false;
+  SceneChanges changes;
+  changes.flames = changes.time = true;
+  emit state_changed();
+  emit scene_changed(changes);
+}
+
 void Document::keep_camera() {
+  if (!changes_with_time(scene())) time_.reset();
   const std::vector<std::string> names = camera_names(scene());
   if (scene().cameras.empty())
     camera_.clear();
@@ -103,6 +120,7 @@ void Document::begin(SceneDocument scene, const std::string& file,
   history_.reset(std::move(scene));
   empty_ = false;
   file_ = file;
+  time_.reset();
   keep_camera();
   check();
   image_ = std::move(image);

@@ -1,6 +1,7 @@
 #pragma once
 #include <QObject>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -82,6 +83,13 @@ class Document : public QObject {
   SceneDocument scene_of_camera() const;
   /// Chooses another one. It is no change of the scene. @throws InputError when there is none
   void choose_camera(const std::string& name);
+  /// The moment at which a scene that changes is shown [s]; none: its first picture.
+  const std::optional<double>& time() const { return time_; }
+  /// The scene at that moment, which reads the files that say how it changes. May be called by any
+  /// thread. @param scene of one camera @throws InputError, FileError as SceneTimeline
+  static Scene at_moment(const SceneDocument& scene, const std::optional<double>& time);
+  /// Chooses another one. It is no change of the scene.
+  void choose_time(double seconds);
   /// Where the scene is saved; empty: nowhere yet.
   const std::string& file() const { return file_; }
   /// What to call it: the file's name without folder, or "untitled".
@@ -168,6 +176,7 @@ class Document : public QObject {
   void keep_camera();
 
   std::string file_, camera_;
+  std::optional<double> time_;
   std::vector<SceneIssue> issues_;
   std::shared_ptr<const LightField> image_;
   Selection selection_;

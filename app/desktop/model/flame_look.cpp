@@ -22,6 +22,8 @@ constexpr std::array<MapName, 3> kMaps{{{ColourMap::inferno, "inferno"},
                                         {ColourMap::viridis, "viridis"},
                                         {ColourMap::cividis, "cividis"}}};
 
+constexpr std::array<const char*, 3> kDrawings{"emission", "absorption", "surfaces"};
+
 bool is_share(double value) {
   return value >= 0 && value <= 1;
 }
@@ -33,8 +35,8 @@ bool operator==(const OpacityPoint& a, const OpacityPoint& b) {
 }
 
 bool operator==(const FlameLook& a, const FlameLook& b) {
-  return a.map == b.map && a.automatic == b.automatic && a.cold == b.cold && a.hot == b.hot &&
-         a.density == b.density && a.points == b.points;
+  return a.map == b.map && a.drawing == b.drawing && a.automatic == b.automatic &&
+         a.cold == b.cold && a.hot == b.hot && a.density == b.density && a.points == b.points;
 }
 
 double opacity_at(const std::vector<OpacityPoint>& points, double place) {
@@ -81,6 +83,7 @@ QByteArray look_to_text(const FlameLook& look) {
   QJsonObject object;
   for (const MapName& m : kMaps)
     if (m.map == look.map) object["colours"] = m.name;
+  object["drawing"] = kDrawings[static_cast<std::size_t>(look.drawing)];
   object["automatic"] = look.automatic;
   object["cold"] = look.cold;
   object["hot"] = look.hot;
@@ -97,6 +100,9 @@ std::optional<FlameLook> look_from_text(const QByteArray& text) {
                                 [&](const MapName& m) { return name == QLatin1String(m.name); });
   if (map == kMaps.end()) return std::nullopt;
   look.map = map->map;
+  for (std::size_t i = 0; i < kDrawings.size(); ++i)
+    if (object["drawing"].toString() == QLatin1String(kDrawings[i]))
+      look.drawing = static_cast<FlameDrawing>(i);
   look.automatic = object["automatic"].toBool(true);
   look.cold = object["cold"].toDouble();
   look.hot = object["hot"].toDouble();

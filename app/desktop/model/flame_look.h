@@ -15,10 +15,18 @@ struct OpacityPoint {
 };
 bool operator==(const OpacityPoint& a, const OpacityPoint& b);
 
+/// What makes a place of the flame visible.
+enum class FlameDrawing {
+  emission,    ///< in proportion to absorption times T^4: what shines
+  absorption,  ///< soot that does not shine as well
+  surfaces,    ///< of equal temperature
+};
+
 /// How the flame is drawn in three dimensions: colour and opacity over temperature. The light field
 /// does not depend on it.
 struct FlameLook {
   ColourMap map = ColourMap::inferno;
+  FlameDrawing drawing = FlameDrawing::emission;
   bool automatic = true;     ///< temperatures of the ends from the flame itself
   double cold = 0, hot = 0;  ///< [K] ends of the colours otherwise
   double density = 1;        ///< times what makes the thickest way nearly opaque

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "model/flame_glow.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/medium_samples.h"
 
@@ -28,11 +29,12 @@ FlameSamples sample_flames(const CompiledScene& scene, int longest, const Execut
     out.coldest = std::min(out.coldest, t);
     out.hottest = std::max(out.hottest, t);
     out.densest = std::max(out.densest, kappa);
-    const double emission = kappa * std::pow(t / 1000, 4);
+    const double emission = thermal_emission(t, kappa);
     weight += emission;
     sum += emission * t;
   }
   if (out.coldest > out.hottest) out.coldest = 0;
+  out.span = emission_span(out.temperature, out.absorption);
   if (weight > 0) out.mean_temperature = sum / weight;
   const std::filesystem::path folder = std::filesystem::path(scene.scene.file).parent_path();
   for (const FlameSpec& flame : scene.scene.flames)

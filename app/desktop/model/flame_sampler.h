@@ -21,6 +21,7 @@ struct FlameSamples {
   std::vector<float> absorption;    ///< [1/m]
   double coldest = 0, hottest = 0;  ///< [K] where there is absorption
   double densest = 0;               ///< [1/m]
+  std::array<double, 2> span{};     ///< [K] of nearly all emission: emission_span()
   /// Emission-weighted mean temperature, T^4 by absorption [K].
   double mean_temperature = 0;
   std::vector<VdbInfo> files;  ///< of the flames that are files, in order

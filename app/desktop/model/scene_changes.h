@@ -14,6 +14,7 @@ struct SceneChanges {
   bool develop = false;   ///< how the image is shown: nothing is rendered again
   bool names = false;     ///< labels only
   bool opened = false;    ///< another document: nothing of the scene before is of use
+  bool time = false;      ///< the same scene at another moment; its flames are others
 
   bool compiled() const { return camera || flames || solids || channels; }
   bool image() const { return compiled() || sampling || samples; }

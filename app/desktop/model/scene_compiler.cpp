@@ -11,6 +11,7 @@ namespace plenoflame::desktop {
 namespace {
 
 SceneChanges both(SceneChanges a, const SceneChanges& b) {
+  const bool only_time = b.time && (a.time || !a.any());
   a.camera |= b.camera;
   a.flames |= b.flames;
   a.solids |= b.solids;
@@ -20,6 +21,7 @@ SceneChanges both(SceneChanges a, const SceneChanges& b) {
   a.develop |= b.develop;
   a.names |= b.names;
   a.opened |= b.opened;
+  a.time = only_time;
   return a;
 }
 
@@ -71,6 +73,11 @@ void SceneCompiler::request(const SceneChanges& changes) {
   if (!changes.image()) return;
   pending_ = both(pending_, changes);
   current_ = false;
+  if (!changes.time) {
+    ahead_ = {};
+    ahead_task_.cancel();
+    ++scene_number_;
+  }
   failure_.clear();
   document_.set_unreadable(nullptr);
   if (changes.opened) {
@@ -88,7 +95,18 @@ void SceneCompiler::request(const SceneChanges& changes) {
     return;
   }
   const SceneDocument state = document_.scene_of_camera();
-  task_.request([this, state, number](std::stop_token stop) {
+  const std::optional<double> time = document_.time();
+  if (changes.time && ahead_.compiled && time == ahead_.time) {
+    task_.cancel();
+    // Not at once: others are still told of the change.
+    post(this, [this, number, compiled = std::exchange(ahead_, {}).compiled] {
+      if (number == newest_) take(compiled);
+    });
+    return;
+  }
+  // Between two moments of a scene the camera stays the same.
+  const auto like = pending_.time ? compiled_ : nullptr;
+  task_.request([this, state, time, like, number](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     execution.message = [&](Severity severity, const std::string& text) {
@@ -98,13 +116,11 @@ void SceneCompiler::request(const SceneChanges& changes) {
     std::atomic<int> flame{-1};
     try {
       flames_.next_generation();
+      const Scene scene = Document::at_moment(state, time);
       auto compiled = std::make_shared<const CompiledScene>(compile(
-          state.scene, watched(flames_.loader(), state.scene, flame), execution, state.positions));
+          scene, watched(flames_.loader(), scene, flame), execution, state.positions, like.get()));
       post(this, [this, number, compiled] {
-        if (number != newest_) return;
-        compiled_ = compiled;
-        current_ = true;
-        emit compiled_changed(std::exchange(pending_, {}));
+        if (number == newest_) take(compiled);
       });
     } catch (const Cancelled&) {
     } catch (const std::exception& error) {
@@ -119,6 +135,31 @@ void SceneCompiler::request(const SceneChanges& changes) {
         document_.set_unreadable(&issue);
         fail(QString::fromStdString(message));
       });
+    }
+  });
+}
+
+void SceneCompiler::take(std::shared_ptr<const CompiledScene> compiled) {
+  compiled_ = std::move(compiled);
+  current_ = true;
+  emit compiled_changed(std::exchange(pending_, {}));
+}
+
+void SceneCompiler::prepare(double time) {
+  if (!current_ || (ahead_.compiled && ahead_.time == time)) return;
+  ahead_ = {};
+  ahead_task_.request([this, time, number = scene_number_, like = compiled_,
+                       state = document_.scene_of_camera()](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    try {
+      auto compiled = std::make_shared<const CompiledScene>(
+          compile(Document::at_moment(state, time), flames_.loader(), execution, state.positions,
+                  like.get()));
+      post(this, [this, time, number, compiled] {
+        if (number == scene_number_) ahead_ = {time, compiled};
+      });
+    } catch (const std::exception&) {  // what is wrong is said when the moment comes
     }
   });
 }

@@ -27,6 +27,10 @@ class SceneCompiler : public QObject {
   /// Compiles once more what failed: its files may be others now.
   void retry();
   const FlameCache& flames() const { return flames_; }
+  /// Compiles the scene as it is at another moment before anybody asks for it.
+  void prepare(double time);
+  /// Whether what prepare() began is over.
+  bool is_prepared() const { return !ahead_task_.busy(); }
 
  signals:
   /// What was compiled before belongs to another document, and is gone.
@@ -39,14 +43,23 @@ class SceneCompiler : public QObject {
  private:
   void request(const SceneChanges& changes);
   void fail(const QString& message);
+  void take(std::shared_ptr<const CompiledScene> compiled);
 
   Document& document_;
   FlameCache flames_;
   std::shared_ptr<const CompiledScene> compiled_;
   SceneChanges pending_;  ///< of scenes that were replaced before they were compiled
+  /// The scene at a moment that will be asked for next.
+  struct Ahead {
+    double time = 0;
+    std::shared_ptr<const CompiledScene> compiled;
+  };
+  Ahead ahead_;
+  unsigned scene_number_ = 0;  ///< of changes beside moments
   QString failure_;
   bool current_ = false;
   unsigned newest_ = 0;
+  LatestTask ahead_task_{Urgency::in_reserve};
   LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 

@@ -2,7 +2,11 @@
 
 namespace plenoflame::desktop {
 Session::Session(QObject* parent)
-    : QObject(parent), compiler_(document_), rays_(document_, compiler_), design_(document_) {
+    : QObject(parent),
+      compiler_(document_),
+      rays_(document_, compiler_),
+      design_(document_),
+      lens_(document_) {
   later_.setSingleShot(true);
   connect(&later_, &QTimer::timeout, this, &Session::update_light_field);
   connect(&document_, &Document::scene_changed, this, [this](const SceneChanges& changes) {

@@ -5,6 +5,7 @@
 
 #include "model/design_job.h"
 #include "model/document.h"
+#include "model/lens_job.h"
 #include "model/light_field_jobs.h"
 #include "model/ray_selector.h"
 #include "model/render_job.h"
@@ -25,6 +26,7 @@ class Session : public QObject {
   RaySelector& rays() { return rays_; }
   LightFieldJobs& light_field() { return light_field_; }
   DesignJob& design() { return design_; }
+  LensJob& lens() { return lens_; }
 
   /// Whether the image follows every change by itself (default).
   bool auto_render() const { return auto_render_; }
@@ -57,6 +59,7 @@ class Session : public QObject {
   RaySelector rays_;
   LightFieldJobs light_field_;
   DesignJob design_;
+  LensJob lens_;
   /// The image that views are made of, and the camera that took it: no picture that is being
   /// refined.
   std::shared_ptr<const LightField> viewed_;

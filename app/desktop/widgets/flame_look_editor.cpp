@@ -39,7 +39,6 @@ FlameLookEditor::FlameLookEditor(Document& document, QWidget* parent)
     box->setSingleStep(50);
     box->setSuffix(" K");
     box->setKeyboardTracking(false);
-    box->setMinimumWidth(60);
   }
   cold_->setToolTip(tr("Temperature of the first colour [K]"));
   hot_->setToolTip(tr("Temperature of the last colour [K]"));
@@ -58,16 +57,19 @@ FlameLookEditor::FlameLookEditor(Document& document, QWidget* parent)
   curve_->setObjectName("flameOpacity");
 
   auto* ends = new QHBoxLayout;
-  ends->addWidget(map_);
-  ends->addWidget(cold_);
-  ends->addWidget(hot_);
+  ends->addWidget(cold_, 1);
+  ends->addWidget(hot_, 1);
+  auto* colours = new QHBoxLayout;
+  colours->addWidget(map_, 1);
+  colours->addWidget(automatic_);
   auto* density = new QHBoxLayout;
   density->addWidget(density_, 1);
   density->addWidget(reset);
   auto* form = new QFormLayout(this);
   form->setContentsMargins(0, 0, 0, 0);
-  form->addRow(tr("3-D colours"), ends);
-  form->addRow(QString(), automatic_);  // on a line of its own: the panel is narrow
+  // On two lines: side by side the fields would cut off their units in a narrow panel.
+  form->addRow(tr("3-D colours"), colours);
+  form->addRow(tr("from, to"), ends);
   form->addRow(tr("Density"), density);
   form->addRow(tr("Opacity"), curve_);
 

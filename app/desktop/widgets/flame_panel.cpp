@@ -123,7 +123,7 @@ void FlamePanel::fill() {
     for (const std::string& remark : file.remarks) text += "\n! " + QString::fromStdString(remark);
   }
   summary_->setText(text);
-  look_->set_flame_range(samples->coldest, samples->hottest);
+  look_->set_flame_range(samples->span[0], samples->span[1]);
   // Share of the absorbing volume by temperature.
   PlotWidget::Series series;
   series.colour = QColor(213, 94, 0);

@@ -12,6 +12,7 @@
 #include <QSlider>
 #include <QSpinBox>
 #include <QTabWidget>
+#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
@@ -138,7 +139,16 @@ LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidg
   notice_->setObjectName("lightFieldNotice");
   layout->addWidget(notice_);
   layout->addWidget(tabs_, 1);
-  layout->addWidget(save, 0, Qt::AlignRight);
+  auto* large = new QToolButton(this);
+  large->setObjectName("lightFieldLarge");
+  large->setText(tr("Large"));
+  large->setToolTip(tr("The panel in a window of its own; again: back at its place"));
+  connect(large, &QToolButton::clicked, this, &LightFieldPanel::large_requested);
+  auto* below = new QHBoxLayout;
+  below->addWidget(large);
+  below->addStretch(1);
+  below->addWidget(save);
+  layout->addLayout(below);
   connect(&jobs_, &LightFieldJobs::views_changed, this, &LightFieldPanel::on_views_changed);
   connect(&jobs_, &LightFieldJobs::refocused_changed, this, &LightFieldPanel::show_refocused);
   connect(&jobs_, &LightFieldJobs::stack_changed, this, &LightFieldPanel::show_stack);

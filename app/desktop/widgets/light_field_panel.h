@@ -67,6 +67,8 @@ class LightFieldPanel : public QWidget {
 
  signals:
   void export_requested();
+  /// The panel is wanted as large as the screen, or back at its place.
+  void large_requested();
 
  private:
   QWidget* make_views_tab();

@@ -18,6 +18,7 @@
 #include <QThread>
 #include <QTreeView>
 #include <QUrl>
+#include <QVBoxLayout>
 #include <QWindow>
 
 #include "plenoflame/base/error.h"
@@ -29,12 +30,15 @@
 #include "widgets/image_view.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/plot_widget.h"
+#include "widgets/preferences_dialog.h"
 #include "widgets/rays_panel.h"
+#include "widgets/reconstruct_panel.h"
 #include "widgets/render_panel.h"
 #include "widgets/scene_panel.h"
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
 #include "widgets/theme.h"
+#include "widgets/time_bar.h"
 #include "widgets/welcome_page.h"
 
 namespace plenoflame::desktop {
@@ -88,6 +92,7 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
   restoreGeometry(settings_->value("window/geometry").toByteArray());
   restoreState(settings_->value("window/state").toByteArray());
   set_dark(settings_->value("window/dark", false).toBool());
+  apply_preferences(preferences_of(*settings_));
   if (const auto look = look_from_text(settings_->value("flame/look").toByteArray()))
     session_.document().begin_look(*look);
   update_recent();
@@ -120,7 +125,13 @@ void MainWindow::make_views() {
   across->setStretchFactor(1, 1);
   stack_ = new QStackedWidget(this);
   stack_->addWidget(welcome_);
-  stack_->addWidget(across);
+  auto* workspace = new QWidget(this);
+  auto* rows = new QVBoxLayout(workspace);
+  rows->setContentsMargins(0, 0, 0, 0);
+  rows->setSpacing(0);
+  rows->addWidget(across, 1);
+  rows->addWidget(new TimeBar(session_, workspace));
+  stack_->addWidget(workspace);
   setCentralWidget(stack_);
   connect(welcome_, &WelcomePage::example_chosen, this,
           [this](const QString& name) { open_example(name); });
@@ -157,6 +168,10 @@ void MainWindow::make_docks() {
   connect(light_field, &QDockWidget::visibilityChanged, this, [this](bool visible) {
     if (visible && isVisible()) session_.set_views_wanted(true);
   });
+  connect(light_field_, &LightFieldPanel::large_requested, this, [this, light_field] {
+    light_field->setFloating(!light_field->isFloating());
+    if (light_field->isFloating()) light_field->setGeometry(geometry().adjusted(20, 20, -20, -20));
+  });
   connect(light_field_, &LightFieldPanel::export_requested, this, &MainWindow::export_derived);
   connect(&session_.document(), &Document::look_changed, this, [this] {
     const FlameLook& look = session_.document().look();
@@ -166,6 +181,14 @@ void MainWindow::make_docks() {
   connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
   connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
   connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
+  reconstruct_ = new ReconstructPanel(session_, this);
+  QDockWidget* const reconstruct =
+      add_dock("reconstructDock", tr("Reconstruct"), reconstruct_, Qt::RightDockWidgetArea);
+  tabifyDockWidget(light_field, reconstruct);
+  reconstruct->hide();
+  connect(reconstruct_, &ReconstructPanel::failed, this, &MainWindow::fail);
+  connect(reconstruct_, &ReconstructPanel::warned, &session_, &Session::warned);
+  connect(reconstruct_, &ReconstructPanel::save_requested, this, &MainWindow::save_reconstruction);
   QDockWidget* const render =
       add_dock("renderDock", tr("Rendering"), render_, Qt::BottomDockWidgetArea);
   QDockWidget* const rays = add_dock("raysDock", tr("Rays"), rays_, Qt::BottomDockWidgetArea);
@@ -253,6 +276,18 @@ bool MainWindow::open_example(const QString& name) {
     if (!file.open(QIODevice::ReadOnly))
       throw FileError("there is no example " + name.toStdString());
     session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
+    ++scenes_opened_;
+    stack_->setCurrentIndex(1);
+  });
+}
+
+bool MainWindow::open_new() {
+  if (!may_discard()) return false;
+  return guarded([&] {
+    session_.document().open_text(
+        "[camera]\npreset = \"paper-previous-60x60\"\n\n[[flames]]\npreset = \"paper-layered\"\n"
+        "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n",
+        "untitled.toml");
     ++scenes_opened_;
     stack_->setCurrentIndex(1);
   });
@@ -434,11 +469,8 @@ QString MainWindow::apply_options(const QString& pixel, const QString& part, con
 
 void MainWindow::show_part(int index) {
   const auto part = static_cast<SceneView::Part>(index);
-  using Part = SceneView::Part;
   scene_view_->show_part(part);
-  section_->show_part(part == Part::scene || part == Part::flame ? SectionView::Part::scene
-                      : part == Part::camera                     ? SectionView::Part::camera
-                                                                 : SectionView::Part::array);
+  section_->show_part(static_cast<SectionView::Part>(index));
 }
 
 bool MainWindow::save_screenshot(const QString& path) {
@@ -454,7 +486,6 @@ bool MainWindow::save_screenshot(const QString& path) {
 void MainWindow::set_dark(bool dark) {
   apply_theme(dark);
   if (dark_->isChecked() != dark) dark_->setChecked(dark);
-  scene_view_->set_dark(dark);
   settings_->setValue("window/dark", dark);
 }
 

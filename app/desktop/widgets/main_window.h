@@ -23,6 +23,8 @@ class HelpWindow;
 class ImagePanel;
 class LightFieldPanel;
 class RaysPanel;
+struct Preferences;
+class ReconstructPanel;
 class RenderPanel;
 class ScenePanel;
 class SceneView;
@@ -48,6 +50,7 @@ class MainWindow : public QMainWindow {
   RenderPanel& render_panel() { return *render_; }
   LightFieldPanel& light_field_panel() { return *light_field_; }
   FlamePanel& flame_panel() { return *flame_; }
+  ReconstructPanel& reconstruct_panel() { return *reconstruct_; }
 
   /// Shows the window and draws it, before anything is computed that would keep the processors from
   /// it. Returns soon where the screen has no room for it, too.
@@ -57,6 +60,8 @@ class MainWindow : public QMainWindow {
   /// @param then is called once it is open
   bool open(const QString& path, const std::function<void()>& then = {});
   bool open_example(const QString& name);
+  /// A scene to begin with, which has no file yet.
+  bool open_new();
   bool save();
   bool save_as();
   /// Offers what was left behind by a program that ended without saving. @return whether it was
@@ -106,10 +111,18 @@ class MainWindow : public QMainWindow {
   void fail(const QString& message);
   bool may_discard();
   void show_about();
+  void start_tour();
+  void make_film();
+  void compare_with(const QString& file);
+  void select_next_type();
+  void raise_dock(const char* name);
+  void show_preferences();
+  void apply_preferences(const Preferences& wanted);
   void open_help();
   QString ask_save_name(const QString& title, const QString& suggestion, const QString& filter);
   void export_picture_of_scene();
   void export_rays();
+  void save_reconstruction();
   void export_image();
   void export_derived();
   void export_views();
@@ -140,6 +153,7 @@ class MainWindow : public QMainWindow {
   LightFieldPanel* light_field_ = nullptr;
   DesignPanel* design_ = nullptr;
   FlamePanel* flame_ = nullptr;
+  ReconstructPanel* reconstruct_ = nullptr;
   QMenu* recent_menu_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr;
   QLabel *pointer_label_ = nullptr, *busy_label_ = nullptr;

@@ -28,6 +28,7 @@
 #include "widgets/import_dialog.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/main_window.h"
+#include "widgets/reconstruct_panel.h"
 #include "widgets/scene_view.h"
 
 // What the window reads and writes besides scenes: exports, generated and imported flames.
@@ -246,6 +247,17 @@ void MainWindow::export_rays() {
         statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
                                  8000);
       });
+}
+
+void MainWindow::save_reconstruction() {
+  const auto task = reconstruct_->job().result();
+  if (!task) return fail(tr("There is no reconstruction yet."));
+  const QString name = ask_save_name(tr("Save what was found"), "found.vdb", tr("OpenVDB (*.vdb)"));
+  if (name.isEmpty()) return;
+  files_->add(
+      tr("saving what was found"),
+      [name, task](const Execution&) { task->write(name.toStdString()); },
+      [this, name] { say_written(name); });
 }
 
 void MainWindow::export_image() {

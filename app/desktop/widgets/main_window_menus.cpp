@@ -17,7 +17,9 @@
 #include "widgets/help_window.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
+#include "widgets/lens_window.h"
 #include "widgets/main_window.h"
+#include "widgets/preferences_dialog.h"
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
 #include "widgets/view_commands.h"
@@ -44,8 +46,7 @@ void MainWindow::make_menus() {
     settings_->setValue("files/folder", QFileInfo(path).absolutePath());
     open(path);
   };
-  add(file, tr("&New"), QKeySequence::New, "actionNew",
-      [this] { open_example("paper-previous-60x60"); });
+  add(file, tr("&New"), QKeySequence::New, "actionNew", [this] { open_new(); });
   add(file, tr("&Open..."), QKeySequence::Open, "actionOpen", ask_open);
   connect(welcome_, &WelcomePage::open_requested, this, ask_open);
   recent_menu_ = file->addMenu(tr("Open &recent"));
@@ -67,6 +68,8 @@ void MainWindow::make_menus() {
   redo_ = add(edit, tr("Redo"), QKeySequence::Redo, "actionRedo",
               [this] { session_.document().redo(); });
   edit->addSeparator();
+  add(edit, tr("Preferences..."), QKeySequence::Preferences, "actionPreferences",
+      [this] { show_preferences(); });
   add(edit, tr("Select nothing"), Qt::Key_Escape, "actionDeselect",
       [&document] { document.select({}); });
 
@@ -80,6 +83,10 @@ void MainWindow::make_menus() {
   });
   add(render, tr("Stop"), QKeySequence("Shift+F5"), "actionStop",
       [this] { session_.render().stop(); });
+  render->addSeparator();
+  add(render, tr("Reconstruct the flame..."), {}, "actionReconstruct",
+      [this] { raise_dock("reconstructDock"); });
+  add(render, tr("Film of a parameter..."), {}, "actionFilm", [this] { make_film(); });
 
   QMenu* const view = menuBar()->addMenu(tr("&View"));
   make_view_menu(*view);
@@ -87,6 +94,7 @@ void MainWindow::make_menus() {
 
   QMenu* const help = menuBar()->addMenu(tr("&Help"));
   add(help, tr("Documentation"), QKeySequence::HelpContents, "actionHelp", [this] { open_help(); });
+  add(help, tr("Guided tour"), {}, "actionTour", [this] { start_tour(); });
   add(help, tr("Keyboard"), QKeySequence("Shift+F1"), "actionKeys", [this] {
     QMessageBox::information(this, tr("Keyboard"),
                              tr("Image: arrows move the selected pixel (Shift: by ten), + and - "
@@ -118,6 +126,20 @@ void MainWindow::make_view_menu(QMenu& menu) {
     connect(action, &QAction::triggered, this,
             [this, part = entry.part] { show_part(static_cast<int>(part)); });
   }
+  QAction* const next_type = menu.addAction(tr("Next type of microlens"));
+  next_type->setShortcut(QKeySequence("Ctrl+T"));
+  connect(next_type, &QAction::triggered, this, [this] { select_next_type(); });
+  connect(menu.addAction(tr("Compare with a scene...")), &QAction::triggered, this, [this] {
+    const QString path = QFileDialog::getOpenFileName(this, tr("Scene beside this one"),
+                                                      settings_->value("files/folder").toString(),
+                                                      tr("Scenes (*.toml)"));
+    if (!path.isEmpty()) compare_with(path);
+  });
+  connect(menu.addAction(tr("Compare with the saved scene")), &QAction::triggered, this, [this] {
+    const std::string& file = session_.document().file();
+    if (file.empty()) return fail(tr("The scene was not saved yet."));
+    compare_with(QString::fromStdString(file));
+  });
   menu.addSeparator();
   QAction* const above = menu.addAction(tr("Section seen from above"));
   above->setCheckable(true);
@@ -126,8 +148,45 @@ void MainWindow::make_view_menu(QMenu& menu) {
   dark_->setObjectName("actionDark");
   dark_->setCheckable(true);
   connect(dark_, &QAction::toggled, this, [this](bool on) { set_dark(on); });
+  QMenu* const lens = menu.addMenu(tr("Main lens"));
+  const auto lens_window = [this](LensDiagrams::Kind kind) {
+    auto* const window = new LensDiagrams(kind, session_.lens(), this);
+    window->setAttribute(Qt::WA_DeleteOnClose);
+    window->show();
+  };
+  connect(lens->addAction(tr("Lens data...")), &QAction::triggered, this, [this] {
+    if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
+    auto* const window = new LensTable(session_.document(), this);
+    window->setAttribute(Qt::WA_DeleteOnClose);
+    connect(window, &LensTable::failed, this, &MainWindow::fail);
+    window->show();
+  });
+  connect(lens->addAction(tr("Spot diagram...")), &QAction::triggered, this,
+          [=] { lens_window(LensDiagrams::Kind::spots); });
+  connect(lens->addAction(tr("Ray fans...")), &QAction::triggered, this,
+          [=] { lens_window(LensDiagrams::Kind::fans); });
+  connect(lens->addAction(tr("MTF...")), &QAction::triggered, this,
+          [=] { lens_window(LensDiagrams::Kind::contrast); });
   menu.addSeparator();
   for (QDockWidget* dock : findChildren<QDockWidget*>()) menu.addAction(dock->toggleViewAction());
+}
+
+void MainWindow::show_preferences() {
+  PreferencesDialog dialog(preferences_of(*settings_), this);
+  connect(&dialog, &PreferencesDialog::changed, this, [this](const Preferences& wanted) {
+    keep_preferences(wanted, *settings_);
+    apply_preferences(wanted);
+  });
+  dialog.exec();
+}
+
+void MainWindow::apply_preferences(const Preferences& wanted) {
+  session_.set_threads(wanted.threads);
+  if (wanted.dark != dark_->isChecked()) set_dark(wanted.dark);
+  QFont font = QApplication::font();
+  if (wanted.font_points <= 0 || font.pointSize() == wanted.font_points) return;
+  font.setPointSize(wanted.font_points);
+  QApplication::setFont(font);
 }
 
 void MainWindow::update_recent() {
@@ -159,6 +218,7 @@ void MainWindow::open_help() {
   for (QWidget* w = QApplication::focusWidget(); w; w = w->parentWidget()) {
     if (w->objectName() == "sceneTree") page = "reference/scene.md";
     if (w->objectName() == "raysDock") page = "rays.md";
+    if (w->objectName() == "reconstructDock") page = "reconstruct.md";
     if (w->objectName() == "lightFieldDock") page = "light-fields.md";
     if (w->objectName() == "designDock") page = "design.md";
     if (w->objectName() == "flameDock") page = "user/flames.md";

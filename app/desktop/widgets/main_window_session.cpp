@@ -156,6 +156,11 @@ void MainWindow::connect_selection() {
         tr("distance %1")
             .arg(QString::fromStdString(readable_quantity(distance, Dimension::length, 4))));
   });
+  connect(scene_view_, &SceneView::part_requested, this, &MainWindow::show_part);
+  connect(scene_view_, &SceneView::look_edited, this,
+          [this](const FlameLook& look, const QString& what) {
+            session_.document().set_look(look, what.toStdString());
+          });
   connect(scene_view_, &SceneView::picture_requested, this, &MainWindow::export_picture_of_scene);
   connect(rays_, &RaysPanel::pixel_requested, this, select_pixel);
   connect(section_, &SectionView::lens_clicked, this, select_lens);

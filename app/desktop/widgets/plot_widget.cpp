@@ -206,7 +206,7 @@ void PlotWidget::paintEvent(QPaintEvent*) {
       if (series.marks) painter.drawEllipse(at, 2.5, 2.5);
     }
     painter.setBrush(Qt::NoBrush);
-    painter.drawPath(path);
+    if (series.line) painter.drawPath(path);
   }
 }
 

@@ -17,6 +17,7 @@ class PlotWidget : public QWidget {
     QVector<QPointF> points;  ///< gaps where a coordinate is not finite
     QColor colour;
     bool dashed = false, marks = false;
+    bool line = true;      ///< false: marks alone
     double bar_width = 0;  ///< above 0: bars around the points, in units (decades) of the x axis
   };
 

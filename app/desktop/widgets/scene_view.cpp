@@ -1,6 +1,7 @@
 #include "widgets/scene_view.h"
 
 #include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>
@@ -11,16 +12,20 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPropCollection.h>
+#include <vtkProperty.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextProperty.h>
+#include <vtkTexture.h>
 #include <vtkVolume.h>
 
 #include <QAction>
 #include <QActionGroup>
+#include <QComboBox>
 #include <QLayout>
 #include <QMouseEvent>
+#include <QSignalBlocker>
 #include <QStyle>
 #include <QToolBar>
 #include <QToolButton>
@@ -54,6 +59,21 @@ namespace {
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kSensorTexture = 640;
 
+/// Parts that are made for paper are seen before the dark, too.
+void stand_out(vtkActor& part) {
+  if (part.GetTexture()) return;
+  vtkProperty& look = *part.GetProperty();
+  std::array<double, 3> rgb{};
+  look.GetColor(rgb.data());
+  const double light = std::max({rgb[0], rgb[1], rgb[2]});
+  constexpr double kLeast = 0.55;
+  if (light < kLeast)
+    for (double& c : rgb) c += kLeast - light;
+  look.SetColor(rgb.data());
+  look.SetAmbientColor(rgb.data());
+  look.SetAmbient(0.3);
+}
+
 }  // namespace
 
 SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<View>()) {
@@ -72,9 +92,12 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   interactor->SetDesiredUpdateRate(15);
   interactor->SetStillUpdateRate(15);
   v.style->AutoAdjustCameraClippingRangeOff();
-  v.before_drawing->SetClientData(v.renderer.Get());
+  v.scale_bar = std::make_unique<ScaleBar>(*v.renderer);
+  v.before_drawing->SetClientData(&v);
   v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
-    fit_clipping(*static_cast<vtkRenderer*>(drawn_by));
+    auto* const drawn = static_cast<View*>(drawn_by);
+    fit_clipping(*drawn->renderer);
+    drawn->scale_bar->update(*drawn->renderer);
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);
@@ -87,51 +110,14 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
        {vtkCommand::PlacePointEvent, vtkCommand::InteractionEvent, vtkCommand::EndInteractionEvent})
     v.ruler->AddObserver(event, v.ruler_moved);
   v.widget->installEventFilter(this);
+  v.add_axes_cube();
 
-  tools_ = new QToolBar(this);
-  tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  tools_->layout()->setSpacing(0);
-  auto* group = new QActionGroup(this);
-  const std::array<std::array<QString, 2>, 5> parts{
-      {{tr("Scene"), tr("Flame and camera from the side")},
-       {tr("Flame"), tr("The flame as large as it fits")},
-       {tr("Camera"), tr("Main lens to sensor")},
-       {tr("Array"), tr("A few microlenses and the pixels behind them")},
-       {tr("Pixel"), tr("The microlens in front of the selected pixel")}}};
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    QAction* const action = tools_->addAction(parts[i][0]);
-    action->setObjectName("view" + parts[i][0]);
-    action->setToolTip(parts[i][1]);
-    action->setCheckable(true);
-    action->setChecked(i == 0);
-    group->addAction(action);
-    part_actions_[i] = action;
-    connect(action, &QAction::triggered, this, [this, i] { show_part(static_cast<Part>(i)); });
-  }
-  tools_->addSeparator();
-  measure_ = tools_->addAction(tr("Measure"));
-  measure_->setCheckable(true);
-  measure_->setToolTip(
-      tr("Distance between two clicks, in the plane through the middle of the view [m]"));
-  measure_->setObjectName("measure");
-  connect(measure_, &QAction::toggled, this, [this](bool on) {
-    view_->ruler->SetWidgetStateToStart();
-    view_->ruler->SetEnabled(on ? 1 : 0);
-    emit measured_changed(0);
-    render();
-  });
-  QAction* const save = tools_->addAction(tr("Picture..."));
-  save->setToolTip(tr("Save this view as a picture"));
-  connect(save, &QAction::triggered, this, &SceneView::picture_requested);
-  // As an icon: the texts of the others fill the bar.
-  save->setIcon(style()->standardIcon(QStyle::SP_DialogSaveButton));
-  if (auto* button = qobject_cast<QToolButton*>(tools_->widgetForAction(save)))
-    button->setToolButtonStyle(Qt::ToolButtonIconOnly);
-
+  make_tools();
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools_);
+  layout->addWidget(flame_tools_);
   notice_ = new Notice(this);
   notice_->setObjectName("sceneViewNotice");
   layout->addWidget(notice_);
@@ -140,13 +126,19 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
   show_later_.setSingleShot(true);
   connect(&show_later_, &QTimer::timeout, this, &SceneView::show_next);
-  set_dark(false);
+  // Dark in both themes: what shines is to be the brightest there is.
+  v.renderer->SetBackground(0.05, 0.055, 0.065);
+  set_ruler_dark(*v.ruler, true);
 }
 
 SceneView::~SceneView() {
   task_.cancel();
   view_->ruler->RemoveObserver(view_->ruler_moved);
   view_->ruler->SetInteractor(nullptr);
+  view_->axes->SetInteractor(nullptr);
+  // Another view may still watch a camera that both have.
+  view_->moved_elsewhere->SetCallback(nullptr);
+  view_->style->RemoveAllObservers();
 }
 
 double SceneView::measured() const {
@@ -164,18 +156,6 @@ void SceneView::show_measured() {
 void SceneView::render() {
   // Once for all that happens before the event loop turns.
   render_later_.start(0);
-}
-
-void SceneView::set_dark(bool dark) {
-  dark_ = dark;
-  if (dark)
-    view_->renderer->SetBackground(0.11, 0.12, 0.14);
-  else
-    view_->renderer->SetBackground(0.97, 0.97, 0.98);
-  set_ruler_dark(*view_->ruler, dark);
-  if (geometry_) add_flame();
-  add_rays();
-  render();
 }
 
 void SceneView::warm_up() {
@@ -232,6 +212,7 @@ void SceneView::clear() {
   temperatures_ = {0, 0};
   aimed_ = false;
   for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  view_->show_frame(false);
   if (measure_->isChecked()) measure_->setChecked(false);
   render();
 }
@@ -273,9 +254,10 @@ void SceneView::build_geometry() {
 void SceneView::add_geometry() {
   temperatures_ = {0, 0};
   if (geometry_->flame) {
-    const auto colours = views::temperature_colours(*geometry_->flame);
-    temperatures_ = {std::max(0.0, colours->GetRange()[0]), colours->GetRange()[1]};
+    temperatures_ = span_of(*geometry_->flame);
   }
+  view_->show_frame(true);
+  view_->axes->InteractiveOff();
   if (!aimed_) aim();
   if (first_) {
     // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
@@ -326,56 +308,14 @@ void SceneView::add_camera() {
     for (const SceneGeometry::Other& other : geometry_->others)
       views::add_camera(*other.camera, other.plate_texture, nullptr, 0.4, renderer);
   });
-}
-
-void SceneView::add_flame() {
-  if (!geometry_) return;
-  vtkImageData* const flame = geometry_->flame;
-  view_->replace("flame", [&](vtkRenderer& renderer) {
-    if (!flame) return;
-    auto colours = views::temperature_colours(*flame);
-    const double cold = look_.automatic ? temperatures_[0] : look_.cold,
-                 hot = look_.automatic ? temperatures_[1] : look_.hot;
-    colours->RemoveAllPoints();
-    constexpr int kStops = 17;
-    for (int i = 0; i < kStops; ++i) {
-      const double t = static_cast<double>(i) / (kStops - 1);
-      const Rgb c = flame_colour(look_.map, t);
-      colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
-    }
-    const auto volume = views::flame_volume(*flame, colours);
-    apply_opacity(look_, cold, hot, *volume);
-    if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
-      mapper->SetAutoAdjustSampleDistances(1);
-      mapper->SetMinimumImageSampleDistance(1);
-      mapper->SetMaximumImageSampleDistance(8);
-    }
-    renderer.AddVolume(volume);
-    // A clear flame may have no temperatures to tell.
-    if (flame->GetPointData()->GetArray("temperature")->GetRange()[1] > 0)
-      views::add_temperature_bar(colours, renderer);
-  });
-  for (const auto& prop : view_->layers["flame"])
-    if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) {
-      const double ink = dark_ ? 0.9 : 0.1;
-      bar->SetPosition(0.54, 0.02);
-      bar->SetWidth(0.38);
-      bar->SetHeight(0.2);
-      // VTK aligns labels when it makes them, and forgets it when they are drawn again.
-      bar->GetLabelTextProperty()->SetJustificationToCentered();
-      bar->GetLabelTextProperty()->SetVerticalJustificationToTop();
-      for (auto* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
-        style->SetColor(ink, ink, ink);
-        style->SetFontSize(12);
-      }
-    }
-  view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+  for (const auto& prop : view_->layers["camera"])
+    if (auto* actor = vtkActor::SafeDownCast(prop)) stand_out(*actor);
 }
 
 void SceneView::add_rays() {
   view_->replace("rays", [&](vtkRenderer& renderer) {
     if (!rays_ || rays_->paths.rays.empty()) return;
-    add_ray_lines(rays_->paths, highlighted_, dark_, renderer);
+    add_ray_lines(rays_->paths, highlighted_, true, renderer);
   });
 }
 
@@ -406,6 +346,8 @@ void SceneView::set_image(const std::shared_ptr<const ImagePyramid>& image) {
 
 void SceneView::set_flame_look(const FlameLook& look) {
   look_ = look;
+  const QSignalBlocker quiet(drawing_);
+  drawing_->setCurrentIndex(static_cast<int>(look.drawing));
   add_flame();
   render();
 }

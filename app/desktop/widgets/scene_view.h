@@ -14,7 +14,9 @@
 #include "plenoflame/scene/compile.h"
 
 class QAction;
+class QComboBox;
 class QLabel;
+class QSlider;
 class QToolBar;
 
 namespace plenoflame::desktop {
@@ -49,8 +51,9 @@ class SceneView : public QWidget {
   void set_flame_look(const FlameLook& look);
   const FlameLook& flame_look() const { return look_; }
   void show_part(Part part);
+  /// Looks from where the other one does from now on: what turns one turns both.
+  void look_as(SceneView& other);
   Part part() const { return part_; }
-  void set_dark(bool dark);
   /// Draws one of each kind of thing where nobody sees it: programs for the graphics card, which
   /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
   /// called before the window is on the screen, but after its place on the screen was made.
@@ -60,7 +63,8 @@ class SceneView : public QWidget {
   QImage picture();
   /// Whether everything that it was given is drawn.
   bool is_current() const;
-  /// Temperatures [K] that the flame has where it absorbs; 0, 0: there is none.
+  /// Temperatures [K] between which nearly all of the flame's emission lies, the ends of the
+  /// colours; 0, 0: there is none.
   std::array<double, 2> flame_temperatures() const { return temperatures_; }
   /// Width and height of what the camera sees at its focus [m].
   double view_height() const;
@@ -76,6 +80,9 @@ class SceneView : public QWidget {
   void point_picked(const plenoflame::Vec3& point);
   void measured_changed(double distance);
   void picture_requested();
+  /// A button above the view was clicked; nothing is shown yet.
+  void part_requested(int part);
+  void look_edited(const plenoflame::desktop::FlameLook& look, const QString& what);
   /// What the pointer is over; of kind none: nothing.
   void pointed(const plenoflame::desktop::Selection& target);
 
@@ -84,6 +91,8 @@ class SceneView : public QWidget {
 
  private:
   struct View;
+  void make_tools();
+  void look_along(int axis);
   void build_geometry();
   void add_geometry();
   void add_layers();
@@ -113,9 +122,12 @@ class SceneView : public QWidget {
   std::array<double, 2> temperatures_{0, 0};
   std::array<double, 3> aimed_from_{};
   int highlighted_ = -1;
-  bool aimed_ = false, dark_ = false, warm_ = false;
+  bool aimed_ = false, warm_ = false;
   bool first_ = true;  ///< geometry: its parts come one by one
   QToolBar* tools_ = nullptr;
+  QWidget* flame_tools_ = nullptr;
+  QComboBox *drawing_ = nullptr, *cut_ = nullptr;
+  QSlider* cut_place_ = nullptr;
   Notice* notice_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
   QAction* measure_ = nullptr;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "model/scene_target.h"
 #include "picture_camera.h"
@@ -124,6 +125,24 @@ void SceneView::follow(const std::array<double, 6>& before) {
   std::size_t seen = 0;
   for (const Vec3& point : points) seen += room.contains(to_widget(point)) ? 1U : 0U;
   if (place == aimed_from_ ? seen < points.size() : seen == 0) aim();
+}
+
+void SceneView::look_as(SceneView& other) {
+  vtkCamera* const camera = other.view_->renderer->GetActiveCamera();
+  view_->renderer->SetActiveCamera(camera);
+  aimed_ = true;
+  // Each draws anew when the other one turned it.
+  for (const auto& [from, to] : {std::pair{this, &other}, {&other, this}}) {
+    vtkCallbackCommand& moved = *to->view_->moved_elsewhere;
+    moved.SetClientData(to);
+    moved.SetCallback([](vtkObject*, unsigned long, void* view, void*) {
+      static_cast<SceneView*>(view)->render();
+    });
+    from->view_->style->AddObserver(vtkCommand::InteractionEvent, &moved);
+    from->view_->style->AddObserver(vtkCommand::EndInteractionEvent, &moved);
+    from->view_->style->AddObserver(vtkCommand::MouseWheelForwardEvent, &moved);
+    from->view_->style->AddObserver(vtkCommand::MouseWheelBackwardEvent, &moved);
+  }
 }
 
 bool SceneView::eventFilter(QObject* object, QEvent* event) {

@@ -5,18 +5,26 @@
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
+#include <vtkOrientationMarkerWidget.h>
 #include <vtkProp.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "widgets/scale_bar.h"
 #include "widgets/scene_view.h"
 
+class vtkImageData;
+
 namespace plenoflame::desktop {
+
+/// Temperatures between which nearly all of the emission of a drawn flame lies [K].
+std::array<double, 2> span_of(vtkImageData& flame);
 
 /// What of VTK the 3-D view is made of; known to its own sources only.
 struct SceneView::View {
@@ -27,9 +35,18 @@ struct SceneView::View {
   vtkNew<vtkCallbackCommand> before_drawing;
   vtkNew<vtkDistanceWidget> ruler;
   vtkNew<vtkCallbackCommand> ruler_moved;
+  vtkNew<vtkOrientationMarkerWidget> axes;
+  std::unique_ptr<ScaleBar> scale_bar;
+  vtkNew<vtkCallbackCommand> moved_elsewhere;  ///< of a camera that two views share
   std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
   std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
 
+  void add_axes_cube();
+  /// Axes and scale bar, which an empty view has none of.
+  void show_frame(bool on) {
+    if ((axes->GetEnabled() != 0) != on) axes->SetEnabled(on ? 1 : 0);
+    scale_bar->set_visible(on);
+  }
   /// Replaces what the layer shows by what add(renderer) adds.
   template <class Add>
   void replace(const std::string& layer, Add add) {

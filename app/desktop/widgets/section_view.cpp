@@ -81,7 +81,7 @@ void SectionView::set_scene(std::shared_ptr<const CompiledScene> scene) {
 void SectionView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
   rays_ = std::move(rays);
   highlighted_ = chosen;
-  if (part_ == Part::array) aim();
+  if (is_close()) aim();
   update();
 }
 
@@ -190,7 +190,14 @@ void SectionView::aim() {
     z1 = flame_place_.left();
     half = std::max({half, std::fabs(flame_place_.top()), std::fabs(flame_place_.bottom())});
   }
-  if (part_ == Part::array && spec.array.present) {
+  if (part_ == Part::flame && !flame_.isNull()) {
+    const QRectF place = flame_place_.normalized();
+    z0 = place.left();
+    z1 = place.right();
+    half = 0.5 * place.height();
+    middle = place.center().y();
+  }
+  if (is_close() && spec.array.present) {
     double column = 0.5 * spec.sensor.columns, row = 0.5 * spec.sensor.rows;
     if (rays_ && rays_->selection.kind == Selection::Kind::pixel) {
       column = rays_->selection.column + 0.5;
@@ -198,8 +205,9 @@ void SectionView::aim() {
     }
     const Vec2 place = camera.sensor_point(column, row);
     middle = horizontal_ ? place.x : -place.y;
-    half = 2.5 * spec.array.pitch;
+    half = (part_ == Part::array ? 2.5 : 0.75) * spec.array.pitch;
     z1 = camera.array_front() + spec.array.thickness;
+    z0 -= 0.05 * (z1 - z0);
   }
   scale_ = 0.9 * std::min(width() / std::max(1e-9, z1 - z0), height() / (2 * half));
   centre_ = {0.5 * (z0 + z1), middle};
@@ -378,6 +386,48 @@ void SectionView::draw_scale(QPainter& painter) {
                    QString::fromStdString(readable_quantity(bar, Dimension::length, 3)));
   painter.drawText(QRectF(8, 4, width() - 8, 2.0 * painter.fontMetrics().height()), Qt::AlignLeft,
                    horizontal_ ? tr("section, from above") : tr("section, from the side"));
+  draw_names(painter);
+}
+
+/// Names of the parts, each above or below its part where that is seen; no name over another.
+void SectionView::draw_names(QPainter& painter) {
+  const Camera& camera = scene_->camera;
+  const CameraSpec& spec = camera.spec();
+  struct Name {
+    QString text;
+    double z, height;
+  };
+  std::vector<Name> names;
+  const double sensor = 0.5 * (horizontal_ ? spec.sensor.size().x : spec.sensor.size().y);
+  if (!flame_.isNull())
+    names.push_back({tr("flame"), flame_place_.center().x(), flame_place_.top()});
+  double lens = 0.5 * spec.lens.diameter, last = 0;
+  for (const SurfaceSpec& surface : spec.lens.surfaces) {
+    lens = std::max(lens, 0.5 * surface.diameter);
+    last -= &surface == &spec.lens.surfaces.back() ? 0 : surface.thickness;
+  }
+  names.push_back({tr("main lens"), 0.5 * last, lens});
+  if (spec.array.present)
+    names.push_back(
+        {tr("microlenses"), 0.5 * (camera.array_front() + camera.array_back()), sensor});
+  names.push_back({tr("sensor"), camera.sensor(), sensor});
+  const QFontMetrics metrics = painter.fontMetrics();
+  std::vector<QRectF> taken;
+  painter.setPen(palette().color(QPalette::Text));
+  for (const Name& name : names) {
+    const double x = to_widget(name.z, 0).x();
+    if (x < 0 || x > width()) continue;
+    const double wide = metrics.horizontalAdvance(name.text), high = metrics.height();
+    const double left = std::clamp(x - 0.5 * wide, 4.0, std::max(4.0, width() - wide - 4));
+    double top = std::clamp(to_widget(name.z, name.height).y() - high - 3, 2.0 * high,
+                            std::max(2.0 * high, this->height() - 3.0 * high));
+    const auto meets = [&](const QRectF& r) {
+      return r.intersects(QRectF(left - 4, top, wide + 8, high));
+    };
+    while (std::any_of(taken.begin(), taken.end(), meets)) top -= high;
+    taken.emplace_back(left - 4, top, wide + 8, high);
+    painter.drawText(QRectF(left, top, wide + 1, high), Qt::AlignCenter, name.text);
+  }
 }
 
 void SectionView::paintEvent(QPaintEvent*) {

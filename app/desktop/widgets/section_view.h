@@ -16,7 +16,8 @@ namespace plenoflame::desktop {
 class SectionView : public QWidget {
   Q_OBJECT
  public:
-  enum class Part { scene, camera, array };
+  /// As those of the 3-D view.
+  enum class Part { scene, flame, camera, array, pixel };
 
   explicit SectionView(QWidget* parent = nullptr);
 
@@ -63,8 +64,10 @@ class SectionView : public QWidget {
   void draw_array(QPainter& painter);
   void draw_rays(QPainter& painter);
   void draw_scale(QPainter& painter);
+  void draw_names(QPainter& painter);
   void draw_notice(QPainter& painter);
   void aim();
+  bool is_close() const { return part_ == Part::array || part_ == Part::pixel; }
   void sample_flame();
 
   std::shared_ptr<const CompiledScene> scene_;

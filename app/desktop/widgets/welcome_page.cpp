@@ -14,6 +14,8 @@
 namespace plenoflame::desktop {
 namespace {
 
+constexpr int kThumbnail = 48;  ///< [logical pixel]
+
 /// An example to open: Return does what a click does, and the focus is seen.
 class ExampleButton : public QCommandLinkButton {
  public:
@@ -48,6 +50,8 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   const auto example = [&](const char* name, const QString& text, const QString& about) {
     auto* button = new ExampleButton(text, about, this);
     button->setObjectName(QString("example-") + name);
+    button->setIcon(QIcon(QString(":/thumb/%1.png").arg(name)));
+    button->setIconSize(QSize(kThumbnail, kThumbnail));
     connect(button, &QCommandLinkButton::clicked, this,
             [this, name] { emit example_chosen(QString(name)); });
     left->addWidget(button);
@@ -86,7 +90,7 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   columns->addSpacing(24);
   columns->addLayout(right, 2);
   auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(48, 36, 48, 36);
+  layout->setContentsMargins(48, 12, 48, 12);
   layout->addLayout(head);
   layout->addSpacing(18);
   layout->addLayout(columns, 1);

@@ -1,0 +1,223 @@
+// Time, films, the guided tour: what a lecture shows. References: the table that moves a flame,
+// values between two ends by arithmetic, what the steps of the tour say.
+#include <QAction>
+#include <QDockWidget>
+#include <QLabel>
+#include <QLineEdit>
+#include <QSlider>
+#include <QSpinBox>
+#include <QTabWidget>
+#include <QToolButton>
+#include <cmath>
+#include <set>
+
+#include "gui_tests.h"
+#include "scene_fixture.h"
+#include "scenes.h"
+#include "widgets/compare_window.h"
+#include "widgets/film_dialog.h"
+#include "widgets/light_field_panel.h"
+#include "widgets/time_bar.h"
+#include "widgets/tour_dialog.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+
+namespace {
+
+/// The flame goes 10 mm sideways in 30 ms; pictures each 10 ms.
+constexpr const char* kMovingKeys = R"(
+[camera]
+preset = "paper-previous-60x60"
+[camera.sensor]
+columns = 200
+rows = 180
+pixel_pitch = "100 um"
+frame_rate = "100 Hz"
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+time_table = "way.csv"
+[render]
+samples = 8
+)";
+
+}  // namespace
+
+class LectureTest : public test::SceneFixture {
+  Q_OBJECT
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { end(); }
+
+  void timeMovesTheFlame() {
+    write(file("way.csv"), "time [ms], y [mm]\n0, -5\n30, 5\n");
+    write(file("way.toml"), kMovingKeys);
+    QVERIFY(window_->open(file("way.toml")));
+    QVERIFY(settled());
+    auto* const slider = child<QSlider>("timeSlider");
+    QVERIFY(slider->isVisible());
+    QCOMPARE(slider->minimum(), 0);
+    QVERIFY(slider->maximum() >= 2);
+    const auto middle = [this] {
+      const Box box = scene().medium->bounds();
+      return 0.5 * (box.lower.y + box.upper.y);
+    };
+    QVERIFY(std::abs(middle() + 5e-3) < 1e-9);
+    slider->setFocus();
+    QTest::keyClick(slider, Qt::Key_Right);
+    QTest::keyClick(slider, Qt::Key_Right);
+    QVERIFY(settled());
+    // By the table: -5 mm + 10 mm * 20 / 30.
+    QVERIFY2(std::abs(middle() - (-5e-3 + 1e-2 * 20 / 30)) < 1e-9,
+             qPrintable(QString::number(middle())));
+    QVERIFY(child<QLabel>("timeLabel")->text().startsWith("20 ms"));
+    // The scene has not changed, and its file is as it was.
+    QVERIFY(!session().document().is_modified());
+    // Playing goes through all moments and begins again.
+    std::set<int> seen;
+    QObject here;
+    connect(slider, &QSlider::valueChanged, &here, [&](int value) { seen.insert(value); });
+    QTest::mouseClick(child<QToolButton>("timePlay"), Qt::LeftButton);
+    QVERIFY(until([&] { return static_cast<int>(seen.size()) == slider->maximum() + 1; }));
+    QTest::mouseClick(child<QToolButton>("timePlay"), Qt::LeftButton);
+    QVERIFY(!child<TimeBar>("timeBar")->is_playing());
+    QVERIFY(settled());
+    // A scene that stays has no such bar.
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(!slider->isVisible());
+  }
+
+  void filmOfAParameter() {
+    QCOMPARE(between("camera.focus.object_distance", "1 m", "2 m", 0.25), std::string("1.25 m"));
+    QCOMPARE(between("flames[0].position", "1 m, 0 m, 0 m", "1 m, 20 mm, 0 m", 0.5),
+             std::string("1 m, 10 mm, 0 m"));
+    QVERIFY_EXCEPTION_THROWN(between("camera.focus.mode", "best", "best", 0.5), InputError);
+    write(file("small.toml"), test::small_scene_text().c_str());
+    QVERIFY(window_->open(file("small.toml")));
+    QVERIFY(settled());
+    window_->scene_panel().reveal("flames[0].brightness");
+    QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+    auto* const film = child<FilmDialog>("filmDialog");
+    auto* const from = child<QLineEdit>("filmFrom");
+    auto* const to = child<QLineEdit>("filmTo");
+    QCOMPARE(from->text(), QString("1"));
+    to->setFocus();
+    to->selectAll();
+    QTest::keyClicks(to, "-1");
+    film->record(file("film.png"));  // as it is refused in the tree
+    QVERIFY(!film->is_recording() && film->message().contains("brightness"));
+    to->selectAll();
+    QTest::keyClicks(to, "0.25");
+    auto* const frames = child<QSpinBox>("filmFrames");
+    frames->setFocus();
+    frames->selectAll();
+    QTest::keyClicks(frames, "3");
+    answer_file_dialog(file("film.png"));
+    QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
+    QVERIFY(film->is_recording());
+    QVERIFY(until([&] { return !film->is_recording(); }));
+    QVERIFY2(film->message().startsWith("3 pictures"), qPrintable(film->message()));
+    for (const char* name : {"film.0001.png", "film.0002.png", "film.0003.png"})
+      QVERIFY(!QImage(file(name)).isNull());
+    QVERIFY(!QFile::exists(file("film.0004.png")));
+    QCOMPARE(session().document().scene().flames[0].brightness, 1.0);
+    QVERIFY(!session().document().is_modified());
+    film->close();
+  }
+
+  void tourOfTenSteps() {
+    QVERIFY(click_menu({"Help", "Guided tour"}));
+    auto* const tour = child<TourDialog>("tourDialog");
+    QVERIFY(tour && tour->steps() == 10);
+    QVERIFY(settled());
+    auto* const next = child<QPushButton>("tourNext");
+    const auto at = [&](int step) { return tour->step() == step && settled(); };
+    const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR");
+    const std::array<SceneView::Part, 10> parts{SceneView::Part::scene,  SceneView::Part::flame,
+                                                SceneView::Part::camera, SceneView::Part::array,
+                                                SceneView::Part::array,  SceneView::Part::array,
+                                                SceneView::Part::scene,  SceneView::Part::camera,
+                                                SceneView::Part::scene,  SceneView::Part::scene};
+    for (int step = 0; step < 10; ++step) {
+      QVERIFY(at(step));
+      QVERIFY2(view().part() == parts[static_cast<std::size_t>(step)],
+               qPrintable(QString::number(step)));
+      QVERIFY(child<QLabel>("tourText")->text().contains(QString("%1 of 10").arg(step + 1)));
+      QCOMPARE(selection().kind == Selection::Kind::pixel, step == 6);
+      QCOMPARE(selection().kind == Selection::Kind::point, step == 7);
+      if (step == 6)
+        QVERIFY(session().rays().rays() && !session().rays().rays()->paths.rays.empty());
+      if (!folder.isEmpty())
+        window_->save_screenshot(QString("%1/step%2.png").arg(folder).arg(step + 1));
+      if (step < 9) QTest::mouseClick(next, Qt::LeftButton);
+    }
+    QVERIFY(dock("lightFieldDock")->isVisible());
+    QCOMPARE(window_->light_field_panel().tabs().currentIndex(), 1);
+    QTest::mouseClick(next, Qt::LeftButton);
+    QVERIFY(until([this] { return !child<TourDialog>("tourDialog"); }));
+  }
+
+  void twoScenesSideBySide() {
+    write(file("small.toml"), test::small_scene_text().c_str());
+    // The same flame, twice as bright: the same rays, so twice the flux everywhere.
+    std::string twice = test::small_scene_text();
+    const std::string key = "preset = \"paper-layered\"\n";
+    twice.insert(twice.find(key) + key.size(), "brightness = 2\n");
+    write(file("twice.toml"), twice.c_str());
+    QVERIFY(window_->open(file("small.toml")));
+    QVERIFY(settled());
+    answer_file_dialog(file("twice.toml"));
+    QVERIFY(click_menu({"View", "Compare with a scene..."}));
+    auto* const window = child<CompareWindow>("compareWindow");
+    QVERIFY(window);
+    Session& other = window->other();
+    QVERIFY(until([&] {
+      return other.document().image() && other.render().state() == RenderJob::State::finished;
+    }));
+    auto* const left = child<ImageView>("compareLeft");
+    auto* const right = child<ImageView>("compareRight");
+    QVERIFY(until([&] { return right->image() && right->image()->largest() > 0; }));
+    QVERIFY(std::abs(right->image()->largest() / left->image()->largest() / 2.0F - 1) < 1e-5F);
+    QCOMPARE(left->tone_settings().white, right->tone_settings().white);
+    // What is seen of one is seen of the other.
+    left->set_scale(7);
+    left->centre_on(50, 60);
+    QVERIFY(std::abs(right->scale() - 7) < 1e-9 && std::abs(right->centre().x() - 50) < 1e-9);
+    QTest::mouseClick(right, Qt::LeftButton, {}, right->to_widget(QPointF(52.5, 61.5)).toPoint());
+    QVERIFY(selection() == Selection::of_pixel(52, 61));
+    QVERIFY(other.document().selection() == selection());
+    QVERIFY(until([&] { return other.rays().rays() != nullptr; }));
+    const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR");
+    if (!folder.isEmpty()) window->grab().save(folder + "/compare.png");
+    window->close();
+  }
+
+  void typesOfMicrolensesOneAfterTheOther() {
+    QVERIFY(open_example("lenslets-30"));
+    std::set<int> types;
+    for (int i = 0; i < 3; ++i) {
+      press(Qt::Key_T, Qt::ControlModifier);
+      QVERIFY(selection().kind == Selection::Kind::microlens);
+      types.insert(scene().camera.lattice().type(selection().lens));
+    }
+    QCOMPARE(types.size(), std::size_t{3});
+  }
+
+  void largeLightField() {
+    QVERIFY(open_example("lenslets-30"));
+    raise("lightFieldDock");
+    const int before = window_->light_field_panel().width();
+    QTest::mouseClick(child<QToolButton>("lightFieldLarge"), Qt::LeftButton);
+    QVERIFY(until([&] { return window_->light_field_panel().width() > 2 * before; }));
+    QTest::mouseClick(child<QToolButton>("lightFieldLarge"), Qt::LeftButton);
+    QVERIFY(until([&] { return !child<QDockWidget>("lightFieldDock")->isFloating(); }));
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_lecture_test() {
+  return std::make_unique<LectureTest>();
+}
+
+#include "lecture_test.moc"

@@ -1,0 +1,161 @@
+// The flame back from its pictures, by clicks alone.
+#include <QComboBox>
+#include <QFile>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPlainTextEdit>
+#include <QTabBar>
+#include <QTabWidget>
+#include <QTreeWidget>
+#include <algorithm>
+#include <cmath>
+
+#include "gui_tests.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/scene_file.h"
+#include "widgets/beside_window.h"
+#include "widgets/reconstruct_panel.h"
+#include "window_fixture.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+
+namespace {
+
+/// A small camera before a round flame of one layer, whose emission is known: kappa times the
+/// source function.
+constexpr const char* kRoundFlame = R"([camera]
+preset = "paper-previous-60x60"
+[[flames]]
+kind = "layered"
+position = ["1 m", "0 m", "0 m"]
+[[flames.layers]]
+semi_axes = ["20 mm", "20 mm", "20 mm"]
+temperature = "1800 K"
+absorption = "4 1/m"
+[render]
+samples = 64
+)";
+
+}  // namespace
+
+class ReconstructTest : public test::WindowFixture {
+  Q_OBJECT
+
+  QPushButton* push(const char* name) { return child<QPushButton>(name); }
+  void choose(const char* box, const QString& text) {
+    auto* const combo = child<QComboBox>(box);
+    QVERIFY(combo);
+    const int index = combo->findText(text);
+    QVERIFY2(index >= 0, qPrintable(text));
+    combo->setFocus();
+    // With the keys that move through a list.
+    while (combo->currentIndex() < index) QTest::keyClick(combo, Qt::Key_Down);
+    while (combo->currentIndex() > index) QTest::keyClick(combo, Qt::Key_Up);
+    QCOMPARE(combo->currentText(), text);
+  }
+  void fill(const char* name, const QString& text) {
+    auto* const line = child<QLineEdit>(name);
+    QVERIFY(line);
+    line->setFocus();
+    line->selectAll();
+    QTest::keyClicks(line, text);
+    QCOMPARE(line->text(), text);
+  }
+  ReconstructJob& job() { return window_->reconstruct_panel().job(); }
+  bool ended() {
+    return until([this] { return job().state() != ReconstructJob::State::running; });
+  }
+  void open_round_flame() {
+    begin();
+    write(file("round.toml"), kRoundFlame);
+    QVERIFY(window_->open(file("round.toml")));
+    QVERIFY(settled());
+    QVERIFY(click_menu({"Render", "Reconstruct the flame..."}));
+    QVERIFY(dock("reconstructDock")->isVisible());
+  }
+
+ private slots:
+  void flameComesBackAndIsSaved() {
+    open_round_flame();
+    auto* const cameras = child<QTreeWidget>("reconstructCameras");
+    QCOMPARE(cameras->topLevelItemCount(), 1);
+    QCOMPARE(cameras->topLevelItem(0)->text(1), QString("that in the window"));
+    QVERIFY(!push("reconstructSave")->isEnabled());
+    choose("reconstructUnknowns", "Ellipsoidal layers");
+    fill("reconstructGrid", "4");
+    fill("reconstructBin", "3");
+    fill("reconstructRays", "8");
+    QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
+    QVERIFY(ended());
+    QCOMPARE(job().text(), QString("finished"));
+    QVERIFY(job().solution().size() > 1);
+    // The first state, of a strength that is tried, explains less than the solution does.
+    const double first = (job().trials() + job().solution()).front().y(),
+                 last = job().solution().back().y();
+    QVERIFY2(last < first, qPrintable(QString("%1, %2").arg(first).arg(last)));
+    const auto& fields = *job().fields();
+    const auto found_field =
+        std::find_if(fields.fields.begin(), fields.fields.end(),
+                     [](const ReconstructFields::Field& f) { return f.name == "emission"; });
+    QVERIFY(found_field != fields.fields.end());
+    const auto& emission = *found_field;
+    // By arithmetic: absorption times sigma T^4 / pi, all wavelengths together.
+    const double truth = 4 * 5.670374419e-8 * std::pow(1800.0, 4) / std::acos(-1.0);
+    // Between the innermost sample and the second one, where no layer ends.
+    const auto& size = fields.place.size;
+    const std::size_t middle = (size[2] / 2 * size[1] + size[1] / 2) * size[0] + size[0] / 2;
+    const double found = static_cast<double>(emission.found[middle]);
+    QVERIFY2(std::abs(found / truth - 1) < 0.25,
+             qPrintable(QString("%1 and %2").arg(found).arg(truth)));
+    QVERIFY(child<QPlainTextEdit>("reconstructReport")->toPlainText().contains("chi^2"));
+    // Beside the truth in three dimensions, both seen.
+    QTest::mouseClick(push("reconstructBeside"), Qt::LeftButton);
+    auto* const beside = window_->findChild<BesideWindow*>();
+    QVERIFY(beside && QTest::qWaitForWindowExposed(beside));
+    const auto bright = beside->brightness();
+    QVERIFY2(bright[0] > 100 && bright[1] > 100,
+             qPrintable(QString("%1, %2").arg(bright[0]).arg(bright[1])));
+    const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR");
+    if (!folder.isEmpty()) {
+      beside->grab().save(folder + "/beside.png");
+      window_->save_screenshot(folder + "/reconstruct.png");
+    }
+    beside->close();
+    answer_file_dialog(file("back"));
+    QTest::mouseClick(push("reconstructSave"), Qt::LeftButton);
+    QVERIFY(written());
+    const QString info = run(PLENOFLAME_COMMAND, {"info", file("back.vdb")});
+    QVERIFY2(info.contains("emission"), qPrintable(info));
+    end();
+  }
+
+  void whatIsWrongIsSaidAndAStopKeepsTheIterate() {
+    open_round_flame();
+    fill("reconstructGrid", "none");
+    QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
+    QVERIFY(ended());
+    QVERIFY2(child<QLabel>("reconstructState")->text().contains("--grid"),
+             qPrintable(job().text()));
+    auto* const tabs = child<QTabWidget>("reconstructTabs")->tabBar();
+    QTest::mouseClick(tabs, Qt::LeftButton, {}, tabs->tabRect(0).center());
+    fill("reconstructGrid", "12");
+    fill("reconstructRays", "8");
+    fill("reconstructBin", "2");
+    fill("reconstructIterations", "100000");
+    QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
+    // Stopped once there is an iterate on display.
+    QVERIFY(until([this] { return job().fields() != nullptr; }));
+    QTest::mouseClick(push("reconstructStop"), Qt::LeftButton);
+    QVERIFY(ended());
+    QVERIFY2(job().text().startsWith("stopped") || job().text() == "finished",
+             qPrintable(job().text()));
+    end();
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_reconstruct_test() {
+  return std::make_unique<ReconstructTest>();
+}
+
+#include "reconstruct_test.moc"
