@@ -4,7 +4,7 @@
 #   tools/make_screenshots.sh [NAME ...]    only these; without any, all
 #
 # DESKTOP names the program, build/release/app/desktop/plenoflame-desktop unless set. Without a display it draws on
-# one of xvfb-run. Packages: tools/setup.sh desktop vtk dev
+# one of xvfb-run. desktop-reconstruct.png is what the test `desktop_gui_test reconstruct` leaves in the folder PLENOFLAME_TOUR. Packages: tools/setup.sh desktop vtk dev
 set -euo pipefail
 cd "$(dirname "$0")/.."
 desktop=${DESKTOP:-build/release/app/desktop/plenoflame-desktop}
