@@ -12,7 +12,8 @@ void register_calibrate(const Registry& registry) {
                   "plenoflame calibrate white white.tif --camera nominal.toml -o camera.toml");
   command.require_subcommand(1);
   using Add = void (*)(CLI::App&, const Registry&);
-  constexpr Add kSubcommands[] = {add_calibrate_white, add_calibrate_radiometry};
+  constexpr Add kSubcommands[] = {add_calibrate_white, add_calibrate_radiometry,
+                                  add_calibrate_geometry};
   for (const Add add : kSubcommands) add(command, registry);
 }
 

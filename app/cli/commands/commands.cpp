@@ -32,6 +32,7 @@ void register_commands(const Registry& registry) {
   register_import(registry);
   register_calibrate(registry);
   register_compare(registry);
+  register_camera(registry);
   register_info(registry);
 }
 

@@ -23,9 +23,10 @@ void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
 void register_export(const Registry& registry);
 void register_compare(const Registry& registry);
+void register_camera(const Registry& registry);
+void register_calibrate(const Registry& registry);
 void register_info(const Registry& registry);
 void register_import(const Registry& registry);
-void register_calibrate(const Registry& registry);
 
 /// Registers every command, in the order in which --help lists them.
 void register_commands(const Registry& registry);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "commands/commands.h"
+#include "commands/compare_lenses.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "report.h"
@@ -21,6 +22,7 @@ struct CompareArguments {
   std::string reference;
   std::string channel;
   std::string limit;
+  LensComparison lenses;
   bool json = false;
 };
 
@@ -135,6 +137,8 @@ int run_compare(const CompareArguments& settings) {
   report.add_json("largest_difference_pixel", {c.largest_column, c.largest_row});
   report.add("flux in unlit pixels", readable_percent(c.stray_share), "stray_share", c.stray_share);
   add_statistics(report, c);
+  if (settings.lenses.asked())
+    compare_lenses(a, reference, channel, settings.reference, settings.lenses, report);
   report.print(settings.json);
   if (limit < 0 || c.relative_rmse <= limit) return kSuccess;
   throw Error("the relative RMSE of " + readable_percent(c.relative_rmse) +
@@ -162,6 +166,18 @@ void register_compare(const Registry& registry) {
                   "Fail (status 1) when the relative RMSE, sqrt(mean((A - REFERENCE)^2)) / "
                   "mean(REFERENCE) over lit pixels, exceeds this, e.g. 1%")
       ->option_text("SHARE");
+  command.add_flag("--by-lens", settings->lenses.wanted,
+                   "A is measured, REFERENCE simulated: how A lies on it by parts of a pixel, and "
+                   "its gain, over all and for each micro-image");
+  command
+      .add_option("--lenses", settings->lenses.csv,
+                  "The same, with a table of all micro-images: gain, shift and what is left")
+      ->option_text("FILE.csv");
+  command
+      .add_option("--map", settings->lenses.map,
+                  "The same, with a picture of what is left: red where A is brighter, full colour "
+                  "at a tenth of the brightest light")
+      ->option_text("FILE.png");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_compare(*settings); });
 }

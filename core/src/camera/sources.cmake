@@ -6,3 +6,5 @@ list(APPEND core_sources src/camera/pupil/aperture_sides.cpp src/camera/microlen
   src/camera/pupil/pupil_tracer.cpp src/camera/pupil/pupil_outline.cpp src/camera/pupil/widen_cuts.cpp src/camera/pupil/stop_landing.cpp
   src/camera/design/camera_merit.cpp src/camera/design/lens_design.cpp src/camera/sensor_levels.cpp
   src/camera/design/window_design.cpp)
+list(APPEND core_sources src/camera/import/camera_import.cpp src/camera/import/grid_import.cpp
+  src/camera/import/libpleno_import.cpp src/camera/import/optics_import.cpp)

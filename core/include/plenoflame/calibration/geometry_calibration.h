@@ -1,0 +1,75 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/math/vector.h"
+#include "plenoflame/scene/camera_spec.h"
+
+namespace plenoflame {
+
+/// A corner of a plane board, seen through one microlens.
+struct CornerObservation {
+  int pose = 0;  ///< which placement of the board
+  Vec2 board;    ///< [m] on the board
+  Vec2 pixel;    ///< column, row; pixel (0, 0) has its centre at (0.5, 0.5)
+  /// None: the lens whose micro-image, by the camera to start with, has its centre nearest.
+  std::optional<LensIndex> lens;
+};
+
+/// The centre of a micro-image in white pictures.
+struct CentreObservation {
+  LensIndex lens;
+  Vec2 pixel;
+};
+
+struct BoardPose {
+  int pose = 0;
+  RigidTransform to_camera;  ///< board to camera [m]
+  double rms = 0;            ///< [pixel] of its corners
+};
+
+struct CalibratedValue {
+  std::string key;
+  double value = 0;
+  double error = 0;  ///< standard deviation, from what the fit leaves
+};
+
+struct GeometrySettings {
+  /// Keys of what is searched for, those of calibrated_keys(); empty: all, of the
+  /// array what the observations can tell.
+  std::vector<std::string> free;
+  double outlier = 6;  ///< corners farther off than this many times the RMS are left out; 0: none
+};
+
+struct GeometryCalibration {
+  CameraSpec camera;
+  std::vector<BoardPose> poses;
+  std::vector<CalibratedValue> values;
+  double corner_rms = 0;  ///< [pixel] per coordinate
+  double centre_rms = 0;
+  std::size_t corners = 0, centres = 0, left_out = 0;
+  /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.
+  std::vector<Vec2> residuals;
+  int steps = 0;
+};
+
+/// Keys of all values that can be searched for.
+std::vector<std::string> calibrated_keys();
+
+/// Camera and poses of the boards with which exact rays through the middles of the microlenses meet
+/// the corners: least squares over all of them together (Levenberg and Marquardt), centres of
+/// micro-images with them.
+/// @param start a thin ideal main lens and ideal microlenses, near enough that corners are found in
+///        the right micro-images; poses begin with a homography
+/// @throws InputError for another camera, too few corners, and where a value is not determined by
+///         the observations: it names those that go together
+GeometryCalibration calibrate_geometry(const CameraSpec& start,
+                                       const std::vector<CornerObservation>& corners,
+                                       const std::vector<CentreObservation>& centres,
+                                       const GeometrySettings& settings = {},
+                                       const Execution& execution = {});
+
+}  // namespace plenoflame

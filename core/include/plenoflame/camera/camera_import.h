@@ -1,0 +1,38 @@
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plenoflame/scene/camera_spec.h"
+
+namespace plenoflame {
+
+/// A format of camera calibrations that can be read.
+struct CameraFormatName {
+  const char* name;
+  const char* what;  ///< which tool, which file
+};
+
+/// All formats, in the order in which they are tried.
+std::span<const CameraFormatName> camera_formats();
+
+/// A camera from files of another tool.
+struct ImportedCamera {
+  CameraSpec camera;
+  std::vector<std::string> formats;  ///< of the files, in their order
+  std::vector<std::string> notes;    ///< what was assumed or left out, one line each
+};
+
+/// Puts a camera together from what calibration files say: an ideal thin main lens, ideal
+/// microlenses, and what is known of their places. What a file does not say, a later one may.
+/// @param given values that replace those of the files: lens.focal_length, lens.diameter,
+///        focus.lens_distance or focus.object_distance, array.pitch, array.sensor_distance, focal
+///        lengths of array.types, columns, rows and pixel pitch of the sensor; 0: not given
+/// @param format of the files by name; empty: found by their content
+/// @throws FileError, InputError with file and line; InputError that lists every value that is
+///         missing, with its key
+ImportedCamera import_camera(const std::vector<std::string>& files, const CameraSpec& given,
+                             std::string_view format = {});
+
+}  // namespace plenoflame

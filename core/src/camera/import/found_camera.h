@@ -1,0 +1,89 @@
+#pragma once
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/camera_spec.h"
+
+/// Parts that readers of calibration files (camera_import.h) share. A format is a row of
+/// camera_import.cpp and a function in a file of its own.
+namespace plenoflame {
+
+/// The regular grid of micro-images: upright, x to the right, y down, pixel (0, 0) has its centre
+/// at (0.5, 0.5).
+struct FoundGrid {
+  bool hexagonal = true;
+  Vec2 origin;          ///< [pixel] centre of a micro-image, of the first type
+  Vec2 pitch;           ///< [pixel] along and across its rows; hexagonal: both the distance of
+                        ///< neighbours
+  double rotation = 0;  ///< [rad] of the rows, from x towards y
+  int types = 1;
+};
+
+/// All that files have said so far; 0 is what nothing was said of. All lengths in metres.
+struct FoundCamera {
+  CameraSpec camera;
+  std::optional<FoundGrid> grid;
+  /// True if pitch, offset and rotation of the array are in `camera`, not in `grid`.
+  bool placed = false;
+  std::vector<std::string> notes;
+
+  void note(std::string text) { notes.push_back(std::move(text)); }
+};
+
+/// A file as a reader gets it.
+struct CalibrationFile {
+  std::string path;
+  std::string text;
+};
+
+/// Sets what nothing was said of so far.
+inline void set_new(double& known, double value) {
+  if (known == 0) known = value;
+}
+inline void set_new(int& known, int value) {
+  if (known == 0) known = value;
+}
+
+/// @throws InputError that begins with the file's name
+[[noreturn]] void refuse_calibration(const CalibrationFile& file, const std::string& message);
+
+/// A number that may be quoted. @throws InputError naming the key where it is none, or not finite
+double json_number(const CalibrationFile& file, const nlohmann::json& value,
+                   const std::string& key);
+
+/// JSON of a calibration file. @throws InputError with line and column
+nlohmann::json read_json(const CalibrationFile& file);
+
+/// Fits a regular grid to centres of micro-images with their columns and rows. Columns of a
+/// hexagonal grid count along each row; odd rows stand half a step to the right of even ones, or to
+/// the left.
+struct NumberedCentre {
+  int column = 0, row = 0;
+  Vec2 at;  ///< [pixel] as in FoundGrid
+};
+FoundGrid fit_found_grid(const CalibrationFile& file, const std::vector<NumberedCentre>& centres,
+                         bool hexagonal, FoundCamera& found);
+
+bool is_libpleno(const CalibrationFile& file);
+void read_libpleno(const CalibrationFile& file, FoundCamera& found);
+bool is_libpleno_parameters(const CalibrationFile& file);
+void read_libpleno_parameters(const CalibrationFile& file, FoundCamera& found);
+bool is_plenoptic_toolbox(const CalibrationFile& file);
+void read_plenoptic_toolbox(const CalibrationFile& file, FoundCamera& found);
+bool is_pip(const CalibrationFile& file);
+void read_pip(const CalibrationFile& file, FoundCamera& found);
+bool is_plenoptomos(const CalibrationFile& file);
+void read_plenoptomos(const CalibrationFile& file, FoundCamera& found);
+bool is_plenopticam(const CalibrationFile& file);
+void read_plenopticam(const CalibrationFile& file, FoundCamera& found);
+bool is_centre_list(const CalibrationFile& file);
+void read_centre_list(const CalibrationFile& file, FoundCamera& found);
+bool is_ten_parameters(const CalibrationFile& file);
+void read_ten_parameters(const CalibrationFile& file, FoundCamera& found);
+
+}  // namespace plenoflame

@@ -1,0 +1,181 @@
+"""plenoflame camera import: what export wrote for other tools comes back as the same camera, each value that no file has
+is asked for, and damaged files are refused. Micro-images are compared by their centres, as both cameras have them.
+"""
+
+import json
+import math
+import os
+import struct
+
+import zipfile
+
+from command import CommandTest, main
+from exr import write_light_field
+
+SCENE = """[camera.lens]
+model = "ideal"
+surfaces = []
+focal_length = "50 mm"
+diameter = "12.5 mm"
+decentre = ["%g mm", "%g mm"]
+tilt = ["%g deg", "%g deg"]
+[camera.focus]
+mode = "distance"
+lens_distance = "56.7 mm"
+[camera.array]
+lattice = "%s"
+model = "ideal"
+pitch = "80 um"
+diameter = "80 um"
+rotation = "%g deg"
+offset = ["10 um", "-7 um"]
+sensor_distance = "0.4 mm"
+tilt = ["%g deg", "%g deg"]
+%s
+[camera.sensor]
+columns = 400
+rows = 300
+pixel_pitch = "2.5 um"
+[[flames]]
+name = "point"
+[[flames.layers]]
+name = "sphere"
+temperature = "1500 K"
+absorption = "1 1/m"
+"""
+TYPE = """[[camera.array.types]]
+name = "%s"
+focal_length = "%g mm"
+"""
+FOCAL = {"a": 0.45, "b": 0.5057, "c": 0.58, "unfocused": 0.4}
+OPTICS = ["--set", "camera.lens.focal_length=50mm", "--set", "camera.lens.f_number=4",
+          "--set", "camera.focus.lens_distance=56.7mm", "--set", "camera.array.sensor_distance=0.4mm",
+          "--set", "camera.sensor.pixel_pitch=2.5um"]
+SIZE = ["--set", "camera.sensor.columns=400", "--set", "camera.sensor.rows=300"]
+
+def focal(types):
+    return [part for i, name in enumerate(types)
+            for part in ("--set", "camera.array.types[%d].focal_length=%gmm" % (i, FOCAL[name]))]
+
+def read_npy(data):
+    header_size = struct.unpack("<H", data[8:10])[0]
+    header = data[10:10 + header_size].decode("latin-1")
+    code = {"<f8": "d", "<f4": "f", "<i4": "i"}[header.split("'descr': '")[1].split("'")[0]]
+    body = data[10 + header_size:]
+    return struct.unpack("<%d%s" % (len(body) // struct.calcsize(code), code), body)
+
+class CameraImport(CommandTest):
+    def scene(self, types="abc", lattice="hexagonal", rotation=0.3, decentre=(0, 0), tilt=(0, 0), array_tilt=(0, 0)):
+        text = SCENE % (*decentre, *tilt, lattice, rotation, *array_tilt,
+                        "".join(TYPE % (n, FOCAL[n]) for n in ([types] if types in FOCAL else types)))
+        write_light_field(self.path("raw.exr"), [[1e-12] * 400] * 300, scene=text)
+
+    def images(self, *options):
+        """[(x, y, radius, focal length)] of the micro-images."""
+        self.succeeds("export", "raw.exr", "--format", "npz", "--force", "--name", "n", "-o", "arrays", *options)
+        with zipfile.ZipFile(self.path("arrays/n.npz")) as archive:
+            arrays = {name[:-4]: read_npy(archive.read(name))
+                      for name in ("centres.npy", "radius.npy", "type.npy")}
+        xy = arrays["centres"]
+        return [(xy[2 * i], xy[2 * i + 1], arrays["radius"][i], t) for i, t in enumerate(arrays["type"])]
+
+    def compare(self, types, accuracy, tell_types=True):
+        """The micro-images of camera.toml are those of the scene in raw.exr."""
+        names = [types] if types in FOCAL else list(types)
+        original = self.images()
+        with open(self.path("camera.toml"), encoding="utf-8") as file:
+            found = [line.split('"')[1] for line in file if line.startswith("focal_length")][1:]
+        imported = self.images("--scene", "camera.toml")
+        cells = {}
+        for image in imported:
+            cells.setdefault((int(image[0] // 50), int(image[1] // 50)), []).append(image)
+        compared = 0
+        for x, y, radius, kind in original:
+            if not (40 < x < 360 and 40 < y < 260):
+                continue
+            near = min((other for i in (-1, 0, 1) for j in (-1, 0, 1)
+                        for other in cells.get((int(x // 50) + i, int(y // 50) + j), [])),
+                       key=lambda other: math.hypot(other[0] - x, other[1] - y))
+            self.assertLess(math.hypot(near[0] - x, near[1] - y) / 32, accuracy)
+            self.assertLess(abs(near[2] / radius - 1), 100 * accuracy)
+            if tell_types:
+                value, unit = found[near[3]].split()
+                metres = float(value) * {"mm": 1e-3, "um": 1e-6}[unit]
+                self.assertLess(abs(metres / (1e-3 * FOCAL[names[kind]]) - 1), 1e-9)
+            compared += 1
+        self.assertGreater(compared, 50)
+
+    def export(self, form):
+        self.succeeds("export", "raw.exr", "--format", form, "--name", "camera", "-o", "out")
+
+    def imported(self, *arguments):
+        return self.json_of("camera", "import", *arguments, "-o", "camera.toml")
+
+    def test_libpleno(self):
+        self.scene(decentre=(0.2, -0.1), tilt=(0.5, -0.8), array_tilt=(-0.3, 0.2))
+        self.export("libpleno")
+        report = self.imported("out/camera.js", "out/params.js")
+        self.assertEqual(report["formats"], ["libpleno", "libpleno-parameters"])
+        self.compare("abc", 1e-9)
+
+    def test_libpleno_square(self):
+        self.scene("b", "square", rotation=-2)
+        self.export("libpleno")
+        self.imported("out/camera.js")
+        self.compare("b", 1e-9)
+
+    def test_pip(self):
+        self.scene("b", decentre=(0.2, -0.1))
+        self.export("pip")
+        self.imported("out/camera.xml", "--set", "camera.lens.f_number=4", *focal("b"))
+        self.compare("b", 1e-6)
+
+    def test_plenoptic_toolbox(self):
+        self.scene()
+        self.export("plenoptic-toolbox")
+        self.imported("out/camera.xml", *OPTICS, *SIZE, *focal("abc"))
+        self.compare("abc", 1e-6)
+
+    def test_plenopticam(self):
+        for lattice in ("hexagonal", "square"):
+            self.scene("unfocused", lattice)
+            self.succeeds("export", "raw.exr", "--format", "plenopticam", "--name", "camera", "--force", "-o", "out")
+            self.imported("out/camera_white.json", *OPTICS, *SIZE, *focal(["unfocused"]))
+            self.compare("unfocused", 1e-6)
+
+    def test_plenoptomos(self):
+        self.write("lab.ini", "[micro_lenses_array]\nz=400.0\n[micro_lens]\nphysical_size_s=300e-3\n"
+                   "physical_size_t=310e-3\nf2=18.6\n[sensor]\npixel_size_x=6.45e-3\npixel_size_y=6.45e-3\nsize_x=200\n"
+                   "size_y=100\nz=418.6\n[main_lens]\nf1=200.0\naperture=6.6\n")
+        report = self.imported("lab.ini")
+        self.assertLess(abs(report["object_distance"] / 0.4 - 1), 1e-12)
+        with open(self.path("camera.toml"), encoding="utf-8") as file:
+            text = file.read()
+        for line in ('pitch = "300 um"', 'pitch_y = "310 um"', 'lattice = "square"'):
+            self.assertIn(line, text)
+
+    def test_missing_values_are_all_named(self):
+        self.scene()
+        self.export("plenoptic-toolbox")
+        keys = ("camera.sensor.columns", "camera.lens.focal_length", "camera.array.sensor_distance",
+                "camera.array.types[2].focal_length")
+        self.fails(1, "camera", "import", "out/camera.xml", "-o", "camera.toml",
+                   mentions=["%s=" % key for key in keys])
+        self.assertFalse(os.path.exists(self.path("camera.toml")))
+
+    def test_wrong_files(self):
+        def refused(name, content, mentions):
+            if content is not None:
+                self.write(name, content)
+            self.fails(1, "camera", "import", name, "-o", "c.toml", mentions=[mentions])
+
+        refused("empty.js", "", "known are libpleno")
+        refused("cut.js", '{"main_lens": {"f": 50},\n "mla": {', "cut.js:2")
+        refused("cut.xml", "<RayCalibData>\n<offset>", "cut.xml")
+        refused("none.js", None, "none.js")
+        refused("lab.ini", "[micro_lenses_array]\nz=nan\n", "no number")
+        self.assertFalse(os.path.exists(self.path("c.toml")))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,189 @@
+// Corners that a thin-lens model of its own projects, with noise: each value comes back within
+// three of the standard deviations that go with it.
+#include "plenoflame/calibration/geometry_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "plenoflame/base/error.h"
+#include "support/approx.h"
+
+namespace plenoflame::test::geometry_calibration_test {
+namespace {
+
+CameraSpec truth() {
+  CameraSpec camera;
+  camera.lens.model = LensModel::ideal;
+  camera.lens.focal_length = 0.0502;
+  camera.lens.diameter = 0.0125;
+  camera.lens.decentre = {0.2e-3, -0.1e-3};
+  camera.array.present = true;
+  camera.array.model = LensModel::ideal;
+  camera.array.pitch = camera.array.diameter = 126e-6;
+  camera.array.rotation = 0.004;
+  camera.array.offset = {20e-6, -30e-6};
+  camera.array.sensor_distance = 0.40e-3;
+  camera.array.types = {{"all", kInfinity, kInfinity, 1.5, 0.55e-3}};
+  camera.sensor.columns = 1600;
+  camera.sensor.rows = 1200;
+  camera.sensor.pixel_pitch = 5.5e-6;
+  camera.focus.mode = FocusMode::distance;
+  camera.focus.lens_distance = 0.0567;
+  return camera;
+}
+
+/// Sensor point of a point at p (camera axes) behind a microlens at c: the thin lens images p,
+/// and a straight line goes from that through c.
+Vec2 thin_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
+  const Vec2 d = s.lens.decentre;
+  const Vec2 t{(p.x - d.x) / p.z, (p.y - d.y) / p.z};
+  const double behind = 1 / (1 / s.lens.focal_length - 1 / p.z);
+  const Vec2 image = d - behind * t;
+  const double a = s.focus.lens_distance - behind;  // from the array to the image, towards the lens
+  return c + (s.array.sensor_distance / a) * (c - image);
+}
+
+struct Seen {
+  std::vector<CornerObservation> corners;
+  std::vector<CentreObservation> centres;
+};
+
+Seen observe(const CameraSpec& s, int poses, double noise, double tilts = 1) {
+  const MicrolensLattice lattice(s.array);
+  const Vec2 size = s.sensor.size();
+  const auto pixel = [&](Vec2 at) {
+    return Vec2{0.5 * s.sensor.columns - at.x / s.sensor.pixel_pitch,
+                0.5 * s.sensor.rows - at.y / s.sensor.pixel_pitch};
+  };
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> error(0, noise);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const double ratio = s.array.sensor_distance / s.focus.lens_distance;
+  const auto centre_of = [&](Vec2 c) { return c + ratio * (c - s.lens.decentre); };
+  const auto lenses = lattice.within(-0.5 * size, 0.5 * size);
+  Seen seen;
+  for (std::size_t i = 0; i < lenses.size(); i += 7) {
+    const Vec2 at = pixel(centre_of(lattice.centre(lenses[i])));
+    seen.centres.push_back({lenses[i], at + Vec2{error(random), error(random)}});
+  }
+  for (int pose = 0; pose < poses; ++pose) {
+    const Vec3 angles{0.5 * uniform(random), 0.5 * uniform(random), 0.4 * uniform(random)};
+    const Mat3 turn = rotation_xyz(tilts * angles);
+    const Vec3 place{2e-3 * uniform(random), 2e-3 * uniform(random), 0.33 + 0.03 * uniform(random)};
+    for (int i = -3; i <= 3; ++i)
+      for (int j = -2; j <= 2; ++j) {
+        const Vec2 board{7e-3 * i, 7e-3 * j};
+        const Vec3 p = turn * Vec3{board.x, board.y, 0} + place;
+        for (std::size_t k = 0; k < lenses.size(); ++k) {
+          const Vec2 c = lattice.centre(lenses[k]);
+          const Vec2 at = thin_projection(s, p, c);
+          if (length(at - centre_of(c)) > 9 * s.sensor.pixel_pitch ||
+              std::fabs(at.x) > 0.5 * size.x || std::fabs(at.y) > 0.5 * size.y)
+            continue;
+          seen.corners.push_back(
+              {pose, board, pixel(at) + Vec2{error(random), error(random)}, lenses[k]});
+        }
+      }
+  }
+  return seen;
+}
+
+/// Nominal values, as a data sheet gives them.
+CameraSpec nominal() {
+  CameraSpec camera = truth();
+  camera.lens.focal_length = 0.05;
+  camera.focus.lens_distance = 0.0565;
+  camera.array.sensor_distance = 0.39e-3;
+  camera.lens.decentre = {};
+  camera.array.offset = {15e-6, -24e-6};
+  camera.array.rotation = 0.0041;
+  return camera;
+}
+
+double value_of(const CameraSpec& camera, const std::string& key) {
+  if (key == "camera.lens.focal_length") return camera.lens.focal_length;
+  if (key == "camera.focus.lens_distance") return camera.focus.lens_distance;
+  if (key == "camera.array.sensor_distance") return camera.array.sensor_distance;
+  if (key == "camera.lens.decentre[0]") return camera.lens.decentre.x;
+  if (key == "camera.lens.decentre[1]") return camera.lens.decentre.y;
+  if (key == "camera.array.offset[0]") return camera.array.offset.x;
+  if (key == "camera.array.offset[1]") return camera.array.offset.y;
+  if (key == "camera.array.pitch") return camera.array.pitch;
+  if (key == "camera.array.rotation") return camera.array.rotation;
+  if (key == "camera.array.tilt[0]") return camera.array.tilt.x;
+  if (key == "camera.array.tilt[1]") return camera.array.tilt.y;
+  ADD_FAILURE() << key;
+  return 0;
+}
+
+TEST(GeometryCalibration, WithoutNoiseTheCameraItself) {
+  const Seen seen = observe(truth(), 6, 0);
+  ASSERT_GT(seen.corners.size(), 1000u);
+  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  EXPECT_LT(found.corner_rms, 1e-6);
+  EXPECT_EQ(found.left_out, 0u);
+  for (const CalibratedValue& value : found.values)
+    EXPECT_TRUE(within(value.value, value_of(truth(), value.key), 1e-6,
+                       std::max(std::fabs(value.value), 1e-3)))
+        << value.key;
+}
+
+TEST(GeometryCalibration, ValuesWithinTheirErrors) {
+  const double noise = 0.05;
+  const Seen seen = observe(truth(), 7, noise);
+  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  EXPECT_TRUE(relative(found.corner_rms, noise, 0.05));
+  EXPECT_TRUE(relative(found.centre_rms, noise, 0.05));
+  EXPECT_EQ(found.values.size(), 11u);
+  double chi2 = 0;
+  for (const CalibratedValue& value : found.values) {
+    EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 3))
+        << value.key;
+    chi2 += std::pow((value.value - value_of(truth(), value.key)) / value.error, 2);
+  }
+  // Errors that are far too large would pass the above.
+  EXPECT_GT(chi2, 1);
+}
+
+TEST(GeometryCalibration, WrongCornersAreLeftOut) {
+  Seen seen = observe(truth(), 6, 0.05);
+  for (std::size_t i = 0; i < seen.corners.size(); i += 400) seen.corners[i].pixel.x += 3;
+  const std::size_t wrong = (seen.corners.size() + 399) / 400;
+  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  EXPECT_EQ(found.left_out, wrong);
+  for (const CalibratedValue& value : found.values)
+    EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 4))
+        << value.key;
+}
+
+// Boards that all face the camera, one of them: focal length, distances and the board's own go
+// together.
+TEST(GeometryCalibration, SaysWhatIsNotDetermined) {
+  const Seen seen = observe(truth(), 1, 0.02, 0);
+  try {
+    calibrate_geometry(nominal(), seen.corners, seen.centres);
+    FAIL() << "nothing was refused";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("do not determine"), std::string::npos) << text;
+    EXPECT_NE(text.find("_distance"), std::string::npos) << text;
+  }
+}
+
+TEST(GeometryCalibration, RefusesWhatCannotBe) {
+  const Seen seen = observe(truth(), 3, 0.05);
+  GeometrySettings settings;
+  settings.free = {"camera.nonsense"};
+  EXPECT_THROW(calibrate_geometry(nominal(), seen.corners, {}, settings), InputError);
+  const std::vector<CornerObservation> few(seen.corners.begin(), seen.corners.begin() + 7);
+  EXPECT_THROW(calibrate_geometry(nominal(), few, {}), InputError);
+  EXPECT_THROW(calibrate_geometry(nominal(), {}, {}), InputError);
+  CameraSpec real = truth();
+  real.lens.surfaces = {{}};
+  EXPECT_THROW(calibrate_geometry(real, seen.corners, {}), InputError);
+}
+
+}  // namespace
+}  // namespace plenoflame::test::geometry_calibration_test
