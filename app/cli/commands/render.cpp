@@ -28,6 +28,7 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/uniform_medium.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/exposure.h"
 #include "plenoflame/render/ground_truth.h"
@@ -48,6 +49,8 @@ RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
   if (options.window) settings.window = *options.window;
   if (options.part) settings.part = *options.part;
   settings.skip = options.skip;
+  settings.compiled = options.compiled_camera;
+  if (settings.compiled) settings.compiled_name = options.compiled;
   settings.control_variate = options.control_variate;
   return settings;
 }
@@ -446,7 +449,9 @@ int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& 
 
 int run_render(const RenderArguments& arguments, const std::stop_token& stop) {
   if (!arguments.options.scene.empty()) check_is_scene(arguments.options.scene);
-  const RenderOptions asked = checked_options(arguments);
+  RenderOptions asked = checked_options(arguments);
+  if (!asked.compiled.empty())
+    asked.compiled_camera = std::make_shared<const CompiledCamera>(read_bundle(asked.compiled));
   if (!asked.resume.empty() && !asked.frames) return resume(asked, stop);
   const std::vector<Picture> pictures = pictures_of(asked);
   // What is wrong with one of them is said before the first is begun.

@@ -116,6 +116,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       "--no-control-variate{false}", options.control_variate,
       "Integrate every ray through a grid, instead of correcting a table of radiance by "
       "some of them (for comparison)");
+  command
+      .add_option("--compiled", options.compiled,
+                  "Render by the rays of a camera that `plenoflame compile` has found: its seed "
+                  "and its number of rays")
+      ->option_text("FILE.bundle");
   command.add_flag("--white", options.white,
                    "A white image: 1 W/(m^2 sr) from everywhere in place of the flames");
   command
@@ -139,6 +144,24 @@ std::vector<double> f_number_list(const std::string& text) {
     numbers.push_back(number);
   }
   return numbers;
+}
+
+/// A compiled camera has its rays; what would ask for others has no place beside it.
+void check_compiled_options(const RenderArguments& arguments, const RenderOptions& options) {
+  const std::pair<bool, const char*> others[] = {
+      {!arguments.samples.empty(), "--samples"},
+      {!arguments.target_error.empty(), "--target-error"},
+      {!arguments.time_limit.empty(), "--time-limit"},
+      {!arguments.seed.empty(), "--seed"},
+      {options.estimator.has_value(), "--estimator"},
+      {options.white, "--white"}};
+  for (const auto& [given, name] : others)
+    if (given)
+      throw UsageError(std::string(name) +
+                       ": a compiled camera (--compiled) has its own rays; leave one of the two");
+  if (!options.resume.empty() && !options.frames)
+    throw UsageError("--resume: a picture by a compiled camera is made at one go");
+  check_not_overwritten("--output", options.output, options.compiled);
 }
 
 }  // namespace
@@ -216,6 +239,7 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     if (options.frames && !options.resume.empty() && options.output != options.resume)
       throw UsageError("--frames: --resume names the same file as --output, without number");
   }
+  if (!options.compiled.empty()) check_compiled_options(arguments, options);
   if (options.white && options.estimator == Estimator::forward)
     throw UsageError(
         "--white: light from everywhere has no place to start bundles from; use the "

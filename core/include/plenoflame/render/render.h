@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ inline constexpr int kForwardSamples = 1000000;  ///< bundles, where nobody says
 inline constexpr int kForwardReplicates = 4;
 inline constexpr int kMostSamples = 1 << 16;  ///< at which a target error is given up
 inline constexpr int kMostBundles = 1 << 30;  ///< the same, of bundles
+
+struct CompiledCamera;
 
 /// How to render. Figures that are 0 take their default.
 struct RenderSettings {
@@ -53,6 +56,10 @@ struct RenderSettings {
   bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
+  /// The rays that were found before (compiled_camera.h), which render() takes in place of new
+  /// ones: samples, replicates, seed, target and limit are then its own. nullptr: none.
+  std::shared_ptr<const CompiledCamera> compiled;
+  std::string compiled_name = "the compiled camera";  ///< for messages
   /// A film of the same scene and settings to go on from, as if there had been no break. One with
   /// finished tiles (see keep_sums) is for a fixed number of samples only, and not to be complete.
   const Film* resume = nullptr;

@@ -17,7 +17,8 @@ struct ChannelSums {
   std::vector<double> flux, variance;
 };
 
-void add(const LightField& picture, double share, std::vector<ChannelSums>& sums) {
+/// @param together errors of the moments are those of the same rays, and add up as they are
+void add(const LightField& picture, double share, bool together, std::vector<ChannelSums>& sums) {
   sums.resize(picture.channels.size());
   for (std::size_t c = 0; c < sums.size(); ++c) {
     const LightFieldChannel& channel = picture.channels[c];
@@ -27,7 +28,13 @@ void add(const LightField& picture, double share, std::vector<ChannelSums>& sums
       sums[c].flux[i] += share * static_cast<double>(channel.flux.pixels[i]);
     for (std::size_t i = 0; i < sums[c].variance.size(); ++i) {
       const double error = share * static_cast<double>(channel.standard_error.pixels[i]);
-      sums[c].variance[i] += error * error;
+      double& variance = sums[c].variance[i];
+      if (together) {
+        const double sum = std::sqrt(variance) + error;
+        variance = sum * sum;
+      } else {
+        variance += error * error;
+      }
     }
   }
 }
@@ -90,7 +97,7 @@ Pass render_all(const std::vector<SceneMoment>& moments, const MomentCompiler& c
       pass.result.statistics.complete = pass.result.light_field.complete = false;
       return pass;
     }
-    add(one.light_field, share, sums);
+    add(one.light_field, share, settings.compiled != nullptr, sums);
     samples += one.light_field.samples;
     pass.reached = pass.reached && one.statistics.target_reached;
     if (target > 0) pass.films.push_back(std::move(one.film));

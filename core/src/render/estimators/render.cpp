@@ -10,8 +10,10 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/reopened.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/check_settings.h"
+#include "render/estimators/finish_picture.h"
 #include "render/estimators/forward.h"
 #include "render/estimators/rounds.h"
 #include "render/estimators/run_control.h"
@@ -61,55 +63,29 @@ bool takes_more(const Film& film, const RenderSettings& settings) {
 
 }  // namespace
 
-bool has_fixed_samples(const RenderSettings& settings) {
-  return settings.estimator == Estimator::backward && settings.target_error <= 0 &&
-         settings.time_limit <= 0;
-}
-
-RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
-                    const Execution& execution) {
-  const auto start = std::chrono::steady_clock::now();
-  const SensorSpec& sensor = scene.scene.camera.sensor;
-  check_settings(settings, sensor);
-  const PixelWindow window = window_of(settings, sensor);
-  check_part(settings.part, window);
-  const int channels = static_cast<int>(scene.scene.channels.size());
-  const bool forward = settings.estimator == Estimator::forward;
-
-  RenderResult result;
-  RenderStatistics& statistics = result.statistics;
+void begin_statistics(const CompiledScene& scene, const RenderSettings& settings,
+                      const Execution& execution, RenderStatistics& statistics) {
+  const PixelWindow window = window_of(settings, scene.scene.camera.sensor);
   statistics.threads = execution.thread_count();
   statistics.isa = std::string(name(settings.isa));
   statistics.pixels = static_cast<double>(window.width) * window.height;
   statistics.left_out = left_out(scene, settings);
-  result.film = Film(window, channels, settings.replicates);
-  Film& film = result.film;
-  if (settings.resume) {
-    if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
-        settings.resume->replicates() != settings.replicates)
-      throw UsageError("the film to go on from has another window, channels or replicates");
-    if (settings.resume->is_taken())
-      throw UsageError("the film to go on from is that of a picture that is complete");
-    film = takes_more(*settings.resume, settings) ? reopened(*settings.resume) : *settings.resume;
-    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings say whether
-  }
-  if (has_content(scene)) {
-    statistics.medium_description = scene.medium ? scene.medium->description() : "none";
-    statistics.wavelengths = scene.mix.nodes();
-    statistics.spectral_error = scene.spectral_error;
-    statistics.paths = static_cast<int>(scene.paths().size());
-    if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
-    if (forward) {
-      render_forward(scene, settings, execution, film, statistics);
-    } else {
-      render_rounds(scene, settings, execution, film, statistics);
-    }
-  } else {
-    for (int t = 0; t < film.tile_count(); ++t)
-      if (part_of_tile(t, film.tiles_across(), settings.part.count) == settings.part.number - 1)
-        film.add_samples(t, 1);
-  }
+  if (!has_content(scene)) return;
+  statistics.medium_description = scene.medium ? scene.medium->description() : "none";
+  statistics.wavelengths = scene.mix.nodes();
+  statistics.spectral_error = scene.spectral_error;
+  statistics.paths = static_cast<int>(scene.paths().size());
+  if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
+}
 
+void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution, RenderResult& result) {
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  const PixelWindow window = window_of(settings, sensor);
+  const int channels = static_cast<int>(scene.scene.channels.size());
+  const bool forward = settings.estimator == Estimator::forward;
+  RenderStatistics& statistics = result.statistics;
+  Film& film = result.film;
   LightField& field = result.light_field;
   field.sensor_width = sensor.columns;
   field.sensor_height = sensor.rows;
@@ -156,6 +132,52 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     field.texts[kTileSamples] = tiles;
   if (!settings.part.is_whole()) field.texts[kPartOfPicture] = to_string(settings.part);
   field.complete = statistics.complete;
+}
+
+bool has_fixed_samples(const RenderSettings& settings) {
+  return settings.estimator == Estimator::backward && settings.target_error <= 0 &&
+         settings.time_limit <= 0;
+}
+
+RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
+                    const Execution& execution) {
+  if (settings.compiled)
+    return render_compiled(scene, *settings.compiled, settings, execution, settings.compiled_name);
+  const auto start = std::chrono::steady_clock::now();
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  check_settings(settings, sensor);
+  const PixelWindow window = window_of(settings, sensor);
+  check_part(settings.part, window);
+  const int channels = static_cast<int>(scene.scene.channels.size());
+  const bool forward = settings.estimator == Estimator::forward;
+
+  RenderResult result;
+  RenderStatistics& statistics = result.statistics;
+  begin_statistics(scene, settings, execution, statistics);
+  result.film = Film(window, channels, settings.replicates);
+  Film& film = result.film;
+  if (settings.resume) {
+    if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
+        settings.resume->replicates() != settings.replicates)
+      throw UsageError("the film to go on from has another window, channels or replicates");
+    if (settings.resume->is_taken())
+      throw UsageError("the film to go on from is that of a picture that is complete");
+    film = takes_more(*settings.resume, settings) ? reopened(*settings.resume) : *settings.resume;
+    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings say whether
+  }
+  if (has_content(scene)) {
+    if (forward) {
+      render_forward(scene, settings, execution, film, statistics);
+    } else {
+      render_rounds(scene, settings, execution, film, statistics);
+    }
+  } else {
+    for (int t = 0; t < film.tile_count(); ++t)
+      if (part_of_tile(t, film.tiles_across(), settings.part.count) == settings.part.number - 1)
+        film.add_samples(t, 1);
+  }
+
+  finish_picture(scene, settings, execution, result);
   statistics.seconds = seconds_since(start);
   return result;
 }

@@ -1,0 +1,159 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/scene_input.h"
+#include "medium_loader.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/render/compiled_camera.h"
+#include "progress_bar.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct CompileArguments {
+  std::string scene, output, camera, window, error, region, margin, samples, seed;
+  std::vector<std::string> set;
+  int threads = 0, level = 0;
+  bool json = false, quiet = false;
+};
+
+/// "X,Y,Z:X,Y,Z", two corners.
+Box region_option(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    throw UsageError("--region: two corners of a box are wanted, 'X,Y,Z:X,Y,Z' with units, not '" +
+                     text + "'");
+  const auto a = point_option("--region", text.substr(0, colon));
+  const auto b = point_option("--region", text.substr(colon + 1));
+  const Box box{{std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])},
+                {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
+  if (box.lower.x == box.upper.x || box.lower.y == box.upper.y || box.lower.z == box.upper.z)
+    throw UsageError("--region: the box '" + text + "' has no volume");
+  return box;
+}
+
+CompileSettings checked(const CompileArguments& arguments) {
+  CompileSettings settings;
+  if (!arguments.error.empty()) {
+    settings.error = quantity_option("--error", arguments.error, Dimension::none);
+    if (!(settings.error > 0 && settings.error < 1))
+      throw UsageError("--error: a share above 0 % and below 100 %, e.g. 0.2%, not '" +
+                       arguments.error + "'");
+  }
+  if (!arguments.window.empty()) settings.window = window_option("--window", arguments.window);
+  if (!arguments.region.empty()) settings.region = region_option(arguments.region);
+  if (!arguments.margin.empty()) {
+    settings.margin = quantity_option("--margin", arguments.margin, Dimension::length);
+    if (!(settings.margin >= 0)) throw UsageError("--margin: a length of at least 0 is wanted");
+  }
+  if (!arguments.samples.empty())
+    settings.samples = whole_number_option("--samples", arguments.samples, 2, 1 << 16);
+  if (!arguments.seed.empty())
+    settings.seed = whole_number_option<std::uint64_t>("--seed", arguments.seed, 0);
+  settings.level = arguments.level;
+  return settings;
+}
+
+int run_compile(const CompileArguments& arguments, const std::stop_token& stop) {
+  const CompileSettings settings = checked(arguments);
+  check_is_scene(arguments.scene);
+  check_not_overwritten("--output", arguments.output, arguments.scene);
+  check_writable(arguments.output);
+  const SceneDocument document =
+      read_camera_scene(arguments.scene, arguments.set, arguments.camera);
+  ProgressBar bar(arguments.quiet);
+  Execution execution;
+  execution.threads = arguments.threads;
+  execution.stop = stop;
+  bar.connect(execution);
+  std::vector<IssueCode> unsaid;
+  if (!settings.region.empty()) unsaid.push_back(IssueCode::no_flame);
+  const CompiledScene scene =
+      compile(document.scene, medium_loader(), execution, document.positions, nullptr, unsaid);
+  const auto start = std::chrono::steady_clock::now();
+  const CompiledCamera camera = compile_camera(scene, settings, execution);
+  write_bundle(arguments.output, camera);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  bar.finish();
+  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes.size());
+  Report report;
+  report.add("pixels", fmt::format("{:.0f} that see the region", lit), "pixels", lit);
+  report.add("rays",
+             fmt::format("{:.4g}, {:.3g} a pixel in two sets", nodes, lit > 0 ? nodes / lit : 0.0),
+             "rays", nodes);
+  report.add("bundles", fmt::format("{} rays a pixel and microlens", camera.samples), "samples",
+             camera.samples);
+  report.add_json("level", camera.level);
+  std::error_code error;
+  const auto size = static_cast<double>(std::filesystem::file_size(arguments.output, error));
+  report.add("size", fmt::format("{:.4g} MB", 1e-6 * size), "size", size);
+  report.add("time", fmt::format("{:.3g} s", seconds), "seconds", seconds);
+  report.add("written", arguments.output, "output", arguments.output);
+  if (arguments.json || !arguments.quiet) report.print(arguments.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_compile(const Registry& registry) {
+  auto arguments = std::make_shared<CompileArguments>();
+  CLI::App& command =
+      add_command(registry, "compile", "Find a camera's rays once, for pictures of many flames",
+                  "plenoflame compile examples/lenslets-30.toml --margin 5mm -o lenslets.bundle");
+  command.add_option("SCENE", arguments->scene, "Scene file (.toml)")->required();
+  add_set_option(command, arguments->set);
+  add_camera_option(command, arguments->camera);
+  command
+      .add_option("-o,--output", arguments->output,
+                  "The compiled camera, for --compiled of other commands")
+      ->required()
+      ->option_text("FILE.bundle");
+  command
+      .add_option("--error", arguments->error,
+                  "Error that pictures of a flame in layers are to have, relative RMSE over lit "
+                  "pixels; of smoother ones it is less (0.5%)")
+      ->option_text("SHARE");
+  command
+      .add_option("--window", arguments->window,
+                  "Only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
+      ->option_text("X,Y,W,H");
+  command
+      .add_option("--region", arguments->region,
+                  "Box of the world in which all flames will be, two corners with units, e.g. "
+                  "\"0.9m,-5cm,-5cm:1.1m,5cm,5cm\" (around the flames of the scene)")
+      ->option_text("X,Y,Z:X,Y,Z");
+  command
+      .add_option("--margin", arguments->margin,
+                  "Room for larger flames: the region grows so much on all sides (0)")
+      ->option_text("LENGTH");
+  command
+      .add_option("--samples", arguments->samples,
+                  "Rays per pixel and microlens from which the few are found (as --error needs)")
+      ->option_text("N");
+  command
+      .add_option("--level", arguments->level,
+                  "How many rays are kept of a pixel, 1 (10) to 7 (500) (as --error needs)")
+      ->check(CLI::Range(1, kCompileLevels))
+      ->option_text("N");
+  command.add_option("--seed", arguments->seed, "Seed of the rays (1)")->option_text("N");
+  command.add_option("--threads", arguments->threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_flag("--quiet", arguments->quiet, "No progress and no notes; warnings remain");
+  command.add_flag("--json", arguments->json, "Print the figures as JSON");
+  on_chosen(command, registry,
+            [arguments](const std::stop_token& stop) { return run_compile(*arguments, stop); });
+}
+
+}  // namespace plenoflame::cli

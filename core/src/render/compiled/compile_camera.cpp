@@ -1,0 +1,199 @@
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/version.h"
+#include "plenoflame/render/compiled_camera.h"
+#include "plenoflame/render/ray_stream.h"
+#include "render/compiled/bundle_file.h"
+#include "render/compiled/compiled_frame.h"
+#include "render/compiled/tile_bundles.h"
+#include "render/estimators/check_settings.h"
+
+namespace plenoflame {
+namespace {
+
+/// Rays of a set, for each of its polynomials, from which its few are drawn: the moments are those
+/// of all.
+constexpr std::size_t kWalked = 8;
+
+/// What pictures of a layered flame are wrong by, relative RMSE over lit pixels: measured with
+/// examples/paper-flame-1m.toml (docs/theory/compiled.md). Smoother flames do better.
+struct Closeness {
+  double error;
+  int level, samples;
+};
+constexpr Closeness kCloseness[] = {{0.045, 1, 64},   {0.022, 2, 256},   {0.012, 3, 512},
+                                    {0.0065, 4, 512}, {0.0036, 5, 1024}, {0.002, 6, 2048},
+                                    {0.0011, 7, 4096}};
+
+Closeness closeness_of(const CompileSettings& settings) {
+  if (!(settings.error > 0)) throw UsageError("the error of a compiled camera must be above 0");
+  Closeness chosen = kCloseness[std::size(kCloseness) - 1];
+  for (const Closeness& c : kCloseness)
+    if (c.error <= settings.error) {
+      chosen = c;
+      break;
+    }
+  if (settings.level > 0) chosen.level = std::min(settings.level, kCompileLevels);
+  if (settings.samples > 0) chosen.samples = settings.samples;
+  return chosen;
+}
+
+Box grown(const Box& box, double margin) {
+  const Vec3 more{margin, margin, margin};
+  return {box.lower - more, box.upper + more};
+}
+
+Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
+  if (!settings.region.empty()) return grown(settings.region, settings.margin);
+  Box box;
+  if (scene.medium)
+    for (const Box& part : scene.medium->occupied()) {
+      if (part.empty()) continue;
+      if (box.empty()) box = part;
+      box.lower = {std::min(box.lower.x, part.lower.x), std::min(box.lower.y, part.lower.y),
+                   std::min(box.lower.z, part.lower.z)};
+      box.upper = {std::max(box.upper.x, part.upper.x), std::max(box.upper.y, part.upper.y),
+                   std::max(box.upper.z, part.upper.z)};
+    }
+  if (box.empty())
+    throw InputError(
+        "the scene has no flame: say where later ones will be, with a region (--region)");
+  return grown(box, settings.margin);
+}
+
+/// What is kept of all tiles, in their order.
+struct Kept {
+  std::vector<CompiledTile> tiles;
+  std::vector<CompiledGroup> groups;
+  std::vector<CompiledNode> nodes;
+};
+
+std::shared_ptr<Kept> put_together(std::vector<TileNodes>& parts) {
+  const auto kept = std::make_shared<Kept>();
+  std::size_t groups = 0, nodes = 0;
+  for (const TileNodes& part : parts) groups += part.groups.size(), nodes += part.nodes.size();
+  kept->groups.reserve(groups);
+  kept->nodes.reserve(nodes);
+  for (TileNodes& part : parts) {
+    CompiledTile tile;
+    tile.first_group = kept->groups.size(), tile.groups = part.groups.size();
+    tile.first_node = kept->nodes.size(), tile.nodes = part.nodes.size();
+    kept->groups.insert(kept->groups.end(), part.groups.begin(), part.groups.end());
+    kept->nodes.insert(kept->nodes.end(), part.nodes.begin(), part.nodes.end());
+    tile.checksum = tile_checksum(part.groups, part.nodes);
+    kept->tiles.push_back(tile);
+    part = {};
+  }
+  return kept;
+}
+
+/// Workers' tiles, of which each has one at a time.
+class Gathering {
+ public:
+  Gathering(const CompiledCamera& camera, const CompiledScene& scene, int threads)
+      : tiles_(camera.window, 1, 1), done_(static_cast<std::size_t>(tiles_.tile_count())) {
+    const int parts = std::max(1, static_cast<int>(scene.part_mixes.size()));
+    const int paths = static_cast<int>(scene.paths().size());
+    if (paths > std::numeric_limits<std::uint8_t>::max() ||
+        parts > std::numeric_limits<std::uint8_t>::max())
+      throw InputError(fmt::format(
+          "a compiled camera has room for 255 wavelengths and 255 parts of the stop, not {} and {}",
+          paths, parts));
+    for (int worker = 0; worker < threads; ++worker)
+      workers_.push_back({TileBundles(camera, paths, parts,
+                                      BundleReducer(camera.level, half_depth(camera), kWalked)),
+                          kNone});
+  }
+  void add(const RayBlock<float>& block, int worker) {
+    Worker& own = workers_[static_cast<std::size_t>(worker)];
+    if (own.tile != block.tile) {
+      finish(own);
+      own.tile = block.tile;
+      own.bundles.begin(tiles_.tile(block.tile));
+    }
+    own.bundles.add(block);
+  }
+  std::vector<TileNodes> take(const Execution& execution) {
+    Execution quiet = execution.threads_only();
+    parallel_for(quiet, workers_.size(), [&](std::size_t i, int) { finish(workers_[i]); });
+    return std::move(done_);
+  }
+
+ private:
+  static constexpr int kNone = -1;
+  struct Worker {
+    TileBundles bundles;
+    int tile;
+  };
+  void finish(Worker& own) {
+    if (own.tile != kNone) done_[static_cast<std::size_t>(own.tile)] = own.bundles.finish();
+    own.tile = kNone;
+  }
+  Film tiles_;
+  std::vector<TileNodes> done_;
+  std::vector<Worker> workers_;
+};
+
+}  // namespace
+
+CompiledCamera compile_camera(const CompiledScene& scene, const CompileSettings& settings,
+                              const Execution& execution) {
+  check_content(scene);
+  const Closeness close = closeness_of(settings);
+  RenderSettings render;
+  render.window = settings.window;
+  render.samples = std::max(2, close.samples);
+  render.replicates = 2;
+  render.seed = settings.seed;
+  render.skip = settings.skip;
+  const SensorSpec& sensor = scene.scene.camera.sensor;
+  check_settings(render, sensor);
+  CompiledCamera camera;
+  camera.version = version();
+  camera.key = compiled_key(scene);
+  camera.window = window_of(render, sensor);
+  camera.sensor_width = sensor.columns;
+  camera.sensor_height = sensor.rows;
+  camera.region = region_of(scene, settings);
+  camera.error = settings.error;
+  camera.samples = render.samples;
+  camera.level = close.level;
+  camera.seed = settings.seed;
+  place_frame(scene, camera);
+  Gathering gathering(camera, scene, execution.thread_count());
+  if (!stream_rays<float>(
+          scene, render, execution,
+          [&](const RayBlock<float>& block, int worker) { gathering.add(block, worker); },
+          RayStreamContent::rays, {camera.region}))
+    throw Cancelled();
+  std::vector<TileNodes> tiles = gathering.take(execution);
+  const std::shared_ptr<Kept> kept = put_together(tiles);
+  camera.tiles = kept->tiles;
+  camera.groups = kept->groups;
+  camera.nodes = kept->nodes;
+  camera.memory = kept;
+  return camera;
+}
+
+double CompiledCamera::lit_pixels() const {
+  double count = 0;
+  for (const CompiledTile& tile : tiles) {
+    std::vector<bool> lit(static_cast<std::size_t>(Film::kTile) * Film::kTile);
+    for (std::size_t g = tile.first_group; g < tile.first_group + tile.groups; ++g)
+      lit[groups[g].pixel] = true;
+    count += static_cast<double>(std::count(lit.begin(), lit.end(), true));
+  }
+  return count;
+}
+
+}  // namespace plenoflame

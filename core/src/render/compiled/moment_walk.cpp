@@ -1,0 +1,94 @@
+#include "render/compiled/moment_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/sampling/philox.h"
+#include "plenoflame/sampling/sobol.h"
+
+namespace plenoflame {
+namespace {
+
+/// Functions are of order 1: below this a point adds nothing new to those that are kept.
+constexpr double kDependent = 1e-7;
+
+}  // namespace
+
+double WalkRandom::uniform() {
+  state_ += 0x9e3779b97f4a7c15u;
+  return unit_uniform(static_cast<std::uint32_t>(mix64(state_) >> 32));
+}
+
+MomentWalk::MomentWalk(std::size_t functions)
+    : n_(functions),
+      inverse_(functions * functions),
+      weights_(functions),
+      change_(functions),
+      points_(functions) {}
+
+void MomentWalk::start() {
+  std::fill(inverse_.begin(), inverse_.end(), 0.0);
+  for (std::size_t i = 0; i < n_; ++i) inverse_[i * n_ + i] = 1;
+  std::fill(weights_.begin(), weights_.end(), 0.0);
+  std::fill(points_.begin(), points_.end(), kFree);
+}
+
+void MomentWalk::add(std::size_t point, const double* values, double weight, WalkRandom& random) {
+  double* const c = change_.data();
+  std::fill(change_.begin(), change_.end(), 0.0);
+  for (std::size_t k = 0; k < n_; ++k) {
+    const double* const column = inverse_.data() + k * n_;
+    for (std::size_t i = 0; i < n_; ++i) c[i] += column[i] * values[k];
+  }
+  // The values are the sum of c[i] times those of the kept points and of unit vectors, in whose
+  // place the point goes where it has a part of them.
+  std::size_t best = n_;
+  for (std::size_t i = 0; i < n_; ++i)
+    if (points_[i] == kFree && std::abs(c[i]) > kDependent &&
+        (best == n_ || std::abs(c[i]) > std::abs(c[best])))
+      best = i;
+  if (best < n_) {
+    exchange(best, c);
+    points_[best] = point;
+    weights_[best] = weight;
+    return;
+  }
+  // More of the point and less of the others, or the other way round.
+  double more = std::numeric_limits<double>::infinity(), less = weight;
+  std::size_t leaves_more = n_, leaves_less = n_;
+  for (std::size_t i = 0; i < n_; ++i) {
+    if (points_[i] == kFree) continue;
+    if (c[i] > 0 && weights_[i] < more * c[i]) more = weights_[i] / c[i], leaves_more = i;
+    if (c[i] < 0 && weights_[i] < less * -c[i]) less = weights_[i] / -c[i], leaves_less = i;
+  }
+  const bool goes_up = random.uniform() * (more + less) < less;
+  const double step = goes_up ? more : -less;
+  const std::size_t leaves = goes_up ? leaves_more : leaves_less;
+  for (std::size_t i = 0; i < n_; ++i)
+    if (points_[i] != kFree) weights_[i] = std::max(0.0, weights_[i] - step * c[i]);
+  if (leaves == n_) return;  // the point itself
+  exchange(leaves, c);
+  points_[leaves] = point;
+  weights_[leaves] = weight + step;
+}
+
+/// The new point's values take the place of those there.
+void MomentWalk::exchange(std::size_t place, const double* change) {
+  const double pivot = 1 / change[place];
+  for (std::size_t k = 0; k < n_; ++k) {
+    double* const column = inverse_.data() + k * n_;
+    const double row = column[place] * pivot;
+    for (std::size_t i = 0; i < n_; ++i) column[i] -= change[i] * row;
+    column[place] = row;
+  }
+}
+
+std::vector<MomentWalk::Kept> MomentWalk::kept() const {
+  std::vector<Kept> kept;
+  for (std::size_t i = 0; i < n_; ++i)
+    if (points_[i] != kFree && weights_[i] > 0) kept.push_back({points_[i], weights_[i]});
+  return kept;
+}
+
+}  // namespace plenoflame
