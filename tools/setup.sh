@@ -36,6 +36,8 @@ cli           libcairo2-dev            plots (bench)
 cli           libnlopt-dev             optimiser (optimize)
 cli           pkg-config               finds Cairo
 cli           fonts-dejavu-core        text in plots
+mpi           libopenmpi-dev           work shared by processes (mpirun), as VTK of Debian has it
+mpi           openmpi-bin              mpirun
 vtk           libvtk9-dev              3-D pictures, ray paths, flames from simulations
 vtk           python3-vtk9             Python package
 vtk           python3-dev              wraps the VTK module for Python

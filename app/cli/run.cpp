@@ -17,6 +17,7 @@
 #include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "ranks.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -88,7 +89,8 @@ int act(const Action& action, std::optional<InterruptHandler>& interrupt) {
   return action.plain ? action.plain() : kSuccess;
 }
 
-int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt) {
+int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt,
+                  JobCommunicator* ranks) {
   CLI::App app{"Simulates a light-field (plenoptic) camera photographing a flame."};
   app.name("plenoflame");
   app.formatter(std::make_shared<HelpFormatter>());
@@ -97,7 +99,7 @@ int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHand
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   Action action;
-  register_commands({app, action});
+  register_commands({app, action, ranks});
   if (const std::string wrong = unknown_command(app, argc, argv); !wrong.empty())
     return fail(kBadUse, wrong);
   try {
@@ -132,9 +134,13 @@ int run(int argc, const char* const* argv) {
   return run(argc, argv, interrupt);
 }
 
-int run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt) {
+namespace {
+
+/// @param ranks that help; nullptr: none
+int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt,
+              JobCommunicator* ranks) {
   try {
-    const int status = parse_and_run(argc, argv, interrupt);
+    const int status = parse_and_run(argc, argv, interrupt, ranks);
     if (!std::cout.flush()) return fail(kFailure, "standard output cannot be written (disk full?)");
     return status;
   } catch (const Cancelled&) {
@@ -157,6 +163,29 @@ int run(int argc, const char* const* argv, std::optional<InterruptHandler>& inte
   } catch (...) {
     return fail(kFailure, "unknown failure");
   }
+}
+
+}  // namespace
+
+int run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt) {
+  std::unique_ptr<JobCommunicator> ranks;
+  try {
+    ranks = join_ranks();
+  } catch (const std::exception& error) {
+    return is_further_rank() ? kBadUse : fail(kBadUse, error.what());
+  }
+  if (!ranks) return run_alone(argc, argv, interrupt, nullptr);
+  if (ranks->rank() > 0) {
+    serve_ranks(*ranks, interrupt ? interrupt->token() : std::stop_token());
+    ranks->finish();
+    return kSuccess;
+  }
+  const int status = run_alone(argc, argv, interrupt, ranks.get());
+  if (dismiss_ranks(*ranks))
+    ranks->finish();
+  else
+    say("a rank does not answer: it has ended, or the machine that it is on");
+  return status;
 }
 
 }  // namespace plenoflame::cli

@@ -9,6 +9,8 @@ class App;
 
 namespace plenoflame::cli {
 
+class JobCommunicator;
+
 /// What the chosen command does once the whole command line was accepted. @return the exit status
 using PlainAction = std::function<int()>;
 /// One that looks at the token, which a signal (Ctrl-C, SIGTERM, SIGHUP) requests to stop: it saves
@@ -25,6 +27,7 @@ struct Action {
 struct Registry {
   CLI::App& app;
   Action& action;
+  JobCommunicator* ranks = nullptr;  ///< other processes that help (ranks.h); nullptr: none
 };
 
 /// Adds a subcommand whose help ends with an example. A command is one file commands/NAME.cpp:

@@ -16,6 +16,7 @@
 #include "commands/commands.h"
 #include "commands/render_options.h"
 #include "commands/render_pictures.h"
+#include "commands/render_ranks.h"
 #include "commands/run_record.h"
 #include "commands/scene_input.h"
 #include "medium_loader.h"
@@ -36,6 +37,7 @@
 #include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
+#include "ranks.h"
 #include "report.h"
 #include "run.h"
 
@@ -109,7 +111,11 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
                                      {"medium", s.stages.medium},
                                      {"surfaces", s.stages.surfaces}});
   report.add("memory", number(1e-6 * peak_memory()) + " MB at most", "peak_memory", peak_memory());
-  report.add("threads", std::to_string(s.threads), "threads", s.threads);
+  report.add("threads",
+             std::to_string(s.threads) +
+                 (s.ranks > 1 ? fmt::format(" of {} ranks", s.ranks) : std::string()),
+             "threads", s.threads);
+  report.add_json("ranks", s.ranks);
   report.add("processor", s.isa + ", " + s.precision + " precision", "isa", s.isa);
   report.add_json("precision", s.precision);
   report.add("flame", s.medium_description, "medium", s.medium_description);
@@ -222,22 +228,6 @@ std::string frame_line(const std::string& file, const RenderStatistics& s, doubl
                      s.seconds, compile_seconds);
 }
 
-/// The same radiance from everywhere, for a white image.
-void fill_with_light(CompiledScene& compiled) {
-  const auto fill = [](CompiledScene& path, double radiance) {
-    path.medium = make_uniform_medium(radiance, path.node_count());
-    path.scatterers.clear();
-  };
-  fill(compiled, 1);
-  for (CompiledScene& path : compiled.paths()) {
-    // Each of several wavelengths that stand for a channel sees a share of its light.
-    double sharing = 0;
-    for (const CompiledScene& other : compiled.paths())
-      sharing += other.film_channel == path.film_channel ? 1 : 0;
-    fill(path, 1 / sharing);
-  }
-}
-
 constexpr double kNoTruth = -1;
 
 /// Adds layers of ground truth. A run that is stopped goes without them: they take long, and what
@@ -273,7 +263,8 @@ struct RenderRun {
   std::optional<CompiledScene> last;  ///< what the next has in common with it is not made again
   std::set<std::string> said;         ///< warnings of compiling
   SeriesCheck check_lattice = series_check();
-  double begin = 0, end = 1;  ///< share of all the pictures' work that this one is
+  JobCommunicator* ranks = nullptr;  ///< that share the work; nullptr: there are none
+  double begin = 0, end = 1;         ///< share of all the pictures' work that this one is
 };
 
 /// Messages about a run that did not come to its end.
@@ -328,6 +319,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   ProgressBar bar(options.quiet);
   Execution execution;
   execution.threads = options.threads;
+  if (run.ranks && options.threads == 0) execution.threads = default_threads(*run.ranks);
   execution.stop = stop;
   bar.connect(execution);
   execution = share_of(execution, run.begin, run.end);
@@ -341,6 +333,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
     const auto start = std::chrono::steady_clock::now();
     check_series(picture, scene, run.check_lattice);
+    if (run.ranks) announce_scene(scene, options.white, options.threads, *run.ranks);
     run.last = compile(scene, medium_loader(), compiling, document.positions,
                        run.last ? &*run.last : nullptr, unsaid);
     if (options.white) fill_with_light(*run.last);
@@ -351,6 +344,11 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const std::vector<SceneMoment> moments = picture.moments();
   RenderSettings settings =
       earlier ? continued_settings(options, *earlier) : settings_of(options, document.scene);
+  settings.ranks = run.ranks;
+  if (run.ranks && settings.estimator == Estimator::forward)
+    execution.warn("bundles of the forward estimator are traced by rank 0 alone");
+  if (run.ranks && settings.compiled)
+    execution.warn("pictures by a compiled camera are made by rank 0 alone");
   if (options.checkpoint) settings.checkpoint_seconds = *options.checkpoint;
   RunRecord record = record_of(options, moments.front().scene, settings);
   add_exposure(picture, settings, record);
@@ -422,10 +420,11 @@ int go_on(Picture picture, const Continuation& earlier, RenderRun& run,
   return render_one(picture, run, stop, &earlier);
 }
 
-int resume(const RenderOptions& options, const std::stop_token& stop) {
+int resume(const RenderOptions& options, JobCommunicator* ranks, const std::stop_token& stop) {
   check_files(options);
   const Continuation earlier = read_continuation(options);
   RenderRun run;
+  run.ranks = ranks;
   return go_on({options, earlier.document}, earlier, run, stop);
 }
 
@@ -447,12 +446,13 @@ int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& 
   return kSuccess;
 }
 
-int run_render(const RenderArguments& arguments, const std::stop_token& stop) {
+int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
+               const std::stop_token& stop) {
   if (!arguments.options.scene.empty()) check_is_scene(arguments.options.scene);
   RenderOptions asked = checked_options(arguments);
   if (!asked.compiled.empty())
     asked.compiled_camera = std::make_shared<const CompiledCamera>(read_bundle(asked.compiled));
-  if (!asked.resume.empty() && !asked.frames) return resume(asked, stop);
+  if (!asked.resume.empty() && !asked.frames) return resume(asked, ranks, stop);
   const std::vector<Picture> pictures = pictures_of(asked);
   // What is wrong with one of them is said before the first is begun.
   for (const Picture& picture : pictures) {
@@ -471,6 +471,7 @@ int run_render(const RenderArguments& arguments, const std::stop_token& stop) {
     say("the scene changes with time, and this is its first frame; --frames and --time choose");
   int status = 0;
   RenderRun run;
+  run.ranks = ranks;
   const auto count = static_cast<double>(pictures.size());
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const Picture& picture = pictures[i];
@@ -493,8 +494,9 @@ void register_render(const Registry& registry) {
       add_command(registry, "render", "Render the light field of a scene",
                   "plenoflame render examples/paper-flame-1m.toml -o flame.exr --samples 16");
   add_render_options(command, *arguments);
-  on_chosen(command, registry,
-            [arguments](const std::stop_token& stop) { return run_render(*arguments, stop); });
+  on_chosen(command, registry, [arguments, ranks = registry.ranks](const std::stop_token& stop) {
+    return run_render(*arguments, ranks, stop);
+  });
 }
 
 }  // namespace plenoflame::cli

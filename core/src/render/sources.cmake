@@ -4,7 +4,7 @@ list(APPEND core_sources src/render/estimators/backward.cpp src/render/sampling/
   src/render/transport/camera_front.cpp src/render/estimators/check_settings.cpp src/render/sampling/backward_rows.cpp src/render/sampling/backward_pairs.cpp src/render/estimators/render.cpp
   src/render/visibility/beam_bounds.cpp src/render/transport/channel_sum.cpp src/render/estimators/bundle_collisions.cpp src/render/transport/phase_function.cpp src/render/transport/scatter_walk.cpp src/render/visibility/occupied_region.cpp
   src/render/visibility/pixel_beams.cpp src/render/sampling/microlens_frame.cpp
-  src/render/visibility/scene_beams.cpp src/render/transport/radiance_table.cpp src/render/estimators/rounds.cpp src/render/sampling/sample_plan.cpp src/render/estimators/run_control.cpp src/render/estimators/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp
+  src/render/visibility/scene_beams.cpp src/render/transport/radiance_table.cpp src/render/estimators/rounds.cpp src/render/estimators/rank_tiles.cpp src/render/estimators/serve_render.cpp src/render/sampling/sample_plan.cpp src/render/estimators/run_control.cpp src/render/estimators/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp
   src/render/paths/ground_truth.cpp
   src/render/estimators/emission_proposal.cpp src/render/estimators/exposure.cpp src/render/estimators/forward.cpp src/render/paths/ray_paths.cpp
   src/render/paths/ray_path_file.cpp src/render/paths/ray_path_npz.cpp src/render/paths/point_images.cpp src/render/estimators/describe.cpp src/render/paths/ray_path_tracer.cpp

@@ -49,6 +49,11 @@ class Film {
   const std::vector<double>& tile_sums(int tile) const {
     return sums_[static_cast<std::size_t>(tile)];
   }
+  /// The sums of a tile were moved elsewhere: it holds nothing again.
+  void tile_sums_taken(int tile) {
+    sums_[static_cast<std::size_t>(tile)] = {};
+    tile_samples_[static_cast<std::size_t>(tile)] = 0;
+  }
   std::size_t tile_values(int tile) const;  ///< how many sums a tile has
 
   /// Sum of one replicate. `column`, `row` count on the whole sensor.

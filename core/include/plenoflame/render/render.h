@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/communicator.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/base/isa.h"
 #include "plenoflame/base/part.h"
@@ -63,6 +64,9 @@ struct RenderSettings {
   /// A film of the same scene and settings to go on from, as if there had been no break. One with
   /// finished tiles (see keep_sums) is for a fixed number of samples only, and not to be complete.
   const Film* resume = nullptr;
+  /// Other processes that trace tiles for this one, which is their rank 0 (ranks.h); nullptr: none.
+  /// The result does not depend on them. The forward estimator does without.
+  Communicator* ranks = nullptr;
   /// Called between units of work, after 5 s and then at intervals that double up to
   /// checkpoint_seconds, with a consistent film.
   std::function<void(const Film&)> checkpoint;
@@ -85,7 +89,8 @@ struct RenderStatistics : WorkCounters {
   double flux = 0;                   ///< [W] sum over the image, first channel
   bool complete = true;              ///< false: stopped from outside
   bool target_reached = true;        ///< false: the target error needs more samples or time
-  int threads = 0;
+  int threads = 0;                   ///< of all ranks
+  int ranks = 1;                     ///< that shared the tiles
   std::string isa, precision, medium_description;
   std::string surfaces_description;  ///< empty: none
   int wavelengths = 0;               ///< that stand for the channels; 0: each for itself

@@ -1,6 +1,7 @@
 #include "render/estimators/backward.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -138,8 +139,8 @@ class Tracer {
 };
 
 template <class Real>
-bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans,
-               const std::vector<PointRange>& ranges, const std::vector<TileJob>& jobs,
+void run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans,
+               const std::vector<PointRange>& ranges, const NextTile& next,
                const Execution& execution, Film& film, RenderStatistics& statistics,
                const TileDone& tile_done) {
   const int workers = execution.thread_count();
@@ -150,8 +151,7 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   const auto start = std::chrono::steady_clock::now();
   std::mutex mutex;
   std::size_t done = 0;
-  const bool complete = parallel_for(execution, jobs.size(), [&](std::size_t index, int worker) {
-    const TileJob job = jobs[index];
+  const auto trace = [&](const TileJob& job, int worker) {
     double new_rays = 0;
     if (film.allows_finishing())
       film.lend(job.tile, std::move(memory[static_cast<std::size_t>(worker)]));
@@ -167,6 +167,19 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
     const std::lock_guard lock(mutex);
     ++done;
     if (tile_done) tile_done(job, new_rays);
+  };
+  std::atomic<bool> failed{false};
+  parallel_for(execution, static_cast<std::size_t>(workers), [&](std::size_t, int worker) {
+    try {
+      while (!failed && !execution.stop.stop_requested()) {
+        const std::optional<TileJob> job = next();
+        if (!job) return;
+        trace(*job, worker);
+      }
+    } catch (...) {
+      failed = true;
+      throw;
+    }
   });
   WorkCounters work;
   for (const auto& tracer : tracers) work += tracer.counters();
@@ -175,7 +188,6 @@ bool run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& pla
   work.stages.generate = std::max(
       0.0, seconds_since(start) * workers - stages.optics - stages.medium - stages.surfaces);
   statistics += work;
-  return complete;
 }
 
 }  // namespace
@@ -329,9 +341,23 @@ bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execut
       throw std::logic_error("a tile comes twice in a pass");
     seen[static_cast<std::size_t>(job.tile)] = true;
   }
+  std::atomic<std::size_t> next{0};
+  run(
+      [&]() -> std::optional<TileJob> {
+        const std::size_t index = next.fetch_add(1);
+        return index < jobs.size() ? std::optional(jobs[index]) : std::nullopt;
+      },
+      execution, film, statistics, tile_done);
+  return next.load() >= jobs.size();
+}
+
+void BackwardPass::run(const NextTile& next, const Execution& execution, Film& film,
+                       RenderStatistics& statistics, const TileDone& tile_done) const {
   statistics.precision = is_single_ ? "single" : "double";
-  return is_single_ ? run_plans(single_, ranges_, jobs, execution, film, statistics, tile_done)
-                    : run_plans(double_, ranges_, jobs, execution, film, statistics, tile_done);
+  if (is_single_)
+    run_plans(single_, ranges_, next, execution, film, statistics, tile_done);
+  else
+    run_plans(double_, ranges_, next, execution, film, statistics, tile_done);
 }
 
 }  // namespace plenoflame

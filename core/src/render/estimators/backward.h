@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/film/film.h"
@@ -46,6 +47,9 @@ struct TileJob {
 /// Called after each tile, from one thread at a time. @param rays that were sent for it
 using TileDone = std::function<void(const TileJob& job, double rays)>;
 
+/// Gives a thread its next tile; none: there is no more. Called from several threads.
+using NextTile = std::function<std::optional<TileJob>()>;
+
 /// A pass makes what is the same for all tiles once, in the constructor. Keeps references to scene
 /// and settings.
 class BackwardPass {
@@ -65,6 +69,9 @@ class BackwardPass {
   /// @return false when it was stopped; tiles that were not reached keep their number of samples.
   bool run(const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
            RenderStatistics& statistics, const TileDone& tile_done = {}) const;
+  /// The same for jobs that come one by one, in any number; none may come while it is worked on.
+  void run(const NextTile& next, const Execution& execution, Film& film,
+           RenderStatistics& statistics, const TileDone& tile_done) const;
 
  private:
   template <class Real>

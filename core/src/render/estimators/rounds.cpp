@@ -5,11 +5,13 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <utility>
 
 #include "film/image_sums.h"
 #include "render/estimators/backward.h"
+#include "render/estimators/rank_tiles.h"
 #include "render/estimators/run_control.h"
 #include "render/estimators/run_progress.h"
 #include "render/sampling/batches.h"
@@ -87,6 +89,7 @@ struct RunParts {
   RenderStatistics& statistics;
   Checkpoints& checkpoints;
   TileProgress& progress;
+  RankTiles* ranks;  ///< nullptr: there is no other
 };
 
 /// Runs the jobs of a pass, a part of them at a time where the state is to be kept in between.
@@ -102,18 +105,22 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
     const std::size_t count = std::min(batches.size(), jobs.size() - first);
     const std::vector<TileJob> part(begin, begin + static_cast<std::ptrdiff_t>(count));
     const auto start = std::chrono::steady_clock::now();
-    if (!pass.run(part, run.execution, run.film, run.statistics, tell)) return false;
+    const bool finished = run.ranks ? run.ranks->run(pass, ranges, part, run.execution, run.film,
+                                                     run.statistics, tell)
+                                    : pass.run(part, run.execution, run.film, run.statistics, tell);
+    if (!finished) return false;
     batches.learn(count, seconds_since(start));
     first += count;
     run.checkpoints.offer(run.film);
   }
+  if (run.ranks) run.ranks->end_pass(run.statistics);
   return true;
 }
 
 /// Brings every tile to a number of samples, at one go.
 void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
                   const Execution& execution, Film& film, RenderStatistics& statistics,
-                  const BackwardShared& shared, RunProgress& progress) {
+                  const BackwardShared& shared, RunProgress& progress, RankTiles* ranks) {
   std::map<int, std::vector<int>> groups;  // by the samples that they have
   const Part& part = settings.part;
   std::vector<double> goals(static_cast<std::size_t>(film.tile_count()), points);
@@ -133,9 +140,11 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
     // A tile that goes on with a sequence takes its further points.
     const std::vector<PointRange> ranges{
         {static_cast<std::uint32_t>(done), points - done, done > 0}};
+    if (ranks) ranks->begin_pass(ranges);
     const BackwardPass pass(scene, settings, ranges, shared, execution.threads);
-    statistics.complete = run_in_batches(
-        pass, ranges, jobs, {settings, execution, film, statistics, checkpoints, tile_progress});
+    statistics.complete =
+        run_in_batches(pass, ranges, jobs,
+                       {settings, execution, film, statistics, checkpoints, tile_progress, ranks});
     if (!statistics.complete) return;
   }
 }
@@ -291,6 +300,7 @@ bool run_round(const CompiledScene& scene, const BackwardShared& shared, int mos
     sum += points;
     const auto next = std::next(group);
     if (next != groups.rend() && sum + next->first.first <= most_points) continue;
+    if (run.ranks) run.ranks->begin_pass(ranges);
     const BackwardPass pass(scene, run.settings, ranges, shared, run.execution.threads);
     if (!run_in_batches(pass, ranges, jobs, run)) return false;
     ranges = {};
@@ -303,12 +313,12 @@ bool run_round(const CompiledScene& scene, const BackwardShared& shared, int mos
 void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
                         int most_points, const Deadline& deadline, const Execution& execution,
                         Film& film, RenderStatistics& statistics, const BackwardShared& shared,
-                        RunProgress& progress) {
+                        RunProgress& progress, RankTiles* ranks) {
   Execution inner = execution;
   inner.stop = deadline.token();
   Checkpoints checkpoints(settings);
   TileProgress tile_progress(progress, film);
-  const RunParts run{settings, inner, film, statistics, checkpoints, tile_progress};
+  const RunParts run{settings, inner, film, statistics, checkpoints, tile_progress, ranks};
   // A round that an earlier run began is known by no more than its own goals.
   if (in_a_round(film)) tile_progress.foresee(film, film.tile_goals());
   for (bool finished = true; finished; finished = run_round(scene, shared, most_points, run)) {
@@ -344,13 +354,18 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
   const Deadline deadline(execution.stop, settings.time_limit);
   RunProgress progress(execution, settings.time_limit);
   const int points = samples_per_replicate(settings);
+  // The others make theirs meanwhile.
+  std::unique_ptr<RankTiles> ranks;
+  if (settings.ranks && settings.ranks->size() > 1)
+    ranks = std::make_unique<RankTiles>(*settings.ranks, settings, execution.stop);
   const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
   if (has_fixed_samples(settings))
-    render_fixed(scene, settings, points, execution, film, statistics, shared, progress);
+    render_fixed(scene, settings, points, execution, film, statistics, shared, progress,
+                 ranks.get());
   else
     render_progressive(scene, settings, points, most_points, deadline, execution, film, statistics,
-                       shared, progress);
+                       shared, progress, ranks.get());
   if (statistics.complete) progress.complete();
 }
 

@@ -1,0 +1,164 @@
+#include <chrono>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/ranks.h"
+#include "render/estimators/backward.h"
+#include "render/estimators/check_settings.h"
+#include "render/estimators/rank_bytes.h"
+#include "render/estimators/rank_protocol.h"
+
+namespace plenoflame {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr auto kWait = 500us;  ///< between two looks for messages
+
+RenderSettings settings_from(const RankMessage& begin) {
+  RankReader reader(std::string_view(begin.bytes).substr(1));
+  const auto sent = reader.get<RankSettings>();
+  RenderSettings settings;
+  settings.replicates = sent.replicates;
+  settings.seed = sent.seed;
+  settings.window = sent.window;
+  settings.skip = sent.skip;
+  settings.control_variate = sent.control_variate;
+  settings.precision = sent.precision;
+  settings.isa = sent.isa;
+  if (!is_supported(settings.isa))
+    throw UsageError("this processor does not support " + std::string(name(settings.isa)) +
+                     ", which that of rank 0 does: run all ranks on machines of one kind");
+  return settings;
+}
+
+/// The tiles of a pass that rank 0 sends, for the threads of this rank.
+class Inbox {
+ public:
+  Inbox(Communicator& ranks, Film& film, const std::stop_token& stop)
+      : ranks_(ranks), film_(film), stop_(stop) {}
+
+  /// Waits for a tile; none when the pass has ended.
+  std::optional<TileJob> next() {
+    for (;; std::this_thread::sleep_for(kWait)) {
+      const std::lock_guard lock(mutex_);
+      while (end_ == 0) {
+        const std::optional<RankMessage> message = ranks_.receive();
+        if (!message) break;
+        take(*message);
+      }
+      if (!jobs_.empty() && !is_over()) {
+        const TileJob job = jobs_.front();
+        jobs_.pop_front();
+        return job;
+      }
+      if (end_ != 0) return std::nullopt;
+    }
+  }
+  /// First byte of the message that ended the pass.
+  char end() const { return end_; }
+
+ private:
+  bool is_over() const {
+    return stop_.stop_requested() || end_ == kRenderEnds || end_ == rank_message::kQuit;
+  }
+  void take(const RankMessage& message) {
+    const char what = message.bytes.front();
+    if (what != kTile) {
+      end_ = what;
+      return;
+    }
+    RankReader reader(std::string_view(message.bytes).substr(1));
+    jobs_.push_back(reader.get<TileJob>());
+    if (std::vector<double> sums = reader.get_all<double>(); !sums.empty())
+      film_.tile_sums(jobs_.back().tile) = std::move(sums);
+  }
+
+  Communicator& ranks_;
+  Film& film_;
+  const std::stop_token& stop_;
+  std::mutex mutex_;
+  std::deque<TileJob> jobs_;
+  char end_ = 0;
+};
+
+/// @return first byte of the message that ended the pass
+char serve_pass(const CompiledScene& scene, const RenderSettings& settings,
+                std::vector<PointRange> ranges, const BackwardShared& shared, Film& film,
+                Communicator& ranks, const Execution& execution) {
+  const BackwardPass pass(scene, settings, std::move(ranges), shared, execution.threads);
+  Inbox inbox(ranks, film, execution.stop);
+  std::string ready(1, kPassReady);
+  put(ready, execution.thread_count());
+  ranks.send(0, std::move(ready));
+  RenderStatistics statistics;
+  Execution working = execution;
+  working.stop = {};  // the inbox ends it: rank 0 must hear of it
+  pass.run([&] { return inbox.next(); }, working, film, statistics,
+           [&](const TileJob& job, double rays) {
+             std::string bytes(1, kTileDone);
+             put(bytes, job);
+             put(bytes, rays);
+             std::vector<double> sums;
+             if (!std::as_const(film).tile_sums(job.tile).empty())
+               sums = std::move(film.tile_sums(job.tile));
+             film.tile_sums_taken(job.tile);
+             put_all(bytes, sums);
+             ranks.send(0, std::move(bytes));
+           });
+  if (inbox.end() != kPassEnds) return inbox.end();
+  std::string bytes(1, kPassEnded);
+  put(bytes, static_cast<const WorkCounters&>(statistics));
+  ranks.send(0, std::move(bytes));
+  return inbox.end();
+}
+
+}  // namespace
+
+RankMessage wait_for_message(Communicator& ranks) {
+  for (;; std::this_thread::sleep_for(kWait))
+    if (std::optional<RankMessage> message = ranks.receive()) return std::move(*message);
+}
+
+bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
+                  const Execution& execution) {
+  std::optional<RenderSettings> settings;
+  std::optional<BackwardShared> shared;
+  Film film;
+  const auto fail = [&](const std::string& what) {
+    ranks.send(0, std::string(1, rank_message::kFailed) + what);
+    shared.reset();
+  };
+  const auto guarded = [&](const auto& work) {
+    try {
+      work();
+    } catch (const std::bad_alloc&) {
+      fail("not enough memory");
+    } catch (const std::exception& error) {
+      fail(error.what());
+    }
+  };
+  guarded([&] {
+    settings = settings_from(begin);
+    shared.emplace(scene, *settings, execution);
+    film = Film(window_of(*settings, scene.scene.camera.sensor),
+                static_cast<int>(scene.scene.channels.size()), settings->replicates);
+  });
+  for (;;) {
+    const RankMessage message = wait_for_message(ranks);
+    char what = message.bytes.front();
+    if (what == kPassBegins && shared)
+      guarded([&] {
+        RankReader reader(std::string_view(message.bytes).substr(1));
+        what = serve_pass(scene, *settings, reader.get_all<PointRange>(), *shared, film, ranks,
+                          execution);
+      });
+    if (what == kRenderEnds) return true;
+    if (what == rank_message::kQuit) return false;
+  }
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Computes the table of docs/scale.md: how long pictures and reconstructions take on many machines, by a model.
+
+    tools/scale_model.py            prints the tables
+    tools/scale_model.py --check    compares them with docs/scale.md
+
+Times are for ranks of one thread. Standard library only.
+"""
+
+import pathlib
+import sys
+
+PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "scale.md"
+
+RAYS_PER_SECOND = 2.0e6  # of one thread, layered flame (docs/benchmarks.md is about the same)
+TILE = 64 * 64  # pixels
+SUM_BYTES = 2 * 8  # a pixel and channel: two randomisations in double precision
+NETWORK = 1.0e9 / 8  # [B/s] gigabit Ethernet at rank 0
+FAST_NETWORK = 100.0e9 / 8  # [B/s]
+TILE_OVERHEAD = 20e-6  # [s] of rank 0 for a tile: message, sums, picture
+COMPILE = 1.0  # [s] that every rank takes to compile the scene
+LENSES = 1.3  # microlenses that light a pixel
+
+
+def picture(ranks, lit_pixels, samples, network):
+    """Seconds of a picture at a fixed number of samples, seconds that rank 0's network and processor are busy, efficiency."""
+    work = lit_pixels * LENSES * samples / RAYS_PER_SECOND
+    tiles = lit_pixels / TILE
+    sent = tiles * TILE * SUM_BYTES * (ranks - 1) / ranks / network
+    served = tiles * TILE_OVERHEAD
+    last = work / tiles / 2 if ranks > 1 else 0  # the others wait for the last tile
+    time = COMPILE + max(work / ranks + last, sent, served)
+    return time, max(sent, served), (COMPILE + work) / (time * ranks)
+
+
+def matrix(voxels, cameras, pixels_lit, rays):
+    """Rows, entries, bytes of the matrix of a reconstruction; a ray crosses about 1.5 n cells of n^3, which touch 4 samples each."""
+    side = round(voxels ** (1 / 3))
+    rows = cameras * pixels_lit
+    # Rays of a pixel stay within about two voxels of each other.
+    entries = rows * 1.5 * side * 6
+    return rows, entries, 8 * entries
+
+
+def tables():
+    lines = ["| ranks | 1 million pixels, 64 samples | efficiency | 42 million, 256 samples, 1 Gbit/s | efficiency | the same, 100 Gbit/s | efficiency |",
+             "|---:|---:|---:|---:|---:|---:|---:|"]
+    for ranks in (1, 4, 16, 64, 250, 1000):
+        cells = []
+        for pixels, samples, network in ((1e6, 64, NETWORK), (42e6, 256, NETWORK), (42e6, 256, FAST_NETWORK)):
+            time, _, efficiency = picture(ranks, pixels, samples, network)
+            cells.append(f"{time:.3g} s | {100 * efficiency:.0f} %")
+        lines.append(f"| {ranks} | " + " | ".join(cells) + " |")
+    lines.append("")
+    rows, entries, size = matrix(128 ** 3, 12, 1e6, 64)
+    follow = rows * 64 / 1.0e6
+    lines += ["| 128^3 voxels, 12 cameras of 1 million lit pixels | |", "|---|---:|",
+              f"| rows | {rows:.3g} |", f"| entries | {entries:.3g} |", f"| matrix | {size / 1e9:.3g} GB |",
+              f"| its part on each of 1000 ranks | {size / 1e6 / 1000:.3g} MB |",
+              f"| following 64 rays a pixel, one thread | {follow:.3g} s |", f"| the same, 1000 ranks | {follow / 1000:.3g} s |",
+              f"| samples that an iteration adds up over ranks | {8 * 128 ** 3 / 1e6:.3g} MB |",
+              f"| adding them up (2 times their size through each link), 1 Gbit/s | {2 * 8 * 128 ** 3 / NETWORK:.2g} s |",
+              f"| the same, 100 Gbit/s | {2 * 8 * 128 ** 3 / FAST_NETWORK:.2g} s |",
+              f"| A x and A^T y, memory at 5 GB/s a rank, 1000 ranks | {2 * size / 1000 / 5e9:.2g} s |"]
+    return "\n".join(lines)
+
+
+def main():
+    text = tables()
+    if "--check" not in sys.argv[1:]:
+        print(text)
+        return
+    page = PAGE.read_text()
+    missing = [line for line in text.splitlines() if line and line not in page]
+    if missing:
+        sys.exit("docs/scale.md differs from tools/scale_model.py:\n" + "\n".join(missing))
+
+
+if __name__ == "__main__":
+    main()
