@@ -34,6 +34,7 @@ LIBRARIES = {
     "GoogleTest": re.compile(r"g(test|mock)/"),
     "Google Benchmark": re.compile(r"benchmark/"),
     "pybind11": re.compile(r"pybind11/"),
+    "MPI": re.compile(r"mpi\.h$"),
     "X11": re.compile(r"X11/"),
     "POSIX": POSIX,
 }
@@ -79,7 +80,8 @@ def allowed_libraries(path):
     if place == "volumes/src":
         return VOLUMES_SRC
     if place == "app/cli":
-        return CLI
+        # Linked to the command, MPI would be loaded at every start.
+        return {"MPI"} if parts[:3] == ("app", "cli", "mpi") else CLI
     if place == "app/shared":
         return SHARED
     if place == "app/vtk":

@@ -75,7 +75,7 @@ class SourceRules(unittest.TestCase):
             ("volumes/include/plenoflame/volumes/flame.h", "openvdb/openvdb.h"),
             ("volumes/src/x.cpp", "vtkImageData.h"), ("volumes/src/x.cpp", "CLI/CLI.hpp"),
             ("app/cli/main.cpp", "openvdb/openvdb.h"), ("app/cli/main.cpp", "QString"),
-            ("app/cli/main.cpp", "ImfOutputFile.h"), ("app/vtk/vtkX.cxx", "QWidget"),
+            ("app/cli/main.cpp", "ImfOutputFile.h"), ("app/cli/ranks.cpp", "mpi.h"), ("core/src/base/x.cpp", "mpi.h"), ("app/vtk/vtkX.cxx", "QWidget"),
             ("app/vtk/vtkX.cxx", "openvdb/openvdb.h"), ("app/python/x.cpp", "vtkImageData.h"),
             ("tests/core/a/x_test.cpp", "openvdb/openvdb.h"),
         ]:
@@ -84,7 +84,7 @@ class SourceRules(unittest.TestCase):
             (HEADER.format("math/x"), "array"), ("core/src/image/x.cpp", "ImfOutputFile.h"),
             ("core/src/image/x.cpp", "png.h"), ("core/src/scene/x.cpp", "toml++/toml.h"),
             ("volumes/include/plenoflame/volumes/interop.h", "openvdb/openvdb.h"),
-            ("volumes/src/x.cpp", "nanovdb/NanoVDB.h"), ("app/cli/main.cpp", "CLI/CLI.hpp"),
+            ("volumes/src/x.cpp", "nanovdb/NanoVDB.h"), ("app/cli/main.cpp", "CLI/CLI.hpp"), ("app/cli/mpi/x.cpp", "mpi.h"),
             ("app/vtk/vtkX.cxx", "vtkImageData.h"), ("app/python/x.cpp", "pybind11/numpy.h"),
             ("app/desktop/x.cpp", "QWidget"),
             ("tests/core/a/x_test.cpp", "gtest/gtest.h"), ("tests/volumes/x_test.cpp", "openvdb/openvdb.h"),
