@@ -19,14 +19,14 @@ class JobCommunicator : public Communicator {
 /// @throws UsageError where there are others and this build has no MPI
 std::unique_ptr<JobCommunicator> join_ranks();
 
-/// Whether this process is one of several and not the first, before anything is loaded: only the
+/// Tells if this process is one of several and not the first, before anything is loaded: only the
 /// first says what is wrong.
 bool is_further_rank();
 
 /// Worker threads of this rank unless the user says how many: the ranks of a node share it.
 int default_threads(const JobCommunicator& ranks);
 
-/// What a rank above 0 does: whatever rank 0 asks for, until that quits.
+/// The work of a rank above 0: whatever rank 0 asks for, until that quits.
 void serve_ranks(JobCommunicator& ranks, const std::stop_token& stop);
 
 /// Tells the others that there is no more to do, and waits for them a while.

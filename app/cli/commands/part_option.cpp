@@ -11,7 +11,8 @@
 namespace plenoflame::cli {
 namespace {
 
-/// What Slurm says of the task of a job array. @throws UsageError when it does not, or wrongly
+/// A number that Slurm says of the task of a job array. @throws UsageError when it does not, or
+/// wrongly
 int of_array(const std::string& option, const char* name) {
   const char* const value = std::getenv(name);
   if (!value)
@@ -36,7 +37,7 @@ Part part_option(const std::string& option, const std::string& text) {
   try {
     if (!text.starts_with("auto")) return part_from(text);
     const int task = of_array(option, "SLURM_ARRAY_TASK_ID");
-    // Of an array of all parts: a task that is begun anew alone is in an array of one.
+    // The number of parts is given: a task that is begun anew alone is in an array of one.
     if (text.starts_with("auto/")) return part_from(std::to_string(task) + text.substr(4));
     if (text != "auto") return part_from(text);
     const int first = of_array(option, "SLURM_ARRAY_TASK_MIN");

@@ -66,7 +66,8 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// What render will read, checked here: a job that waited for a day should not end with it.
+/// The options that render will read, checked here: a job that waited for a day should not end with
+/// it.
 /// @throws UsageError
 RenderArguments checked_render_options(const std::vector<std::string>& words) {
   RenderArguments arguments;

@@ -92,7 +92,7 @@ class Mean {
 
   void add(const LightField& picture) {
     const int replicates = replicates_of(picture);
-    // What is no picture of tiles has the same samples everywhere.
+    // A picture that says nothing of its tiles has the same samples everywhere.
     std::vector<double> samples = tile_samples_of(picture, replicates, tiles_.tile_count());
     sums_.resize(picture.channels.size());
     for (std::size_t c = 0; c < sums_.size(); ++c) {
@@ -154,7 +154,7 @@ class Mean {
   double freedom_ = 0, samples_ = 0;
 };
 
-/// What is the sum over the picture is made anew, as render() sums it.
+/// The energy is the sum over the picture: it is made anew, as render() sums it.
 void put_energy(LightField& picture) {
   const auto time = picture.numbers.find("exposure.time");
   const auto energy = picture.numbers.find("exposure.energy");

@@ -158,7 +158,7 @@ bool overlap(const PixelWindow& a, const PixelWindow& b) {
 
 /// A pixel of `all` that none of the windows holds.
 std::pair<int, int> bare_pixel(const PixelWindow& all, const std::vector<PixelWindow>& windows) {
-  // Where a window begins or ends something else can begin.
+  // Something else can begin where a window begins or ends.
   std::set<int> columns{all.x}, rows{all.y};
   for (const PixelWindow& w : windows) {
     columns.insert({w.x, w.x + w.width});

@@ -13,8 +13,8 @@ inline constexpr char kQuit = 'Q';    ///< from rank 0: there will be no more
 inline constexpr char kFailed = 'F';  ///< to rank 0: what is wrong, as a text; ends the rendering
 }  // namespace rank_message
 
-/// What a rank above 0 does in a rendering: traces the tiles that rank 0 hands out, until that is
-/// at its end.
+/// The work of a rank above 0 in a rendering: it traces the tiles that rank 0 hands out, until that
+/// is at its end.
 /// @param scene compiled from the same scene as that of rank 0
 /// @param begin message that begins with kRender
 /// @return false when kQuit came

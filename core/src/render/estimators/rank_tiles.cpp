@@ -39,7 +39,7 @@ class RankTiles::Queue {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  /// Whether all were handed out.
+  /// @return true when all were handed out
   bool finished() const {
     const std::lock_guard lock(mutex_);
     return next_ == jobs_.size();
