@@ -39,9 +39,9 @@ class ViewsFilter : public Filter {
  public:
   void run(const Execution& execution) override {
     settings.channel = channel;
-    output =
-        extract_views(*input, micro_.get(camera_of(*input), settings.white_correction, execution),
-                      settings, execution);
+    output = extract_views(*input,
+                           micro_.get(taken_through(*input), settings.white_correction, execution),
+                           settings, execution);
     sheet = contact_sheet(output);
   }
   ViewSettings settings;
@@ -55,13 +55,13 @@ class ViewsFilter : public Filter {
 class RefocusFilter : public Filter {
  public:
   void run(const Execution& execution) override {
-    const CameraSpec camera = camera_of(*input);
-    check_refocus_depth(Camera(camera), settings.depth);
+    const TakenThrough optics = taken_through(*input);
+    check_refocus_depth(Camera(optics.camera), settings.depth);
     settings.channel = channel;
-    output = refocus(*input, micro(camera, execution), settings, execution);
+    output = refocus(*input, micro(optics, execution), settings, execution);
   }
-  const MicroImages& micro(const CameraSpec& camera, const Execution& execution) {
-    return micro_.get(camera, true, execution);
+  const MicroImages& micro(const TakenThrough& optics, const Execution& execution) {
+    return micro_.get(optics, true, execution);
   }
   RefocusSettings settings;
   RefocusedImage output;
@@ -73,11 +73,11 @@ class RefocusFilter : public Filter {
 class FocusStackFilter : public RefocusFilter {
  public:
   void run(const Execution& execution) override {
-    const CameraSpec camera = camera_of(*input);
-    const Camera checked(camera);
+    const TakenThrough optics = taken_through(*input);
+    const Camera checked(optics.camera);
     for (const double depth : depths) check_refocus_depth(checked, depth);
     settings.channel = channel;
-    stack = focus_stack(*input, micro(camera, execution), depths, settings, execution);
+    stack = focus_stack(*input, micro(optics, execution), depths, settings, execution);
   }
   std::vector<double> depths;
   FocusStack stack;

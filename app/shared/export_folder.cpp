@@ -92,7 +92,8 @@ ExportResult export_to_folder(const LightField& field, const ExportRequest& requ
   settings.views.channel = request.channel;
   settings.colour =
       export_colours(field, &scene, format, words_of(request.channels), request.channel, "");
-  const MicroImages micro(camera, true, execution);
+  MicroImages micro(camera, true, execution);
+  micro.look_through(scene.windows);
   const bool made = prepare(request.folder);
   try {
     StagingFolder staging(request.folder);

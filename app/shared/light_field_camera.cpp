@@ -1,5 +1,7 @@
 #include "light_field_camera.h"
 
+#include <utility>
+
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_settings.h"
@@ -28,10 +30,10 @@ SceneDocument scene_of(const LightField& field, const std::string& name,
   return document;
 }
 
-CameraSpec camera_of(const LightField& field) {
-  const CameraSpec camera = scene_of(field, "the light field").scene.camera;
-  check_raw_image(field, camera);
-  return camera;
+TakenThrough taken_through(const LightField& field) {
+  Scene scene = scene_of(field, "the light field").scene;
+  check_raw_image(field, scene.camera);
+  return {std::move(scene.camera), std::move(scene.windows)};
 }
 
 }  // namespace plenoflame

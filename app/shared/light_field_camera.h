@@ -20,21 +20,27 @@ SceneDocument scene_of(const LightField& field, const std::string& name,
 /// field is evaluated with. @param path of the scene, for messages @throws InputError
 void check_camera_of(const SceneDocument& document, const std::string& path);
 
-/// The camera that a light field was taken with. @throws InputError: the light field holds no
-/// scene, or pixels that are not its camera's
-CameraSpec camera_of(const LightField& field);
+/// Through which optics a light field was taken.
+struct TakenThrough {
+  CameraSpec camera;
+  std::vector<WindowSpec> windows;  ///< with their indices set
+};
+
+/// @throws InputError: the light field holds no scene, or pixels that are not its camera's
+TakenThrough taken_through(const LightField& field);
 
 namespace pipeline {
 
-/// The micro-images of the camera that was asked for last: tracing them takes longer than what
-/// filters do with them.
+/// The micro-images of the camera that was asked for last, as it sees through its windows: tracing
+/// them takes longer than what filters do with them.
 class MicroImageCache {
  public:
-  const MicroImages& get(const CameraSpec& camera, bool white, const Execution& execution) {
-    if (!held_ || white_ != white || !(held_->camera().spec() == camera)) {
-      held_ = std::make_unique<MicroImages>(Camera(camera), white, execution);
+  const MicroImages& get(const TakenThrough& optics, bool white, const Execution& execution) {
+    if (!held_ || white_ != white || !(held_->camera().spec() == optics.camera)) {
+      held_ = std::make_unique<MicroImages>(Camera(optics.camera), white, execution);
       white_ = white;
     }
+    held_->look_through(optics.windows);
     return *held_;
   }
 

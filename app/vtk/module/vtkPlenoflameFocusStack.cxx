@@ -37,10 +37,10 @@ int vtkPlenoflameFocusStack::RequestData(vtkInformation*, vtkInformationVector**
   vtkImageData* const out = vtkImageData::GetData(outputs);
   return pipeline::run(*this, this->NumberOfThreads, [&](const Execution& execution) {
     const LightField field = pipeline::image_to_light_field(*in);
-    const CameraSpec camera = camera_of(field);
-    const Camera checked(camera);
+    const TakenThrough optics = taken_through(field);
+    const Camera checked(optics.camera);
     for (const double depth : this->Depths) check_refocus_depth(checked, depth);
-    const FocusStack stack = focus_stack(field, this->micro_images(camera, execution), this->Depths,
+    const FocusStack stack = focus_stack(field, this->micro_images(optics, execution), this->Depths,
                                          this->refocus_settings(), execution);
     pipeline::image_to_vtk(stack.all_in_focus, "all_in_focus", *out);
     pipeline::add_image(stack.depth, "depth", *out);

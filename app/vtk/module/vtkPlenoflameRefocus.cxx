@@ -43,8 +43,8 @@ plenoflame::RefocusSettings vtkPlenoflameRefocus::refocus_settings() const {
 }
 
 const plenoflame::MicroImages& vtkPlenoflameRefocus::micro_images(
-    const plenoflame::CameraSpec& camera, const plenoflame::Execution& execution) {
-  return this->Internal->MicroImages.get(camera, true, execution);
+    const plenoflame::TakenThrough& optics, const plenoflame::Execution& execution) {
+  return this->Internal->MicroImages.get(optics, true, execution);
 }
 
 void vtkPlenoflameRefocus::set_geometry(const plenoflame::RefocusedImage& picture) {
@@ -79,10 +79,10 @@ int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** in
   return plenoflame::pipeline::run(
       *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
         const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
-        const plenoflame::CameraSpec camera = plenoflame::camera_of(field);
-        plenoflame::check_refocus_depth(plenoflame::Camera(camera), this->Depth);
+        const plenoflame::TakenThrough optics = plenoflame::taken_through(field);
+        plenoflame::check_refocus_depth(plenoflame::Camera(optics.camera), this->Depth);
         const plenoflame::RefocusedImage picture = plenoflame::refocus(
-            field, this->micro_images(camera, execution), this->refocus_settings(), execution);
+            field, this->micro_images(optics, execution), this->refocus_settings(), execution);
         this->set_geometry(picture);
         plenoflame::pipeline::image_to_vtk(picture.image, "radiance", *out);
       });

@@ -19,7 +19,7 @@
 
 namespace plenoflame {
 class MicroImages;
-struct CameraSpec;
+struct TakenThrough;
 struct Execution;
 struct RefocusedImage;
 struct RefocusSettings;
@@ -104,7 +104,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
 
 #ifndef __VTK_WRAP__
   plenoflame::RefocusSettings refocus_settings() const;
-  const plenoflame::MicroImages& micro_images(const plenoflame::CameraSpec& camera,
+  const plenoflame::MicroImages& micro_images(const plenoflame::TakenThrough& optics,
                                               const plenoflame::Execution& execution);
   void set_geometry(const plenoflame::RefocusedImage& picture);
 #endif

@@ -81,7 +81,7 @@ int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector** inpu
         settings.white_correction = this->WhiteCorrection;
         settings.channel = this->Channel;
         const plenoflame::MicroImages& micro = this->Internal->MicroImages.get(
-            plenoflame::camera_of(field), this->WhiteCorrection, execution);
+            plenoflame::taken_through(field), this->WhiteCorrection, execution);
         const plenoflame::Views views =
             plenoflame::extract_views(field, micro, settings, execution);
         const char* const name = this->WhiteCorrection ? "radiance" : "flux";
