@@ -117,8 +117,6 @@ void check_sought(const ReconstructRequest& request) {
                      " is for --find emission: temperatures are found by Gauss and Newton's "
                      "method");
   const std::size_t channels = request.channels().size();
-  if (sought == Sought::both && channels == 1)
-    throw UsageError("--channel: both takes two channels, e.g. 650nm,850nm");
   if (sought != Sought::both && channels > 1)
     throw UsageError("--channel: one at a time, unless --find both");
   if (sought != Sought::both && !request.ratio.empty())

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "options.h"
 #include "plenoflame/inverse/measurement.h"
+#include "plenoflame/scene/pupil_transmission.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "unknowns_request.h"
 
@@ -69,11 +71,22 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
   write_grids(path, grids, options);
 }
 
-FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns) {
+FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns,
+                       bool temperatures) {
   FlameTruth truth;
+  const PupilFilters& filters = scene.camera.pupil_filters();
+  const bool filtered = !filters.empty();
+  double passed = 1;
+  if (filtered) {
+    const std::vector<double> areas = filters.areas();
+    const std::vector<double> shares = pupil_transmission(scene.scene, channel);
+    passed = std::inner_product(areas.begin(), areas.end(), shares.begin(), 0.0);
+  }
+  const SourceFunction open = channel_source(scene.scene, channel);
   for (std::size_t j = 0; j < unknowns.size(); ++j) {
     const FlameAt at = flame_at(scene, channel, unknowns.place(j));
-    truth.emission.push_back(at.emission);
+    truth.emission.push_back(filtered && temperatures ? at.absorption * open(at.temperature)
+                                                      : at.emission / passed);
     truth.temperature.push_back(at.emission > 0 ? at.temperature : 0);
     truth.absorption.push_back(at.absorption);
   }

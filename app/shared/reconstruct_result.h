@@ -41,7 +41,11 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
 struct FlameTruth {
   std::vector<double> emission, temperature, absorption;
 };
-FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns);
+/// Emission is that of the open stop where filters cover parts of it: as what reconstructions find.
+/// @param temperatures are found, by which filters pass their shares; else these are
+/// pupil_transmission()
+FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns,
+                       bool temperatures);
 void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
                    Report& report);
 

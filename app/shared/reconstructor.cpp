@@ -18,15 +18,22 @@ namespace plenoflame {
 namespace {
 
 /// Channels that are wanted, as the first picture names them.
+/// @param filtered filters in the pupil may give one channel two colours
 std::vector<std::string> wanted_channels(const ReconstructRequest& request,
-                                         const LightField& picture, const std::string& name) {
+                                         const LightField& picture, const std::string& name,
+                                         bool filtered) {
   std::vector<std::string> names = request.channels();
   const bool both = request.sought() == Sought::both;
   if (names.empty()) {
-    if (both && picture.channels.size() < 2)
+    const std::size_t wanted = both && !(filtered && picture.channels.size() == 1) ? 2 : 1;
+    if (picture.channels.size() < wanted)
       throw InputError(name + " has a single channel; both takes two");
-    for (std::size_t k = 0; k < (both ? 2U : 1U); ++k) names.push_back(picture.channels[k].name);
+    for (std::size_t k = 0; k < wanted; ++k) names.push_back(picture.channels[k].name);
   }
+  if (both && names.size() < 2 && !filtered)
+    throw UsageError(
+        "--channel: both takes two channels, e.g. 650nm,850nm, or filters of two colours in the "
+        "pupil");
   return names;
 }
 
@@ -202,7 +209,11 @@ ReconstructCameras reconstruct_cameras(const ReconstructRequest& request,
                       "{}",
                       camera.what, sensor.columns, sensor.rows, bin, bin));
   }
-  for (const std::string& name : wanted_channels(request, first, names[0])) {
+  const bool filtered = std::any_of(result.cameras.begin(), result.cameras.end(),
+                                    [](const ReconstructCamera& camera) {
+                                      return !camera.scene->camera.pupil_filters().empty();
+                                    });
+  for (const std::string& name : wanted_channels(request, first, names[0], filtered)) {
     const std::string& wanted = find_channel(first, name, names[0]).name;
     for (std::size_t v = 0; v < result.cameras.size(); ++v) {
       const Scene& scene = result.cameras[v].scene->scene;
@@ -267,7 +278,9 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
     const auto [x, y, z] = point_option("--spread", spread);
     spreads_.push_back({x, y, z});
   }
-  if (request_.truth) truth_ = flame_truth(scene, cameras.channels[0], *unknowns_);
+  if (request_.truth)
+    truth_ =
+        flame_truth(scene, cameras.channels[0], *unknowns_, request_.sought() != Sought::emission);
   const auto earlier = [&](const std::shared_ptr<const EarlierResult>& given,
                            const std::string& path) {
     if (!given) return read_earlier_result(path, *unknowns_);
@@ -333,6 +346,20 @@ ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
   return result;
 }
 
+/// What the filters in the cameras' pupils make of a channel; empty: there are none.
+std::vector<std::vector<ThermalPart>> Reconstructor::parts_of_stop(std::size_t channel) const {
+  std::vector<std::vector<ThermalPart>> parts;
+  bool any = false;
+  for (const ReconstructCamera& camera : cameras_.cameras) {
+    parts.push_back(thermal_parts(camera.scene->scene, channel));
+    any = any || !parts.back().empty();
+    if (request_.unknowns.absorption == "scene")
+      take_absorption_of_scene(*camera.scene, channel, *unknowns_, parts.back());
+  }
+  if (!any) parts.clear();
+  return parts;
+}
+
 ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
                                          const Execution& execution) {
   ThermalInput input;
@@ -347,7 +374,7 @@ ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
   for (std::size_t k = 0; k < cameras_.channels.size(); ++k)
     input.channels.push_back({static_cast<int>(cameras_.channels[k]), measurements[k],
                               channel_source(cameras_.first().scene, cameras_.channels[k]),
-                              ratios[k]});
+                              ratios[k], parts_of_stop(cameras_.channels[k])});
   ThermalSettings settings;
   settings.linear = settings_;
   ThermalReconstruction found = reconstruct_thermal(input, settings, execution);

@@ -80,6 +80,7 @@ class Reconstructor {
   std::vector<double> samples_of(const EarlierResult& result) const;
   ReconstructResult linear(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult thermal(const FrameMeasurements& measurements, const Execution& execution);
+  std::vector<std::vector<ThermalPart>> parts_of_stop(std::size_t channel) const;
 
   ReconstructRequest request_;
   const ReconstructCameras& cameras_;

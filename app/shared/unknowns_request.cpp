@@ -123,6 +123,11 @@ std::size_t unknown_axes(const UnknownsRequest& request) {
 }
 
 FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
+  return flame_at(scene, scene.mix, channel, place);
+}
+
+FlameAt flame_at(const CompiledScene& scene, const ChannelMix& mix, std::size_t channel,
+                 Vec3 place) {
   FlameAt result;
   const auto nodes = static_cast<std::size_t>(scene.medium->channel_count());
   std::vector<double> emission(nodes), absorption(nodes);
@@ -130,9 +135,8 @@ FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
   scene.medium->absorptions(place, absorption.data());
   double weights = 0;
   for (std::size_t n = 0; n < nodes; ++n) {
-    const double weight = scene.mix.empty()
-                              ? (n == channel ? 1 : 0)
-                              : scene.mix.weight(static_cast<int>(channel), static_cast<int>(n));
+    const double weight = mix.empty() ? (n == channel ? 1 : 0)
+                                      : mix.weight(static_cast<int>(channel), static_cast<int>(n));
     result.emission += weight * emission[n];
     result.absorption += weight * absorption[n];
     weights += weight;
@@ -140,6 +144,21 @@ FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
   if (weights > 0) result.absorption /= weights;
   result.temperature = scene.medium->sample(place).temperature;
   return result;
+}
+
+void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
+                              const Unknowns& unknowns, std::vector<ThermalPart>& parts) {
+  if (parts.size() != scene.part_mixes.size()) return;
+  std::vector<double> sums(parts.size(), 0.0);
+  double whole = 0;
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    const Vec3 place = unknowns.place(j);
+    whole += flame_at(scene, channel, place).absorption;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      sums[p] += flame_at(scene, scene.part_mixes[p], channel, place).absorption;
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (whole > 0 && sums[p] > 0) parts[p].absorption_ratio = sums[p] / whole;
 }
 
 std::vector<double> absorption_of(const UnknownsRequest& request, const CompiledScene& scene,

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/unknowns.h"
 #include "plenoflame/scene/compile.h"
 
@@ -35,6 +36,13 @@ struct FlameAt {
   double absorption = 0, emission = 0, temperature = 0;
 };
 FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place);
+/// Behind one part of the stop. @param mix one of the scene's part_mixes
+FlameAt flame_at(const CompiledScene& scene, const ChannelMix& mix, std::size_t channel,
+                 Vec3 place);
+
+/// Gives parts of the stop the absorption of the scene's flames, over that of the channel.
+void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
+                              const Unknowns& unknowns, std::vector<ThermalPart>& parts);
 
 /// What is known of the absorption [1/m], one value for each unknown; empty: nothing.
 /// @throws UsageError

@@ -93,6 +93,23 @@ class PupilFilters(CommandTest):
             total.append(sum(float(row[2]) for row in rows[1:]))
         self.assertLess(abs(total[1] / total[0] / 0.6 - 1), 0.02)
 
+    def test_one_channel_behind_two_filters_tells_temperature_and_absorption(self):
+        flame = (FLAME.replace("2000 1/m", "60 1/m").replace("50 mm", "4 mm") +
+                 '[flames.spectrum]\nkind = "power"\nreference = "725 nm"\nexponent = 1\n')
+        self.write("a.toml", CAMERA + RED + INFRARED + CHANNEL + flame)
+        self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "64", "--quiet")
+        common = ("reconstruct", "a.toml", "--images", "a.exr", "--unknowns", "layers", "--grid", "3", "--rays", "16",
+                  "--seed", "5", "--truth", "--quiet")
+        both = self.json_of(*common, "--find", "both", "-o", "both.vdb")
+        self.assertLess(both["truth_temperature_error"], 0.05)  # 0.11 with absorptions that do not fit
+        known = self.json_of(*common, "--find", "temperature", "--absorption", "scene", "-o", "known.vdb")
+        self.assertLess(known["truth_temperature_error"], 0.05)
+        # With one colour, nothing is known but the emission.
+        self.write("one.toml", CAMERA + RED + CHANNEL.replace("725", "650").replace("400", "10") + flame)
+        self.succeeds("render", "one.toml", "-o", "one.exr", "--samples", "16", "--quiet")
+        self.fails(1, *[w.replace("a.toml", "one.toml").replace("a.exr", "one.exr") for w in common], "--find", "both",
+                   "-o", "none.vdb", mentions="two")
+
     def test_design_says_which_views_see_which_filter(self):
         self.write("a.toml", CAMERA + RED + INFRARED + CHANNEL + FLAME)
         figures = self.json_of("design", "a.toml")

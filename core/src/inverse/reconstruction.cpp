@@ -88,6 +88,17 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
   return empty;
 }
 
+/// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
+void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRays& rays,
+                     MeasuredRows& measured) {
+  if (parts.empty()) return;
+  for (std::size_t i = 0; i < rays.rows.size(); ++i) {
+    const std::vector<char>& counts = parts[static_cast<std::size_t>(rays.rows[i].view)];
+    for (std::size_t r = rays.rows[i].begin; r < rays.end_of(i); ++r)
+      if (!counts[static_cast<std::size_t>(rays.rays[r].part)]) measured.deviation[i] = 0;
+  }
+}
+
 /// What noise leaves of the misfit: two standard deviations of chi^2 itself more than the number of
 /// rows, without which chance may ask for next to no penalty.
 double expected_misfit(double rows) {
@@ -266,7 +277,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   if (rays.rows.empty())
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
-  const MeasuredRows measured = measured_rows(input.measurements, rays, settings.rays.bin);
+  MeasuredRows measured = measured_rows(input.measurements, rays, settings.rays.bin);
+  leave_out_parts(input.parts, rays, measured);
 
   Reconstruction result;
   result.model = input.absorption.empty() ? RowModel::emission : RowModel::source;

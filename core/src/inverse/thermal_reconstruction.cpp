@@ -170,7 +170,8 @@ class ThermalSolver {
       weights_.insert(weights_.end(), weights.begin(), weights.end());
       figures.left_out += static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0.0));
       figures.rays += rays_.back()->rays.size();
-      model_.channels.push_back({rays_.back().get(), pictures.source, pictures.absorption_ratio});
+      model_.channels.push_back(
+          {rays_.back().get(), pictures.source, pictures.absorption_ratio, pictures.parts});
     }
     figures.rows = b_.size();
     figures.rays_error = start.rays_error;
@@ -485,12 +486,10 @@ ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
   for (const ThermalPictures& pictures : input.channels)
     if (pictures.measurements.size() != input.views.size())
       throw UsageError("a reconstruction needs one picture for each camera and channel");
-  for (const CameraView& view : input.views)
-    if (!view.scene->camera.pupil_filters().empty())
-      throw InputError(
-          "camera.pupil_filters give each part of the stop a source function of its own, which "
-          "solving for temperatures does not know: solve for the emission (--find emission)");
-  if (input.absorption.empty() && input.channels.size() < 2)
+  for (const ThermalPictures& pictures : input.channels)
+    if (!pictures.parts.empty() && pictures.parts.size() != input.views.size())
+      throw UsageError("the parts of the stop are those of each view");
+  if (input.absorption.empty() && input.channels.size() < 2 && !has_two_colours(input))
     throw UsageError(
         "one channel knows the emission only: give the absorption, or a second channel");
   const std::size_t n = input.unknowns->size();

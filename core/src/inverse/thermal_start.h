@@ -19,6 +19,9 @@ struct ThermalStart {
   bool complete = true;
 };
 
+/// Whether parts of the stop show the first channel in two colours.
+bool has_two_colours(const ThermalInput& input);
+
 /// By linear reconstructions, or what the input says. A stop leaves what the first one had reached.
 /// @param share of the whole work that it is, for progress @throws InputError and Cancelled as
 ///        reconstruct()

@@ -73,8 +73,9 @@ struct Problem {
   CameraRays rays;
   ThermalModel model;
 
-  explicit Problem(double thickest, int channels = 1, int threads = 2)
-      : grids(thickest), scene(compile(hot_scene(), loader(grids))) {
+  explicit Problem(double thickest, int channels = 1, int threads = 2,
+                   const Scene& hot = hot_scene())
+      : grids(thickest), scene(compile(hot, loader(grids))) {
     unknowns = make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
     CameraRaySettings settings;
     settings.samples = 4;
@@ -98,6 +99,20 @@ struct Problem {
     return scene;
   }
 };
+
+/// Half of the stop behind a filter that passes red better than orange.
+Problem filtered_problem() {
+  Scene scene = Problem::hot_scene();
+  PupilFilterSpec half{"half"};
+  half.extent = std::acos(-1.0);
+  half.transmission = "600 nm 0.1, 700 nm 0.9";
+  scene.camera.pupil_filters = {half};
+  scene.channels[0].width = 60e-9;
+  Problem p(60, 1, 2, scene);
+  p.model.channels[0].parts = {thermal_parts(p.scene.scene, 0)};
+  for (ThermalPart& part : p.model.channels[0].parts[0]) part.absorption_ratio = 1;  // it is grey
+  return p;
+}
 
 std::vector<double> random_vector(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);
@@ -123,6 +138,29 @@ TEST(SourceTable, IsTheSourceFunctionToAPartInAHundredMillion) {
     for (const double beyond : {0.0, 150.0, 7000.0})
       EXPECT_EQ(table.at(beyond).source, source(beyond));
   }
+}
+
+// Every pixel: some see the filter, some the open half, some both. The renderer knows each part by
+// its spectral nodes. Fails when one source function stands for all parts.
+TEST(ThermalModel, IsThePictureThroughFilters) {
+  const Problem p = filtered_problem();
+  RenderSettings settings;
+  settings.samples = 4;
+  settings.skip = false;
+  settings.control_variate = false;
+  settings.precision = Precision::double_precision;
+  const Image flux = render(p.scene, settings).light_field.channels[0].flux;
+  const std::vector<double> b = thermal_fluxes(p.model, p.grids.variables());
+  int lit = 0;
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    const CameraRays::Row& row = p.rays.rows[i];
+    const double expected = static_cast<double>(flux.at(row.column, row.row));
+    if (!(expected > 0)) continue;
+    EXPECT_TRUE(relative(b[i], expected, 1e-6)) << row.column << ", " << row.row;
+    ++lit;
+  }
+  EXPECT_GT(lit, 50);
+  EXPECT_GT(p.model.channels[0].parts[0][0].source.wavelength(), 652e-9);
 }
 
 // Every pixel, thin and thick: the same rays, the same quadrature, the source function at the

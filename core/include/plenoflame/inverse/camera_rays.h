@@ -31,6 +31,7 @@ struct CameraRay {
   double weight = 0;       ///< [m^2 sr] share of the etendue, times pupil_transmission()
   double end = 0;          ///< [m] where something solid ends it; infinite otherwise
   int replicate = 0;       ///< the independent randomisation that it belongs to
+  int part = 0;            ///< of the stop, of PupilFilters::parts()
 };
 
 /// The rays of every pixel, or block of pixels, that sees a box: rows of the linear problem. A row

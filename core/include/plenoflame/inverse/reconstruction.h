@@ -79,6 +79,8 @@ struct ReconstructionInput {
   std::vector<double> prior = {};    ///< values that the penalty draws to; empty: 0
   std::vector<char> support = {};    ///< 0: the unknown is known to be empty; empty: of none
   std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
+  /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
+  std::vector<std::vector<char>> parts = {};
 };
 
 /// What the reconstruction makes of a single unknown.

@@ -16,11 +16,25 @@
 /// (docs/theory/reconstruction.md).
 namespace plenoflame {
 
+/// A part of the stop behind a filter, in the light of a channel.
+struct ThermalPart {
+  /// S(T) of what the filter passes, over the part's pupil_transmission(), which rays weigh.
+  SourceFunction source;
+  double absorption_ratio = 1;  ///< its absorption over that of its channel
+};
+
+/// The parts of a camera's stop, of PupilFilters::parts(); empty: it has no filters. Absorptions
+/// are as those of soot, in inverse proportion to the wavelengths.
+/// @throws InputError as camera_response
+std::vector<ThermalPart> thermal_parts(const Scene& scene, std::size_t channel);
+
 /// A channel of the pictures.
 struct ThermalChannel {
   const CameraRays* rays = nullptr;
   SourceFunction source;        ///< S(T) [W/(m^2 sr)]
   double absorption_ratio = 1;  ///< its absorption over the one that is solved for
+  /// Of each view, thermal_parts(); empty: no camera has filters.
+  std::vector<std::vector<ThermalPart>> parts = {};
 };
 
 /// b = f(x), fluxes [W] of the channels' rows, one channel after the other. x are the temperatures

@@ -4,6 +4,7 @@
 #include "plenoflame/base/execution.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/radiometry/source_function.h"
 
 namespace plenoflame {
@@ -14,6 +15,8 @@ struct ThermalPictures {
   std::vector<Measurement> measurements;  ///< one for each view
   SourceFunction source;
   double absorption_ratio = 1;  ///< its absorption over that of the first of the channels
+  /// Of each view, thermal_parts(); empty: no camera has filters.
+  std::vector<std::vector<ThermalPart>> parts = {};
 };
 
 struct ThermalInput {
@@ -54,7 +57,8 @@ struct ThermalReconstruction {
 /// chosen on the problem linearised about an approximate solution, twice: rays are followed some
 /// ten times, however many strengths are tried.
 /// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.
-/// @throws UsageError: the absorption is solved for with one channel only, which knows no more than
+/// Filters in the pupil are colours, too: with parts of two colours one channel tells both.
+/// @throws UsageError: the absorption is solved for with one colour only, which knows no more than
 ///         the emission
 /// @throws InputError and Cancelled as reconstruct()
 ThermalReconstruction reconstruct_thermal(const ThermalInput& input,

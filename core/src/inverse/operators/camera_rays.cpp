@@ -97,9 +97,11 @@ std::vector<std::vector<DrawnRay>> draw(const CompiledScene& scene, const Blocks
     auto& tile = tiles[static_cast<std::size_t>(rays.tile)];
     for (std::size_t i = 0; i < static_cast<std::size_t>(rays.size); ++i) {
       const std::size_t block = blocks.of(rays.columns[i], rays.rows[i]);
-      const double share = shares.of(rays.path, rays.pupil_parts.empty() ? 0 : rays.pupil_parts[i]);
+      const int part = rays.pupil_parts.empty() ? 0 : rays.pupil_parts[i];
+      const double share = shares.of(rays.path, part);
       if (!(share * rays.etendue[i] > 0) || block >= blocks.count()) continue;
       CameraRay ray;
+      ray.part = part;
       ray.direction = {rays.rays.dx[i], rays.rays.dy[i], rays.rays.dz[i]};
       ray.origin = rays.rays.anchor + Vec3{rays.rays.x[i], rays.rays.y[i], rays.rays.z[i]} +
                    rays.rays.t_near[i] * ray.direction;

@@ -8,19 +8,45 @@
 #include "inverse/operators/followed_rows.h"
 #include "inverse/source_table.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/inverse/measurement.h"
+#include "plenoflame/scene/pupil_transmission.h"
+#include "plenoflame/scene/spectral.h"
 
 namespace plenoflame {
 namespace {
 
 /// What x says of every unknown.
 struct ThermalFields {
+  /// The light that a ray brings.
+  struct Light {
+    SourceTable source;
+    double absorption_ratio;
+  };
+  /// Of a channel without filters, and else of the parts of each view's stop.
+  struct Lights {
+    Light plain;
+    std::vector<std::vector<Light>> parts;
+    const Light& of(int view, int part) const {
+      if (parts.empty() || parts[static_cast<std::size_t>(view)].empty()) return plain;
+      return parts[static_cast<std::size_t>(view)][static_cast<std::size_t>(part)];
+    }
+  };
   std::vector<double> temperature, absorption;
-  std::vector<SourceTable> sources;  ///< of the channels
+  std::vector<Lights> lights;  ///< of the channels
 
   ThermalFields(const ThermalModel& model, std::span<const double> x)
       : temperature(model.temperature), absorption(model.absorption) {
-    for (const ThermalChannel& channel : model.channels) sources.emplace_back(channel.source);
+    for (const ThermalChannel& channel : model.channels) {
+      Lights own{{SourceTable(channel.source), channel.absorption_ratio}, {}};
+      for (const std::vector<ThermalPart>& view : channel.parts) {
+        own.parts.emplace_back();
+        for (const ThermalPart& part : view)
+          own.parts.back().push_back(
+              {SourceTable(part.source), channel.absorption_ratio * part.absorption_ratio});
+      }
+      lights.push_back(std::move(own));
+    }
     const std::size_t n = model.unknowns->size();
     std::size_t next = 0;
     if (temperature.empty()) {
@@ -68,9 +94,10 @@ class ThermalWalk {
   double flux(std::size_t row) {
     const auto [channel, own] = place_of(row);
     const CameraRays& all = *channel.rays;
+    const int view = all.rows[own].view;
     double sum = 0;
     for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r)
-      sum += all.rays[r].weight * radiance(channel, all.rays[r]);
+      sum += all.rays[r].weight * radiance(channel.lights->of(view, all.rays[r].part), all.rays[r]);
     return sum;
   }
 
@@ -79,29 +106,30 @@ class ThermalWalk {
   void follow(std::size_t row, const Use& use) {
     const auto [channel, own] = place_of(row);
     const CameraRays& all = *channel.rays;
+    const int view = all.rows[own].view;
     for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r) {
-      radiance(channel, all.rays[r]);
-      derivatives(channel, all.rays[r].weight, use);
+      const Light& light = channel.lights->of(view, all.rays[r].part);
+      radiance(light, all.rays[r]);
+      derivatives(light, all.rays[r].weight, use);
     }
   }
 
  private:
+  using Light = ThermalFields::Light;
   struct Channel {
-    const ThermalChannel* spec;
-    const SourceTable* source;
+    const ThermalFields::Lights* lights;
     const CameraRays* rays;
   };
   std::pair<Channel, std::size_t> place_of(std::size_t row) const {
     for (std::size_t c = 0; c < model_.channels.size(); ++c) {
       const ThermalChannel& channel = model_.channels[c];
-      if (row < channel.rays->rows.size())
-        return {{&channel, &fields_.sources[c], channel.rays}, row};
+      if (row < channel.rays->rows.size()) return {{&fields_.lights[c], channel.rays}, row};
       row -= channel.rays->rows.size();
     }
     throw UsageError("the model has no such row");
   }
 
-  double radiance(const Channel& channel, const CameraRay& ray) {
+  double radiance(const Light& light, const CameraRay& ray) {
     intervals_.clear();
     model_.unknowns->append({ray.origin, ray.direction}, 0, ray.end, intervals_);
     lit_.resize(intervals_.size());
@@ -112,13 +140,13 @@ class ThermalWalk {
       lit = {};
       lit.passed = passed;
       for (std::size_t n = 0; n < 2; ++n)
-        lit.absorption[n] = channel.spec->absorption_ratio *
-                            std::max(interval.node[n].value(fields_.absorption), 0.0);
+        lit.absorption[n] =
+            light.absorption_ratio * std::max(interval.node[n].value(fields_.absorption), 0.0);
       // Nothing is emitted where nothing absorbs: exponentials are saved.
       lit.empty = !(lit.absorption[0] + lit.absorption[1] > 0);
       if (lit.empty) continue;
       for (std::size_t n = 0; n < 2; ++n)
-        lit.source[n] = channel.source->at(interval.node[n].value(fields_.temperature));
+        lit.source[n] = light.source.at(interval.node[n].value(fields_.temperature));
       const double half = 0.5 * interval.length;
       lit.transfer = interval_transfer(half * lit.absorption[0], half * lit.absorption[1]);
       lit.radiance = passed * (lit.transfer.near * lit.source[0].source +
@@ -131,7 +159,7 @@ class ThermalWalk {
 
   /// From the far end to the near one, with the light that arrives from behind.
   template <class Use>
-  void derivatives(const Channel& channel, double weight, const Use& use) {
+  void derivatives(const Light& light, double weight, const Use& use) {
     const std::size_t unknowns = model_.unknowns->size();
     const bool hot = model_.temperature.empty(), thick = model_.absorption.empty();
     const std::size_t first_absorption = hot ? unknowns : 0;
@@ -154,7 +182,7 @@ class ThermalWalk {
         const double by_depth = lit.passed * (slopes.near[n] * lit.source[0].source +
                                               slopes.far[n] * lit.source[1].source) -
                                 behind;
-        const double by_absorption = weight * by_depth * half * channel.spec->absorption_ratio;
+        const double by_absorption = weight * by_depth * half * light.absorption_ratio;
         for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
           use(first_absorption + node.sample[c],
               by_absorption * node.weight[c] * fields_.absorption[node.sample[c]]);
@@ -183,6 +211,24 @@ ThermalRows rows_of(const ThermalModel& model, std::span<const double> x) {
 }
 
 }  // namespace
+
+std::vector<ThermalPart> thermal_parts(const Scene& scene, std::size_t channel) {
+  const PupilFilters filters(scene.camera.pupil_filters);
+  if (filters.empty()) return {};
+  const std::vector<double> shares = pupil_transmission(scene, channel);
+  const SourceFunction open = channel_source(scene, channel);
+  std::vector<ThermalPart> parts(shares.size(), {open, 1});
+  for (std::size_t p = 0; p < filters.filters().size(); ++p) {
+    const std::string& curve = filters.filters()[p].transmission;
+    if (curve.empty() || !(shares[p] > 0)) continue;
+    const auto response = camera_response(scene, scene.channels.at(channel), curve);
+    if (!response) continue;
+    const SourceFunction own = SourceFunction::of(*response);
+    parts[p].source = own.scaled(1 / shares[p]);
+    if (open.wavelength() > 0) parts[p].absorption_ratio = open.wavelength() / own.wavelength();
+  }
+  return parts;
+}
 
 std::size_t ThermalModel::rows() const {
   std::size_t count = 0;
