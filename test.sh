@@ -131,7 +131,7 @@ export LSAN_OPTIONS="suppressions=$PWD/tests/lsan_suppressions.txt:print_suppres
 export ASAN_OPTIONS=allocator_may_return_null=1
 if [ "$setup" = yes ]; then
   say "packages"
-  tools/setup.sh core volumes cli vtk python desktop tests site || exit 1
+  tools/setup.sh core volumes cli vtk python desktop mpi tests site || exit 1
 fi
 
 stage "format" tools/format.sh --check || true
