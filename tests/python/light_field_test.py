@@ -80,6 +80,29 @@ class LightFields(PackageTest):
         flux = scene.render(samples=4).flux
         self.assertGreater(flux[:, 40:].sum(), 3 * flux[:, :40].sum())
 
+    def test_planes_lie_behind_windows(self):
+        """A thick plate moves what is in focus and where things stand: as the command has it, and not as without."""
+        scene = self.scene()
+        clear = scene.render(samples=2)
+        scene.save(self.folder / "s.toml")
+        plate = (self.folder / "s.toml").read_text().replace("windows = []", "") + """
+[[windows]]
+name = "plate"
+shape = "plate"
+position = ["0.4 m", "0 m", "0 m"]
+rotation = ["0 deg", "90 deg", "0 deg"]
+diameter = "400 mm"
+thickness = "100 mm"
+index = 1.5
+"""
+        field = plenoflame.Scene(text=plate).render(samples=2)
+        field.save(self.folder / "p.exr")
+        self.command("refocus", "p.exr", "-o", "p", "--depth", "1 m", "--exr")
+        picture = field.refocus(1.0)
+        expected = plenoflame.read_light_field(self.folder / "p" / "refocus_1.0000m.exr")
+        numpy.testing.assert_array_equal(picture.image, expected.flux)
+        self.assertLess(abs(picture.pixel / clear.refocus(1.0).pixel - 1 + 0.1 / 3), 0.01)
+
     def test_views_and_refocus(self):
         scene = self.scene()
         field = scene.render(samples=8)

@@ -491,7 +491,8 @@ ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
       throw UsageError("the parts of the stop are those of each view");
   if (input.absorption.empty() && input.channels.size() < 2 && !has_two_colours(input))
     throw UsageError(
-        "one channel knows the emission only: give the absorption, or a second channel");
+        "one channel knows the emission only: give the absorption, a second channel, or filters of "
+        "two colours in the pupil");
   const std::size_t n = input.unknowns->size();
   for (const auto* known : {&input.absorption, &input.start_temperature, &input.start_absorption})
     if (!known->empty() && known->size() != n)
