@@ -17,7 +17,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-/// What stands between the commas of a line, and whether all of it is numbers, or all of it words.
+/// The fields between the commas of a line; `numbers`: all are numbers, `words`: none is one.
 struct Cells {
   std::vector<double> values;
   bool numbers = true, words = true;

@@ -29,7 +29,7 @@ int number_of(const char* name) {
   return text ? std::atoi(text) : 0;
 }
 
-/// As far as those who start processes tell: mpirun of Open MPI, or Slurm's srun with PMIx.
+/// The variables that the launcher sets say so: mpirun of Open MPI, or Slurm's srun with PMIx.
 bool is_one_of_several() {
   return number_of("OMPI_COMM_WORLD_SIZE") > 1 ||
          (std::getenv("PMIX_RANK") && number_of("SLURM_NTASKS") > 1);

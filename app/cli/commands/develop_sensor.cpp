@@ -22,8 +22,8 @@
 namespace plenoflame::cli {
 namespace {
 
-/// What is switched off, taken out of the sensor. Its levels stay, so that frames with and without
-/// noise can be compared.
+/// The sensor without the kinds of noise that are switched off. Its levels stay, so that frames
+/// with and without noise can be compared.
 SensorSpec with_noise(SensorSpec sensor, const SensorOptions& options) {
   sensor = resolved_levels(sensor);
   const auto keeps = [&](const char* name) {

@@ -244,8 +244,8 @@ double add_truth(const CompiledScene& compiled, LightField& light_field,
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// What share of a run with ground truth is rendering: a ray of the truth, one for each pixel,
-/// takes about as long as so many of the picture's.
+/// The share of rendering in a run with ground truth: a ray of the truth, one for each pixel, takes
+/// about as long as kTruthRays of the picture's.
 double rendering_share(bool with_truth, const RenderSettings& settings) {
   constexpr double kTruthRays = 30;
   if (!with_truth) return 1;
@@ -385,7 +385,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     if (result.statistics.complete) std::filesystem::remove(state);
   };
   if (!result.statistics.complete && moments.size() == 1) keeper.offer(result.film);
-  // What took long to render is not to be lost with what is added to it.
+  // The picture took long to render: it is kept even if the ground truth cannot be added.
   if (options.truth && result.statistics.complete &&
       result.statistics.seconds > settings.checkpoint_seconds)
     save();
@@ -454,7 +454,7 @@ int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
     asked.compiled_camera = std::make_shared<const CompiledCamera>(read_bundle(asked.compiled));
   if (!asked.resume.empty() && !asked.frames) return resume(asked, ranks, stop);
   const std::vector<Picture> pictures = pictures_of(asked);
-  // What is wrong with one of them is said before the first is begun.
+  // Errors in any of the pictures are reported before the first is begun.
   for (const Picture& picture : pictures) {
     check_window(picture.options, picture.document.scene.camera.sensor);
     check_files(picture.options);

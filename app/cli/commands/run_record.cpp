@@ -116,7 +116,7 @@ SceneDocument scene_of(const RenderOptions& options, const RunRecord& record,
   return now;
 }
 
-/// What a complete picture says of the run that made it.
+/// The record of the run that made a complete picture, from the picture's attributes.
 RunRecord record_of(const LightField& picture, const std::string& path) {
   if (picture.scene_text.empty())
     throw InputError(path + " holds no scene, so that nothing can be added to it");
@@ -283,7 +283,7 @@ RenderSettings continued_settings(const RenderOptions& options, const Continuati
     settings.time_limit = *options.time_limit;
   else if (settings.time_limit > 0)
     settings.time_limit = std::max(settings.time_limit - run.record.seconds, 1.0);
-  // What a complete picture has is nothing to add.
+  // Samples that a complete picture already has add nothing.
   const bool adds =
       options.samples && (!run.picture || *options.samples > *most * settings.replicates);
   if (options.samples && *options.samples < *most * settings.replicates)

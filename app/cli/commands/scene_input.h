@@ -44,7 +44,7 @@ SceneDocument read_scene_of_camera(const std::string& path,
                                    const std::string& camera);
 
 /// Says of a file that is no scene but something else that Plenoflame writes what to do with it.
-/// What cannot be read is left to who reads it. @throws InputError
+/// Files that cannot be read pass: the reader of the scene reports them. @throws InputError
 void check_is_scene(const std::string& path);
 
 /// Adds --camera to a command that is about one of a scene's cameras.
@@ -58,7 +58,7 @@ SceneDocument choose_camera(const SceneDocument& document, const std::string& ca
 struct CameraScene {
   std::string file;
   SceneDocument document;  ///< with that camera alone
-  /// Of the scene, and of its camera where that has a name: for messages.
+  /// The name of the scene, and of its camera where that has one, for messages.
   std::string what() const;
 };
 

@@ -15,7 +15,7 @@ struct OpacityPoint {
 };
 bool operator==(const OpacityPoint& a, const OpacityPoint& b);
 
-/// What makes a place of the flame visible.
+/// The quantity that makes a place of the flame visible.
 enum class FlameDrawing {
   emission,    ///< in proportion to absorption times T^4: what shines
   absorption,  ///< soot that does not shine as well

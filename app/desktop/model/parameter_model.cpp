@@ -68,7 +68,7 @@ std::string with_component(const Scene& scene, const ParameterModel::Place& plac
   return out;
 }
 
-/// What may stand in camera.focus.conjugate, as validate() has it.
+/// The values that validate() accepts for camera.focus.conjugate.
 QStringList conjugates(const Scene& scene, const std::string& path) {
   const ParsedPath parsed = parse_path(path);
   const CameraSpec& camera =

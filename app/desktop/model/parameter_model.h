@@ -54,8 +54,8 @@ class ParameterModel : public QAbstractItemModel {
   /// Puts the value of the scene in the place of the newest of them.
   void forget_refusal();
 
-  /// What a path with or without a component means: "flames[0].position.x" is the first component
-  /// of the key flames[0].position.
+  /// The value that a path names, with or without a component: "flames[0].position.x" is the first
+  /// component of the key flames[0].position.
   struct Place {
     const SchemaKey* key = nullptr;  ///< null: there is no such value
     std::string path;
@@ -67,7 +67,7 @@ class ParameterModel : public QAbstractItemModel {
   QModelIndex find(const std::string& path, int column = kName) const;
 
  signals:
-  /// What refusals() says is other than before.
+  /// refusals() has changed.
   void refusals_changed();
   /// A value was refused. @param message as the command line says it
   void refused(const QString& path, const QString& message);
