@@ -74,7 +74,7 @@ TEST(Registration, ErrorsAreThoseOfTheNoise) {
   const double n = 3.0 * static_cast<double>(found.lenses.size());
   // Discs of some pixels: Student's distribution is a little wider than the normal one.
   EXPECT_GT(chi2, 0.7 * n);
-  EXPECT_LT(chi2, 1.8 * n);
+  EXPECT_LT(chi2, 1.6 * n);
   EXPECT_LT(std::fabs(found.whole.shift.x), 4 * found.whole.shift_error.x);
   EXPECT_LT(std::fabs(found.whole.shift.y), 4 * found.whole.shift_error.y);
 }
