@@ -6,6 +6,7 @@ void register_commands(const Registry& registry) {
   register_render(registry);
   register_merge(registry);
   register_submit(registry);
+  register_sweep(registry);
   register_compile(registry);
   register_rays(registry);
   register_corners(registry);

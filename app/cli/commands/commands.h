@@ -20,6 +20,7 @@ void register_optimize(const Registry& registry);
 void register_truth(const Registry& registry);
 void register_merge(const Registry& registry);
 void register_submit(const Registry& registry);
+void register_sweep(const Registry& registry);
 void register_views(const Registry& registry);
 void register_refocus(const Registry& registry);
 void register_export(const Registry& registry);

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "choice.h"
 #include "commands/commands.h"
 #include "commands/render_options.h"
+#include "commands/sweep_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/film.h"
@@ -64,6 +67,16 @@ void merge_pictures(const MergeArguments& arguments, const std::stop_token& stop
 }
 
 int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
+  std::error_code error;
+  if (std::filesystem::is_directory(arguments.files.front(), error)) {
+    merge_sets(arguments.files, arguments.output, stop);
+    Report report;
+    report.add("merged", fmt::format("{} parts of a sweep", arguments.files.size()), "files",
+               arguments.files.size());
+    report.add("written", arguments.output, "output", arguments.output);
+    report.print(arguments.json);
+    return kSuccess;
+  }
   for (const std::string& file : arguments.files)
     check_not_overwritten("-o", arguments.output, file);
   check_writable(arguments.output);
@@ -83,7 +96,8 @@ void register_merge(const Registry& registry) {
   command
       .add_option("FILES", arguments->files,
                   "Light fields (.exr) of one scene: all parts of 'render --part', windows side by "
-                  "side, pictures of different seeds, or these together")
+                  "side, pictures of different seeds, or these together; or the folders of all "
+                  "parts of a 'sweep'")
       ->required();
   command.add_option("-o,--output", arguments->output, "The whole (.exr)")
       ->required()

@@ -44,19 +44,6 @@
 namespace plenoflame::cli {
 namespace {
 
-RenderSettings settings_of(const RenderOptions& options, const Scene& scene) {
-  RenderSettings settings = render_settings(
-      scene,
-      {options.estimator, options.samples, options.target_error, options.time_limit, options.seed});
-  if (options.window) settings.window = *options.window;
-  if (options.part) settings.part = *options.part;
-  settings.skip = options.skip;
-  settings.compiled = options.compiled_camera;
-  if (settings.compiled) settings.compiled_name = options.compiled;
-  settings.control_variate = options.control_variate;
-  return settings;
-}
-
 /// Everything that was left out, with the figures that there are.
 void add_skipped(const RenderStatistics& s, Report& report) {
   const auto add = [&](double part, double whole, const std::string& what, const char* key) {
@@ -343,7 +330,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   };
   const std::vector<SceneMoment> moments = picture.moments();
   RenderSettings settings =
-      earlier ? continued_settings(options, *earlier) : settings_of(options, document.scene);
+      earlier ? continued_settings(options, *earlier) : render_settings_of(options, document.scene);
   settings.ranks = run.ranks;
   if (run.ranks && settings.estimator == Estimator::forward)
     execution.warn("bundles of the forward estimator are traced by rank 0 alone");
@@ -440,7 +427,7 @@ int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& 
     same.options = options;
     return go_on(same, read_continuation(options, &now), run, stop);
   }
-  if (!frame_is_done(picture, settings_of(options, picture.document.scene)))
+  if (!frame_is_done(picture, render_settings_of(options, picture.document.scene)))
     return render_one(picture, run, stop);
   if (!options.quiet && !options.json) std::cout << options.output << ": done before" << std::endl;
   return kSuccess;
@@ -458,7 +445,8 @@ int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
   for (const Picture& picture : pictures) {
     check_window(picture.options, picture.document.scene.camera.sensor);
     check_files(picture.options);
-    if (asked.part && !has_fixed_samples(settings_of(picture.options, picture.document.scene)))
+    if (asked.part &&
+        !has_fixed_samples(render_settings_of(picture.options, picture.document.scene)))
       throw UsageError(
           "--part: bundles of the forward estimator are not those of a part of the picture; render "
           "pictures of several --seed and merge them");

@@ -12,6 +12,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/render/render_request.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -268,6 +269,19 @@ void check_window(const RenderOptions& options, const SensorSpec& sensor) {
   if (window.x > sensor.columns - window.width || window.y > sensor.rows - window.height)
     throw UsageError("--window reaches beyond the sensor of " + std::to_string(sensor.columns) +
                      " x " + std::to_string(sensor.rows) + " pixels");
+}
+
+RenderSettings render_settings_of(const RenderOptions& options, const Scene& scene) {
+  RenderSettings settings = render_settings(
+      scene,
+      {options.estimator, options.samples, options.target_error, options.time_limit, options.seed});
+  if (options.window) settings.window = *options.window;
+  if (options.part) settings.part = *options.part;
+  settings.skip = options.skip;
+  settings.compiled = options.compiled_camera;
+  if (settings.compiled) settings.compiled_name = options.compiled;
+  settings.control_variate = options.control_variate;
+  return settings;
 }
 
 }  // namespace plenoflame::cli

@@ -9,6 +9,7 @@
 #include "plenoflame/base/part.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/render/render.h"
 #include "plenoflame/scene/render_spec.h"
 #include "plenoflame/scene/sensor_spec.h"
 
@@ -70,6 +71,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 
 /// Checks what was given, before anything is read. @throws UsageError
 RenderOptions checked_options(const RenderArguments& arguments);
+
+/// How the scene is rendered by these options; what they do not say is the scene's.
+RenderSettings render_settings_of(const RenderOptions& options, const Scene& scene);
 
 /// --compression by its name; that of none is rle.
 ExrCompression exr_compression(const std::string& name);

@@ -9,6 +9,7 @@ list(APPEND core_sources
   src/scene/files/lens_file.cpp
   src/scene/files/zmx_import.cpp
   src/scene/files/nearest.cpp
+  src/scene/files/parse_toml.cpp
   src/scene/files/position_map.cpp
   src/scene/files/presets.cpp
   src/scene/pupil_transmission.cpp
@@ -20,6 +21,7 @@ list(APPEND core_sources
   src/scene/schema/schema_markdown.cpp
   src/scene/schema/schema_table.cpp src/scene/schema/schema_tables.cpp
   src/scene/spectral.cpp
+  src/scene/files/sweep_rules.cpp src/scene/files/sweep_table.cpp
   src/scene/files/time_table.cpp
   src/scene/timeline.cpp
   src/scene/files/toml_guard.cpp

@@ -28,6 +28,12 @@ enum class SamplePlaces {
   middles,
 };
 
+/// At the middles of the cells into which a box is divided, `count` along x, y and z. Places where
+/// there is no medium have neither temperature nor absorption.
+/// @throws Cancelled; InputError for a box without volume or fewer than one cell
+MediumSamples sample_medium(const Medium& medium, const Box& box, std::array<int, 3> count,
+                            const Execution& execution = {});
+
 /// @return without points when the medium is nowhere
 /// @throws Cancelled when execution.stop is requested; InputError for fewer than 2 points
 MediumSamples sample_medium(const Medium& medium, SamplePlaces places, int longest,
