@@ -20,12 +20,19 @@ shot() { # NAME [options and file]
   local name=$1
   shift
   [ "$wanted" = "  " ] || [[ "$wanted" == *" $name "* ]] || return 0
-  xvfb-run -a -s "-noreset -screen 0 1800x1100x24" "$desktop" --size 1500x900 "$@" --screenshot "$folder/$name.png"
+  xvfb-run -a -s "-noreset -screen 0 1920x1200x24" "$desktop" "$@" --screenshot "$folder/$name.png"
   convert "$folder/$name.png" -strip -colors 255 "PNG8:docs/images/$name.png"
   echo "docs/images/$name.png"
 }
 
-shot desktop-welcome
-shot desktop-pixel examples/paper-flame-1m.toml --pixel 1500,1500 --panel Rays
-shot desktop-array examples/lenslets-30.toml --pixel 150,150 --part array --panel Rendering --dark
-shot desktop-refocus examples/paper-previous-60x60.toml --depth "1 m" --panel Design
+shot desktop-welcome --size 1500x900
+shot desktop-pixel examples/paper-flame-1m.toml --size 1500x900 --pixel 1500,1500 --panel Rays
+shot desktop-array examples/lenslets-30.toml --size 1500x900 --pixel 150,150 --part array --panel Rendering --dark
+shot desktop-refocus examples/paper-previous-60x60.toml --size 1500x900 --depth "1 m" --panel Design
+shot desktop-small examples/lenslets-30.toml --size 1366x768 --pixel 150,150 --panel Rays --dark
+if [ -f examples/candle.vdb ]; then
+  shot desktop-medium examples/candle.toml --size 1600x1000 --panel Flame
+else
+  echo "make_screenshots.sh: desktop-medium was left out: plenoflame flame candle -o examples/candle.vdb" >&2
+fi
+QT_SCALE_FACTOR=1.5 shot desktop-large examples/lenslets-30.toml --size 1280x720 --panel Design --part flame --dark

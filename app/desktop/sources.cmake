@@ -21,6 +21,7 @@ set(desktop_model_sources
   model/scene_changes.cpp
   model/scene_compiler.cpp
   model/scene_target.cpp
+  model/schematic.cpp
   model/session.cpp
   model/undo_history.cpp)
 set(desktop_widget_sources
@@ -34,6 +35,8 @@ set(desktop_widget_sources
   widgets/flame_look_editor.cpp
   widgets/flame_opacity.cpp
   widgets/flame_panel.cpp
+  widgets/flow_layout.cpp
+  widgets/glyphs.cpp
   widgets/help_window.cpp
   widgets/image_panel.cpp
   widgets/image_view.cpp
@@ -59,6 +62,8 @@ set(desktop_widget_sources
   widgets/scene_panel.cpp
   widgets/scene_view.cpp
   widgets/scene_view_aim.cpp
+  widgets/scene_view_light.cpp
+  widgets/scene_view_move.cpp
   widgets/scene_view_tools.cpp
   widgets/section_view.cpp
   widgets/theme.cpp
@@ -69,7 +74,7 @@ set(desktop_widget_sources
 # With macros of VTK in them.
 set(desktop_vtk_sources widgets/beside_window.cpp widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
   widgets/ruler.cpp widgets/scene_geometry.cpp widgets/scene_view.cpp
-  widgets/scale_bar.cpp widgets/scene_view_aim.cpp widgets/scene_view_tools.cpp)
+  widgets/scale_bar.cpp widgets/scene_view_aim.cpp widgets/scene_view_light.cpp widgets/scene_view_move.cpp widgets/scene_view_tools.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::FiltersCore VTK::InteractionStyle VTK::InteractionWidgets
   VTK::RenderingAnnotation VTK::RenderingCore)

@@ -1,5 +1,6 @@
 // How values become colours. References: closed forms, and the published ends of the colour maps.
 #include "model/image_display.h"
+#include "model/schematic.h"
 
 #include <gtest/gtest.h>
 
@@ -161,6 +162,37 @@ TEST(LineProfile, FollowsTheLine) {
   ASSERT_EQ(down.size(), 6U);
   EXPECT_EQ(down[2], 2905);
   EXPECT_TRUE(std::isnan(down[3]));
+}
+
+TEST(Schematic, ShortensEmptyStretchesAlone) {
+  // Parts at -0.42..-0.4, -0.02..0 and 0.9..1.1 m of an axis along y through (1, 2, 3).
+  const Vec3 origin{1, 2, 3}, axis{0, 1, 0};
+  const Schematic drawing(origin, axis, {{0.9, 1.1}, {-0.02, 0}, {-0.42, -0.4}}, 0.1);
+  ASSERT_EQ(drawing.gaps().size(), 2U);
+  const auto y = [&](double along) { return drawing.place({5, 2 + along, 7}).y - 2; };
+  // To rounding, of lengths of some metres.
+  const auto is = [](double actual, double expected) {
+    return std::fabs(actual - expected) <= 1e-14 * (4 + std::fabs(expected));
+  };
+  EXPECT_TRUE(is(y(0), 0));
+  EXPECT_TRUE(is(y(-0.02), -0.02));
+  EXPECT_TRUE(is(y(0.9), 0.1));
+  EXPECT_TRUE(is(y(1.1), 0.3));
+  EXPECT_TRUE(is(y(2.1), 1.3));
+  EXPECT_TRUE(is(y(0.45), 0.05));
+  EXPECT_TRUE(is(y(-0.4), -0.12));
+  EXPECT_TRUE(is(y(-0.42), -0.14));
+  EXPECT_TRUE(is(y(-0.21), -0.07));
+  EXPECT_EQ(drawing.place({5, 3, 7}).x, 5);
+  // A line bends where gaps begin and end, at the places that it has there.
+  const auto line = drawing.line({0, 3, 0}, {0.7, 1.6, 0});
+  ASSERT_EQ(line.size(), 4U);
+  EXPECT_TRUE(is(line[0].x, 0.05));  // at 0.9
+  EXPECT_TRUE(is(line[1].x, 0.5));   // at 0
+  EXPECT_TRUE(is(line[1].y, 2));
+  EXPECT_TRUE(is(line[3].x, 0.7));
+  EXPECT_TRUE(Schematic(origin, axis, {{0.05, 0.1}}, 0.1).is_to_scale());
+  EXPECT_TRUE(Schematic().is_to_scale());
 }
 
 }  // namespace

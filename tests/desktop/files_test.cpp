@@ -198,10 +198,10 @@ class FilesTest : public test::WindowFixture {
     QCOMPARE(session().document().file(), file("two.toml").toStdString());
     // There is a way back to what is open.
     QVERIFY(click_menu({"File", "Welcome page"}));
-    QVERIFY(!image().isVisible());
+    QVERIFY(child<QWidget>("welcomePage")->isVisible());
     QVERIFY(child<QPushButton>("welcomeBack")->isVisible());
     QTest::mouseClick(child<QPushButton>("welcomeBack"), Qt::LeftButton);
-    QVERIFY(image().isVisible());
+    QVERIFY(!child<QWidget>("welcomePage")->isVisible());
     QCOMPARE(session().document().file(), file("two.toml").toStdString());
     // One that is gone: said, and the document stays.
     QVERIFY(QFile::remove(file("one.toml")));

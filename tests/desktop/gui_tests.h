@@ -20,6 +20,7 @@ std::unique_ptr<QObject> make_handling_test();
 std::unique_ptr<QObject> make_looks_test();
 std::unique_ptr<QObject> make_reconstruct_test();
 std::unique_ptr<QObject> make_lecture_test();
+std::unique_ptr<QObject> make_drawing_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0

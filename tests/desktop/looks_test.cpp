@@ -10,7 +10,6 @@
 #include <QLabel>
 #include <QSpinBox>
 #include <QTableWidget>
-#include <QToolBar>
 #include <QToolButton>
 
 #include "gui_tests.h"
@@ -157,8 +156,8 @@ class LooksTest : public test::SceneFixture {
     for (const char* name : {"viewScene", "viewFlame", "viewArray", "viewPixel"}) {
       auto* const action = child<QAction>(name);
       QWidget* button = nullptr;
-      for (auto* bar : window_->findChildren<QToolBar*>())
-        if (auto* found = bar->widgetForAction(action)) button = found;
+      for (auto* candidate : window_->findChildren<QToolButton*>())
+        if (candidate->defaultAction() == action) button = candidate;
       QVERIFY(button);
       QTest::mouseClick(button, Qt::LeftButton);
       QVERIFY2(height_of_view() < before, name);

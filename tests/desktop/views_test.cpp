@@ -158,6 +158,7 @@ class ViewsTest : public test::SceneFixture {
 
   void nothingIsCutOffOverSixOrdersOfMagnitude() {
     QVERIFY(open_example("paper-previous-60x60"));
+    child<QAction>("shortenGaps")->setChecked(false);  // to scale
     const auto something_is_drawn = [&] {
       const QImage picture = view().picture();
       int other = 0;
@@ -304,8 +305,7 @@ class ViewsTest : public test::SceneFixture {
   }
 
   void largestSensorIsShownDownToItsPixels() {
-    QTest::mouseClick(child<QAbstractButton>("renderAutomatic"), Qt::LeftButton, {}, QPoint(8, 8));
-    QVERIFY(!session().auto_render());
+    session().set_auto_render(false);
     session().document().open_text(
         "[camera]\npreset = \"raytrix-r29\"\n[[flames]]\npreset = \"paper-layered\"\n"
         "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n",

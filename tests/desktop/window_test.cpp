@@ -1,8 +1,9 @@
 // The window, driven by clicks and keys as a person would.
+#include <QComboBox>
 #include <QFile>
 #include <QLabel>
 #include <QTableWidget>
-#include <QToolBar>
+#include <QToolButton>
 #include <QTreeView>
 
 #include "gui_tests.h"
@@ -40,7 +41,7 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(lit > 200);
   }
 
-  void everythingOfTheToolbarsIsSeenAtTheFirstSize() {
+  void everythingOfTheToolbarsIsSeenAtEachSize() {
     // A window as the program makes it, with no settings from before.
     MainWindow fresh(std::make_unique<QSettings>(file("none.ini"), QSettings::IniFormat), {});
     fresh.set_unattended(true);
@@ -48,13 +49,43 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(QTest::qWaitForWindowExposed(&fresh));
     QVERIFY(fresh.open_example("lenslets-30"));
     QVERIFY(until([&] { return fresh.is_settled(); }));
-    int actions = 0;
-    for (const QToolBar* bar : fresh.findChildren<QToolBar*>())
-      for (QAction* action : bar->actions()) {
-        QVERIFY2(bar->widgetForAction(action)->isVisible(), qPrintable(action->text()));
-        ++actions;
-      }
-    QVERIFY(actions > 10);
+    const auto whole = [](const QWidget& widget) {
+      return widget.isVisible() && widget.visibleRegion().boundingRect() == widget.rect() &&
+             widget.width() >= widget.minimumSizeHint().width();
+    };
+    for (const QSize size : {QSize(1500, 950), QSize(1366, 768), QSize(1280, 720)}) {
+      fresh.resize(size);
+      QVERIFY(until([&] { return fresh.size() == size; }));
+      QTest::qWait(50);
+      int buttons = 0;
+      for (const QWidget* panel : {static_cast<QWidget*>(&fresh.scene_view()),
+                                   static_cast<QWidget*>(&fresh.image_panel())})
+        for (const QWidget* tool : panel->findChildren<QWidget*>()) {
+          const bool button = qobject_cast<const QToolButton*>(tool) != nullptr;
+          if (!button && !qobject_cast<const QComboBox*>(tool)) continue;
+          QVERIFY2(whole(*tool), qPrintable(tool->objectName() + " " + tool->toolTip()));
+          buttons += button ? 1 : 0;
+        }
+      QVERIFY(buttons > 15);
+      // Names and values of the tree, without what has no room.
+      const QTreeView& tree = fresh.scene_panel().tree();
+      QVERIFY(tree.isColumnHidden(2) || tree.width() > 400);
+    }
+  }
+
+  void welcomePageCoversEmptyPanels() {
+    const auto covered = [this](const char* name) {
+      const QWidget* const panel = dock(name);
+      const QPoint middle = panel->mapTo(window_.get(), panel->rect().center());
+      const QWidget* at = window_->childAt(middle);
+      while (at && at->objectName() != "welcomePage") at = at->parentWidget();
+      return at != nullptr;
+    };
+    for (const char* name : {"sceneDock", "renderDock", "scene3d", "rawImage"})
+      QVERIFY2(covered(name), name);
+    QVERIFY(window_->open_example("lenslets-30") && settled());
+    for (const char* name : {"sceneDock", "renderDock", "scene3d", "rawImage"})
+      QVERIFY2(!covered(name), name);
   }
 
   void clickedPixelShowsItsRaysEverywhere() {
@@ -167,6 +198,7 @@ class WindowTest : public test::WindowFixture {
     QVERIFY(window_->open_example("paper-previous-60x60"));
     QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     SceneView& view = window_->scene_view();
+    window_->findChild<QAction*>("shortenGaps")->setChecked(false);  // to scale
     double height = 0;
     for (const SceneView::Part part : {SceneView::Part::scene, SceneView::Part::camera,
                                        SceneView::Part::array, SceneView::Part::pixel}) {

@@ -85,10 +85,12 @@ void LightFieldJobs::clear() {
   emit views_changed();
 }
 
-void LightFieldJobs::set_camera(const CameraSpec& camera) {
-  if (camera_ && *camera_ == camera) return;
+void LightFieldJobs::set_camera(const CameraSpec& camera, const std::vector<WindowSpec>& windows) {
+  if (is_of(camera, windows)) return;
   clear();
   camera_ = camera;
+  windows_ = windows;
+  if (view_type_ >= static_cast<int>(camera.array.types.size())) view_type_ = -1;
   outlines_ = micro_images_ = nullptr;
   white_begun_ = false;
   if (!camera.array.present) {
@@ -97,10 +99,10 @@ void LightFieldJobs::set_camera(const CameraSpec& camera) {
     emit views_changed();
     return;
   }
-  run(*micro_task_, [this, camera](const Execution& execution) {
+  run(*micro_task_, [this, camera, windows](const Execution& execution) {
     auto outlines = std::make_shared<const MicroImages>(Camera(camera), false, execution);
-    post(this, [this, camera, outlines] {
-      if (!camera_ || !(*camera_ == camera)) return;
+    post(this, [this, camera, windows, outlines] {
+      if (!is_of(camera, windows)) return;
       outlines_ = outlines;
       emit outlines_changed();
       find_white();
@@ -111,10 +113,11 @@ void LightFieldJobs::set_camera(const CameraSpec& camera) {
 void LightFieldJobs::find_white() {
   if (!outlines_ || !field_ || white_begun_) return;
   white_begun_ = true;
-  run(*micro_task_, [this, camera = *camera_](const Execution& execution) {
-    auto micro = std::make_shared<const MicroImages>(Camera(camera), true, execution);
-    post(this, [this, camera, micro] {
-      if (!camera_ || !(*camera_ == camera)) return;
+  run(*micro_task_, [this, camera = *camera_, windows = windows_](const Execution& execution) {
+    auto micro = std::make_shared<MicroImages>(Camera(camera), true, execution);
+    micro->look_through(windows);
+    post(this, [this, camera, windows, micro] {
+      if (!is_of(camera, windows)) return;
       micro_images_ = micro;
       make_views();
     });
@@ -122,8 +125,8 @@ void LightFieldJobs::find_white() {
 }
 
 void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera,
-                               bool other_scene) {
-  set_camera(camera);
+                               const std::vector<WindowSpec>& windows, bool other_scene) {
+  set_camera(camera, windows);
   if (!camera.array.present || field == field_) return;
   field_ = std::move(field);
   ++image_number_;
@@ -137,13 +140,20 @@ void LightFieldJobs::set_image(std::shared_ptr<const LightField> field, const Ca
   make_views();
 }
 
+void LightFieldJobs::set_view_type(int type) {
+  if (type == view_type_) return;
+  view_type_ = type;
+  make_views();
+}
+
 void LightFieldJobs::make_views() {
   if (!micro_images_ || !field_) return;
   const unsigned number = image_number_;
-  run(*views_task_, [this, number, field = field_,
-                     micro = micro_images_](const Execution& execution) {
+  run(*views_task_, [this, number, field = field_, micro = micro_images_,
+                     type = view_type_](const Execution& execution) {
     ViewSettings settings;
     settings.grid = kGrid;
+    settings.type = type;
     auto views = std::make_shared<const Views>(extract_views(*field, *micro, settings, execution));
     const ViewGeometry geometry = fit_view_geometry(*micro, views->lens_step);
     post(this, [this, number, views, geometry] {

@@ -11,6 +11,7 @@
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/lightfield/refocus.h"
 #include "plenoflame/lightfield/views.h"
+#include "plenoflame/scene/window_spec.h"
 
 namespace plenoflame::desktop {
 
@@ -36,12 +37,16 @@ class LightFieldJobs : public QObject {
   ~LightFieldJobs() override;
 
   /// Finds where the micro-images of a camera are; what was made from another one is dropped.
-  void set_camera(const CameraSpec& camera);
+  /// @param windows that it looks through, with their indices set
+  void set_camera(const CameraSpec& camera, const std::vector<WindowSpec>& windows);
   /// Takes a raw image; pictures that were made from another one are dropped. Cheap when only the
   /// image differs: the white light of a camera's micro-images, which takes long, is found once.
   /// @param other_scene whether what was made of the image before shows another scene
   void set_image(std::shared_ptr<const LightField> field, const CameraSpec& camera,
-                 bool other_scene = false);
+                 const std::vector<WindowSpec>& windows, bool other_scene = false);
+  /// Views of microlenses of one type alone, 0 based; -1: of all.
+  void set_view_type(int type);
+  int view_type() const { return view_type_; }
   void clear();
 
   /// The image that pictures are made of; null: none.
@@ -69,6 +74,9 @@ class LightFieldJobs : public QObject {
   void failed(const QString& message);
 
  private:
+  bool is_of(const CameraSpec& camera, const std::vector<WindowSpec>& windows) const {
+    return camera_ && *camera_ == camera && windows_ == windows;
+  }
   void find_white();
   void make_views();
   template <class Function>
@@ -76,6 +84,8 @@ class LightFieldJobs : public QObject {
 
   std::shared_ptr<const LightField> field_;
   std::optional<CameraSpec> camera_;
+  std::vector<WindowSpec> windows_;
+  int view_type_ = -1;
   std::shared_ptr<const MicroImages> outlines_, micro_images_;
   bool white_begun_ = false;  ///< for this camera
   std::shared_ptr<const Views> views_;

@@ -56,7 +56,10 @@ void Session::on_image() {
 void Session::take_image() {
   const bool known = document_.image_is_current() && compiler_.is_current();
   viewed_ = known ? document_.image() : nullptr;
-  if (known) viewed_camera_ = compiler_.compiled()->scene.camera;
+  if (known) {
+    viewed_camera_ = compiler_.compiled()->scene.camera;
+    viewed_windows_ = compiler_.compiled()->scene.windows;
+  }
   viewed_is_old_ = false;
   later_.start(0);
 }
@@ -105,7 +108,8 @@ void Session::on_compiled(const SceneChanges& changes) {
   if (document_.image_is_current())
     on_image();
   else if ((outlines_wanted_ || views_wanted_) && changes.camera)
-    light_field_.set_camera(compiler_.compiled()->scene.camera);
+    light_field_.set_camera(compiler_.compiled()->scene.camera,
+                            compiler_.compiled()->scene.windows);
   if (wanted && !document_.image_is_current())
     render_.start(compiler_.compiled(), threads_, bettered());
 }
@@ -113,9 +117,9 @@ void Session::on_compiled(const SceneChanges& changes) {
 void Session::update_light_field() {
   if (!compiler_.compiled() || !(outlines_wanted_ || views_wanted_)) return;
   if (views_wanted_ && viewed_)
-    return light_field_.set_image(viewed_, viewed_camera_, views_are_old_);
+    return light_field_.set_image(viewed_, viewed_camera_, viewed_windows_, views_are_old_);
   if (views_wanted_ && !document_.image()) light_field_.clear();
-  light_field_.set_camera(compiler_.compiled()->scene.camera);
+  light_field_.set_camera(compiler_.compiled()->scene.camera, compiler_.compiled()->scene.windows);
 }
 
 }  // namespace plenoflame::desktop

@@ -64,6 +64,7 @@ class Session : public QObject {
   /// refined.
   std::shared_ptr<const LightField> viewed_;
   CameraSpec viewed_camera_;
+  std::vector<WindowSpec> viewed_windows_;
   bool viewed_is_old_ = false;  ///< of an earlier scene
   bool views_are_old_ = false;  ///< of an earlier scene than the document's
   bool image_is_other_ = true;  ///< of a scene that differs by more than its number of samples

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "widgets/opacity_curve.h"
 
@@ -118,6 +119,10 @@ void FlameLookEditor::set_flame_range(double coldest, double hottest) {
   coldest_ = coldest;
   hottest_ = hottest;
   show_look();
+}
+
+void FlameLookEditor::set_histogram(double coldest, double hottest, std::vector<double> shares) {
+  curve_->set_histogram(coldest, hottest, std::move(shares));
 }
 
 void FlameLookEditor::show_look() {

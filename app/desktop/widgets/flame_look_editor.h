@@ -1,5 +1,6 @@
 #pragma once
 #include <QWidget>
+#include <vector>
 
 #include "model/document.h"
 
@@ -20,6 +21,8 @@ class FlameLookEditor : public QWidget {
   explicit FlameLookEditor(Document& document, QWidget* parent = nullptr);
   /// Temperatures that the flame has where it absorbs [K].
   void set_flame_range(double coldest, double hottest);
+  /// What stands behind the curve of opacity, see OpacityCurve.
+  void set_histogram(double coldest, double hottest, std::vector<double> shares);
 
  private:
   void show_look();

@@ -6,7 +6,9 @@
 #include <QPushButton>
 #include <QSlider>
 #include <QVBoxLayout>
+#include <algorithm>
 #include <array>
+#include <vector>
 
 #include "plenoflame/base/units.h"
 #include "widgets/flame_look_editor.h"
@@ -18,6 +20,20 @@ namespace {
 
 QString text_of(double value, Dimension dimension) {
   return QString::fromStdString(readable_quantity(value, dimension, 4));
+}
+
+/// How much of what absorbs lies in equal steps of temperature, from the coldest to the hottest.
+std::vector<double> shares_by_temperature(const FlameSamples& samples) {
+  constexpr std::size_t kSteps = 200;
+  std::vector<double> shares(kSteps, 0.0);
+  const double range = samples.hottest - samples.coldest;
+  for (std::size_t i = 0; i < samples.temperature.size(); ++i) {
+    if (samples.absorption[i] <= 0) continue;
+    const double t =
+        range > 0 ? (static_cast<double>(samples.temperature[i]) - samples.coldest) / range : 0.5;
+    shares[std::min(kSteps - 1, static_cast<std::size_t>(t * kSteps))] += 1;
+  }
+  return shares;
 }
 
 }  // namespace
@@ -124,6 +140,7 @@ void FlamePanel::fill() {
   }
   summary_->setText(text);
   look_->set_flame_range(samples->span[0], samples->span[1]);
+  look_->set_histogram(samples->coldest, samples->hottest, shares_by_temperature(*samples));
   // Share of the absorbing volume by temperature.
   PlotWidget::Series series;
   series.colour = QColor(213, 94, 0);

@@ -7,7 +7,7 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QSignalBlocker>
-#include <QToolBar>
+#include <QToolButton>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cmath>
@@ -15,12 +15,15 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/develop.h"
 #include "widgets/colour_bar.h"
+#include "widgets/flow_layout.h"
+#include "widgets/glyphs.h"
 #include "widgets/image_view.h"
 #include "widgets/plot_widget.h"
 
 namespace plenoflame::desktop {
 namespace {
 
+constexpr int kInferno = 3;         ///< in the list of colours
 constexpr int kCountedSide = 1500;  ///< of the picture whose values the histogram counts, at most
 
 /// Standard error over flux; 0 where there is no light.
@@ -44,14 +47,14 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
       tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: "
          "its microlens. "
          "Ctrl+drag: line profile. Arrow keys move the selected pixel."));
-  auto* tools = new QToolBar(this);
-  tools->setToolButtonStyle(Qt::ToolButtonTextOnly);
+  auto* tools = new QWidget(this);
+  auto* flow = new FlowLayout(tools);
   const auto combo = [&](const char* name, const QStringList& entries, const QString& tip) {
     auto* box = new QComboBox(tools);
     box->setObjectName(name);
     box->addItems(entries);
     box->setToolTip(tip);
-    tools->addWidget(box);
+    flow->addWidget(box);
     return box;
   };
   quantity_ = combo("quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
@@ -59,42 +62,48 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
                        "standard error [W], or their ratio"));
   channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
   channel_->setSizeAdjustPolicy(QComboBox::AdjustToContents);  // names come with the image
-  channel_->setMaximumWidth(260);
   scale_ = combo("scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
                  tr("Brightness by value: as displays do, in proportion, or by "
                     "its logarithm (3 decades)"));
   map_ = combo("map", {tr("Grey"), tr("Viridis"), tr("Cividis"), tr("Inferno")},
                tr("Colours; all are even in lightness and safe for "
                   "colour-blind people"));
-  auto* more = new QToolBar(this);
-  more->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  auto* white_label = new QLabel(tr(" White "), more);
-  more->addWidget(white_label);
-  white_ = new QLineEdit(more);
+  map_->setCurrentIndex(kInferno);  // as views and flame have it
+  white_ = new QLineEdit(tools);
   white_->setObjectName("white");
-  white_->setPlaceholderText(tr("auto"));
-  white_->setMaximumWidth(90);
+  white_->setPlaceholderText(tr("white: auto"));
+  white_->setFixedWidth(white_->fontMetrics().horizontalAdvance("white: auto") + 24);
   white_->setToolTip(
       tr("Value that is shown as white, with its unit (e.g. 500 "
          "nW); empty: 99.9 % of the lit pixels "
          "are darker"));
-  more->addWidget(white_);
-  saturation_ = more->addAction(tr("Saturation"));
+  flow->addWidget(white_);
+  const auto tool = [&](const QString& text) {
+    auto* action = new QAction(text, this);
+    flow->addWidget(button_for(action, tools));
+    return action;
+  };
+  const auto marks = [&](Glyph glyph, const QString& text) {
+    auto* action = new QAction(glyph_icon(glyph), text, this);
+    flow->addWidget(button_for(action, tools, true));
+    return action;
+  };
+  saturation_ = marks(Glyph::saturated, tr("Saturation"));
   saturation_->setObjectName("saturation");
   saturation_->setCheckable(true);
   saturation_->setToolTip(
       tr("Mark pixels that the sensor of this scene "
          "saturates (develop.saturation)"));
-  outlines_ = more->addAction(tr("Outlines"));
+  outlines_ = marks(Glyph::lenses, tr("Outlines"));
   outlines_->setObjectName("outlines");
   outlines_->setCheckable(true);
   outlines_->setShortcut(Qt::Key_O);
   outlines_->setToolTip(
       tr("Outlines of the micro-images, coloured by the type "
          "of their lens; zoom in to see them (O)"));
-  QAction* const fit = more->addAction(tr("Fit"));
+  QAction* const fit = tool(tr("Fit"));
   fit->setToolTip(tr("The whole image (F)"));
-  QAction* const one = more->addAction(tr("1:1"));
+  QAction* const one = tool(tr("1:1"));
   one->setToolTip(tr("One pixel of the screen per pixel of the image (1)"));
   connect(fit, &QAction::triggered, view_, &ImageView::fit);
   connect(one, &QAction::triggered, this, [this] { view_->set_scale(1); });
@@ -102,7 +111,6 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools);
-  layout->addWidget(more);
   auto* bar = new ColourBar(this);
   bar->setObjectName("imageBar");
   auto* row = new QHBoxLayout;
@@ -120,7 +128,10 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   connect(quantity_, changed, this, &ImagePanel::request);
   connect(channel_, changed, this, &ImagePanel::request);
   connect(scale_, changed, this, &ImagePanel::apply_tone);
-  connect(map_, changed, this, &ImagePanel::apply_tone);
+  connect(map_, changed, this, [this] {
+    apply_tone();
+    emit map_changed(map());
+  });
   connect(white_, &QLineEdit::editingFinished, this, &ImagePanel::apply_tone);
   connect(saturation_, &QAction::toggled, this, &ImagePanel::apply_tone);
   connect(view_, &ImageView::profile_drawn, this, [this](const QLineF& line) {
@@ -208,14 +219,18 @@ void ImagePanel::request() {
   });
 }
 
+ColourMap ImagePanel::map() const {
+  constexpr std::array<ColourMap, 4> kMaps{ColourMap::grey, ColourMap::viridis, ColourMap::cividis,
+                                           ColourMap::inferno};
+  return kMaps[static_cast<std::size_t>(std::clamp(map_->currentIndex(), 0, kInferno))];
+}
+
 void ImagePanel::apply_tone() {
   ToneSettings tone;
   tone.scale = scale_->currentIndex() == 1   ? ToneScale::linear
                : scale_->currentIndex() == 2 ? ToneScale::logarithmic
                                              : ToneScale::gamma;
-  constexpr std::array<ColourMap, 4> kMaps{ColourMap::grey, ColourMap::viridis, ColourMap::cividis,
-                                           ColourMap::inferno};
-  tone.map = kMaps[static_cast<std::size_t>(std::clamp(map_->currentIndex(), 0, 3))];
+  tone.map = map();
   tone.white = automatic_white_;
   const bool relative =
       static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;

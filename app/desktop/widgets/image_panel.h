@@ -9,7 +9,6 @@
 class QAction;
 class QComboBox;
 class QLineEdit;
-class QToolBar;
 
 namespace plenoflame::desktop {
 
@@ -33,6 +32,8 @@ class ImagePanel : public QWidget {
   const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
   /// Whether what is shown is the document's image, not an earlier one.
   bool is_current() const { return shown_ == newest_; }
+  /// The colours of the picture, which those of views follow.
+  ColourMap map() const;
   QAction* outlines_action() { return outlines_; }
   /// What is at a pixel, for the status bar: "flux 1.2 nW +- 0.1 nW".
   QString describe(int column, int row) const;
@@ -42,6 +43,7 @@ class ImagePanel : public QWidget {
  signals:
   /// The flux, ready to be shown elsewhere, too.
   void pyramid_changed();
+  void map_changed(plenoflame::desktop::ColourMap map);
 
  private:
   void request();

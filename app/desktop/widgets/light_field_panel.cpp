@@ -173,12 +173,21 @@ QWidget* LightFieldPanel::make_views_tab() {
   view_ = make_view(page, "subApertureView");
   view_label_ = new QLabel(page);
   view_label_->setWordWrap(true);
+  type_ = new QComboBox(page);
+  type_->setObjectName("viewType");
+  type_->setToolTip(
+      tr("Which microlenses the views are made of: all, or those of one type, whose lattice is "
+         "coarser"));
+  type_->hide();
   auto* layout = new QVBoxLayout(page);
   layout->setContentsMargins(2, 2, 2, 2);
   layout->addWidget(pad_);
+  layout->addWidget(type_);
   layout->addWidget(view_label_);
   layout->addWidget(view_, 1);
   connect(pad_, &AperturePad::moved, this, &LightFieldPanel::show_view);
+  connect(type_, QOverload<int>::of(&QComboBox::activated), this,
+          [this](int chosen) { jobs_.set_view_type(chosen - 1); });
   return page;
 }
 
@@ -339,11 +348,37 @@ void LightFieldPanel::show(ImageView& view, std::shared_ptr<const Image> image, 
   }
   ToneSettings tone = view.tone_settings();
   tone.white = white > 0 ? white : 1;
-  tone.map = is_depth ? ColourMap::viridis : ColourMap::inferno;
+  tone.map = is_depth ? ColourMap::viridis : map_;
   tone.scale = is_depth ? ToneScale::linear : ToneScale::gamma;
   view.set_value_format(is_depth ? Dimension::length : Dimension::radiance);
   view.set_tone(tone);
   view.set_image(std::make_shared<const ImagePyramid>(std::move(image), Execution{1, {}, {}, {}}));
+}
+
+void LightFieldPanel::set_map(ColourMap map) {
+  map_ = map;
+  for (ImageView* view : {view_, refocused_, slice_, total_}) {
+    if (view == total_ && total_kind_->currentIndex() == 1) continue;  // a picture of depths
+    ToneSettings tone = view->tone_settings();
+    tone.map = map;
+    view->set_tone(tone);
+  }
+}
+
+/// The types of the camera's microlenses, where there are several.
+void LightFieldPanel::show_types() {
+  QStringList names{tr("All microlenses")};
+  if (jobs_.micro_images())
+    for (const auto& type : jobs_.micro_images()->camera().spec().array.types)
+      names << tr("Type %1 alone").arg(QString::fromStdString(type.name));
+  QStringList known;
+  for (int i = 0; i < type_->count(); ++i) known << type_->itemText(i);
+  if (names != known) {
+    type_->clear();
+    type_->addItems(names);
+  }
+  type_->setCurrentIndex(jobs_.view_type() + 1);
+  type_->setVisible(names.size() > 2);
 }
 
 void LightFieldPanel::on_views_changed() {
@@ -358,6 +393,7 @@ void LightFieldPanel::on_views_changed() {
     for (ImageView* view : {view_, refocused_, slice_, total_}) view->set_image(nullptr);
     return;
   }
+  show_types();
   const View& middle = views->views[views->views.size() / 2];
   // Between the nearest and the farthest that make sense for this camera, around its focus.
   if (jobs_.geometry() && jobs_.micro_images()) {

@@ -61,6 +61,8 @@ class LightFieldPanel : public QWidget {
   std::shared_ptr<const Image> shown_image() const;
   QString shown_name() const;
   QTabWidget& tabs() { return *tabs_; }
+  /// Colours of all its pictures.
+  void set_map(ColourMap map);
   /// @param failure why there are no pictures; empty: they are there or come
   /// @param old whether those that are shown are of the scene before
   void set_notice(const QString& failure, bool old);
@@ -80,6 +82,7 @@ class LightFieldPanel : public QWidget {
   void show_stack();
   void show_slice();
   void on_views_changed();
+  void show_types();
   void place_depth(double depth);
   void request_refocus();
   void show(ImageView& view, std::shared_ptr<const Image> image, double white,
@@ -94,12 +97,13 @@ class LightFieldPanel : public QWidget {
   QLabel *view_label_, *refocus_label_, *total_label_, *slice_label_;
   QSlider *depth_, *aperture_, *line_;
   QLineEdit* depth_edit_;
-  QComboBox *total_kind_, *slice_direction_;
+  QComboBox *total_kind_, *slice_direction_, *type_;
   QSpinBox* planes_;
   double nearest_ = 0.5, farthest_ = 2;
   double depth_wanted_ = 0;            ///< [m] 0: none yet
   std::array<double, 2> range_{0, 0};  ///< [m] that suits the camera; 0: not known yet
   double white_ = 1;
+  ColourMap map_ = ColourMap::inferno;
 };
 
 }  // namespace plenoflame::desktop

@@ -10,10 +10,10 @@
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QLabel>
+#include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
 #include <QSplitter>
-#include <QStackedWidget>
 #include <QStatusBar>
 #include <QThread>
 #include <QTreeView>
@@ -97,6 +97,7 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
     session_.document().begin_look(*look);
   update_recent();
   update_title();
+  show_welcome(true);
 }
 
 MainWindow::~MainWindow() {
@@ -123,20 +124,17 @@ void MainWindow::make_views() {
   across->addWidget(image_);
   across->setStretchFactor(0, 1);
   across->setStretchFactor(1, 1);
-  stack_ = new QStackedWidget(this);
-  stack_->addWidget(welcome_);
   auto* workspace = new QWidget(this);
   auto* rows = new QVBoxLayout(workspace);
   rows->setContentsMargins(0, 0, 0, 0);
   rows->setSpacing(0);
   rows->addWidget(across, 1);
   rows->addWidget(new TimeBar(session_, workspace));
-  stack_->addWidget(workspace);
-  setCentralWidget(stack_);
+  setCentralWidget(workspace);
   connect(welcome_, &WelcomePage::example_chosen, this,
           [this](const QString& name) { open_example(name); });
   connect(welcome_, &WelcomePage::file_chosen, this, [this](const QString& path) { open(path); });
-  connect(welcome_, &WelcomePage::back_requested, this, [this] { stack_->setCurrentIndex(1); });
+  connect(welcome_, &WelcomePage::back_requested, this, [this] { show_welcome(false); });
 }
 
 QDockWidget* MainWindow::add_dock(const char* name, const QString& title, QWidget* content,
@@ -234,7 +232,7 @@ bool MainWindow::open(const QString& path, const std::function<void()>& then) {
   const bool discards = ending != "vdb";
   if (discards && !may_discard()) return false;
   const auto opened = [this, path, then] {
-    stack_->setCurrentIndex(1);
+    show_welcome(false);
     add_recent(QFileInfo(path).absoluteFilePath());
     if (then) then();
   };
@@ -277,7 +275,7 @@ bool MainWindow::open_example(const QString& name) {
       throw FileError("there is no example " + name.toStdString());
     session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
     ++scenes_opened_;
-    stack_->setCurrentIndex(1);
+    show_welcome(false);
   });
 }
 
@@ -289,7 +287,7 @@ bool MainWindow::open_new() {
         "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n",
         "untitled.toml");
     ++scenes_opened_;
-    stack_->setCurrentIndex(1);
+    show_welcome(false);
   });
 }
 
@@ -367,7 +365,7 @@ bool MainWindow::offer_recovery() {
             tr("Plenoflame ended without saving %1. Open it as it was then?").arg(name)) ==
             QMessageBox::Yes;
     if (wanted && guarded([&] { session_.document().recover(scene); })) {
-      stack_->setCurrentIndex(1);
+      show_welcome(false);
       recovery_->keep(session_.document());
     }
     Recovery::discard(scene);
@@ -501,9 +499,34 @@ void MainWindow::appear() {
   }
 }
 
+/// It covers the panels as well, which have nothing to show before there is a scene.
+void MainWindow::show_welcome(bool on) {
+  if (on) {
+    place_welcome();
+    welcome_->raise();
+    welcome_->setFocus();
+  }
+  welcome_->setVisible(on);
+  // The keyboard does not get at what is covered.
+  for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->setEnabled(!on);
+  centralWidget()->setEnabled(!on);
+}
+
+void MainWindow::place_welcome() {
+  const int top = menuBar()->isNativeMenuBar() ? 0 : menuBar()->geometry().bottom() + 1;
+  const int bottom = statusBar()->isVisible() ? statusBar()->geometry().top() : height();
+  welcome_->setGeometry(0, top, width(), bottom - top);
+}
+
+void MainWindow::resizeEvent(QResizeEvent* event) {
+  QMainWindow::resizeEvent(event);
+  place_welcome();
+}
+
 void MainWindow::showEvent(QShowEvent* event) {
   if (!event->spontaneous()) scene_view_->warm_up();
   QMainWindow::showEvent(event);
+  place_welcome();
 }
 
 void MainWindow::closeEvent(QCloseEvent* event) {

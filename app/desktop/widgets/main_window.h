@@ -12,7 +12,6 @@
 class QDockWidget;
 class QLabel;
 class QMenu;
-class QStackedWidget;
 
 namespace plenoflame::desktop {
 
@@ -86,6 +85,7 @@ class MainWindow : public QMainWindow {
  protected:
   void showEvent(QShowEvent* event) override;
   void closeEvent(QCloseEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
   void dragEnterEvent(QDragEnterEvent* event) override;
   void dropEvent(QDropEvent* event) override;
 
@@ -100,6 +100,8 @@ class MainWindow : public QMainWindow {
   void connect_selection();
   QDockWidget* add_dock(const char* name, const QString& title, QWidget* content,
                         Qt::DockWidgetArea area);
+  void show_welcome(bool on);
+  void place_welcome();
   void show_part(int index);
   void set_dark(bool dark);
   void update_title();
@@ -134,6 +136,7 @@ class MainWindow : public QMainWindow {
   QString ask_folder(const QString& title);
   void say_written(const QString& name);
   void select_lens_at(int column, int row);
+  void move_thing(int flame, const Vec3& position, int stroke);
   /// Says in the status bar what the pointer is over in 3-D.
   void show_pointed(const Selection& target);
   /// Calls it; what it throws is said, and the result false.
@@ -142,7 +145,6 @@ class MainWindow : public QMainWindow {
   std::unique_ptr<QSettings> settings_;
   std::unique_ptr<Recovery> recovery_;
   Session session_;
-  QStackedWidget* stack_ = nullptr;
   WelcomePage* welcome_ = nullptr;
   ImagePanel* image_ = nullptr;
   SceneView* scene_view_ = nullptr;

@@ -7,7 +7,6 @@
 #include <QMenu>
 #include <QMenuBar>
 #include <QMessageBox>
-#include <QStackedWidget>
 #include <QStatusBar>
 #include <array>
 
@@ -57,10 +56,8 @@ void MainWindow::make_menus() {
   exports->setObjectName("exportMenu");
   make_export_menu(*exports);
   file->addSeparator();
-  add(file, tr("Welcome page"), {}, "actionWelcome", [this] {
-    const bool workspace = stack_->currentIndex() == 0 && !session_.document().is_empty();
-    stack_->setCurrentIndex(workspace ? 1 : 0);
-  });
+  add(file, tr("Welcome page"), {}, "actionWelcome",
+      [this] { show_welcome(!welcome_->isVisible() || session_.document().is_empty()); });
   add(file, tr("&Quit"), QKeySequence::Quit, "actionQuit", [this] { close(); });
 
   QMenu* const edit = menuBar()->addMenu(tr("&Edit"));

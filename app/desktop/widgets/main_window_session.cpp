@@ -2,8 +2,10 @@
 #include <QDockWidget>
 #include <QLabel>
 #include <QStatusBar>
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "plenoflame/base/units.h"
@@ -65,6 +67,7 @@ void MainWindow::connect_session() {
   });
   connect(image_, &ImagePanel::pyramid_changed, this,
           [this] { scene_view_->set_image(image_->flux_pyramid()); });
+  connect(image_, &ImagePanel::map_changed, light_field_, &LightFieldPanel::set_map);
   connect(&session_, &Session::failed, this, [this](const QString& what, const QString& message) {
     last_message_ = message;
     standing_failure_ = what + ": " + message;
@@ -161,11 +164,30 @@ void MainWindow::connect_selection() {
           [this](const FlameLook& look, const QString& what) {
             session_.document().set_look(look, what.toStdString());
           });
+  connect(scene_view_, &SceneView::moved, this, &MainWindow::move_thing);
   connect(scene_view_, &SceneView::picture_requested, this, &MainWindow::export_picture_of_scene);
   connect(rays_, &RaysPanel::pixel_requested, this, select_pixel);
   connect(section_, &SectionView::lens_clicked, this, select_lens);
   connect(section_, &SectionView::point_clicked, this, select_point);
   connect(&document, &Document::selection_changed, this, &MainWindow::show_selection);
+}
+
+/// A flame, or the chosen camera, goes where its handle was dragged.
+void MainWindow::move_thing(int flame, const Vec3& position, int stroke) {
+  Document& document = session_.document();
+  Scene scene = document.scene();
+  const auto number = static_cast<std::size_t>(std::max(0, flame));
+  if (flame >= 0) {
+    if (number >= scene.flames.size()) return;
+    scene.flames[number].position = position;
+  } else if (scene.cameras.empty()) {
+    scene.camera.position = position;
+  } else {
+    for (CameraSpec& camera : scene.cameras)
+      if (camera.name == document.camera_name()) camera.position = position;
+  }
+  const QString what = flame >= 0 ? tr("move of the flame") : tr("move of the camera");
+  guarded([&] { document.change(scene, what.toStdString(), "drag " + std::to_string(stroke)); });
 }
 
 void MainWindow::select_lens_at(int column, int row) {

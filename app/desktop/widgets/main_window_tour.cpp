@@ -1,6 +1,5 @@
 #include <QAction>
 #include <QDockWidget>
-#include <QStackedWidget>
 #include <QTabWidget>
 #include <QTreeView>
 #include <array>

@@ -7,6 +7,7 @@
 #include <QToolTip>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "plenoflame/base/units.h"
 #include "widgets/pointer.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kReach = 9;   ///< [logical pixel] from a point to where a press takes it
 constexpr double kRadius = 5;  ///< [logical pixel]
 constexpr double kKeyStep = 0.01;
+constexpr double kHistogramShare = 0.8;  ///< of the curve's height
 constexpr int kGradientStops = 17;
 
 }  // namespace
@@ -41,6 +43,23 @@ void OpacityCurve::set_range(double cold, double hot) {
   cold_ = cold;
   hot_ = hot;
   update();
+}
+
+void OpacityCurve::set_histogram(double coldest, double hottest, std::vector<double> shares) {
+  coldest_ = coldest;
+  hottest_ = hottest;
+  heights_ = std::move(shares);
+  const double most = heights_.empty() ? 0 : *std::max_element(heights_.begin(), heights_.end());
+  // By the root: a thin hot sheet is little beside all the warm gas, and is what shines.
+  for (double& height : heights_) height = most > 0 ? std::sqrt(height / most) : 0;
+  update();
+}
+
+double OpacityCurve::height_at(double temperature) const {
+  if (heights_.empty() || temperature < coldest_ || temperature > hottest_) return 0;
+  const double t = hottest_ > coldest_ ? (temperature - coldest_) / (hottest_ - coldest_) : 0.5;
+  const auto last = heights_.size() - 1;
+  return heights_[std::min(last, static_cast<std::size_t>(t * static_cast<double>(last + 1)))];
 }
 
 QRectF OpacityCurve::area() const {
@@ -173,6 +192,25 @@ void OpacityCurve::keyPressEvent(QKeyEvent* event) {
   }
 }
 
+void OpacityCurve::paint_histogram(QPainter& painter, const QRectF& box) const {
+  if (heights_.empty() || !(hot_ > cold_)) return;
+  QColor ink = palette().color(QPalette::Text);
+  ink.setAlphaF(0.35);
+  painter.setPen(QPen(ink, 1));
+  for (int x = 0; x < static_cast<int>(box.width()); ++x) {
+    const double from = cold_ + (hot_ - cold_) * x / box.width(),
+                 to = cold_ + (hot_ - cold_) * (x + 1) / box.width();
+    // The highest of what lies within the column: narrow peaks do not get lost.
+    double height = std::max(height_at(from), height_at(to));
+    const double step = (hottest_ - coldest_) / static_cast<double>(heights_.size());
+    for (double t = from; step > 0 && t < to; t += step) height = std::max(height, height_at(t));
+    if (height <= 0) continue;
+    const double at = box.left() + x + 0.5;
+    painter.drawLine(QPointF(at, box.bottom()),
+                     QPointF(at, box.bottom() - kHistogramShare * height * box.height()));
+  }
+}
+
 void OpacityCurve::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   const QRectF box = area();
@@ -194,6 +232,7 @@ void OpacityCurve::paintEvent(QPaintEvent*) {
   painter.setPen(Qt::NoPen);
   painter.setBrush(veil);
   painter.drawPolygon(above);
+  paint_histogram(painter, box);
   painter.setBrush(Qt::NoBrush);
   painter.setPen(QPen(palette().color(hasFocus() ? QPalette::Highlight : QPalette::Mid), 1));
   painter.drawRect(box);

@@ -4,6 +4,8 @@
 
 #include "model/flame_look.h"
 
+class QPainter;
+
 namespace plenoflame::desktop {
 
 /// The curve of opacity over temperature, on the colours of temperature. A click adds a point, a
@@ -17,6 +19,11 @@ class OpacityCurve : public QWidget {
   void set_look(const FlameLook& look);
   /// Temperatures of the ends [K].
   void set_range(double cold, double hot);
+  /// How much of the flame has which temperature, drawn behind the curve.
+  /// @param shares of equal steps from `coldest` to `hottest` [K]
+  void set_histogram(double coldest, double hottest, std::vector<double> shares);
+  /// Height of the histogram at a temperature [K], as a share of the highest one.
+  double height_at(double temperature) const;
   int chosen() const { return chosen_; }
   QPointF to_widget(const OpacityPoint& point) const;
   QSize sizeHint() const override { return {220, 100}; }
@@ -34,6 +41,7 @@ class OpacityCurve : public QWidget {
 
  private:
   QRectF area() const;
+  void paint_histogram(QPainter& painter, const QRectF& box) const;
   OpacityPoint from_widget(QPointF place) const;
   int point_near(QPointF place) const;
   void change(std::vector<OpacityPoint> points);
@@ -41,6 +49,8 @@ class OpacityCurve : public QWidget {
 
   FlameLook look_;
   double cold_ = 0, hot_ = 0;
+  double coldest_ = 0, hottest_ = 0;
+  std::vector<double> heights_;
   int chosen_ = -1, stroke_ = 0;
   bool dragging_ = false;
 };

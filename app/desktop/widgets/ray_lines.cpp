@@ -23,7 +23,23 @@ constexpr float kHighlightWidth = 4;  ///< [screen pixel] of the chosen ray
 
 }  // namespace
 
-void add_ray_lines(const RayPaths& paths, int chosen_ray, bool dark, vtkRenderer& renderer) {
+std::vector<Vec3> drawn_ray(const RayPaths& paths, std::size_t ray, const Schematic& schematic) {
+  std::vector<Vec3> points;
+  const std::size_t first = paths.rays[ray].first;
+  for (std::size_t k = first; k < first + paths.rays[ray].count; ++k) {
+    const Vec3 p = paths.vertices[k].position;
+    if (points.empty()) {
+      points.push_back(schematic.place(p));
+      continue;
+    }
+    const auto line = schematic.line(paths.vertices[k - 1].position, p);
+    points.insert(points.end(), line.begin(), line.end());
+  }
+  return points;
+}
+
+void add_ray_lines(const RayPaths& paths, int chosen_ray, bool dark, const Schematic& schematic,
+                   vtkRenderer& renderer) {
   const auto& rays = paths.rays;
   const auto add = [&](std::size_t begin, std::size_t end, float width, auto ink_of) {
     vtkNew<vtkPoints> points;
@@ -32,11 +48,9 @@ void add_ray_lines(const RayPaths& paths, int chosen_ray, bool dark, vtkRenderer
     colours->SetNumberOfComponents(3);
     for (std::size_t i = begin; i < end; ++i) {
       if (rays[i].count < 2) continue;
-      cells->InsertNextCell(static_cast<int>(rays[i].count));
-      for (std::size_t k = 0; k < rays[i].count; ++k) {
-        const Vec3 p = paths.vertices[rays[i].first + k].position;
-        cells->InsertCellPoint(points->InsertNextPoint(p.x, p.y, p.z));
-      }
+      const std::vector<Vec3> drawn = drawn_ray(paths, i, schematic);
+      cells->InsertNextCell(static_cast<int>(drawn.size()));
+      for (const Vec3& p : drawn) cells->InsertCellPoint(points->InsertNextPoint(p.x, p.y, p.z));
       const QColor ink = ink_of(rays[i]);
       colours->InsertNextTuple3(ink.red(), ink.green(), ink.blue());
     }

@@ -5,6 +5,8 @@
 #include <vtkMath.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
 
 #include <algorithm>
@@ -52,6 +54,31 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
   close->Update();
   detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
   detail->ShallowCopy(close->GetOutput());
+}
+
+vtkSmartPointer<vtkMultiBlockDataSet> placed(vtkMultiBlockDataSet& camera,
+                                             const Schematic& schematic) {
+  if (schematic.is_to_scale()) return &camera;
+  auto drawn = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  drawn->ShallowCopy(&camera);
+  for (unsigned block = 0; block < camera.GetNumberOfBlocks(); ++block) {
+    auto* const data = vtkPolyData::SafeDownCast(camera.GetBlock(block));
+    if (!data || data->GetNumberOfPoints() == 0) continue;
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    points->SetNumberOfPoints(data->GetNumberOfPoints());
+    for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
+      std::array<double, 3> p{};
+      data->GetPoint(i, p.data());
+      const Vec3 at = schematic.place({p[0], p[1], p[2]});
+      points->SetPoint(i, at.x, at.y, at.z);
+    }
+    vtkNew<vtkPolyData> moved;
+    moved->ShallowCopy(data);
+    moved->SetPoints(points);
+    drawn->SetBlock(block, moved);
+  }
+  return drawn;
 }
 
 vtkSmartPointer<vtkImageData> small_flame() {

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "model/schematic.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
 
@@ -29,6 +30,10 @@ struct SceneGeometry {
   SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
                 const std::vector<CameraSpec>& others = {});
 };
+
+/// A camera as it is drawn.
+vtkSmartPointer<vtkMultiBlockDataSet> placed(vtkMultiBlockDataSet& camera,
+                                             const Schematic& schematic);
 
 /// Hot and dense everywhere, in some points.
 vtkSmartPointer<vtkImageData> small_flame();

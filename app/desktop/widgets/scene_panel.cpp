@@ -21,6 +21,10 @@ namespace {
 constexpr int kSliderSteps = 400;    ///< to each side of the middle
 constexpr double kSliderFactor = 2;  ///< by which the ends differ from the middle
 
+constexpr int kValueWidth = 130, kIndentation = 14;  ///< [logical pixel]
+/// [logical pixel] below which there is room for names and values alone; what is allowed stands in
+/// the tooltips, too.
+constexpr int kWidePanel = 460;
 constexpr double kReachOfNothing = 0.1;  ///< of components that are all 0, in SI units
 
 std::vector<double> components_of(const SchemaValue& value) {
@@ -97,9 +101,12 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
   tree_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed |
                          QAbstractItemView::SelectedClicked);
   tree_->setContextMenuPolicy(Qt::CustomContextMenu);
-  tree_->header()->setSectionResizeMode(QHeaderView::Interactive);
-  tree_->header()->resizeSection(0, 165);
-  tree_->header()->resizeSection(1, 130);
+  tree_->header()->setSectionResizeMode(ParameterModel::kName, QHeaderView::ResizeToContents);
+  tree_->header()->setSectionResizeMode(ParameterModel::kValue, QHeaderView::Interactive);
+  tree_->header()->setMinimumSectionSize(20);
+  tree_->header()->resizeSection(ParameterModel::kValue, kValueWidth);
+  tree_->header()->setStretchLastSection(true);
+  tree_->setIndentation(kIndentation);
   message_->setObjectName("sceneMessage");
   message_->setWordWrap(true);
   message_->setTextFormat(Qt::PlainText);
@@ -182,6 +189,11 @@ void ScenePanel::reveal(const QString& path) {
   for (QModelIndex up = index.parent(); up.isValid(); up = up.parent()) tree_->expand(up);
   tree_->setCurrentIndex(index);
   tree_->scrollTo(index);
+}
+
+void ScenePanel::resizeEvent(QResizeEvent* event) {
+  tree_->setColumnHidden(ParameterModel::kAllowed, width() < kWidePanel);
+  QWidget::resizeEvent(event);
 }
 
 void ScenePanel::finish_editing() {

@@ -28,6 +28,9 @@ class ScenePanel : public QWidget {
  signals:
   void failed(const QString& message);
 
+ protected:
+  void resizeEvent(QResizeEvent* event) override;
+
  private:
   void show_cameras();
   void show_menu(const QPoint& place);

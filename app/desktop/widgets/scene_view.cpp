@@ -117,7 +117,6 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools_);
-  layout->addWidget(flame_tools_);
   notice_ = new Notice(this);
   notice_->setObjectName("sceneViewNotice");
   layout->addWidget(notice_);
@@ -126,6 +125,8 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
   show_later_.setSingleShot(true);
   connect(&show_later_, &QTimer::timeout, this, &SceneView::show_next);
+  light_timer_.setSingleShot(true);
+  connect(&light_timer_, &QTimer::timeout, this, &SceneView::move_light);
   // Dark in both themes: what shines is to be the brightest there is.
   v.renderer->SetBackground(0.05, 0.055, 0.065);
   set_ruler_dark(*v.ruler, true);
@@ -135,6 +136,7 @@ SceneView::~SceneView() {
   task_.cancel();
   view_->ruler->RemoveObserver(view_->ruler_moved);
   view_->ruler->SetInteractor(nullptr);
+  for (const View::Handle& handle : view_->handles) handle.widget->SetInteractor(nullptr);
   view_->axes->SetInteractor(nullptr);
   // Another view may still watch a camera that both have.
   view_->moved_elsewhere->SetCallback(nullptr);
@@ -211,7 +213,11 @@ void SceneView::clear() {
   others_.clear();
   temperatures_ = {0, 0};
   aimed_ = false;
-  for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  schematic_ = {};
+  for (const char* layer : {"camera", "flame", "rays", "gaps"})
+    view_->replace(layer, [](vtkRenderer&) {});
+  find_ways();
+  place_handles();
   view_->show_frame(false);
   if (measure_->isChecked()) measure_->setChecked(false);
   render();
@@ -243,7 +249,7 @@ void SceneView::build_geometry() {
         if (geometry_ && geometry_->flame) geometry_->flame->GetBounds(before.data());
         geometry_ = built;
         add_geometry();
-        if (aimed_) follow(before);
+        if (aimed_ && dragged_ < 0) follow(before);
       });
     } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
       post(this, [this, number] { built_ = number; });
@@ -258,6 +264,7 @@ void SceneView::add_geometry() {
   }
   view_->show_frame(true);
   view_->axes->InteractiveOff();
+  update_schematic();
   if (!aimed_) aim();
   if (first_) {
     // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
@@ -274,6 +281,7 @@ void SceneView::add_geometry() {
   }
   show_all();
   add_layers();
+  if (dragged_ < 0) place_handles();
   render();
 }
 
@@ -281,6 +289,7 @@ void SceneView::add_layers() {
   add_camera();
   add_flame();
   add_rays();
+  add_gaps();
 }
 
 void SceneView::show_next() {
@@ -298,13 +307,14 @@ void SceneView::show_all() {
 
 void SceneView::add_camera() {
   if (!geometry_) return;
-  const bool close = (part_ == Part::array || part_ == Part::pixel) && geometry_->detail;
+  const bool close = is_close() && geometry_->detail;
+  const auto camera = placed(*geometry_->camera, schematic_);
   vtkSmartPointer<vtkImageData> texture;
   if (image_ && !image_->empty())
     texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
   view_->replace("camera", [&](vtkRenderer& renderer) {
-    views::add_camera(close ? *geometry_->detail : *geometry_->camera, geometry_->plate_texture,
-                      texture, close ? 0.45 : 0.4, renderer);
+    views::add_camera(close ? *geometry_->detail : *camera, geometry_->plate_texture, texture,
+                      close ? 0.45 : 0.4, renderer);
     for (const SceneGeometry::Other& other : geometry_->others)
       views::add_camera(*other.camera, other.plate_texture, nullptr, 0.4, renderer);
   });
@@ -315,8 +325,9 @@ void SceneView::add_camera() {
 void SceneView::add_rays() {
   view_->replace("rays", [&](vtkRenderer& renderer) {
     if (!rays_ || rays_->paths.rays.empty()) return;
-    add_ray_lines(rays_->paths, highlighted_, true, renderer);
+    add_ray_lines(rays_->paths, highlighted_, true, schematic_, renderer);
   });
+  find_ways();
 }
 
 void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
@@ -356,9 +367,27 @@ void SceneView::show_part(Part part) {
   show_all();
   part_ = part;
   part_actions_[static_cast<std::size_t>(part)]->setChecked(true);
-  add_camera();
-  view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+  const bool was_to_scale = schematic_.is_to_scale();
+  update_schematic();
+  if (was_to_scale && schematic_.is_to_scale()) {
+    add_camera();
+    view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+  } else {
+    add_layers();
+  }
   aim();
+  place_handles();
+  render();
+}
+
+/// What decides about the gaps has changed.
+void SceneView::draw_to_scale() {
+  update_schematic();
+  if (geometry_) {
+    show_all();
+    add_layers();
+    aim();
+  }
   render();
 }
 

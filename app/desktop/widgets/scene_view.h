@@ -1,4 +1,5 @@
 #pragma once
+#include <QEvent>
 #include <QTimer>
 #include <QWidget>
 #include <array>
@@ -11,13 +12,13 @@
 #include "model/latest_task.h"
 #include "model/ray_selector.h"
 #include "model/scene_changes.h"
+#include "model/schematic.h"
 #include "plenoflame/scene/compile.h"
 
 class QAction;
 class QComboBox;
 class QLabel;
 class QSlider;
-class QToolBar;
 
 namespace plenoflame::desktop {
 
@@ -73,6 +74,11 @@ class SceneView : public QWidget {
   QPointF to_widget(const Vec3& world) const;
   /// Distance between the two clicks of *Measure* [m]; 0: there are none yet.
   double measured() const;
+  /// How the whole scene is drawn now: with shortened gaps, or to scale.
+  const Schematic& schematic() const { return schematic_; }
+  /// Where handles to move things by are [m] world; the last one is the camera's. None unless
+  /// *Move* is on.
+  std::vector<Vec3> handles() const;
 
  signals:
   void pixel_picked(int column, int row);
@@ -83,6 +89,9 @@ class SceneView : public QWidget {
   /// A button above the view was clicked; nothing is shown yet.
   void part_requested(int part);
   void look_edited(const plenoflame::desktop::FlameLook& look, const QString& what);
+  /// A handle is being dragged. @param flame its number; -1: the camera
+  /// @param position [m] that it goes to  @param stroke the same for all of one drag
+  void moved(int flame, const plenoflame::Vec3& position, int stroke);
   /// What the pointer is over; of kind none: nothing.
   void pointed(const plenoflame::desktop::Selection& target);
 
@@ -92,6 +101,16 @@ class SceneView : public QWidget {
  private:
   struct View;
   void make_tools();
+  QWidget* make_drawing_tools();
+  void draw_to_scale();
+  void update_schematic();
+  void add_gaps();
+  void place_handles();
+  /// @return whether it is about a handle, and nobody else's
+  bool drag_handle(QEvent::Type event, const QPointF& at);
+  void run_light(bool on);
+  void move_light();
+  void find_ways();
   void look_along(int axis);
   void build_geometry();
   void add_geometry();
@@ -103,6 +122,8 @@ class SceneView : public QWidget {
   void add_camera();
   /// Corners of what the present part shows [m], and from which side it is seen.
   std::vector<Vec3> subject(Vec3& from) const;
+  /// The same where they are drawn.
+  std::vector<Vec3> drawn_subject(Vec3& from) const;
   void aim();
   void follow(const std::array<double, 6>& flame_before);
   /// What a click there would select.
@@ -110,6 +131,7 @@ class SceneView : public QWidget {
   void pick(const QPointF& place);
   void show_measured();
   void render();
+  bool is_close() const { return part_ == Part::array || part_ == Part::pixel; }
 
   std::unique_ptr<View> view_;
   std::shared_ptr<const CompiledScene> scene_;
@@ -124,15 +146,16 @@ class SceneView : public QWidget {
   int highlighted_ = -1;
   bool aimed_ = false, warm_ = false;
   bool first_ = true;  ///< geometry: its parts come one by one
-  QToolBar* tools_ = nullptr;
-  QWidget* flame_tools_ = nullptr;
+  QWidget* tools_ = nullptr;
   QComboBox *drawing_ = nullptr, *cut_ = nullptr;
   QSlider* cut_place_ = nullptr;
   Notice* notice_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
-  QAction* measure_ = nullptr;
+  QAction *measure_ = nullptr, *shortened_ = nullptr, *move_ = nullptr, *light_ = nullptr;
+  Schematic schematic_;
+  int dragged_ = -1, stroke_ = 0;  ///< number of the handle that is dragged; -1: none
   QPointF pressed_;
-  QTimer render_later_, show_later_;
+  QTimer render_later_, show_later_, light_timer_;
   unsigned newest_ = 0, built_ = 0;
   LatestTask task_{Urgency::work};  ///< last: it ends first
 };

@@ -19,7 +19,8 @@ namespace plenoflame::desktop {
 QPointF SceneView::to_widget(const Vec3& world) const {
   const double ratio = view_->widget->devicePixelRatioF();
   const int* const size = view_->renderer->GetSize();
-  view_->renderer->SetWorldPoint(world.x, world.y, world.z, 1);
+  const Vec3 drawn = schematic_.place(world);
+  view_->renderer->SetWorldPoint(drawn.x, drawn.y, drawn.z, 1);
   view_->renderer->WorldToDisplay();
   const double* const p = view_->renderer->GetDisplayPoint();
   return {p[0] / ratio, (size[1] - 1 - p[1]) / ratio};
@@ -81,13 +82,19 @@ std::vector<Vec3> SceneView::subject(Vec3& from) const {
   return points;
 }
 
+std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
+  std::vector<Vec3> points = subject(from);
+  for (Vec3& point : points) point = schematic_.place(point);
+  return points;
+}
+
 void SceneView::aim() {
   if (!scene_ || !geometry_) return;
   const CameraSpec& spec = scene_->scene.camera;
   const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
              up = cross(right, axis);
   Vec3 from;
-  const std::vector<Vec3> points = subject(from);
+  const std::vector<Vec3> points = drawn_subject(from);
   const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
                         std::max(1, view_->widget->height());
   views::look_at(points, -from, up, aspect, 10, *view_->renderer);
@@ -146,6 +153,14 @@ void SceneView::look_as(SceneView& other) {
 }
 
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
+  if (object == view_->widget && move_->isChecked() &&
+      (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseMove ||
+       event->type() == QEvent::MouseButtonRelease)) {
+    const auto* const mouse = static_cast<QMouseEvent*>(event);
+    if (((mouse->buttons() | mouse->button()) & Qt::LeftButton) != 0 &&
+        drag_handle(event->type(), pointer_place(mouse)))
+      return true;
+  }
   if (object == view_->widget && !measure_->isChecked()) {
     if (event->type() == QEvent::MouseButtonPress)
       pressed_ = pointer_place(static_cast<QMouseEvent*>(event));
@@ -182,12 +197,19 @@ Selection SceneView::target_at(const QPointF& place) const {
     return Vec3{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
   };
   const Vec3 near = world_at(0), far = world_at(0.5);
-  const Ray ray{near, normalize(far - near)};
-  const bool close = part_ == Part::array || part_ == Part::pixel;
-  return target_of(*scene_, ray,
-                   close                   ? Targets::microlenses
-                   : part_ == Part::camera ? Targets::sensor
-                                           : Targets::flame);
+  const Vec3 way = normalize(far - near);
+  if (is_close()) return target_of(*scene_, {near, way}, Targets::microlenses);
+  if (part_ == Part::camera) return target_of(*scene_, {near, way}, Targets::sensor);
+  if (schematic_.is_to_scale()) return target_of(*scene_, {near, way}, Targets::flame);
+  // Flame and sensor are each moved as a whole: so is the line of sight that meets them.
+  const auto moved = [&](const Vec3& part) {
+    return Ray{near - (schematic_.place(part) - part), way};
+  };
+  const Box box = scene_->medium ? scene_->medium->bounds() : Box{};
+  const Selection flame = target_of(*scene_, moved(0.5 * (box.lower + box.upper)), Targets::flame);
+  if (flame.kind == Selection::Kind::point) return flame;
+  return target_of(*scene_, moved(scene_->camera.to_world().point({0, 0, scene_->camera.sensor()})),
+                   Targets::sensor);
 }
 
 void SceneView::pick(const QPointF& place) {

@@ -3,14 +3,18 @@
 #include <vtkCallbackCommand.h>
 #include <vtkDistanceWidget.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkHandleWidget.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
 #include <vtkOrientationMarkerWidget.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkProp.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderer.h>
 #include <vtkSmartPointer.h>
 
+#include <QElapsedTimer>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,6 +41,22 @@ struct SceneView::View {
   vtkNew<vtkCallbackCommand> ruler_moved;
   vtkNew<vtkOrientationMarkerWidget> axes;
   std::unique_ptr<ScaleBar> scale_bar;
+  /// Something of the scene that is dragged by the pointer.
+  struct Handle {
+    vtkSmartPointer<vtkHandleWidget> widget;
+    int flame = -1;  ///< its number; -1: the camera
+    Vec3 offset;     ///< [m] from the position in the scene's file to the handle
+  };
+  std::vector<Handle> handles;
+  /// The way of light along a ray as it is drawn, and how far its points are from the beginning.
+  struct Way {
+    std::vector<Vec3> points;
+    std::vector<double> lengths;
+  };
+  std::vector<Way> ways;
+  vtkNew<vtkPolyData> light;
+  vtkSmartPointer<vtkProp> light_points;
+  QElapsedTimer light_since;
   vtkNew<vtkCallbackCommand> moved_elsewhere;  ///< of a camera that two views share
   std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
   std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes

@@ -20,11 +20,7 @@
 #include <QActionGroup>
 #include <QComboBox>
 #include <QHBoxLayout>
-#include <QLayout>
-#include <QSignalBlocker>
 #include <QSlider>
-#include <QStyle>
-#include <QToolBar>
 #include <QToolButton>
 #include <algorithm>
 #include <array>
@@ -34,6 +30,8 @@
 #include "picture_annotation.h"
 #include "picture_camera.h"
 #include "widgets/flame_opacity.h"
+#include "widgets/flow_layout.h"
+#include "widgets/glyphs.h"
 #include "widgets/scene_geometry.h"
 #include "widgets/scene_view_parts.h"
 
@@ -82,6 +80,21 @@ vtkSmartPointer<vtkActor> surface_of(vtkImageData& flame, double temperature,
   actor->GetProperty()->SetOpacity(opacity);
   actor->GetProperty()->SetAmbient(0.35);  // it shines by itself
   return actor;
+}
+
+/// A flame where it is drawn; it keeps its shape.
+vtkSmartPointer<vtkImageData> placed(const vtkSmartPointer<vtkImageData>& flame,
+                                     const Schematic& schematic) {
+  if (!flame || schematic.is_to_scale()) return flame;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->ShallowCopy(flame);
+  std::array<double, 3> centre{}, origin{};
+  flame->GetCenter(centre.data());
+  flame->GetOrigin(origin.data());
+  const Vec3 middle{centre[0], centre[1], centre[2]};
+  const Vec3 by = schematic.place(middle) - middle;
+  image->SetOrigin(origin[0] + by.x, origin[1] + by.y, origin[2] + by.z);
+  return image;
 }
 
 /// Nothing is left beyond a place along an axis.
@@ -146,9 +159,8 @@ void SceneView::View::add_axes_cube() {
 }
 
 void SceneView::make_tools() {
-  tools_ = new QToolBar(this);
-  tools_->setToolButtonStyle(Qt::ToolButtonTextOnly);
-  tools_->layout()->setSpacing(0);
+  tools_ = new QWidget(this);
+  auto* flow = new FlowLayout(tools_);
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
@@ -157,62 +169,85 @@ void SceneView::make_tools() {
        {tr("Array"), tr("A few microlenses and the pixels behind them")},
        {tr("Pixel"), tr("The microlens in front of the selected pixel")}}};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    QAction* const action = tools_->addAction(parts[i][0]);
+    auto* action = new QAction(parts[i][0], this);
     action->setObjectName("view" + parts[i][0]);
     action->setToolTip(parts[i][1]);
     action->setCheckable(true);
     action->setChecked(i == 0);
     group->addAction(action);
+    flow->addWidget(button_for(action, tools_));
     part_actions_[i] = action;
     connect(action, &QAction::triggered, this,
             [this, i] { emit part_requested(static_cast<int>(i)); });
   }
-  tools_->addSeparator();
-  measure_ = tools_->addAction(tr("Measure"));
+  const auto tool = [&](Glyph glyph, const QString& text, const char* name, const QString& tip) {
+    auto* action = new QAction(glyph_icon(glyph), text, this);
+    action->setObjectName(name);
+    action->setToolTip(tip);
+    flow->addWidget(button_for(action, tools_, true));
+    return action;
+  };
+  shortened_ = tool(Glyph::shortened, tr("Shorten gaps"), "shortenGaps",
+                    tr("Long empty stretches between flame, main lens and array are drawn short; "
+                       "otherwise the whole scene is to scale"));
+  shortened_->setCheckable(true);
+  shortened_->setChecked(true);
+  connect(shortened_, &QAction::toggled, this, &SceneView::draw_to_scale);
+  move_ = tool(Glyph::hand, tr("Move"), "moveThings",
+               tr("Handles to drag flames and camera by, to scale; one drag is one step to undo"));
+  move_->setCheckable(true);
+  light_ = tool(Glyph::light, tr("Light"), "runLight",
+                tr("Light runs along the rays, from the scene to the sensor"));
+  light_->setCheckable(true);
+  connect(light_, &QAction::toggled, this, &SceneView::run_light);
+  measure_ =
+      tool(Glyph::ruler, tr("Measure"), "measure",
+           tr("Distance between two clicks, in the plane through the middle of the view [m]"));
   measure_->setCheckable(true);
-  measure_->setToolTip(
-      tr("Distance between two clicks, in the plane through the middle of the view [m]"));
-  measure_->setObjectName("measure");
   connect(measure_, &QAction::toggled, this, [this](bool on) {
     view_->ruler->SetWidgetStateToStart();
     view_->ruler->SetEnabled(on ? 1 : 0);
+    if (on) move_->setChecked(false);
     emit measured_changed(0);
-    render();
+    draw_to_scale();
   });
-  QAction* const save = tools_->addAction(tr("Picture..."));
-  save->setToolTip(tr("Save this view as a picture"));
-  connect(save, &QAction::triggered, this, &SceneView::picture_requested);
-  // As an icon: the texts of the others fill the bar.
-  save->setIcon(style()->standardIcon(QStyle::SP_DialogSaveButton));
-  if (auto* button = qobject_cast<QToolButton*>(tools_->widgetForAction(save)))
-    button->setToolButtonStyle(Qt::ToolButtonIconOnly);
+  connect(move_, &QAction::toggled, this, [this](bool on) {
+    if (on) measure_->setChecked(false);
+    draw_to_scale();
+    place_handles();
+  });
+  connect(tool(Glyph::picture, tr("Picture..."), "scenePicture", tr("Save this view as a picture")),
+          &QAction::triggered, this, &SceneView::picture_requested);
+  flow->addWidget(make_drawing_tools());
+}
 
-  // The second row: the flame, and from where.
-  flame_tools_ = new QWidget(this);
-  drawing_ = new QComboBox(flame_tools_);
+/// How the flame is drawn, what is cut away of it, and from where it is seen.
+QWidget* SceneView::make_drawing_tools() {
+  auto* const tools = new QWidget(tools_);
+  drawing_ = new QComboBox(tools);
   drawing_->setObjectName("flameDrawing");
   drawing_->addItems({tr("Emission"), tr("Absorption"), tr("Surfaces")});
   drawing_->setToolTip(
       tr("What makes the flame visible: its light, its soot, or surfaces of equal temperature"));
-  cut_ = new QComboBox(flame_tools_);
+  cut_ = new QComboBox(tools);
   cut_->setObjectName("flameCut");
   cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
   cut_->setToolTip(tr("Leaves away what lies beyond a plane across an axis of the world"));
-  cut_place_ = new QSlider(Qt::Horizontal, flame_tools_);
+  cut_place_ = new QSlider(Qt::Horizontal, tools);
   cut_place_->setObjectName("flameCutPlace");
   cut_place_->setRange(1, 99);
   cut_place_->setValue(50);
   cut_place_->setEnabled(false);
   cut_place_->setMinimumWidth(40);
   cut_place_->setToolTip(tr("Where the plane is"));
-  auto* row = new QHBoxLayout(flame_tools_);
-  row->setContentsMargins(3, 0, 3, 2);
+  auto* row = new QHBoxLayout(tools);
+  row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(3);
   row->addWidget(drawing_);
   row->addWidget(cut_);
   row->addWidget(cut_place_, 1);
   for (int axis = 0; axis < 3; ++axis) {
-    auto* along = new QToolButton(flame_tools_);
+    auto* along = new QToolButton(tools);
     const QString name("XYZ"[axis]);
     along->setObjectName("along" + name);
     along->setText(name);
@@ -237,6 +272,7 @@ void SceneView::make_tools() {
     add_flame();
     render();
   });
+  return tools;
 }
 
 void SceneView::look_along(int axis) {
@@ -252,14 +288,14 @@ void SceneView::look_along(int axis) {
   Vec3 from;
   const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
                         std::max(1, view_->widget->height());
-  views::look_at(subject(from), direction, up, aspect, 10, *view_->renderer);
+  views::look_at(drawn_subject(from), direction, up, aspect, 10, *view_->renderer);
   aimed_ = true;
   render();
 }
 
 void SceneView::add_flame() {
   if (!geometry_) return;
-  vtkImageData* const flame = geometry_->flame;
+  const vtkSmartPointer<vtkImageData> flame = placed(geometry_->flame, schematic_);
   const double cold = look_.automatic ? temperatures_[0] : look_.cold,
                hot = look_.automatic ? temperatures_[1] : look_.hot;
   view_->replace("flame", [&](vtkRenderer& renderer) {

@@ -38,6 +38,8 @@ class ExampleButton : public QCommandLinkButton {
 }  // namespace
 
 WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWidget(this)) {
+  setObjectName("welcomePage");
+  setAutoFillBackground(true);
   auto* icon = new QLabel(this);
   icon->setPixmap(QIcon(":/plenoflame-desktop.svg").pixmap(72, 72));
   auto* title = new QLabel(tr("<span style='font-size:22pt'>Plenoflame</span><br>"

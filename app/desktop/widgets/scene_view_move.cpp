@@ -1,0 +1,206 @@
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkSphereHandleRepresentation.h>
+#include <vtkTextActor.h>
+#include <vtkTextProperty.h>
+
+#include <QAction>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "picture_annotation.h"
+#include "picture_camera.h"
+#include "plenoflame/base/units.h"
+#include "widgets/scene_geometry.h"
+#include "widgets/scene_view_parts.h"
+
+// What of the 3-D view is not to scale, and the handles that flames and cameras are dragged by.
+namespace plenoflame::desktop {
+namespace {
+
+constexpr double kGapShare = 0.8;      ///< of a drawn gap, in sizes of what is beside the axis
+constexpr double kMarginShare = 0.08;  ///< around each part, of the same
+constexpr int kHandlePixels = 9;       ///< radius of a handle on the screen
+constexpr double kReach = 12;          ///< [logical pixel] from a handle's middle to the pointer
+
+/// Two short slanted lines where the axis is broken.
+void add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size,
+               vtkRenderer& renderer) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  for (const double side : {-1.0, 1.0}) {
+    cells->InsertNextCell(2);
+    for (const double end : {-1.0, 1.0}) {
+      const Vec3 p = middle + size * ((0.3 * side + 0.25 * end) * axis + end * up);
+      cells->InsertCellPoint(points->InsertNextPoint(p.x, p.y, p.z));
+    }
+  }
+  vtkNew<vtkPolyData> lines;
+  lines->SetPoints(points);
+  lines->SetLines(cells);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(lines);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(0.75, 0.77, 0.8);
+  actor->GetProperty()->LightingOff();
+  actor->GetProperty()->SetLineWidth(2);
+  renderer.AddActor(actor);
+}
+
+}  // namespace
+
+void SceneView::update_schematic() {
+  schematic_ = {};
+  if (!scene_ || !geometry_ || part_ != Part::scene || !others_.empty()) return;
+  if (!shortened_->isChecked() || move_->isChecked() || measure_->isChecked()) return;
+  const CameraSpec& spec = scene_->scene.camera;
+  const Vec3 axis = normalize(spec.look_direction);
+  const double lens =
+      std::max(scene_->camera.lens_first_order().entrance_pupil_diameter, spec.sensor.size().x);
+  double size = lens, depth = 0;
+  for (const SurfaceSpec& surface : spec.lens.surfaces) depth += surface.thickness;
+  std::array<double, 2> flame{0, 0};
+  if (geometry_->flame) {
+    std::array<double, 6> box{};
+    geometry_->flame->GetBounds(box.data());
+    flame = {1e300, -1e300};
+    for (const Vec3 p : views::corners(box)) {
+      const double along = dot(p - spec.position, axis);
+      flame = {std::min(flame[0], along), std::max(flame[1], along)};
+      size = std::max(size, 2 * length(p - spec.position - along * axis));
+    }
+    // A flame beside the camera, or behind it: nothing between them is empty.
+    if (flame[0] <= 0) return;
+  }
+  const double margin = kMarginShare * size;
+  std::vector<std::array<double, 2>> parts{{-depth, 0}, flame};
+  const double sensor = scene_->camera.sensor();
+  parts.push_back({sensor, spec.array.present ? scene_->camera.array_front() : sensor});
+  for (auto& part : parts) part = {part[0] - margin, part[1] + margin};
+  schematic_ = Schematic(spec.position, axis, parts, kGapShare * size);
+}
+
+void SceneView::add_gaps() {
+  view_->replace("gaps", [&](vtkRenderer& renderer) {
+    if (!scene_ || schematic_.is_to_scale()) return;
+    const CameraSpec& spec = scene_->scene.camera;
+    const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
+               up = cross(right, axis);
+    for (const Schematic::Gap& gap : schematic_.gaps()) {
+      const double drawn = gap.drawn_end - gap.drawn_begin;
+      const Vec3 middle = schematic_.on_axis(0.5 * (gap.drawn_begin + gap.drawn_end));
+      add_break(middle, axis, up, 0.12 * drawn, renderer);
+      views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
+                       middle - 0.7 * drawn * up, 13, renderer);
+    }
+  });
+  for (const auto& prop : view_->layers["gaps"])
+    if (auto* text = vtkTextActor::SafeDownCast(prop)) {
+      text->GetTextProperty()->SetColor(0.85, 0.87, 0.9);
+      text->GetTextProperty()->SetBackgroundOpacity(0);
+      text->GetTextProperty()->SetJustificationToCentered();
+    }
+}
+
+std::vector<Vec3> SceneView::handles() const {
+  std::vector<Vec3> places;
+  for (const View::Handle& handle : view_->handles) {
+    std::array<double, 3> p{};
+    handle.widget->GetHandleRepresentation()->GetWorldPosition(p.data());
+    places.push_back({p[0], p[1], p[2]});
+  }
+  return places;
+}
+
+void SceneView::place_handles() {
+  const bool wanted = scene_ && geometry_ && move_->isChecked() && !is_close();
+  std::vector<View::Handle> handles;
+  if (wanted) {
+    const auto& flames = scene_->scene.flames;
+    for (std::size_t i = 0; i < flames.size() && part_ != Part::camera; ++i) {
+      View::Handle handle;
+      handle.flame = static_cast<int>(i);
+      // The middle of the only flame is what one would grasp; of several each has its own place.
+      if (flames.size() == 1 && scene_->medium) {
+        const Box box = scene_->medium->bounds();
+        handle.offset = 0.5 * (box.lower + box.upper) - flames[i].position;
+      }
+      handles.push_back(handle);
+    }
+    if (part_ != Part::flame) handles.push_back({});
+  }
+  while (view_->handles.size() > handles.size()) {
+    view_->handles.back().widget->SetInteractor(nullptr);
+    view_->handles.pop_back();
+  }
+  for (std::size_t i = 0; i < handles.size(); ++i) {
+    if (i == view_->handles.size()) {
+      handles[i].widget = vtkSmartPointer<vtkHandleWidget>::New();
+      vtkNew<vtkSphereHandleRepresentation> ball;
+      ball->SetHandleSize(kHandlePixels);
+      ball->GetProperty()->SetColor(0.35, 0.75, 1);
+      ball->GetSelectedProperty()->SetColor(1, 0.8, 0.3);
+      handles[i].widget->SetInteractor(view_->widget->interactor());
+      handles[i].widget->SetRepresentation(ball);
+      handles[i].widget->ProcessEventsOff();  // drag_handle() tells several of them apart
+      handles[i].widget->EnabledOn();
+      view_->handles.push_back(handles[i]);
+    }
+    View::Handle& shown = view_->handles[i];
+    shown.flame = handles[i].flame;
+    shown.offset = handles[i].offset;
+    const Vec3 at =
+        shown.offset + (shown.flame < 0
+                            ? scene_->scene.camera.position
+                            : scene_->scene.flames[static_cast<std::size_t>(shown.flame)].position);
+    std::array<double, 3> p{at.x, at.y, at.z};
+    auto* const representation = shown.widget->GetHandleRepresentation();
+    representation->SetWorldPosition(p.data());
+  }
+}
+
+bool SceneView::drag_handle(QEvent::Type event, const QPointF& at) {
+  const std::vector<Vec3> places = handles();
+  if (event == QEvent::MouseButtonPress) {
+    double nearest = kReach;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const QPointF way = to_widget(places[i]) - at;
+      const double distance = std::hypot(way.x(), way.y());
+      if (distance > nearest) continue;
+      nearest = distance;
+      dragged_ = static_cast<int>(i);
+    }
+    if (dragged_ >= 0) ++stroke_;
+    return dragged_ >= 0;
+  }
+  if (dragged_ < 0) return false;
+  const auto number = static_cast<std::size_t>(dragged_);
+  if (event == QEvent::MouseButtonRelease || number >= places.size()) {
+    dragged_ = -1;
+    return true;
+  }
+  // In the plane across the line of sight in which the handle is.
+  const Vec3 from = places[number];
+  vtkRenderer& renderer = *view_->renderer;
+  renderer.SetWorldPoint(from.x, from.y, from.z, 1);
+  renderer.WorldToDisplay();
+  const double depth = renderer.GetDisplayPoint()[2];
+  const double ratio = view_->widget->devicePixelRatioF();
+  renderer.SetDisplayPoint(at.x() * ratio, renderer.GetSize()[1] - 1 - at.y() * ratio, depth);
+  renderer.DisplayToWorld();
+  const double* const p = renderer.GetWorldPoint();
+  std::array<double, 3> to{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
+  const View::Handle& handle = view_->handles[number];
+  handle.widget->GetHandleRepresentation()->SetWorldPosition(to.data());
+  emit moved(handle.flame, Vec3{to[0], to[1], to[2]} - handle.offset, stroke_);
+  render();
+  return true;
+}
+
+}  // namespace plenoflame::desktop

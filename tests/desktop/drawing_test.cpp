@@ -1,0 +1,233 @@
+// The scene's drawing with shortened gaps, handles, running light; views of one type of microlenses
+// and through glass. References: where points of the world lie, the lattice of three types, what
+// the command makes of the same picture.
+#include <QAction>
+#include <QComboBox>
+#include <QDir>
+#include <QTabWidget>
+#include <QToolButton>
+#include <cmath>
+
+#include "gui_tests.h"
+#include "scene_fixture.h"
+#include "scenes.h"
+#include "widgets/film_dialog.h"
+#include "widgets/light_field_panel.h"
+#include "widgets/opacity_curve.h"
+
+using namespace plenoflame;
+using namespace plenoflame::desktop;
+
+class DrawingTest : public test::SceneFixture {
+  Q_OBJECT
+
+  QToolButton* button(const char* action) {
+    for (auto* candidate : window_->findChildren<QToolButton*>())
+      if (candidate->defaultAction() == child<QAction>(action)) return candidate;
+    return nullptr;
+  }
+  void click(const char* action) {
+    QVERIFY(button(action));
+    QTest::mouseClick(button(action), Qt::LeftButton);
+    QTest::qWait(50);
+  }
+  static double apart(QPointF a, QPointF b) { return std::hypot(a.x() - b.x(), a.y() - b.y()); }
+  Vec3 flame_middle() {
+    const Box box = scene().medium->bounds();
+    return 0.5 * (box.lower + box.upper);
+  }
+  /// Views or refocused pictures are there.
+  bool views_there() {
+    return settled() && until([this] { return session().light_field().views() != nullptr; });
+  }
+
+ private slots:
+  void init() { begin(); }
+  void cleanup() { end(); }
+
+  void longGapsAreDrawnShort() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_1));
+    const auto share = [this] {  // distance from flame to lens, in heights of the flame
+      const Box box = scene().medium->bounds();
+      const Vec3 middle = flame_middle();
+      const double height = apart(view().to_widget({middle.x, middle.y, box.lower.z}),
+                                  view().to_widget({middle.x, middle.y, box.upper.z}));
+      return apart(view().to_widget(middle), view().to_widget(world({0, 0, 0}))) / height;
+    };
+    const Box box = scene().medium->bounds();
+    const double true_share = length(flame_middle()) / (box.upper.z - box.lower.z);
+    QVERIFY(true_share > 10 && share() < 0.35 * true_share);
+    // What is clicked is where it is in the world, not in the drawing.
+    QTest::mouseClick(scene3d(), Qt::LeftButton, {}, seen_at(flame_middle()));
+    QVERIFY(selection().kind == Selection::Kind::point);
+    QVERIFY(length(selection().point - flame_middle()) < 0.6 * (box.upper.z - box.lower.z));
+    const QPoint sensor = seen_at(pixel_in_world(150, 150));
+    QTest::mouseClick(scene3d(), Qt::LeftButton, {}, sensor);
+    QVERIFY(selection().kind == Selection::Kind::pixel);
+    QVERIFY(apart(view().to_widget(pixel_in_world(selection().column, selection().row)), sensor) <
+            1.5);
+    // To scale it is as far as it is; the view is oblique, which shortens it a little.
+    click("shortenGaps");
+    QVERIFY2(share() > 0.6 * true_share, qPrintable(QString::number(share())));
+    click("shortenGaps");
+    QVERIFY(share() < 0.35 * true_share);
+    // Lengths are measured to scale.
+    click("measure");
+    QVERIFY(view().schematic().is_to_scale());
+    click("measure");
+    QVERIFY(!view().schematic().is_to_scale());
+  }
+
+  void flameAndCameraAreDragged() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_1));
+    QVERIFY(view().handles().empty());
+    click("moveThings");
+    QCOMPARE(view().handles().size(), std::size_t{2});
+    const Vec3 before = session().document().scene().flames[0].position;
+    const QPointF from = view().to_widget(view().handles()[0]), by(14, -30);
+    QVERIFY(apart(from, view().to_widget(flame_middle())) < 1);
+    hover(scene3d(), from);
+    drag(scene3d(), from, from + by);
+    QVERIFY(settled());
+    const Vec3 after = session().document().scene().flames[0].position;
+    QVERIFY(after.z > before.z);
+    // It is seen where it was dropped.
+    QVERIFY2(apart(view().to_widget(flame_middle()), from + by) < 3,
+             qPrintable(QString::number(apart(view().to_widget(flame_middle()), from + by))));
+    QVERIFY(selection().kind == Selection::Kind::none);
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(session().document().scene().flames[0].position == before);
+    QVERIFY(!session().document().can_undo());
+    QVERIFY(settled());
+    const Vec3 camera = session().document().scene().camera.position;
+    const QPointF lens = view().to_widget(view().handles()[1]);
+    hover(scene3d(), lens);
+    drag(scene3d(), lens, lens + QPointF(0, 20));
+    QVERIFY(settled());
+    QVERIFY(session().document().scene().camera.position.z < camera.z);
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(session().document().scene().camera.position == camera);
+    click("moveThings");
+    QVERIFY(view().handles().empty());
+  }
+
+  void lightRunsAlongTheRays() {
+    QVERIFY(open_example("lenslets-30"));
+    session().document().select(Selection::of_pixel(150, 150));
+    QVERIFY(until([this] { return session().rays().rays() && session().rays().is_current(); }));
+    QVERIFY(settled());
+    const QImage still = view().picture();
+    click("runLight");
+    QVERIFY(until([&] { return test::difference(still, view().picture()) > 1e-5; }));
+    const QImage first = view().picture();
+    QVERIFY(until([&] { return test::difference(first, view().picture()) > 1e-5; }));
+    click("runLight");
+    QVERIFY(until([&] { return test::difference(still, view().picture()) == 0; }));
+  }
+
+  void viewsOfOneTypeOfMicrolenses() {
+    QVERIFY(open_example("lenslets-30"));
+    raise("lightFieldDock");
+    QVERIFY(views_there());
+    auto* const type = child<QComboBox>("viewType");
+    QVERIFY(type->isVisible());
+    QCOMPARE(type->count(), 4);
+    const int all = session().light_field().views()->views[0].image.width;
+    type->setFocus();
+    QTest::keyClick(type, Qt::Key_Down);
+    // A third of the lenses: steps longer by the root of 3.
+    QVERIFY(until([&] { return session().light_field().views()->views[0].image.width < all; }));
+    const int one = session().light_field().views()->views[0].image.width;
+    QVERIFY2(std::abs(one * std::sqrt(3.0) / all - 1) < 0.15,
+             qPrintable(QString("%1 of %2").arg(one).arg(all)));
+    // All pictures have the colours of the image.
+    auto* const map = child<QComboBox>("map");
+    auto* const shown = child<ImageView>("subApertureView");
+    QVERIFY(shown->tone_settings().map == window_->image_panel().map());
+    map->setFocus();
+    QTest::keyClick(map, Qt::Key_Up);
+    QVERIFY(window_->image_panel().map() == ColourMap::cividis);
+    QVERIFY(shown->tone_settings().map == ColourMap::cividis);
+  }
+
+  void refocusedThroughGlassAsTheCommandDoes() {
+    const std::string plate =
+        "\n[[windows]]\nshape = \"plate\"\nposition = [\"0.5 m\", \"0 m\", \"0 m\"]\n"
+        "rotation = [\"0 deg\", \"90 deg\", \"0 deg\"]\ndiameter = \"300 mm\"\n"
+        "thickness = \"100 mm\"\nindex = 1.5\n";
+    write(file("glass.toml"), (test::small_scene_text() + plate).c_str());
+    run(PLENOFLAME_COMMAND, {"render", file("glass.toml"), "-o", file("raw.exr")});
+    QVERIFY(window_->open(file("raw.exr")));
+    QVERIFY(written() && settled());
+    raise("lightFieldDock");
+    QVERIFY(views_there());
+    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    auto* edit = child<QLineEdit>("depthEdit");
+    edit->selectAll();
+    QTest::keyClicks(edit, "1.05 m");
+    QTest::keyClick(edit, Qt::Key_Return);
+    const DerivedImage& r = session().light_field().refocused();
+    QVERIFY(until([&] { return r.image && !r.preview; }));
+    run(PLENOFLAME_COMMAND,
+        {"refocus", file("raw.exr"), "--depth", QString::number(r.depth, 'g', 17) + " m", "--exr",
+         "-o", file("refocus")});
+    bool found = false;
+    const QDir folder(file("refocus"));
+    for (const QString& name : folder.entryList({"*.exr"}, QDir::Files))
+      found |= read_light_field(folder.filePath(name).toStdString()).channels[0].flux.pixels ==
+               r.image->pixels;
+    QVERIFY2(found, qPrintable(folder.entryList().join(' ')));
+  }
+
+  void histogramStandsBehindTheCurve() {
+    QVERIFY(open_example("lenslets-30"));
+    raise("flameDock");
+    auto* const curve = child<OpacityCurve>("flameOpacity");
+    double hottest = 0;
+    for (const EllipsoidSpec& layer : session().document().scene().flames[0].layers)
+      hottest = std::max(hottest, layer.temperature);
+    // Layers have one temperature each, and nothing lies between them.
+    QVERIFY(until([&] { return curve->height_at(hottest) > 0; }));
+    for (const EllipsoidSpec& layer : session().document().scene().flames[0].layers)
+      QVERIFY2(curve->height_at(layer.temperature) > 0,
+               qPrintable(QString::number(layer.temperature)));
+    QCOMPARE(curve->height_at(0.5 * hottest), 0.0);
+    QCOMPARE(curve->height_at(hottest + 50), 0.0);
+  }
+
+  void filmIsPutTogetherByAnEncoder() {
+    // In the place of ffmpeg: keeps what it was called with, and makes a file.
+    write(file("ffmpeg"),
+          "#!/bin/sh\necho \"$@\" > \"$(dirname \"$0\")/called\"\n"
+          "for last; do :; done\necho film > \"$last\"\n");
+    QFile::setPermissions(file("ffmpeg"), QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);
+    const QByteArray path = qgetenv("PATH");
+    qputenv("PATH", folder_->path().toUtf8() + ":" + path);
+    write(file("small.toml"), test::small_scene_text().c_str());
+    QVERIFY(window_->open(file("small.toml")));
+    QVERIFY(settled());
+    window_->scene_panel().reveal("flames[0].brightness");
+    QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+    auto* const film = child<FilmDialog>("filmDialog");
+    auto* const to = child<QLineEdit>("filmTo");
+    to->setFocus();
+    to->selectAll();
+    QTest::keyClicks(to, "0.5");
+    film->record(file("film.mp4"));
+    QVERIFY(until([&] { return !film->is_recording(); }));
+    qputenv("PATH", path);
+    QVERIFY2(QFile::exists(file("film.mp4")), qPrintable(film->message()));
+    QFile called(file("called"));
+    QVERIFY(called.open(QIODevice::ReadOnly));
+    QVERIFY(called.readAll().contains(".png"));
+    film->close();
+  }
+};
+
+std::unique_ptr<QObject> plenoflame::desktop::test::make_drawing_test() {
+  return std::make_unique<DrawingTest>();
+}
+
+#include "drawing_test.moc"
