@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <sstream>
 
 #include "options.h"
@@ -17,6 +19,19 @@ std::vector<int> counts_option(const std::string& option, const std::string& tex
   for (std::string word; std::getline(words, word, ',');)
     counts.push_back(whole_number_option(option, word, 1, 100000));
   return counts;
+}
+
+/// A matrix counts its columns with 32 bits. @throws UsageError
+void check_number_of_unknowns(const std::vector<int>& counts) {
+  double unknowns = 1;
+  for (const int count : counts) unknowns *= count;
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+  if (unknowns <= kMost) return;
+  std::ostringstream text;
+  text << "--grid: " << unknowns << " unknowns, and " << kMost
+       << " at most; a vector of so many takes " << unknowns * sizeof(double) / 1e9
+       << " GB: take a coarser grid";
+  throw UsageError(text.str());
 }
 
 Vec3 vector_option(const std::string& option, const std::string& text) {
@@ -53,6 +68,7 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
   }
   if (counts.size() != 3)
     throw UsageError("--grid: voxels along the longest side, or along all three, NX,NY,NZ");
+  check_number_of_unknowns(counts);
   RegularLattice lattice;
   lattice.count = {counts[0], counts[1], counts[2]};
   lattice.interpolation =
@@ -67,6 +83,7 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
   std::vector<int> counts =
       request.grid.empty() ? std::vector<int>{40, 80} : counts_option("--grid", request.grid);
   if (counts.size() != 2) throw UsageError("--grid: rings and heights, N,M");
+  check_number_of_unknowns(counts);
   const Vec3 size = box.upper - box.lower;
   RingGrid grid;
   Vec3 middle = 0.5 * (box.lower + box.upper);

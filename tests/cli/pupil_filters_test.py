@@ -115,6 +115,21 @@ class PupilFilters(CommandTest):
         self.fails(2, *[w.replace("a.toml", "one.toml").replace("a.exr", "one.exr") for w in common], "--find", "both",
                    "-o", "none.vdb", mentions="a second channel")
 
+    def test_truth_behind_filters_is_the_flame_s_own_emission(self):
+        """Grey filters weaken the picture to 0.6; what is found, and what it is compared with, is the flame as without."""
+        flame = FLAME.replace("2000 1/m", "60 1/m").replace("50 mm", "4 mm")
+        found = []
+        for filters in ("", sector("a", -90, 180, "300 nm 0.9, 1200 nm 0.9") +
+                        sector("b", 90, 180, "300 nm 0.3, 1200 nm 0.3")):
+            self.write("a.toml", CAMERA + filters + CHANNEL.replace("400", "30") + flame)
+            self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "256", "--quiet")
+            found.append(self.json_of("reconstruct", "a.toml", "--images", "a.exr", "--unknowns", "layers", "--grid", "3", "--rays",
+                                      "64", "--seed", "5", "--absorption", "scene", "--truth", "--draws", "0", "--probes", "0",
+                                      "--quiet", "-o", "x.vdb"))
+        self.assertLess(abs(found[1]["largest_emission"] / found[0]["largest_emission"] - 1), 0.05)
+        # A truth seen through the filters would be 0.6 of what is found: an error of 0.67.
+        self.assertLess(abs(found[1]["truth_emission_error"] - found[0]["truth_emission_error"]), 0.05)
+
     def test_design_says_which_views_see_which_filter(self):
         self.write("a.toml", CAMERA + RED + INFRARED + CHANNEL + FLAME)
         figures = self.json_of("design", "a.toml")

@@ -2,9 +2,11 @@
 
 import array
 import json
+import math
 import os
 import pathlib
 import shutil
+import struct
 import tempfile
 import zipfile
 
@@ -153,8 +155,9 @@ class Reconstruct(CommandTest):
                                     "--grid", "6,8", "--truth", "-o", "both.vdb", "--report", "both.html",
                                     "--bin", "2", "--rays", "8", "--strength", "1")
         self.assertLess(found["truth_temperature_error"], 0.05)
-        # Few rays: some percent of noise, which two wavelengths turn into ten times as much of the absorption.
-        self.assertLess(found["truth_absorption_error"], 1)
+        # The rays' error is some 4 % of a row, which two wavelengths turn into some ten times as much of the absorption; rings
+        # thicker than the sheet of soot take as much again. Measured: 0.78; on 8 x 12 rings with 32 rays 0.50.
+        self.assertLess(found["truth_absorption_error"], 0.9)
         self.assertEqual(found["channel"], "650nm, 850nm")
         self.assertIn("absorption_deviation", json.dumps(self.json_of("info", "both.vdb")))
         self.fails(2, "reconstruct", "two-colours.toml", "--images", "two.exr", "--find", "both", "-o", "x.vdb", *FAST,
@@ -254,7 +257,44 @@ class Reconstruct(CommandTest):
         small = self.read("front.toml").decode().replace("columns = 100", "columns = 90")
         self.write("small.toml", small)
         fails(["does not belong", "90 x 180"], "small.toml", "--images", "front.exr", *out)
+        fails(["e+10 unknowns", "coarser grid"], "front.toml", "--images", "front.exr", "--grid", "4000,4000,4000", *out, status=2)
         self.assertNotIn("x.vdb", self.files())
+
+    def test_pictures_with_values_that_cannot_be(self):
+        """Bytes of an unpacked picture are replaced: one lit pixel is no number, infinite, or negative."""
+        self.succeeds("render", "front.toml", "--samples", "16", "--compression", "none", "-o", "raw.exr", "--quiet")
+        content = self.read("raw.exr")
+        place = next(k for k in range(len(content) // 2, len(content) - 8)
+                     if all(1e-11 < struct.unpack_from("<f", content, k + n)[0] < 1e-8 for n in (0, 4)))
+        for name, value in (("nan", math.nan), ("inf", math.inf), ("negative", -1e-10)):
+            with open(self.path(f"{name}.exr"), "wb") as file:
+                file.write(content[:place] + struct.pack("<f", value) + content[place + 4:])
+        for name in ("nan", "inf"):
+            self.fails(1, "reconstruct", "front.toml", "--images", f"{name}.exr", "-o", "x.vdb", *FAST,
+                       mentions=["not finite in pixel", f"{name}.exr"])
+        _, warnings = self.reconstruct(*self.RINGS[:1], "--images", "negative.exr", *self.RINGS[3:], "-o", "negative.vdb")
+        self.assertIn("negative.exr: 1 pixels are below 0", warnings)
+        _, warnings = self.reconstruct(*self.RINGS[:1], "--images", "raw.exr", *self.RINGS[3:], "-o", "raw.vdb")
+        self.assertNotIn("below 0", warnings)
+        # Nothing of the flame in view; and so long an exposure that a part of the pixels is saturated.
+        away = self.read("front.toml").decode().replace('position = ["1 m", "0 m", "-16 mm"]', 'position = ["1 m", "1 m", "0 m"]')
+        self.write("away.toml", away)
+        self.run_command("render", "away.toml", "--samples", "1", "-o", "dark.exr", "--quiet")
+        self.fails(1, "reconstruct", "front.toml", "--images", "dark.exr", "-o", "x.vdb", *FAST, mentions="is dark in channel")
+        self.succeeds("develop", "raw.exr", "--exposure", "20 us", "-o", "long.exr")
+        found, warnings = self.reconstruct(*self.RINGS[:1], "--images", "long.exr", *self.RINGS[3:], "-o", "long.vdb")
+        self.assertRegex(warnings, r"long\.exr: \d+ saturated pixels are left out")
+        self.assertGreater(found["rows_left_out"], 100)
+
+    def test_a_matrix_that_does_not_fit_is_not_stored(self):
+        """Rays are followed again in each iteration, to the same result; solvers that need its rows refuse."""
+        common = ("front.toml", "--images", "front-electrons.exr", "--grid", "12", "--rays", "8", "--bin", "2", "--strength", "1",
+                  "--iterations", "10", "--draws", "0", "--probes", "0")
+        stored, _ = self.reconstruct(*common, "-o", "stored.vdb")
+        again, _ = self.reconstruct(*common, "--memory", "0", "-o", "again.vdb")
+        self.assertGreater(stored["matrix_bytes"], 0)
+        self.assertLess(abs(again["largest_emission"] / stored["largest_emission"] - 1), 1e-5)
+        self.assertLess(abs(again["chi_squared"] / stored["chi_squared"] - 1), 1e-5)
 
 
 if __name__ == "__main__":
