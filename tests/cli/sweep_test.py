@@ -3,6 +3,7 @@
 import csv
 import filecmp
 import os
+import shutil
 
 from command import CommandTest, main
 
@@ -107,6 +108,19 @@ class Sweeps(CommandTest):
         self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, largest_file=20000, mentions="000002")
         self.assertIn("000001.json", os.listdir(self.path("set/runs")))
         self.sweep("set")
+
+    def test_no_room_for_the_packed_set_leaves_the_runs(self):
+        self.sweep("set", "--format", "hdf5")
+        whole = self.read("set/set.h5")
+        shutil.rmtree(self.path("set"))
+        # Each run's picture has room, all three together have not.
+        self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, "--format", "hdf5",
+                   largest_file=len(whole) * 2 // 3, mentions="set.h5")
+        self.assertEqual(sorted(n for n in os.listdir(self.path("set/runs")) if n.endswith(".json")),
+                         [f"00000{k}.json" for k in range(3)])
+        self.assertNotIn("set.h5", os.listdir(self.path("set")))
+        self.sweep("set", "--format", "hdf5")
+        self.assertEqual(self.read("set/set.h5"), whole)
 
 
 if __name__ == "__main__":

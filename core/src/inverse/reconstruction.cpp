@@ -208,10 +208,9 @@ void check_input(const ReconstructionInput& input) {
   fits(input.support.size(), "the support");
 }
 
-/// Two significant digits.
 std::string megabytes(double bytes) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.2g MB", 1e-6 * bytes);
+  std::snprintf(text, sizeof text, "%.*f MB", bytes < 1e7 ? 2 : 0, 1e-6 * bytes);
   return text;
 }
 
