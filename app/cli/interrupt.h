@@ -16,7 +16,7 @@ class InterruptHandler {
   InterruptHandler& operator=(const InterruptHandler&) = delete;
 
   std::stop_token token() const { return stop_.get_token(); }
-  /// Whether a signal came.
+  /// True if a signal came.
   bool interrupted() const { return stop_.stop_requested(); }
 
  private:

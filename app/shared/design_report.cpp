@@ -15,7 +15,7 @@ nlohmann::json range_json(const SharpRange& range) {
   return {range.near, range.focus, range.far};
 }
 
-/// Whether this is the camera of the paper's Table 1: B, D and p decide the ratio of Table 2.
+/// True if this is the camera of the paper's Table 1: B, D and p decide the ratio of Table 2.
 bool is_the_papers(const Camera& camera, const CameraDesign& d) {
   const auto near = [](double a, double b) { return std::fabs(a / b - 1) < 1e-6; };
   return d.types.size() == 3 && near(d.types[0].sensor_distance, 0.2534e-3) &&

@@ -61,7 +61,7 @@ class RayBlockQueue {
 
   /// Waits for the next table; none at the end. @throws what stream_rays() throws
   std::optional<RayTable<Real>> next();
-  /// Whether next() would not have to wait.
+  /// True if next() would not have to wait.
   bool is_ready();
 
  private:

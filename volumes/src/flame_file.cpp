@@ -249,7 +249,7 @@ VoxelField nothing_on(const VoxelField& samples, const char* name, double backgr
   return field;
 }
 
-/// Whether a flame of emission lines has no absorption, nor asks for anything that needs one.
+/// True if a flame of emission lines has no absorption, nor asks for anything that needs one.
 bool is_clear(const FlameSpec& spec, const std::vector<GridInfo>& grids) {
   return !spec.lines.empty() && spec.absorption == GridSpec{} && spec.temperature == GridSpec{} &&
          !spec.scattering.present() && choose(grids, kAbsorptionNames) == nullptr &&

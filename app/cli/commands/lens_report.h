@@ -17,7 +17,7 @@ struct LensTask {
   bool paraxial_focus = false;
 };
 
-/// Whether a file holds a lens alone: by its ending, or TOML without a sensor.
+/// True if a file holds a lens alone: by its ending, or TOML without a sensor.
 bool is_bare_lens(const std::string& path);
 
 /// Adds the report. @param surfaces the lens that was read

@@ -14,8 +14,8 @@
 namespace plenoflame {
 namespace {
 
-/// Where the ray through the middles of a microlens and of the stop arrives [pixel], by Newton's
-/// method from a place nearby.
+/// The pixel where the ray through the middles of a microlens and of the stop arrives [pixel], by
+/// Newton's method from a place nearby.
 std::optional<Vec2> traced_centre(const Camera& camera, LensIndex lens, Vec2 start) {
   Vec2 at = camera.sensor_point(start.x, start.y);
   const double step = 0.1 * camera.spec().sensor.pixel_pitch;

@@ -205,7 +205,7 @@ void find_origin(const Image& white, const Autocorrelation& correlation, Lattice
     low = std::min(low, sum[k]);
     high = std::max(high, sum[k]);
   }
-  // Where a disc of 0.3 of the pitch holds the most light.
+  // The place where a disc of 0.3 of the pitch holds the most light.
   double best = -1e300;
   const double reach = 0.3 * std::min(length(guess.step_i), length(guess.step_j));
   std::vector<std::pair<int, int>> disc;
@@ -239,7 +239,7 @@ LatticeGuess find_lattice(const Image& white) {
   std::vector<Peak> peaks = peaks_of(correlation);
   double highest = 0;
   for (const Peak& peak : peaks) highest = std::max(highest, peak.height);
-  // Of noise alone the largest of all correlations is some 15 / side.
+  // With noise alone the largest of all correlations is some 15 / side.
   const double least = std::max(0.05, 20.0 / correlation.side());
   if (highest < least)
     throw InputError(fmt::format(

@@ -142,7 +142,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     Square damped = matrix;
     for (int a = 0; a < kParameters; ++a)
       damped(a, a) += damping * matrix(a, a) + 1e-9 * matrix(4, 4);
-    // Where micro-images touch, hardly a pixel tells the background: it is taken to be small
+    // If micro-images touch, hardly a pixel tells the background: it is taken to be small
     // against the light.
     damped(7, 7) += 0.01 * static_cast<double>(pixels.size());
     gradient[7] -= 0.01 * static_cast<double>(pixels.size()) * p[7];
@@ -172,7 +172,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   fit.blur = p[3];
   fit.light = p[4];
   fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
-  // What ran out of its cell, or looks like anything but a disc, is no micro-image.
+  // A blob that ran out of its cell, or looks like anything but a disc, is no micro-image.
   fit.good =
       std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > 0 && fit.rms < 0.25 && std::isfinite(sum);
   return fit;

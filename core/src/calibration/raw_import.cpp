@@ -143,7 +143,7 @@ class Importer {
   Signal signal_of(std::size_t channel) {
     Signal signal{Image(raw_.width, raw_.height), Image(raw_.width, raw_.height), Image()};
     const SensorResponse& sensor = settings_.response;
-    // Of electrons the dark signal is told in a number, as develop does; of watts it is taken away.
+    // In electrons the dark signal is told in a number, as develop does; of watts it is taken away.
     const double dark_signal =
         corrections_.dark == nullptr && settings_.unit != ImportUnit::electrons && sensor.gain > 0
             ? sensor.dark_current * sensor.exposure_time / sensor.gain

@@ -208,7 +208,7 @@ class LatticeMeasurer {
     find_types();
   }
 
-  /// What a micro-image has more than its neighbours, which are of other types: what changes
+  /// The excess of a micro-image over its neighbours, which are of other types: what changes
   /// slowly over the picture drops out.
   std::vector<double> against_neighbours(double MicroImageFit::*looks) const {
     std::map<std::pair<int, int>, const MicroImageFit*> at;

@@ -161,7 +161,7 @@ RawPicture turned(RawPicture picture, int quarter_turns, bool mirror) {
   out.height = lies ? width : height;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
-      // Where it comes from: a clockwise quarter turn brings the left column to the top.
+      // The pixel's origin: a clockwise quarter turn brings the left column to the top.
       int column = turns == 1 ? y : turns == 2 ? width - 1 - x : turns == 3 ? width - 1 - y : x;
       const int row = turns == 1   ? height - 1 - x
                       : turns == 2 ? height - 1 - y

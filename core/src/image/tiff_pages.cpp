@@ -157,7 +157,7 @@ class TiffPageReader {
     if (width == 0 || height == 0 || pixels > kMostPixels) damaged();
     planar_ = planar == PLANARCONFIG_SEPARATE;
     per_pixel_ = per_pixel;
-    // What is stated is believed as far as the file can hold it: Deflate packs at most 1032 to 1,
+    // A stated size is believed as far as the file can hold it: Deflate packs at most 1032 to 1,
     // LZW 1365 to 1; others less.
     const std::uint64_t bytes = pixels * per_pixel * bits / 8;
     const std::uint64_t most = packing == COMPRESSION_NONE ? 1 : 1500;

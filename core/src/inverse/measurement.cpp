@@ -50,7 +50,7 @@ double to_watt(const LightField& picture, const Scene& scene, std::size_t channe
   return 1 / (time * electrons_per_joule(scene.camera.sensor, response->centroid()));
 }
 
-/// Whether each pixel's variance holds the number of its electrons: not where a frame was developed
+/// True if each pixel's variance holds the number of its electrons: not where a frame was developed
 /// without shot noise, nor where pixels are means of others.
 bool has_shot_noise(const LightFieldChannel& electrons, double full) {
   constexpr double kRounding = 0.999;  // of a square of a float

@@ -99,7 +99,7 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
   }
 }
 
-/// What noise leaves of the misfit: two standard deviations of chi^2 itself more than the number of
+/// The misfit that noise leaves: two standard deviations of chi^2 itself more than the number of
 /// rows, without which chance may ask for next to no penalty.
 double expected_misfit(double rows) {
   return rows * (1 + 2 * std::sqrt(2 / rows));

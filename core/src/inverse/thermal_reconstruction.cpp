@@ -139,7 +139,7 @@ class ThermalSolver {
   }
 
  private:
-  /// What a linear reconstruction had reached.
+  /// The point that a linear reconstruction had reached.
   ThermalReconstruction stopped(ThermalStart start) const {
     ThermalReconstruction result;
     Reconstruction& figures = result.figures = std::move(start.reached);
@@ -212,7 +212,7 @@ class ThermalSolver {
       if (start.solved[j]) hottest = std::max(hottest, start.temperature[j]);
     unit_ = source(hottest) / source_slope(source, hottest);
     for (std::size_t j = 0; j < unknowns(); ++j) {
-      // What absorbs and is dark is cold.
+      // Matter that absorbs and is dark is cold.
       const bool cold = !thick() && input_.absorption[j] > 0 && !start.solved[j];
       x_.push_back((cold ? settings_.lowest_temperature : start.temperature[j]) / unit_);
       lower_.push_back(settings_.lowest_temperature / unit_);

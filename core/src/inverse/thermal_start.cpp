@@ -15,10 +15,10 @@ namespace {
 
 /// Below this part of the brightest emission a ratio of two says nothing of the temperature.
 constexpr double kBright = 0.02;
-/// Where nothing is known an unknown begins at this part of the largest.
+/// An unknown without any information begins at this part of the largest.
 constexpr double kFaint = 1e-3;
 
-/// What the first channel's linear reconstruction begins with, as its values.
+/// The values that the first channel's linear reconstruction begins with.
 std::vector<double> first_samples(const ThermalInput& input) {
   std::vector<double> values = input.start_emission;
   for (std::size_t j = 0; j < values.size() && !input.absorption.empty(); ++j)
@@ -78,7 +78,7 @@ std::pair<Colour, Colour> two_colours(const ThermalInput& input) {
   return {behind_filter(input, *blue), behind_filter(input, *red)};
 }
 
-/// What two reconstructions, each of some of the rows, explain together.
+/// The light that two reconstructions, each of some of the rows, explain together.
 std::vector<Image> mean_of(const std::vector<Image>& first, const std::vector<Image>& second,
                            const Reconstruction& own, const Reconstruction& other) {
   std::vector<Image> result = first;

@@ -12,14 +12,14 @@ struct ThermalStart {
   std::vector<double> temperature, absorption;
   std::vector<char> solved;  ///< 0: known to be empty
   RayError rays_error;       ///< of the first channel's rows
-  /// Of the first channels, as far as they were looked at: per view, at the first pixel of each
-  /// row.
+  /// Pictures of the first channels, as far as they were looked at: per view, at the first pixel
+  /// of each row.
   std::vector<std::vector<Image>> explained = {};
   Reconstruction reached = {};  ///< where a stop came before the end of the linear reconstructions
   bool complete = true;
 };
 
-/// Whether parts of the stop show the first channel in two colours.
+/// True if parts of the stop show the first channel in two colours.
 bool has_two_colours(const ThermalInput& input);
 
 /// By linear reconstructions, or what the input says. A stop leaves what the first one had reached.

@@ -17,7 +17,7 @@ Vec2 pixel_of(const Camera& camera, Vec2 sensor_point) {
   return camera.image_point(sensor_point);
 }
 
-/// Where a ray meets the plane z of the camera frame.
+/// The point where a ray meets the plane z of the camera frame.
 Vec2 at_plane(const Ray& ray, double z) {
   const double t = (z - ray.origin.z) / ray.direction.z;
   return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y};
@@ -48,7 +48,8 @@ std::optional<Vec2> find_sensor_point(const Camera& camera, std::optional<LensIn
   return std::nullopt;
 }
 
-/// Where light of a point meets the array's front: the middle of the beam and its half width.
+/// The area where light of a point meets the array's front: the middle of the beam and its half
+/// width.
 struct Footprint {
   Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
   void add(Vec2 p) {

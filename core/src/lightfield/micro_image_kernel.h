@@ -17,7 +17,7 @@ struct KernelProjection {
   int count;
   const float *x, *y;      ///< of the pixels from the middle, upright [pixel]
   float scale_x, scale_y;  ///< 1 / radius [1/pixel]
-  /// Where they meet the picture [pixel]: over the monomials of degree up to 5 of (x, y) / radius,
+  /// Their places in the picture [pixel]: over the monomials of degree up to 5 of (x, y) / radius,
   /// x^i y^j with i running faster.
   float along[21], across[21];
   float weight;  ///< how much the microlens counts
@@ -26,7 +26,7 @@ struct KernelProjection {
   const float* total;  ///< white light through all microlenses
 };
 
-/// Where samples fall in the picture, relative to a pixel's middle, and what they bring.
+/// Places of samples in the picture, relative to a pixel's middle, and what they bring.
 struct KernelSamples {
   int *column, *row;    ///< the pixel to the upper left
   float *right, *down;  ///< from its middle, 0 to 1

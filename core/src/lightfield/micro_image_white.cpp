@@ -161,7 +161,7 @@ class BoxMeans {
     return means;
   }
 
-  /// What operator() gives for rectangles turned the other way.
+  /// The value of operator() for rectangles turned the other way.
   std::vector<float> mirrored(const std::vector<float>& means) const {
     std::vector<float> result(means.size());
     for (std::size_t row = 0; row < means.size(); row += static_cast<std::size_t>(width_))
@@ -173,7 +173,7 @@ class BoxMeans {
  private:
   int stencil() const { return 2 * reach_ + 1; }
 
-  /// Of the points around that of the table below the point (x, y) of the finer one.
+  /// Weights of the points around that of the table below the point (x, y) of the finer one.
   std::vector<double> weights_at(int x, int y, double angle) const {
     std::vector<double> weights(
         static_cast<std::size_t>(stencil()) * static_cast<std::size_t>(stencil()), 0.0);

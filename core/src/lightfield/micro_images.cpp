@@ -166,7 +166,7 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
       node.line[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
 }
 
-/// Where microlenses at the same distance from the axis are not alike: every centre by itself.
+/// Finds every centre by itself, for microlenses that differ at one distance from the axis.
 void MicroImages::find_centres(const Execution& execution) {
   const SensorSpec& sensor = camera_.spec().sensor;
   const double margin = 4 * longest_pitch(camera_.spec().array) + length(camera_.foot());
@@ -241,7 +241,7 @@ MicroImages::Place MicroImages::aligned_place(LensIndex lens) const {
   place.type = camera_.lattice().type(lens);
   const auto type = static_cast<std::size_t>(place.type);
   const Vec3 lens_place = camera_.lens_place(lens);
-  // Where the lens stands in the field of the main lens.
+  // The place of the lens in the field of the main lens.
   const Vec3 in_lens =
       camera_.lens_moved() ? camera_.lens_pose().inverse().point(lens_place) : lens_place;
   const Vec2 middle{in_lens.x, in_lens.y};

@@ -15,7 +15,7 @@ namespace {
 constexpr int kRim = 16;              ///< points around the place of a pixel on the stop
 constexpr int kRings = 40;            ///< of aim points in a microlens
 constexpr double kNeighbours = 1e-3;  ///< of a pixel's light may come through them
-/// Of the blur: how much more it may be away from the axis, where it is not looked at.
+/// Factor of the blur: how much more it may be away from the axis, where it is not looked at.
 constexpr double kRoom = 1.1;
 
 double stop_radius_of(const Camera& camera) {
@@ -36,8 +36,8 @@ int part_of(const PupilFilters& filters, Vec2 at, double blur) {
   return part;
 }
 
-/// Where the ray from a sensor point through the middle of a microlens crosses the stop, in its
-/// radii: affine about the middle of the micro-image, which the outermost rays fix.
+/// The point where the ray from a sensor point through the middle of a microlens crosses the stop,
+/// in its radii: affine about the middle of the micro-image, which the outermost rays fix.
 struct StopOfLens {
   Vec2 middle, along_x, along_y;  ///< of the sensor point's way from there, over its radius
 
@@ -82,8 +82,8 @@ double blur_of_stop(const MicroImages& micro_images, int type) {
     const Vec2 s = place.centre + place.radius * way;
     const auto chief = camera.at_stop(s, lens);
     if (!chief) continue;
-    // What a real lens lets through ends before its rim on one side, and may reach beyond it on
-    // the other.
+    // The light that a real lens lets through ends before its rim on one side, and may reach beyond
+    // it on the other.
     for (int k = 0; k < kRim; ++k)
       for (int ring = kRings / 2; ring <= kRings * 11 / 10; ++ring) {
         const double angle = 2 * constants::pi * k / kRim;

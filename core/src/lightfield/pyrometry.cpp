@@ -9,7 +9,7 @@
 namespace plenoflame {
 namespace {
 
-/// What the pixels of a bin add up to, first and second channel.
+/// Sums over the pixels of a bin, first and second channel.
 struct Sums {
   double count = 0;
   double light[2] = {}, variance[2] = {};

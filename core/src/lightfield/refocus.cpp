@@ -24,7 +24,7 @@ struct Target {
   int width = 0, height = 0;
 };
 
-/// What the middles of the micro-images see of the plane.
+/// The part of the plane that the middles of the micro-images see.
 Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>& places,
                  double depth, int width) {
   Vec2 lower{kInfinity, kInfinity}, upper{-kInfinity, -kInfinity};
@@ -93,7 +93,7 @@ class PlanePolynomials {
   Eigen::Matrix<double, kTerms, kTerms> inverse_;
 };
 
-/// What stays the same over the micro-images of a plane.
+/// Quantities that are the same for all micro-images of a plane.
 struct PlaneJob {
   const LightField& field;
   const Image& flux;
@@ -206,7 +206,7 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
   std::vector<double> weights(camera.microlenses().size(), 1.0);
   if (settings.sharp_types) weights = type_weights(camera, settings.depth, target.pixel);
 
-  // Where micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
+  // If micro-images overlap, each pixel belongs to the nearest; half the spacing is a safe
   // bound. The disc always holds the middle of a pixel, however small the micro-images are.
   const double most = 0.5 * micro_images.spacing(), least = pixel_disc(camera.spec().sensor);
   const PlanePolynomials polynomials;

@@ -22,7 +22,7 @@ struct RefocusSums {
   }
 };
 
-/// What a part of the micro-images gives to them: rows of the picture that it meets, with a pixel
+/// Contribution of a part of the micro-images: rows of the picture that it meets, with a pixel
 /// more on each side, so that spreading a sample asks for its place once.
 class RefocusBand {
  public:

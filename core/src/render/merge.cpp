@@ -46,7 +46,7 @@ void copy(const LightField& from, const PixelWindow& pixels, LightField& to) {
     copy(from.layers.at(name), from.window, pixels, to.window, image);
 }
 
-/// A picture of one seed. What its files say of samples goes to the merged picture's text.
+/// A picture of one seed. The samples that its files state go to the merged picture's text.
 LightField make_mosaic(const std::vector<std::vector<MergePiece>>& windows,
                        const PixelWindow& window, const std::stop_token& stop) {
   LightField all = windows.front().front().header;

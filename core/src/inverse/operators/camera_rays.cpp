@@ -32,7 +32,7 @@ bool meets(const Box& box, const CameraRay& ray) {
   return to > from;
 }
 
-/// What light of a channel counts that goes one way through the camera, and one part of its stop.
+/// Weight in a channel of light that goes one way through the camera, and one part of its stop.
 class RayShares {
  public:
   RayShares(const CompiledScene& scene, std::size_t channel)
@@ -48,7 +48,7 @@ class RayShares {
     }
   }
 
-  /// Where glasses disperse, all wavelengths that stand for the channel behind the part count
+  /// If glasses disperse, all wavelengths that stand for the channel behind the part count
   /// alike.
   double of(int path, int part) const {
     const auto p = static_cast<std::size_t>(part);
@@ -70,7 +70,7 @@ struct Blocks {
   std::size_t count() const {
     return static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
   }
-  /// Of a pixel on the whole sensor; count() for one that belongs to none.
+  /// Index of a pixel on the whole sensor; count() for one that belongs to none.
   std::size_t of(int column, int row) const {
     const int i = (column - window.x) / bin, j = (row - window.y) / bin;
     if (i >= across || j >= down) return count();

@@ -177,7 +177,7 @@ std::vector<Number> hdf5_values(const std::string& path, hid_t file, hsize_t fil
   if (data < 0) refuse(path, fmt::format("\"{}\" is no dataset", name));
   const hid_t space = H5Dget_space(data);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  // What claims more than its storage can hold, at deflate's best, is not believed.
+  // A size beyond what the storage can hold, at deflate's best, is not believed.
   const hsize_t stored = H5Dget_storage_size(data);
   const bool believable =
       count >= 0 && stored <= file_size && static_cast<hsize_t>(count) <= kMostShrunk * stored;

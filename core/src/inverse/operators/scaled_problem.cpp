@@ -219,7 +219,7 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
 }
 
 std::vector<double> ScaledProblem::positive_start(const SolverOptions& options) const {
-  // What is 0 stays 0.
+  // A value of 0 stays 0.
   std::vector<double> start = options.start;
   if (start.empty()) start.assign(scale_.size(), 1.0);
   for (std::size_t j = 0; j < start.size(); ++j)

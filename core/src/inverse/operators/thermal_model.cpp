@@ -16,14 +16,14 @@
 namespace plenoflame {
 namespace {
 
-/// What x says of every unknown.
+/// The fields that x holds, one value for every unknown.
 struct ThermalFields {
   /// The light that a ray brings.
   struct Light {
     SourceTable source;
     double absorption_ratio;
   };
-  /// Of a channel without filters, and else of the parts of each view's stop.
+  /// Light of a channel without filters, and else of the parts of each view's stop.
   struct Lights {
     Light plain;
     std::vector<std::vector<Light>> parts;

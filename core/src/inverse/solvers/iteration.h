@@ -19,7 +19,7 @@ std::vector<double> weighted_residual(const LinearProblem& problem, std::span<co
 /// |L (x - prior)|^2; 0 without a penalty.
 double penalty_of(const Regularisation& regularisation, std::span<const double> x);
 
-/// What all solvers have in common: keeps the history and says when it is enough.
+/// The part that all solvers share: keeps the history and says when it is enough.
 class Iteration {
  public:
   Iteration(const SolverOptions& options, const Execution& execution)

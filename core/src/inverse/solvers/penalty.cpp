@@ -71,7 +71,7 @@ std::array<std::size_t, 3> strides(const PenaltyGrid& grid) {
   return {n1 * n2, n2, 1};
 }
 
-/// What a difference of some order along an axis is multiplied with.
+/// The factor of a difference of some order along an axis.
 double axis_scale(const PenaltyGrid& grid, std::size_t axis, int order) {
   double unit = 0;
   for (std::size_t a = 0; a < 3; ++a)

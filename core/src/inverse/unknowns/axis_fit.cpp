@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kLit = 5;  ///< deviations above which a pixel counts
 constexpr int kSteps = 20;
-/// Of the largest curvature: less is not told by the pictures. One camera's rays diverge by its
-/// field of view, whose square it has of its own depth, and what round flames are not makes more of
-/// that.
+/// Share of the largest curvature: less is not told by the pictures. One camera's rays diverge by
+/// its field of view, whose square it has of its own depth, and what round flames are not makes
+/// more of that.
 constexpr double kHeld = 1e-2;
 constexpr double kSettled = 1e-9;
 

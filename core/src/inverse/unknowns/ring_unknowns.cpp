@@ -13,7 +13,7 @@ namespace {
 /// closest place: stretches within so many steps of its radius are cut in parts.
 constexpr int kRingParts = 2, kCurved = 3;
 
-/// Where a ray crosses faces of heights and of rings, each kind in its order along the ray.
+/// Crossings of a ray with faces of heights and rings, each kind in its order along the ray.
 struct RingFaces {
   const RingGrid& grid;
   double begin, end;
@@ -88,7 +88,7 @@ class RingUnknowns : public Unknowns {
            (static_cast<double>(unknown % heights) * grid_.height_step) * w_;
   }
   double volume(std::size_t unknown) const override {
-    // Of a hat function of the radius: 2 pi r dr, on the axis pi dr^2 / 3.
+    // Integral of a hat function of the radius: 2 pi r dr, on the axis pi dr^2 / 3.
     const auto i = static_cast<double>(unknown / static_cast<std::size_t>(grid_.heights));
     const double area =
         std::numbers::pi * grid_.radial_step * grid_.radial_step * (i > 0 ? 2 * i : 1.0 / 3);

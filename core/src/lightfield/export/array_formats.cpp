@@ -29,7 +29,7 @@ std::string layer_unit(const std::string& name) {
   return "";
 }
 
-/// What an npz file has no place for: unit and axes of each of its arrays, as JSON.
+/// The facts that an npz file has no place for: unit and axes of each of its arrays, as JSON.
 std::string units_json(const std::vector<NamedArray>& arrays) {
   nlohmann::ordered_json units;
   for (const NamedArray& array : arrays)

@@ -6,7 +6,7 @@
 #include "plenoflame/lightfield/export.h"
 #include "plenoflame/lightfield/geometry.h"
 
-/// What the writers of the single formats share.
+/// Helpers that the writers of the single formats share.
 namespace plenoflame {
 
 /// One export: what goes in, and what was written so far.
@@ -40,7 +40,7 @@ struct ExportJob {
   std::vector<Views> colour_views(const Views& views) const;
 };
 
-/// What becomes white in pictures of the views: all views and colours are exposed alike.
+/// The value that becomes white in pictures of the views: all views and colours are exposed alike.
 double views_white(const std::vector<Views>& colours);
 /// One view of each colour.
 std::vector<const Image*> view_images(const std::vector<Views>& colours, std::size_t view);

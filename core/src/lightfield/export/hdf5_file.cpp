@@ -97,7 +97,7 @@ void Hdf5File::attribute(const std::string& path, const std::string& name,
                          const std::string& text) {
   const Handle object(H5Oopen(file_, path.c_str(), H5P_DEFAULT), H5Oclose, "an attribute");
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "a text type");
-  // Of variable length: readers in Python then get a text, not bytes.
+  // Texts have variable length: readers in Python then get a text, not bytes.
   check(H5Tset_size(type, H5T_VARIABLE), "size a text");
   check(H5Tset_cset(type, H5T_CSET_UTF8), "encode a text");
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "a data space");

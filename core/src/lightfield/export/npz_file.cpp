@@ -15,7 +15,7 @@ void append(std::string& bytes, std::uint64_t value, int count) {
   for (int i = 0; i < count; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
 }
 
-/// What stands before the data of a .npy file.
+/// The header before the data of a .npy file.
 std::string npy_header(const std::string& kind, const std::string& shape) {
   std::string header =
       "{'descr': '" + kind + "', 'fortran_order': False, 'shape': " + shape + ", }";
@@ -46,7 +46,7 @@ std::string npy_bytes(const NamedArray& array) {
       array.values);
 }
 
-/// What a file's local and its central record have in common.
+/// The fields that a file's local and its central record have in common.
 std::string common_record(std::uint32_t checksum, std::size_t size, const std::string& name) {
   std::string bytes;
   append(bytes, 20, 2);      // version needed

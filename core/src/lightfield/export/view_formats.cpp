@@ -58,7 +58,7 @@ void export_hci(const ExportJob& job) {
   const int larger = std::max(first.width, first.height);
   const double sensor = 1e3 * views.lens_step * larger;
   const double focal = geometry.focal * sensor / larger;
-  // What a pixel can tell apart: objects from half the distance in focus to infinity.
+  // The range that a pixel can tell apart: objects from half the distance in focus to infinity.
   const double far = geometry.focal * baseline * (0 - 1 / (geometry.focus - geometry.plane));
   const double near =
       geometry.disparity(geometry.plane + 0.5 * (geometry.focus - geometry.plane), step);

@@ -7,7 +7,7 @@
 namespace plenoflame {
 namespace {
 
-/// Of each level, how many of the widest coordinates have products of degree 2, and how often the
+/// For each level, how many of the widest coordinates have products of degree 2, and how often the
 /// bundle is halved.
 struct Degrees {
   std::size_t squares;
@@ -179,7 +179,7 @@ void BundleReducer::order_along(const BundlePolynomials& polynomials,
     order_[begin[bins_[i]]++] = static_cast<std::uint32_t>(i);
 }
 
-/// Of every few rays in their order one, by chance.
+/// Picks one of every few rays in their order, by chance.
 void BundleReducer::take_every(std::size_t step, WalkRandom& random) {
   std::size_t count = 0;
   for (std::size_t first = 0; first < order_.size(); first += step) {

@@ -25,7 +25,7 @@ namespace {
 /// of all.
 constexpr std::size_t kWalked = 8;
 
-/// What pictures of a layered flame are wrong by, relative RMSE over lit pixels: measured with
+/// Errors of pictures of a layered flame, relative RMSE over lit pixels: measured with
 /// examples/paper-flame-1m.toml (docs/theory/compiled.md). Smoother flames do better.
 struct Closeness {
   double error;
@@ -71,7 +71,7 @@ Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
   return grown(box, settings.margin);
 }
 
-/// What is kept of all tiles, in their order.
+/// The kept parts of all tiles, in their order.
 struct Kept {
   std::vector<CompiledTile> tiles;
   std::vector<CompiledGroup> groups;

@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// Whether a whole line meets a box.
+/// True if a whole line meets a box.
 bool line_meets(const Box& box, Vec3 origin, Vec3 direction);
 
 /// Places the frame in which a compiled camera's rays are written: its axes are those of the

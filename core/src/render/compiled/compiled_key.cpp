@@ -30,7 +30,7 @@ Scene camera_scene(const CameraSpec& camera) {
   return scene;
 }
 
-/// What the wavelength of a path makes of its glasses, which the scene's text leaves open.
+/// Indices of a path's glasses at its wavelength, which the scene's text leaves open.
 std::string indices_of(const CameraSpec& camera) {
   std::string text;
   for (const SurfaceSpec& surface : camera.lens.surfaces)

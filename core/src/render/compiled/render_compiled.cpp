@@ -166,7 +166,7 @@ class NodeIntegrator {
   WorkCounters counters_;
 };
 
-/// What a tile holds is as it was written, and nothing else follows from it.
+/// The contents of a tile are as they were written, and nothing else follows from it.
 void check_tile(const CompiledCamera& camera, const CompiledTile& tile, std::size_t paths,
                 std::size_t parts, const std::string& name) {
   const auto groups = camera.groups.subspan(tile.first_group, tile.groups);

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// What a compiled camera keeps of one tile.
+/// The part of a compiled camera that belongs to one tile.
 struct TileNodes {
   std::vector<CompiledGroup> groups;
   std::vector<CompiledNode> nodes;

@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// What statistics say before any work is done.
+/// Statistics before any work is done.
 void begin_statistics(const CompiledScene& scene, const RenderSettings& settings,
                       const Execution& execution, RenderStatistics& statistics);
 

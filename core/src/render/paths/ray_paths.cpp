@@ -365,7 +365,7 @@ void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settin
   const SensorSpec& sensor = camera.spec().sensor;
   std::vector<Pixel> pixels;
   if (!node.dark()) {
-    // As far as light of this microlens can be, in whole pixels.
+    // The range that light of this microlens can reach, in whole pixels.
     const double reach = std::fabs(node.centre) + node.outer_radius;
     const auto range = [&](double at, int count, double pitch) {
       const double middle = 0.5 * count - at / pitch;
