@@ -108,6 +108,35 @@ class CameraImport(CommandTest):
     def export(self, form):
         self.succeeds("export", "raw.exr", "--format", form, "--name", "camera", "-o", "out")
 
+    def test_libpleno_distortion_comes_back(self):
+        keys = {"k1": -0.05, "k2": 0.3, "k3": -0.2, "p1": 0.001, "p2": -0.002}
+        text = SCENE % (0, 0, 0, 0, "hexagonal", 0.3, 0, 0, "".join(TYPE % (n, FOCAL[n]) for n in "abc"))
+        text = text.replace("[camera.focus]", "[camera.lens.distortion]\n%s\ndistance = \"450 mm\"\n[camera.focus]"
+                            % "\n".join("%s = %g" % item for item in keys.items()))
+        write_light_field(self.path("raw.exr"), [[1e-12] * 400] * 300, scene=text)
+        self.export("libpleno")
+        with open(self.path("out/camera.js"), encoding="utf-8") as file:
+            written = json.load(file)
+        # libpleno's image points in mm, whose plane is a thin lens' image of the plane that stays sharp.
+        a = 1 / (1 / 50 - 1 / 450)
+        self.assertAlmostEqual(written["distortions"]["radial"][0][0] * a**2 / keys["k1"], 1, 9)
+        self.assertAlmostEqual(-written["distortions"]["tangential"][0][0] * a / keys["p2"], 1, 9)
+        def moved(x, y, c):
+            (k,), (p,) = c["radial"], c["tangential"]
+            r2 = x * x + y * y
+            f = 1 + k[0] * r2 + k[1] * r2**2 + k[2] * r2**3
+            return (f * x + p[0] * (r2 + 2 * x * x) + 2 * p[1] * x * y,
+                    f * y + p[1] * (r2 + 2 * y * y) + 2 * p[0] * x * y)
+        for place in ((0.4, 0.3), (-0.5, 0.2)):
+            back = moved(*moved(*place, written["distortions"]), written["distortions_inverse"])
+            self.assertLess(math.dist(back, place), 1e-6 * math.hypot(*place))
+        self.succeeds("camera", "import", "out/camera.js", "-o", "camera.toml")
+        with open(self.path("camera.toml"), encoding="utf-8") as file:
+            found = file.read().split("[camera.lens.distortion]")[1].split("[")[0]
+        for key, value in keys.items():
+            line = next(line for line in found.splitlines() if line.startswith(key + " "))
+            self.assertAlmostEqual(float(line.split("=")[1]) / value, 1, 9)
+
     def imported(self, *arguments):
         return self.json_of("camera", "import", *arguments, "-o", "camera.toml")
 

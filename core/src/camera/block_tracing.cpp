@@ -26,6 +26,24 @@ KernelCoating<Real> kernel_coating(const Coating& coating) {
           static_cast<Real>(coating.behind), static_cast<Real>(coating.phase)};
 }
 
+/// @param last z of the last reference plane
+template <class Real>
+void set_distortion(const LensDistortion& distortion, double last, KernelDistortion<Real>& out) {
+  static_assert(kDistortionSteps == LensDistortion::kSteps);
+  if (!distortion.present()) return;
+  const DistortionSpec& spec = distortion.spec();
+  const double limit = distortion.limit();
+  out = {true,
+         static_cast<Real>(distortion.pupil() - last),
+         static_cast<Real>(distortion.per_distance()),
+         static_cast<Real>(spec.k1),
+         static_cast<Real>(spec.k2),
+         static_cast<Real>(spec.k3),
+         static_cast<Real>(spec.p1),
+         static_cast<Real>(spec.p2),
+         static_cast<Real>(limit * limit)};
+}
+
 template <class Real>
 void set_main_lens(const Camera& camera, double reference, double anchor_z,
                    KernelCamera<Real>& out) {
@@ -39,6 +57,7 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
                  static_cast<Real>(lens.stop_slope),
                  static_cast<Real>(lens.stop_radius * lens.stop_radius)};
     out.exit_gap = static_cast<Real>(anchor_z - lens.rear_principal);
+    set_distortion(camera.distortion(), lens.rear_principal, out.distortion);
     out.per_stop_radius = static_cast<Real>(1 / lens.stop_radius);
     return;
   }
@@ -71,6 +90,7 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
     z = vertex;
   }
   out.exit_gap = static_cast<Real>(anchor_z - z);
+  set_distortion(camera.distortion(), z, out.distortion);
 }
 
 template <class Real>

@@ -1,8 +1,10 @@
 #include "plenoflame/camera/camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "optics/reflection.h"
+#include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -28,6 +30,58 @@ Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings)
   solve_focus(warnings);
   place_array();
   mount();
+  if (!spec_.lens.distortion.none()) place_distortion();
+}
+
+/// @throws InputError when the map cannot be undone somewhere in the picture
+void Camera::place_distortion() {
+  distortion_ = LensDistortion(spec_.lens.distortion, -lens_first_order_.entrance_pupil);
+  constexpr int kPlaces = 96;  // along the sensor's border
+  constexpr double kRoom = 1.02, kMost = 1.5;
+  const Vec2 corner = sensor_point(0, 0);
+  const double exit = exit_pupil();
+  const RigidTransform to_lens = lens_pose_.inverse();
+  double widest = 0;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double along = 4.0 * (k % (kPlaces / 4)) / (kPlaces / 4) / 2 - 1;
+    const double side = k / (kPlaces / 4) % 2 == 0 ? 1 : -1;
+    const Vec2 s = k < kPlaces / 2 ? Vec2{along * corner.x, side * corner.y}
+                                   : Vec2{side * corner.x, along * corner.y};
+    const double plane = aim_plane(0);
+    const double share = std::isfinite(exit) ? (exit - plane) / (exit - sensor_) : 1;
+    const Vec2 straight = foot_ + share * (s - foot_);
+    std::optional<LensIndex> lens;
+    Vec2 aim = straight;
+    if (has_array()) {
+      lens = lattice_.nearest(straight);
+      const Vec3 place = lens_place(*lens);
+      aim = {place.x, place.y};
+    }
+    const Path path = trace_inside(s, lens, aim, false);
+    if (path.status.status != RayStatus::reached) continue;
+    widest =
+        std::max(widest, length(distortion_.direction({to_lens.point(path.exit.origin),
+                                                       to_lens.direction(path.exit.direction)})));
+  }
+  if (kRoom * widest <= distortion_.limit()) {
+    distortion_.restrict_to(kMost * widest);
+    return;
+  }
+  const auto degrees = [](double tangent) {
+    return std::to_string(std::atan(tangent) * 180 / constants::pi);
+  };
+  throw InputError(
+      "camera.lens.distortion cannot be undone: places in the picture have one "
+      "direction each up to " +
+      degrees(distortion_.limit()) + " degrees from the axis, and the sensor reaches " +
+      degrees(widest) + "; coefficients count in units of the tangent of the angle");
+}
+
+Camera Camera::undistorted() const {
+  Camera camera = *this;
+  camera.spec_.lens.distortion = {};
+  camera.distortion_ = {};
+  return camera;
 }
 
 void Camera::mount() {
@@ -52,6 +106,7 @@ void Camera::mount() {
 
 Camera Camera::aligned() const {
   CameraSpec spec = spec_;
+  spec.lens.distortion = {};
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
   spec.array.focal_jitter = 0;
   spec.focus.mode = FocusMode::distance;
@@ -187,7 +242,7 @@ std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens) const {
 }
 
 std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim) const {
-  const Path path = trace(sensor_point, lens, aim, true);
+  const Path path = trace_inside(sensor_point, lens, aim, true);
   if (path.status.status == RayStatus::missed) return std::nullopt;
   const RigidTransform to_lens = lens_pose_.inverse();
   if (ideal_lens()) {
@@ -320,6 +375,18 @@ TraceStatus Camera::trace_ideal(Ray& ray, std::vector<Vec3>* points, int& pupil_
 
 Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
                            bool with_points) const {
+  Path path = trace_inside(sensor_point, lens, aim, with_points);
+  if (!distortion_.present() || path.status.status != RayStatus::reached) return path;
+  const RigidTransform to_lens = lens_pose_.inverse();
+  Ray ray{to_lens.point(path.exit.origin), to_lens.direction(path.exit.direction)};
+  if (!distortion_.to_scene(ray)) path.status = {RayStatus::vignetted, 0};
+  path.exit = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
+  return path;
+}
+
+/// As if the main lens had no distortion.
+Camera::Path Camera::trace_inside(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
+                                  bool with_points) const {
   Path path;
   const int type = lens ? lattice_.type(*lens) : 0;
   const Vec3 start{sensor_point.x, sensor_point.y, sensor_};

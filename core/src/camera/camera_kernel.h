@@ -12,6 +12,17 @@ inline constexpr int kMaxLensSurfaces = 64;
 inline constexpr int kBlockRays = 1024;
 inline constexpr int kBlockSlack = 16;  ///< generation may write this far beyond
 
+/// The map of LensDistortion, as the kernels use it.
+template <class Real>
+struct KernelDistortion {
+  bool present;
+  Real pupil_gap;     ///< from the last reference plane to that of the entrance pupil
+  Real per_distance;  ///< 1 / distance from there to the plane that stays sharp
+  Real k1, k2, k3, p1, p2;
+  Real limit2;  ///< square of the largest direction that can be undone
+};
+inline constexpr int kDistortionSteps = 8;  ///< of Newton's method
+
 /// The optics between the aim plane and the scene.
 template <class Real>
 struct KernelCamera {
@@ -25,11 +36,12 @@ struct KernelCamera {
   int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
   bool fresnel;                          ///< weights fall by what surfaces reflect
   KernelCoating<Real> coatings[kMaxLensSurfaces];
-  int stop;                 ///< which of the surfaces, in their order here
-  Real per_stop_radius;     ///< [1/m] of the stop, or of what stands for it in an ideal lens
-  bool moved;               ///< whether the main lens is decentred or tilted
-  Real lens_turn[9];        ///< moved: camera to lens axes, row major
-  Real lens_shift[3];       ///< moved: of the origin, applied after the turn
+  int stop;              ///< which of the surfaces, in their order here
+  Real per_stop_radius;  ///< [1/m] of the stop, or of what stands for it in an ideal lens
+  bool moved;            ///< whether the main lens is decentred or tilted
+  Real lens_turn[9];     ///< moved: camera to lens axes, row major
+  Real lens_shift[3];    ///< moved: of the origin, applied after the turn
+  KernelDistortion<Real> distortion;
   Real exit_gap;            ///< from the last reference plane to the anchor's plane
   Real rotation[9];         ///< camera to world, row major
   Real anchor_x, anchor_y;  ///< of the anchor, camera frame

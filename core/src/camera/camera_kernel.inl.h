@@ -321,6 +321,51 @@ template <class Real>
   }
 }
 
+/// Bends rays that have left the lens by its distortion (LensDistortion::to_scene()); they then
+/// count from the plane of the entrance pupil.
+template <class Real>
+[[gnu::noinline]] void distort(const KernelDistortion<Real>& distortion, int count,
+                               const KernelBlock<Real>& block) {
+  Real* __restrict x = block.x;
+  Real* __restrict y = block.y;
+  Real* __restrict z = block.z;
+  Real* __restrict dx = block.dx;
+  Real* __restrict dy = block.dy;
+  Real* __restrict dz = block.dz;
+  int* __restrict code = block.code;
+  const KernelDistortion<Real> c = distortion;
+#pragma omp simd
+  for (int i = 0; i < count; ++i) {
+    const Real sx = dx[i] / dz[i], sy = dy[i] / dz[i], way = c.pupil_gap - z[i];
+    const Real px = x[i] + way * sx, py = y[i] + way * sy;
+    const Real goal_x = sx + c.per_distance * px, goal_y = sy + c.per_distance * py;
+    Real ux = goal_x, uy = goal_y;
+    for (int step = 0; step < kDistortionSteps; ++step) {
+      const Real xx = ux * ux, yy = uy * uy, xy = ux * uy, r2 = xx + yy;
+      const Real factor = Real(1) + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
+      const Real slope = Real(2) * (c.k1 + r2 * (Real(2) * c.k2 + r2 * (Real(3) * c.k3)));
+      const Real miss_x = goal_x - factor * ux - Real(2) * c.p1 * xy - c.p2 * (r2 + Real(2) * xx);
+      const Real miss_y = goal_y - factor * uy - Real(2) * c.p2 * xy - c.p1 * (r2 + Real(2) * yy);
+      const Real a = factor + xx * slope + Real(2) * c.p1 * uy + Real(6) * c.p2 * ux;
+      const Real b = xy * slope + Real(2) * c.p1 * ux + Real(2) * c.p2 * uy;
+      const Real d = factor + yy * slope + Real(6) * c.p1 * uy + Real(2) * c.p2 * ux;
+      const Real inverse = Real(1) / (a * d - b * b);
+      ux += inverse * (d * miss_x - b * miss_y);
+      uy += inverse * (a * miss_y - b * miss_x);
+    }
+    const Real tx = ux - c.per_distance * px, ty = uy - c.per_distance * py;
+    const Real cosine = Real(1) / square_root(Real(1) + tx * tx + ty * ty);
+    const bool beyond = !(goal_x * goal_x + goal_y * goal_y <= c.limit2);
+    x[i] = px;
+    y[i] = py;
+    z[i] = c.pupil_gap;
+    dx[i] = tx * cosine;
+    dy[i] = ty * cosine;
+    dz[i] = cosine;
+    code[i] = code[i] == 0 && beyond ? kCauseVignetted : code[i];
+  }
+}
+
 template <class Real>
 PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
                              const KernelBlock<Real>& block) {
@@ -366,6 +411,7 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
       if (camera.fresnel) lose_reflected(camera.coatings[s], before, 0, count, block);
     }
   }
+  if (camera.distortion.present) distort(camera.distortion, count, block);
   const Real gap = camera.exit_gap, ax = camera.anchor_x, ay = camera.anchor_y;
   const Real r0 = camera.rotation[0], r1 = camera.rotation[1], r2 = camera.rotation[2],
              r3 = camera.rotation[3], r4 = camera.rotation[4], r5 = camera.rotation[5],

@@ -175,6 +175,12 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
                                      std::vector<Vec3>* points) const {
   Ray ray = from_scene;
   Arrival arrival;
+  if (distortion_.present()) {
+    const RigidTransform to_lens = lens_pose_.inverse();
+    ray = {to_lens.point(ray.origin), to_lens.direction(ray.direction)};
+    if (!distortion_.to_lens(ray, arrival.etendue_ratio)) return {RayStatus::vignetted, 0};
+    ray = {lens_pose_.point(ray.origin), lens_pose_.direction(ray.direction)};
+  }
   const TraceStatus main_lens = trace_main_lens_inwards(ray, arrival, points);
   if (main_lens.status != RayStatus::reached) return main_lens;
   if (!has_array()) {

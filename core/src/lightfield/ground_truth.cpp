@@ -77,15 +77,18 @@ Footprint footprint(const Camera& camera, Vec3 point) {
       const Vec3 target{r * std::cos(angle), r * std::sin(angle), -lens.entrance_pupil};
       const Vec3 direction = normalize(target - point);
       if (direction.z >= 0) continue;
+      Ray ray{point, direction};
+      double ratio = 1;
+      if (camera.distortion().present() && !camera.distortion().to_lens(ray, ratio)) continue;
       if (camera.ideal_lens()) {
         const IdealLens& ideal = camera.ideal();
-        const Vec2 height = at_plane({point, direction}, ideal.front_principal);
-        const Vec2 slope = Vec2{direction.x / direction.z, direction.y / direction.z} +
-                           (1 / ideal.focal_length) * height;
+        const Vec2 height = at_plane(ray, ideal.front_principal);
+        const Vec2 slope =
+            Vec2{ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z} +
+            (1 / ideal.focal_length) * height;
         add({{height.x, height.y, ideal.rear_principal}, -normalize({slope.x, slope.y, 1})});
         continue;
       }
-      Ray ray{point, direction};
       if (camera.lens().trace_to_sensor(ray).status == RayStatus::reached) add(ray);
     }
   return result;

@@ -44,6 +44,7 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
 /// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
 CameraSpec single_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
+  spec.lens.distortion = {};
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
   spec.array.focal_jitter = 0;
   spec.array.types = {spec.array.types[type]};
@@ -283,7 +284,9 @@ void MicroImages::look_through(const std::vector<WindowSpec>& windows) {
 MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) const {
   ToPlane plane;
   plane.place_ = place;
-  if (camera_.lens_moved() || windows_) {  // the tables hold lines in the frame of the main lens
+  // The tables hold lines in the frame of the main lens, without its distortion.
+  if (camera_.lens_moved() || camera_.distortion().present() || windows_) {
+    plane.distortion_ = camera_.distortion();
     plane.pose_ = camera_.lens_pose();
     plane.to_world_ = camera_.to_world();
     plane.windows_ = windows_;
@@ -325,8 +328,10 @@ Ray MicroImages::ToPlane::ray_at(Vec2 sensor_point) const {
   const auto terms =
       monomials((1 / place_.radius) * to_local(sensor_point - place_.centre, place_.outwards));
   const ToPlane& second = second_.front();
-  const Vec3 a = pose_.point({sum(x_, terms), sum(y_, terms), 0});
-  const Vec3 b = pose_.point({sum(second.x_, terms), sum(second.y_, terms), 1});
+  const Vec3 start{sum(x_, terms), sum(y_, terms), 0};
+  Ray line{start, Vec3{sum(second.x_, terms), sum(second.y_, terms), 1} - start};
+  if (distortion_.present()) distortion_.to_scene(line);
+  const Vec3 a = pose_.point(line.origin), b = pose_.point(line.origin + line.direction);
   const Ray straight{a, b - a};
   if (!windows_) return straight;
   // From the plane of the front vertex on, stretch by stretch; what ends at a window goes on.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/camera/lens_distortion.h"
 #include "plenoflame/camera/microlens_aperture.h"
 #include "plenoflame/camera/microlens_lattice.h"
 #include "plenoflame/camera/pupil_filters.h"
@@ -75,6 +76,10 @@ class Camera {
   /// Whether microlenses at the same distance from the axis differ: a decentre, a tilt, or focal
   /// jitter.
   bool misaligned() const { return lens_moved_ || array_tilted_ || spec_.array.focal_jitter != 0; }
+  /// Distortion of the main lens, in its frame.
+  const LensDistortion& distortion() const { return distortion_; }
+  /// The same camera without distortion: light takes the same ways within it.
+  Camera undistorted() const;
   /// The same camera, mounted and made perfectly in this respect; rotation, offset, spacing and
   /// centre jitter stay.
   Camera aligned() const;
@@ -157,6 +162,9 @@ class Camera {
   }
 
  private:
+  void place_distortion();
+  Path trace_inside(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
+                    bool with_points) const;
   void place_lens();
   void place_array();
   void mount();
@@ -193,6 +201,7 @@ class Camera {
   MicrolensLattice lattice_;
   MicrolensAperture aperture_;
   PupilFilters pupil_filters_;
+  LensDistortion distortion_;
   RigidTransform lens_pose_, array_pose_;
   bool lens_moved_ = false, array_tilted_ = false;
   Vec2 foot_;

@@ -87,7 +87,8 @@ class PupilTable {
   std::vector<PupilNode> nodes;
   /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:
   /// zones of a lens focus at different distances), per node, leaving the camera (camera frame),
-  /// for a microlens centre (or sensor point) on the +x axis: they bound the beam.
+  /// for a microlens centre (or sensor point) on the +x axis: they bound the beam. Without the
+  /// distortion of the main lens.
   std::vector<std::vector<Ray>> edges;
 
   /// Linear interpolation; h beyond the table takes the last node.

@@ -70,9 +70,10 @@ class MicroImages {
     Ray ray_at(Vec2 sensor_point) const;
     Place place_;
     std::array<double, 21> x_{}, y_{};
-    // With windows, or a main lens that is decentred or tilted: its lines at z = 0 and 1 of its own
-    // frame.
+    // With windows, or a main lens that is decentred, tilted or distorts: its lines at z = 0 and 1
+    // of its own frame.
     double depth_ = 0;
+    LensDistortion distortion_;
     RigidTransform pose_, to_world_;
     std::shared_ptr<const WindowSet> windows_;
     std::vector<ToPlane> second_;  ///< one, or none

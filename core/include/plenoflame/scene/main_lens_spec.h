@@ -30,6 +30,16 @@ struct SurfaceSpec {
   friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
+/// By how much the main lens images directions elsewhere than an ideal one
+/// (camera/lens_distortion.h has the map); all 0: not at all.
+struct DistortionSpec {
+  double k1 = 0, k2 = 0, k3 = 0;  ///< radial
+  double p1 = 0, p2 = 0;          ///< tangential
+  double distance = kInfinity;    ///< [m] from the front vertex to the plane that stays sharp
+  bool none() const { return k1 == 0 && k2 == 0 && k3 == 0 && p1 == 0 && p2 == 0; }
+  friend bool operator==(const DistortionSpec&, const DistortionSpec&) = default;
+};
+
 /// The main lens: either surfaces, or (model ideal only) focal length and diameter alone.
 struct MainLensSpec {
   LensModel model = LensModel::real;
@@ -39,6 +49,7 @@ struct MainLensSpec {
   // What mounting adds; array, sensor and the camera's position stay where they are.
   Vec2 decentre;  ///< [m] camera x, y: by which the lens is moved across the axis
   Vec2 tilt;      ///< [rad] about camera x, then y, around its front vertex
+  DistortionSpec distortion;
   friend bool operator==(const MainLensSpec&, const MainLensSpec&) = default;
 };
 

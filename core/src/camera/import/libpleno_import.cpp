@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera/import/found_camera.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/camera/microlens_lattice.h"
 
 namespace plenoflame {
@@ -272,16 +273,41 @@ class LibplenoReader {
                   "camera.array.columns and rows");
   }
 
-  /// Displacements of image points, in mm.
+  /// Displacements of image points, in mm, whatever their depth. The scene's map is that of one
+  /// plane: of the objects at dist_focus, or of what is sharp on the array.
   void distortion() {
     const auto is_given = [](const std::vector<double>& values) {
       return std::any_of(values.begin(), values.end(), [](double value) { return value != 0; });
     };
-    if (is_given(numbers({"distortions", "radial"}, 3)) ||
-        is_given(numbers({"distortions", "tangential"}, 2)))
-      found_.note(
-          "the distortion of the main lens has no key in a scene: left out; the centres of "
-          "micro-images do not depend on it");
+    const std::vector<double> radial = numbers({"distortions", "radial"}, 3),
+                              tangential = numbers({"distortions", "tangential"}, 2);
+    if (is_given(radial) || is_given(tangential)) {
+      MainLensSpec& lens = found_.camera.lens;
+      const double f = lens.focal_length, given = kMillimetre * number_or({"dist_focus"}, 0);
+      const double behind = found_.camera.focus.lens_distance;
+      double image = f;
+      if (given > f) {
+        image = 1 / (1 / f - 1 / given);
+        lens.distortion.distance = given;
+      } else if (behind > f) {
+        image = behind;
+        lens.distortion.distance = 1 / (1 / f - 1 / behind);
+      }
+      // An image point lies at -image * (direction of the object).
+      const double a = image / kMillimetre;
+      if (!radial.empty()) {
+        lens.distortion.k1 = radial[0] * a * a;
+        lens.distortion.k2 = radial[1] * a * a * a * a;
+        lens.distortion.k3 = radial[2] * a * a * a * a * a * a;
+      }
+      if (!tangential.empty()) {
+        lens.distortion.p1 = -a * tangential[1];
+        lens.distortion.p2 = -a * tangential[0];
+      }
+      found_.note("the distortion of the main lens is exact for objects at " +
+                  readable_quantity(lens.distortion.distance, Dimension::length) +
+                  "; libpleno moves images of all depths by the same lengths");
+    }
     if (is_given(numbers({"distortions", "depth"}, 0)))
       found_.note(
           "distortions.depth moves images along the axis, which the scene has no key for: "

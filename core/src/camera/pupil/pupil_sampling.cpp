@@ -452,7 +452,9 @@ void PupilTable::look_up(double h, PupilNode& node) const {
   node.far_reach = std::min(a.far_reach, b.far_reach) > 0 ? std::max(a.far_reach, b.far_reach) : 0;
 }
 
-PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {
+PupilSampling::PupilSampling(const Camera& given, const Execution& execution) {
+  // Distortion bends rays outside of the camera, where nothing stops them any more.
+  const Camera camera = given.undistorted();
   if (!camera.has_array()) {
     tables_.push_back(bare_table(camera));
   } else {
@@ -465,14 +467,14 @@ PupilSampling::PupilSampling(const Camera& camera, const Execution& execution) {
       });
     }
     if (!camera.spec().array.opaque_between) {
-      CameraSpec spec = camera.spec();
+      CameraSpec spec = given.spec();
       spec.array.tilt = {};
       spec.array.focal_jitter = 0;
       spec.array.present = false;
       spec.focus.mode = FocusMode::distance;
       spec.focus.lens_distance = camera.rear_vertex() - camera.sensor();
       Camera bare(spec);
-      PupilTable table = bare_table(bare);
+      PupilTable table = bare_table(bare.undistorted());
       between_ = Between{std::move(bare), std::move(table)};
     }
   }

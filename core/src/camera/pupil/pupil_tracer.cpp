@@ -14,7 +14,7 @@ constexpr std::size_t kPadded = kBlockRays + kBlockSlack;
 
 PupilTracer::PupilTracer(const Camera& camera, int type, bool open)
     : lens_(kernel_microlenses<double>(camera)[static_cast<std::size_t>(type)]),
-      camera_(kernel_camera<double>(camera, {0, 0, 0}, RigidTransform{})),
+      camera_(kernel_camera<double>(camera.undistorted(), {0, 0, 0}, RigidTransform{})),
       kernels_(camera_kernels<double>(best_isa())),
       storage_(7 * kPadded + 8),
       codes_(kPadded) {

@@ -1,5 +1,7 @@
 /// Raw images with their grid as JSON: libpleno and plenopticam.
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -29,6 +31,56 @@ Json rotation3(const Mat3& turn) {
   for (const Vec3& column : transpose(turn).rows)
     columns.push_back(Json::array({column.x, column.y, column.z}));
   return columns;
+}
+
+/// How far behind the lens the plane is imaged that stays sharp [mm].
+double distortion_plane(const Camera& camera) {
+  const double f = camera.lens_first_order().focal_length,
+               distance = camera.spec().lens.distortion.distance;
+  return 1e3 / (1 / f - 1 / distance);
+}
+
+/// libpleno's coefficients, A_0 to A_2, B_0 and B_1: its image points lie at minus the image
+/// distance times the direction of the object.
+std::array<double, 5> distortion_in_mm(const Camera& camera) {
+  const DistortionSpec& d = camera.spec().lens.distortion;
+  const double a = distortion_plane(camera), a2 = a * a;
+  return {d.k1 / a2, d.k2 / (a2 * a2), d.k3 / (a2 * a2 * a2), 0.0 - d.p2 / a, 0.0 - d.p1 / a};
+}
+
+/// The same polynomials, fitted to the inverse over the sensor.
+std::array<double, 5> inverse_in_mm(const Camera& camera) {
+  if (!camera.distortion().present()) return {};
+  constexpr int kSide = 41;
+  const double a = distortion_plane(camera);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2 * kSide * kSide, 5);
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(2 * kSide * kSide);
+  const Vec2 corner = 1e3 * camera.sensor_point(0, 0);
+  Eigen::Index k = 0;
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j, k += 2) {
+      const Vec2 at{corner.x * (2.0 * i / (kSide - 1) - 1), corner.y * (2.0 * j / (kSide - 1) - 1)};
+      const auto direction = camera.distortion().undistorted((-1 / a) * at);
+      if (!direction) continue;
+      const Vec2 back = -a * *direction - at;
+      const double r2 = dot(at, at), xy = 2 * at.x * at.y;
+      rows.row(k) << at.x * r2, at.x * r2 * r2, at.x * r2 * r2 * r2, r2 + 2 * at.x * at.x, xy;
+      rows.row(k + 1) << at.y * r2, at.y * r2 * r2, at.y * r2 * r2 * r2, xy, r2 + 2 * at.y * at.y;
+      values[k] = back.x;
+      values[k + 1] = back.y;
+    }
+  // Columns differ by many orders of magnitude.
+  const Eigen::RowVectorXd size = rows.colwise().norm();
+  for (Eigen::Index c = 0; c < 5; ++c) rows.col(c) /= size[c];
+  const Eigen::VectorXd x = rows.colPivHouseholderQr().solve(values);
+  std::array<double, 5> result{};
+  for (Eigen::Index c = 0; c < 5; ++c) result[static_cast<std::size_t>(c)] = x[c] / size[c];
+  return result;
+}
+
+Json distortion_json(const std::array<double, 5>& c) {
+  return {
+      {"radial", row(c[0], c[1], c[2])}, {"tangential", row(c[3], c[4])}, {"depth", row(0, 0, 0)}};
 }
 
 /// The smallest grid of libpleno's indices (column k, row l) whose nodes cover the window.
@@ -173,7 +225,9 @@ void export_libpleno(const ExportJob& job) {
   Json camera_js{
       {"mode", mode},
       {"I", types},
-      {"dist_focus", std::isfinite(object) && object > 0 ? 1e3 * object : 1e8},
+      {"dist_focus", spec.lens.distortion.none()
+                         ? std::isfinite(object) && object > 0 ? 1e3 * object : 1e8
+                         : std::min(1e3 * spec.lens.distortion.distance, 1e8)},
       {"main_lens",
        {{"f", 1e3 * main.focal_length},
         {"aperture", f_number},
@@ -199,10 +253,8 @@ void export_libpleno(const ExportJob& job) {
            {{"rotation", rotation3(array_turn)},
             {"translation",
              row(1e3 * lens_origin.x, 1e3 * lens_origin.y, 1e3 * lens_origin.z)}}}}}}},
-      {"distortions",
-       {{"radial", row(0, 0, 0)}, {"tangential", row(0, 0)}, {"depth", row(0, 0, 0)}}},
-      {"distortions_inverse",
-       {{"radial", row(0, 0, 0)}, {"tangential", row(0, 0)}, {"depth", row(0, 0, 0)}}}};
+      {"distortions", distortion_json(distortion_in_mm(camera))},
+      {"distortions_inverse", distortion_json(inverse_in_mm(camera))}};
   job.text("camera.js", camera_js.dump(2) + "\n");
 
   // Radius of a micro-image in pixels: (m / N + q) / scale, over the main lens' f-number N.

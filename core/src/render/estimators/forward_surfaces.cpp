@@ -30,6 +30,7 @@ double field_versine(const PupilSampling& pupils, const Camera& camera) {
       for (const Ray& ray : rays)
         tangent = std::max(tangent, std::hypot(ray.direction.x, ray.direction.y) / ray.direction.z);
   tangent *= 1.1;
+  if (camera.distortion().present()) tangent += camera.distortion().largest_bend(kInfinity);
   if (camera.lens_moved())
     tangent = std::tan(std::min(1.5, std::atan(tangent) + length(camera.spec().lens.tilt)));
   const double secant = std::hypot(1.0, tangent);

@@ -420,7 +420,9 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
       // Seen from the camera's first surface.
       std::size_t k = added.first;
       while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
-      const Vec3 front = paths.vertices[k].position;
+      Vec3 front = paths.vertices[k].position;
+      // A lens with distortion bends rays in its entrance pupil, not at its first surface.
+      if (camera.distortion().present()) front = point + length(front - point) * ray.direction;
       if (scene.windows)
         carried = carried_back(scene, medium.get(), paths, k);
       else

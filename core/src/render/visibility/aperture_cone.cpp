@@ -34,6 +34,7 @@ ApertureCone::ApertureCone(const Camera& camera) {
       radius_ += height / kSteps;  // the slope is below one where rays get in
     }
     radius_ *= kSphereMargin;
+    widen_by_distortion(camera);
     move_with(camera);
     return;
   }
@@ -53,6 +54,14 @@ ApertureCone::ApertureCone(const Camera& camera) {
   centre_ = {0, 0, lens.front_principal + b / a};
   radius_ = kSphereMargin * lens.stop_radius / std::fabs(a);
   move_with(camera);
+}
+
+/// Rays keep their place in the entrance pupil's plane; at the front surface they move.
+void ApertureCone::widen_by_distortion(const Camera& camera) {
+  const LensDistortion& distortion = camera.distortion();
+  if (!distortion.present()) return;
+  radius_ +=
+      distortion.largest_bend(kInfinity) * (std::fabs(distortion.pupil() - centre_.z) + radius_);
 }
 
 /// With a main lens that is decentred or tilted.

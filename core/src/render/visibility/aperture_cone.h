@@ -33,6 +33,7 @@ class ApertureCone {
   Direction draw(Vec3 point, double u, double v) const;
 
  private:
+  void widen_by_distortion(const Camera& camera);
   void move_with(const Camera& camera);
   double front_ = 0;   ///< z in front of which the scene begins [m]
   Vec3 centre_;        ///< of the sphere [m]

@@ -28,6 +28,24 @@ Box nothing() {
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 }
 
+/// What rays that see a box cross in its place where the lens has no distortion: bounds and
+/// footprints of beams are without it.
+Box undistorted(const Camera& camera, Box box) {
+  constexpr double kPupilRoom = 1.5;  // pupils of real lenses move and grow off axis
+  const LensDistortion& distortion = camera.distortion();
+  const double near = box.lower.z - distortion.pupil(), far = box.upper.z - distortion.pupil();
+  if (!(near > 0 && std::isfinite(far))) return {{-kInfinity, -kInfinity, 0}, {0, 0, kInfinity}};
+  const double radius = kPupilRoom * 0.5 * camera.lens_first_order().entrance_pupil_diameter;
+  const double aside = std::hypot(std::max(std::fabs(box.lower.x), std::fabs(box.upper.x)),
+                                  std::max(std::fabs(box.lower.y), std::fabs(box.upper.y)));
+  const double slanted = radius * std::max(std::fabs(distortion.per_distance() - 1 / near),
+                                           std::fabs(distortion.per_distance() - 1 / far));
+  const double room = far * distortion.largest_bend(aside / near + slanted);
+  box.lower = box.lower - Vec3{room, room, 0};
+  box.upper = box.upper + Vec3{room, room, 0};
+  return box;
+}
+
 /// Distances from the middle of every place of a raster to the middle of the nearest marked one
 /// [m]; infinite when none is. Column by column, then along rows as the lower envelope of parabolas
 /// (P. Felzenszwalb, D. Huttenlocher, "Distance Transforms of Sampled Functions", 2012).
@@ -92,12 +110,14 @@ OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& wor
   const bool moved = camera.lens_moved();
   std::vector<Box> boxes;
   Box whole = nothing();
+  const LensDistortion& distortion = camera.distortion();
   for (const Box& box : world) {
     Box ahead = nothing();
     for (const Vec3 corner : corners(box)) {
       const Vec3 p = to_camera.point(corner);
       include(moved ? to_lens.point(p) : p, ahead);
     }
+    if (distortion.present()) ahead = undistorted(camera, ahead);
     include(ahead.lower, whole);
     include(ahead.upper, whole);
     boxes.push_back(ahead);

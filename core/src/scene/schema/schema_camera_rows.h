@@ -26,6 +26,31 @@ inline constexpr SchemaKey kAspheric{
           parse_aspheric(std::get<std::string>(value));
     }};
 
+inline constexpr double kMostDistortion = 1e6;
+inline constexpr SchemaKey kDistortionK1 = key<DISTORTION, &DistortionSpec::k1>(
+    "camera.lens.distortion.k1",
+    "Radial distortion: what lies in direction (x, y, 1) from the entrance pupil's middle is "
+    "imaged "
+    "where the lens without distortion would image (x, y) (1 + k1 r^2 + k2 r^4 + k3 r^6), "
+    "r^2 = x^2 + y^2. Below 0: barrel.",
+    kPure, within(kMostDistortion));
+inline constexpr SchemaKey kDistortionK2 = key<DISTORTION, &DistortionSpec::k2>(
+    "camera.lens.distortion.k2", "Its term r^4.", kPure, within(kMostDistortion));
+inline constexpr SchemaKey kDistortionK3 = key<DISTORTION, &DistortionSpec::k3>(
+    "camera.lens.distortion.k3", "Its term r^6.", kPure, within(kMostDistortion));
+inline constexpr SchemaKey kDistortionP1 = key<DISTORTION, &DistortionSpec::p1>(
+    "camera.lens.distortion.p1",
+    "Tangential distortion: 2 p1 x y + p2 (r^2 + 2 x^2) is added to x, p1 (r^2 + 2 y^2) + 2 p2 x y "
+    "to y.",
+    kPure, within(kMostDistortion));
+inline constexpr SchemaKey kDistortionP2 = key<DISTORTION, &DistortionSpec::p2>(
+    "camera.lens.distortion.p2", "See `p1`.", kPure, within(kMostDistortion));
+inline constexpr SchemaKey kDistortionDistance = key<DISTORTION, &DistortionSpec::distance>(
+    "camera.lens.distortion.distance",
+    "From the front vertex of the main lens to the plane of which the image is distorted, but "
+    "stays sharp; `inf` is far away.",
+    kLength, above_zero(kInf));
+
 inline constexpr SchemaKey kPitchY = key<ARRAY, &ArraySpec::pitch_y>(
     "camera.array.pitch_y",
     "Lattice `square`: the same along y, where rows are not as far apart as columns; 0 m: as "

@@ -29,6 +29,7 @@ inline constexpr Dimension kPure = Dimension::none;
 
 #define CAMERA &Scene::camera
 #define LENS CAMERA, &CameraSpec::lens
+#define DISTORTION LENS, &MainLensSpec::distortion
 #define SURFACE LENS, &MainLensSpec::surfaces
 #define ARRAY CAMERA, &CameraSpec::array
 #define TYPE ARRAY, &ArraySpec::types

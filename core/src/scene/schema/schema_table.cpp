@@ -50,6 +50,13 @@ constexpr SchemaKey kRows[] = {
         "vertex.",
         kAngle, within(0.2)),
 
+    kDistortionK1,
+    kDistortionK2,
+    kDistortionK3,
+    kDistortionP1,
+    kDistortionP2,
+    kDistortionDistance,
+
     key<SURFACE, &SurfaceSpec::radius>("camera.lens.surfaces[].radius",
                                        "Radius of curvature, positive when its centre lies on the "
                                        "sensor's side; `inf` is a plane.",

@@ -15,6 +15,11 @@ constexpr SchemaTable kTableRows[] = {
      "of "
      "the stop; what is written later, or printed by `info --scene`, has the diameter.",
      true, PresetKind::lens},
+    {"camera.lens.distortion",
+     "Where the main lens images directions elsewhere than an ideal one: a map of the rays outside "
+     "of it that can be undone. Without it there is none.",
+     false,
+     {}},
     {"camera.lens.surfaces[]",
      "The surfaces of the main lens, from the scene to the sensor, in air.",
      false,
