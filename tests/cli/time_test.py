@@ -160,17 +160,40 @@ class Time(CommandTest):
         self.assertFalse([name for name in self.files() if name.endswith(".state")])
 
     def test_a_table(self):
-        self.write("slide.csv", "time [ms],y [mm],brightness\n0,0,1\n4,8,3\n")
+        self.write("slide.csv", "time [ms],y [mm],scale,brightness\n0,0,1,1\n4,8,1.5,3\n")
         self.scene("slide.toml", 'file = "run_0001.vdb"\ntime_table = "slide.csv"\n', 'frame_rate = "500 Hz"')
         self.succeeds("render", "slide.toml", "--frames", "0:2", "-o", "f.exr", *WINDOW, "--quiet")
         self.write("moved.toml", (CAMERA.format(sensor="") + FLAME.format(
-            flame='file = "run_0001.vdb"\nbrightness = 2\n')).replace('"0 m", "-29', '"4 mm", "-29'))
+            flame='file = "run_0001.vdb"\nbrightness = 2\nscale = 1.25\n')).replace('"0 m", "-29', '"4 mm", "-29'))
         self.succeeds("render", "moved.toml", *WINDOW, "--quiet")
         self.assertEqual(read_exr(self.path("f.0001.exr"))[1], read_exr(self.path("moved.exr"))[1])
         flux = [sum(map(sum, read_exr(self.path(f"f.000{i}.exr"))[1]["total"])) for i in range(3)]
         self.assertTrue(all(math.isfinite(f) and f > 0 for f in flux))
         self.write("slide.csv", "time [ms],y [mm]\n0,0\n4,nan\n")
         self.fails(1, "render", "slide.toml", "--frames", "0:2", "-o", "x.exr", mentions="slide.csv:3:3: y is \"nan\"")
+
+    def test_cameras_take_turns(self):
+        # Frame by frame, each picture as that of the camera alone.
+        cameras = """[[cameras]]
+name = "left"
+preset = "paper-previous-60x60"
+[[cameras]]
+name = "right"
+like = "left"
+position = ["1 m", "-1 m", "0 m"]
+look_direction = [0, 1, 0]
+"""
+        self.write("two.toml", cameras + FLAME.format(flame=SERIES))
+        out = self.succeeds("render", "two.toml", "--frames", "1:2", "-o", "t.exr", *WINDOW)
+        self.assertEqual([line.split(":")[0] for line in out.splitlines()],
+                         ["t-left.0001.exr", "t-right.0001.exr", "t-left.0002.exr", "t-right.0002.exr"])
+        for name in ("left", "right"):
+            self.succeeds("render", "two.toml", "--camera", name, "--frames", "1:2", "-o", f"{name}.exr", *WINDOW,
+                          "--quiet")
+            for number in (1, 2):
+                image = read_exr(self.path(f"t-{name}.000{number}.exr"))[1]
+                self.assertEqual(image, read_exr(self.path(f"{name}.000{number}.exr"))[1])
+                self.assertGreater(max(map(max, image["total"])), 0)
 
     def test_wrong_input(self):
         render = ("render", "film.toml", "-o", "x.exr")

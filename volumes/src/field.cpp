@@ -34,10 +34,6 @@ AffineTransform inverse(const AffineTransform& transform) {
   return {m, -(m * transform.translation)};
 }
 
-AffineTransform compose(const RigidTransform& outer, const AffineTransform& inner) {
-  return {outer.rotation * inner.linear, outer.point(inner.translation)};
-}
-
 std::optional<FieldRange> range(const VoxelField& field) {
   if (field.values.empty()) return std::nullopt;
   const auto [low, high] = std::minmax_element(field.values.begin(), field.values.end());

@@ -20,8 +20,6 @@ double determinant(const Mat3& m);
 /// False for a singular matrix or one that holds NaN or infinity.
 bool is_regular(const AffineTransform& transform);
 AffineTransform inverse(const AffineTransform& transform);
-/// outer after inner.
-AffineTransform compose(const RigidTransform& outer, const AffineTransform& inner);
 
 struct FieldRange {
   float minimum = 0;

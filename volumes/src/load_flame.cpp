@@ -29,30 +29,20 @@ std::unique_ptr<Medium> make_flame_medium(FlameFields flame, const FlameSpec& sp
                                           std::vector<SourceFunction> channels) {
   check_scale(spec);
   std::vector<double> factors = absorption_factors(spec.spectrum, channels);
-  const RigidTransform placement{rotation_xyz(spec.rotation), spec.position};
-  std::vector<VoxelField*> fields{&flame.temperature, &flame.absorption};
   VoxelExtras extras;
   extras.lines = std::move(flame.lines);
   extras.line_weights = line_weights(spec, channels);
-  for (VoxelField& line : extras.lines) {
-    // From all directions to one.
+  // From all directions to one.
+  for (VoxelField& line : extras.lines)
     for (float& value : line.values)
       value = static_cast<float>(static_cast<double>(value) / (4 * constants::pi));
-    fields.push_back(&line);
-  }
   extras.albedo = std::move(flame.albedo);
-  if (extras.albedo) fields.push_back(&*extras.albedo);
-  for (VoxelField* field : fields) {
-    AffineTransform& transform = field->index_to_world;
-    for (Vec3& row : transform.linear.rows) row = spec.scale * row;
-    transform.translation = spec.scale * transform.translation;
-    transform = detail::compose(placement, transform);
-  }
   return make_voxel_medium(std::move(flame.temperature), std::move(flame.absorption),
                            spec.interpolation == Interpolation::trilinear
                                ? VoxelInterpolation::trilinear
                                : VoxelInterpolation::constant,
-                           std::move(channels), {}, std::move(factors), std::move(extras));
+                           std::move(channels), {}, std::move(factors), std::move(extras),
+                           {spec.scale, {rotation_xyz(spec.rotation), spec.position}});
 }
 
 }  // namespace plenoflame

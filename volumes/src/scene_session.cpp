@@ -105,12 +105,12 @@ std::shared_ptr<const CompiledScene> SceneSession::compile(const Execution& exec
     if (kept == flames_.end()) return load_medium(flame, folder, channels, run);
     return medium_in_memory(*kept->second, flame, channels);
   };
-  const CompiledScene* like = nullptr;
+  EarlierScenes earlier;
   for (const auto& other : compiled_)
-    if (other.second) like = other.second.get();
+    if (other.second) earlier.push_back(other.second.get());
   const SceneDocument one = for_camera(document_, camera_);
   compiled = std::make_shared<const CompiledScene>(
-      plenoflame::compile(one.scene, load, execution, one.positions, like));
+      plenoflame::compile(one.scene, load, execution, one.positions, earlier));
   return compiled;
 }
 

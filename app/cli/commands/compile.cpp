@@ -79,7 +79,7 @@ int run_compile(const CompileArguments& arguments, const std::stop_token& stop) 
   std::vector<IssueCode> unsaid;
   if (!settings.region.empty()) unsaid.push_back(IssueCode::no_flame);
   const CompiledScene scene =
-      compile(document.scene, medium_loader(), execution, document.positions, nullptr, unsaid);
+      compile(document.scene, medium_loader(), execution, document.positions, {}, unsaid);
   const auto start = std::chrono::steady_clock::now();
   const CompiledCamera camera = compile_camera(scene, settings, execution);
   write_bundle(arguments.output, camera);

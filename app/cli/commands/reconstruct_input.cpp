@@ -30,7 +30,7 @@ ReconstructCameras compile_cameras(const ReconstructArguments& arguments,
     const SceneDocument& document = view.document;
     cameras.push_back({std::make_shared<const CompiledScene>(
                            compile(document.scene, medium_loader(), execution, document.positions,
-                                   cameras.empty() ? nullptr : cameras.front().scene.get())),
+                                   {cameras.empty() ? nullptr : cameras.front().scene.get()})),
                        view.what()});
   }
   return reconstruct_cameras(arguments, std::move(cameras), first, names);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -247,8 +248,11 @@ std::string how_to_go_on(const RenderOptions& options, const CameraSpec& camera)
 
 /// Values that go from one picture of a run to the next.
 struct RenderRun {
-  std::optional<CompiledScene> last;  ///< what the next has in common with it is not made again
-  std::set<std::string> said;         ///< warnings of compiling
+  /// The last scene of each view, and the newest of all: what the next has in common with these is
+  /// not made again.
+  std::map<std::size_t, std::unique_ptr<CompiledScene>> last;
+  const CompiledScene* newest = nullptr;
+  std::set<std::string> said;  ///< warnings of compiling
   SeriesCheck check_lattice = series_check();
   JobCommunicator* ranks = nullptr;  ///< that share the work; nullptr: there are none
   double begin = 0, end = 1;         ///< share of all the pictures' work that this one is
@@ -321,12 +325,15 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     const auto start = std::chrono::steady_clock::now();
     check_series(picture, scene, run.check_lattice);
     if (run.ranks) announce_scene(scene, options.white, options.threads, *run.ranks);
-    run.last = compile(scene, medium_loader(), compiling, document.positions,
-                       run.last ? &*run.last : nullptr, unsaid);
-    if (options.white) fill_with_light(*run.last);
+    // Only frames come back to a view.
+    std::unique_ptr<CompiledScene>& own = run.last[options.frames ? picture.view : 0];
+    own = std::make_unique<CompiledScene>(compile(
+        scene, medium_loader(), compiling, document.positions, {own.get(), run.newest}, unsaid));
+    run.newest = own.get();
+    if (options.white) fill_with_light(*own);
     compile_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return *run.last;
+    return *own;
   };
   const std::vector<SceneMoment> moments = picture.moments();
   RenderSettings settings =
@@ -362,7 +369,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
                                    : "nothing was written"));
     return 1;
   }
-  describe(*run.last, result.light_field);
+  describe(*run.newest, result.light_field);
   put_exposure(record, result.statistics.flux, result.light_field);
   if (options.white) result.light_field.texts["white"] = "1 W/(m^2 sr)";
   if (earlier && earlier->picture && !options.truth)  // of the same scene
@@ -377,7 +384,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
       result.statistics.seconds > settings.checkpoint_seconds)
     save();
   const double truth_seconds =
-      options.truth ? add_truth(*run.last, result.light_field, share_of(execution, share, 1))
+      options.truth ? add_truth(*run.newest, result.light_field, share_of(execution, share, 1))
                     : kNoTruth;
   bar.finish();
   save();
@@ -391,7 +398,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     std::cout << frame_line(options.output, result.statistics, compile_seconds) << std::endl;
   else if (options.json || !options.quiet)
     report.print(options.json);
-  if (options.white) run.last.reset();  // its light is not the scene's
+  if (options.white) run.last.clear(), run.newest = nullptr;  // its light is not the scene's
   return conclude(options, document.scene.camera, result.statistics, execution, rendering_stopped,
                   options.truth && truth_seconds < 0);
 }

@@ -160,15 +160,21 @@ std::vector<Picture> pictures_of(const RenderOptions& options) {
   const bool several = !document.scene.cameras.empty();
   const std::vector<CameraScene> cameras = choose_cameras(document, options.scene, options.cameras);
   const bool named = several && !(options.output_given && options.cameras.size() == 1);
-  std::vector<Picture> pictures;
+  std::vector<std::vector<Picture>> views;  // each in the order of its frames
   for (const CameraScene& camera : cameras) {
     Picture one{options, camera.document};
     if (named) one = with_ending(one, camera.document.scene.camera.name);
-    for (const Picture& stopped : with_f_numbers(one))
-      for (const Picture& picture : with_frames(stopped))
-        pictures.push_back(options.part ? with_ending(picture, part_ending(*options.part))
-                                        : picture);
+    for (const Picture& stopped : with_f_numbers(one)) {
+      views.push_back(with_frames(stopped));
+      for (Picture& picture : views.back()) {
+        if (options.part) picture = with_ending(picture, part_ending(*options.part));
+        picture.view = views.size() - 1;
+      }
+    }
   }
+  std::vector<Picture> pictures;
+  for (std::size_t frame = 0; frame < views.front().size(); ++frame)
+    for (std::vector<Picture>& view : views) pictures.push_back(std::move(view[frame]));
   return pictures;
 }
 

@@ -24,12 +24,15 @@ struct Picture {
   RenderOptions options;
   SceneDocument document;
   std::optional<PictureTime> time = {};  ///< nothing: the scene does not change
+  /// Number of the camera (with its f-number) whose frames follow each other in time.
+  std::size_t view = 0;
   /// The moments of which the picture is the mean.
   std::vector<SceneMoment> moments() const;
 };
 
-/// All pictures of a run: of each camera, each f-number, each frame. Each of several cameras has a
-/// file with its name, and one that was chosen alone has it, too, unless a name was given.
+/// All pictures of a run: of each frame, each camera, each f-number, so that what burns in a frame
+/// is read once for all cameras. Each of several cameras has a file with its name, and one that was
+/// chosen alone has it, too, unless a name was given.
 /// @throws UsageError, InputError
 std::vector<Picture> pictures_of(const RenderOptions& options);
 

@@ -65,7 +65,7 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
         if (white) compiled.reset();  // its light was not the scene's
         white = json.at("white").get<bool>();
         compiled = compile(document.scene, medium_loader(), execution, document.positions,
-                           compiled ? &*compiled : nullptr);
+                           {compiled ? &*compiled : nullptr});
         if (white) fill_with_light(*compiled);
       }
       if (what == rank_message::kRender && compiled &&

@@ -56,7 +56,7 @@ std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Exe
     Execution quiet = execution;
     quiet.message = nullptr;
     quiet.progress = nullptr;
-    const CompiledScene compiled = compile(large, no_flame, quiet, {}, &scene);
+    const CompiledScene compiled = compile(large, no_flame, quiet, {}, {&scene});
     RenderSettings settings = render_settings(compiled.scene);
     settings.samples = settings.replicates;
     RenderResult result = render(compiled, settings, quiet);

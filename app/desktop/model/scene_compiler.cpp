@@ -117,8 +117,9 @@ void SceneCompiler::request(const SceneChanges& changes) {
     try {
       flames_.next_generation();
       const Scene scene = Document::at_moment(state, time);
-      auto compiled = std::make_shared<const CompiledScene>(compile(
-          scene, watched(flames_.loader(), scene, flame), execution, state.positions, like.get()));
+      auto compiled = std::make_shared<const CompiledScene>(
+          compile(scene, watched(flames_.loader(), scene, flame), execution, state.positions,
+                  {like.get()}));
       post(this, [this, number, compiled] {
         if (number == newest_) take(compiled);
       });
@@ -155,7 +156,7 @@ void SceneCompiler::prepare(double time) {
     try {
       auto compiled = std::make_shared<const CompiledScene>(
           compile(Document::at_moment(state, time), flames_.loader(), execution, state.positions,
-                  like.get()));
+                  {like.get()}));
       post(this, [this, time, number, compiled] {
         if (number == scene_number_) ahead_ = {time, compiled};
       });

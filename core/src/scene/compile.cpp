@@ -54,7 +54,8 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 
 namespace {
 
-/// Loads a flame; what is wrong with its file is said with the place that names it.
+/// Loads a flame, without its brightness; what is wrong with its file is said with the place that
+/// names it.
 std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
                                    const MediumLoader& loader,
                                    const std::vector<SourceFunction>& all_channels,
@@ -82,9 +83,8 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
     located.message = [&](Severity severity, const std::string& text) {
       if (execution.message) execution.message(severity, where + ": " + text);
     };
-  std::shared_ptr<const Medium> medium;
   try {
-    medium = loader(flame, folder, channels, located);
+    return loader(flame, folder, channels, located);
   } catch (const InputError& error) {
     if (where.empty() || !error.position().file.empty()) throw;
     throw InputError(position, error.what());
@@ -92,7 +92,6 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
     if (where.empty()) throw;
     throw FileError(where + ": " + error.what());
   }
-  return brightened(std::move(medium), flame.brightness);
 }
 
 /// Tells whether the camera sees a flame whose extent is known only now.
@@ -151,39 +150,86 @@ void warn_of_short_steps(const CompiledScene& compiled, const Execution& executi
 
 using Media = std::vector<std::shared_ptr<const Medium>>;
 
-/// The medium of a flame that another scene has in common with this one, or nullptr.
-std::shared_ptr<const Medium> same_flame(const Scene& scene, std::size_t index,
-                                         const std::vector<SourceFunction>& channels,
-                                         const CompiledScene* like) {
-  if (!like || like->sources != channels || folder_of(like->scene) != folder_of(scene))
-    return nullptr;
-  for (std::size_t i = 0; i < like->flames.size(); ++i)
-    if (like->scene.flames[i] == scene.flames[index]) return like->flames[i];
-  return nullptr;
+/// The flames of a scene, as they were loaded and with their brightness.
+struct Flames {
+  Media loaded, bright;
+  void add(std::shared_ptr<const Medium> medium, const FlameSpec& flame) {
+    loaded.push_back(std::move(medium));
+    bright.push_back(brightened(loaded.back(), flame.brightness));
+  }
+};
+
+/// A flame of an earlier scene that is this one, or this one at another place.
+struct Known {
+  std::shared_ptr<const Medium> loaded, bright;  ///< nullptr: none
+};
+
+/// The flame of another scene as it would be with this one's place and brightness.
+FlameSpec put_in_place_of(const FlameSpec& other, const FlameSpec& flame) {
+  FlameSpec moved = other;
+  moved.position = flame.position;
+  moved.rotation = flame.rotation;
+  moved.scale = flame.scale;
+  moved.brightness = flame.brightness;
+  return moved;
 }
 
-Media load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
-                  const MediumLoader& loader, const Execution& execution,
-                  const PositionMap& positions, const CompiledScene* like) {
-  Media media;
-  for (std::size_t i = 0; i < scene.flames.size(); ++i) {
-    media.push_back(same_flame(scene, i, channels, like));
-    if (!media.back()) media.back() = load(scene, i, loader, channels, execution, positions);
-    check_place(scene, i, media.back().get(), positions, execution);
-    if (media.back()) check_lights_in_smoke(scene, i, *media.back(), positions, execution);
+/// The medium of a flame that an earlier scene has in common with this one, nothing but the place
+/// and the brightness being other ones.
+Known known_flame(const Scene& scene, std::size_t index,
+                  const std::vector<SourceFunction>& channels, const EarlierScenes& earlier) {
+  const FlameSpec& flame = scene.flames[index];
+  const FlameSpec* like = nullptr;
+  Known known;
+  for (const CompiledScene* other : earlier) {
+    if (!other || other->sources != channels || folder_of(other->scene) != folder_of(scene))
+      continue;
+    for (std::size_t i = 0; i < other->flames.size(); ++i) {
+      const FlameSpec& there = other->scene.flames[i];
+      if (!other->loaded[i]) continue;
+      if (there == flame) return {other->loaded[i], other->flames[i]};
+      if (like || !(put_in_place_of(there, flame) == flame)) continue;
+      like = &there;
+      known.loaded = other->loaded[i];
+    }
   }
-  return media;
+  if (!like) return {};
+  if (like->position != flame.position || like->rotation != flame.rotation ||
+      like->scale != flame.scale)
+    known.loaded =
+        known.loaded->placed({flame.scale, {rotation_xyz(flame.rotation), flame.position}});
+  known.bright = brightened(known.loaded, flame.brightness);
+  return known;
+}
+
+Flames load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
+                   const MediumLoader& loader, const Execution& execution,
+                   const PositionMap& positions, const EarlierScenes& earlier) {
+  Flames flames;
+  for (std::size_t i = 0; i < scene.flames.size(); ++i) {
+    if (Known known = known_flame(scene, i, channels, earlier); known.loaded) {
+      flames.loaded.push_back(std::move(known.loaded));
+      flames.bright.push_back(std::move(known.bright));
+    } else {
+      flames.add(load(scene, i, loader, channels, execution, positions), scene.flames[i]);
+    }
+    const Medium* const medium = flames.bright.back().get();
+    check_place(scene, i, medium, positions, execution);
+    if (medium) check_lights_in_smoke(scene, i, *medium, positions, execution);
+  }
+  return flames;
 }
 
 std::shared_ptr<const SurfaceScene> compile_surfaces(const Scene& scene,
                                                      const std::vector<SourceFunction>& emitters,
                                                      const Execution& execution,
                                                      const PositionMap& positions,
-                                                     const CompiledScene* like) {
+                                                     const EarlierScenes& earlier) {
   if (scene.surfaces.empty()) return nullptr;
-  if (like && like->scene.surfaces == scene.surfaces && like->emitters == emitters &&
-      folder_of(like->scene) == folder_of(scene))
-    return like->surfaces;
+  for (const CompiledScene* other : earlier)
+    if (other && other->scene.surfaces == scene.surfaces && other->emitters == emitters &&
+        folder_of(other->scene) == folder_of(scene))
+      return other->surfaces;
   return make_surface_scene(
       scene.surfaces, folder_of(scene), emitters, execution, [&](int surface) {
         return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
@@ -243,44 +289,56 @@ void check_surfaces_beside_windows(const CompiledScene& compiled, const Position
 }
 
 /// The flames in one of their channels: files are not read once more.
-Media flames_of_channel(const Media& flames, int channel, const Scene& scene,
-                        const SourceFunction& source, const MediumLoader& loader,
-                        const Execution& execution, const PositionMap& positions,
-                        const CompiledScene* like) {
-  Media media;
-  for (std::size_t i = 0; i < flames.size(); ++i) {
-    media.push_back(same_flame(scene, i, {source}, like));
-    if (!media.back() && flames[i]) media.back() = flames[i]->single_channel(channel);
-    if (!media.back()) media.back() = load(scene, i, loader, {source}, execution, positions);
+Flames flames_of_channel(const Flames& all, int channel, const Scene& scene,
+                         const SourceFunction& source, const MediumLoader& loader,
+                         const Execution& execution, const PositionMap& positions,
+                         const EarlierScenes& earlier) {
+  Flames flames;
+  for (std::size_t i = 0; i < all.loaded.size(); ++i) {
+    if (Known known = known_flame(scene, i, {source}, earlier); known.loaded) {
+      flames.loaded.push_back(std::move(known.loaded));
+      flames.bright.push_back(std::move(known.bright));
+      continue;
+    }
+    std::shared_ptr<const Medium> medium;
+    if (all.loaded[i]) medium = all.loaded[i]->single_channel(channel);
+    if (!medium) medium = load(scene, i, loader, {source}, execution, positions);
+    flames.add(std::move(medium), scene.flames[i]);
   }
-  return media;
+  return flames;
+}
+
+/// The medium of all flames together.
+std::shared_ptr<const Medium> all_of(const Media& flames, const EarlierScenes& earlier) {
+  if (flames.empty()) return nullptr;
+  if (flames.size() == 1) return flames.front();
+  for (const CompiledScene* other : earlier)
+    if (other && other->flames == flames) return other->medium;
+  return make_composite_medium(flames);
 }
 
 /// Compiles the channels, or what stands for them, once camera and flames are there.
-CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils, Media media,
-                              const std::vector<SourceFunction>& sources,
+CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
+                              Flames flames, const std::vector<SourceFunction>& sources,
                               const std::vector<SourceFunction>& emitters,
                               const Execution& execution, const PositionMap& positions,
-                              const CompiledScene* like) {
+                              const EarlierScenes& earlier) {
   std::vector<Scatterer> scatterers;
-  for (std::size_t i = 0; i < media.size(); ++i)
+  for (std::size_t i = 0; i < flames.bright.size(); ++i)
     if (scene.flames[i].scattering.present())
-      scatterers.push_back({media[i].get(), scene.flames[i].scattering});
-  std::shared_ptr<const Medium> medium;
-  if (media.size() == 1) medium = media.front();
-  if (media.size() > 1)
-    medium = like && like->flames == media ? like->medium : make_composite_medium(Media(media));
+      scatterers.push_back({flames.bright[i].get(), scene.flames[i].scattering});
   CompiledScene compiled{scene,
                          std::move(camera),
                          std::move(pupils),
-                         std::move(medium),
-                         compile_surfaces(scene, emitters, execution, positions, like),
+                         all_of(flames.bright, earlier),
+                         compile_surfaces(scene, emitters, execution, positions, earlier),
                          compile_lights(scene.lights, emitters),
                          {},
                          std::move(scatterers)};
   compiled.sources = sources;
   compiled.emitters = emitters;
-  compiled.flames = std::move(media);
+  compiled.flames = std::move(flames.bright);
+  compiled.loaded = std::move(flames.loaded);
   if (!scene.windows.empty()) compiled.windows = std::make_unique<WindowSet>(scene.windows);
   return compiled;
 }
@@ -302,6 +360,13 @@ CameraSpec at_wavelength(const Camera& solved, double wavelength, const Position
   return spec;
 }
 
+/// The scene with the same camera, or nullptr.
+const CompiledScene* with_camera(const CameraSpec& camera, const EarlierScenes& earlier) {
+  for (const CompiledScene* other : earlier)
+    if (other && other->scene.camera == camera) return other;
+  return nullptr;
+}
+
 /// Tells whether glasses refract alike in both cameras: pupils, which are costly, are the same
 /// then.
 bool have_same_indices(const CameraSpec& a, const CameraSpec& b) {
@@ -315,7 +380,7 @@ bool have_same_indices(const CameraSpec& a, const CameraSpec& b) {
 }  // namespace
 
 CompiledScene compile(const Scene& given, const MediumLoader& loader, const Execution& execution,
-                      const PositionMap& given_positions, const CompiledScene* like,
+                      const PositionMap& given_positions, const EarlierScenes& earlier,
                       const std::vector<IssueCode>& unsaid) {
   auto [scene, positions] = for_camera(SceneDocument{given, given_positions});
   if (changes_with_time(scene)) {
@@ -337,15 +402,15 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
                     100 * nodes.error));
   if (nodes.sources.front().wavelength() > 0)
     scene.camera.wavelength = nodes.sources.front().wavelength();
-  const bool same_camera = like && like->scene.camera == scene.camera;
+  const CompiledScene* const same = with_camera(scene.camera, earlier);
   // Warnings of a camera are among those of validate().
-  Camera camera = same_camera ? like->camera : Camera(scene.camera);
-  PupilSampling pupils = same_camera ? like->pupils : PupilSampling(camera, execution);
-  const Media flames = load_flames(scene, nodes.sources, loader, execution, positions, like);
-  check_flames_beside_windows(scene, flames, positions);
+  Camera camera = same ? same->camera : Camera(scene.camera);
+  PupilSampling pupils = same ? same->pupils : PupilSampling(camera, execution);
+  const Flames flames = load_flames(scene, nodes.sources, loader, execution, positions, earlier);
+  check_flames_beside_windows(scene, flames.bright, positions);
   CompiledScene compiled =
       compile_content(scene, std::move(camera), std::move(pupils), flames, nodes.sources,
-                      nodes.emitters, execution, positions, like);
+                      nodes.emitters, execution, positions, earlier);
   if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
   check_surfaces_beside_windows(compiled, positions);
   compiled.mix = nodes.mix;
@@ -364,19 +429,20 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
     part.camera = at_wavelength(compiled.camera,
                                 wavelength > 0 ? wavelength : design_wavelength(scene), positions);
     set_indices(part.windows, part.camera.wavelength, positions);
-    const CompiledScene* const like_part =
-        like && n < like->dispersed.size() ? &like->dispersed[n] : nullptr;
-    const bool same_part_camera = like_part && like_part->scene.camera == part.camera;
-    Camera part_camera = same_part_camera ? like_part->camera : Camera(part.camera);
-    PupilSampling part_pupils = same_part_camera ? like_part->pupils
+    EarlierScenes earlier_parts;
+    for (const CompiledScene* other : earlier)
+      if (other && n < other->dispersed.size()) earlier_parts.push_back(&other->dispersed[n]);
+    const CompiledScene* const same_part = with_camera(part.camera, earlier_parts);
+    Camera part_camera = same_part ? same_part->camera : Camera(part.camera);
+    PupilSampling part_pupils = same_part ? same_part->pupils
                                 : have_same_indices(part.camera, compiled.camera.spec())
                                     ? compiled.pupils
                                     : PupilSampling(part_camera, quiet);
-    Media part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
-                                          loader, quiet, positions, like_part);
+    Flames part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
+                                           loader, quiet, positions, earlier_parts);
     compiled.dispersed.push_back(compile_content(
         part, std::move(part_camera), std::move(part_pupils), std::move(part_flames),
-        {nodes.sources[n]}, {nodes.emitters[n]}, quiet, positions, like_part));
+        {nodes.sources[n]}, {nodes.emitters[n]}, quiet, positions, earlier_parts));
     compiled.dispersed.back().film_channel = {channel};
     for (const ChannelMix& mix : nodes.part_mixes)
       compiled.dispersed.back().part_mixes.emplace_back(

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/media/voxel_medium.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/scene/compile.h"
 #include "plenoflame/scene/scene_schema.h"
@@ -239,7 +240,7 @@ TEST(Cameras, FlamesAreLoadedOnceAndPicturesAreThoseOfEachCameraAlone) {
   for (const char* name : {"right", "plain"}) {
     const Scene scene = for_camera(document.scene, name);
     loaded = 0;
-    const CompiledScene with_left = compile(scene, counting, {}, {}, &left);
+    const CompiledScene with_left = compile(scene, counting, {}, {}, {&left});
     EXPECT_EQ(loaded, 0) << name;
     EXPECT_EQ(with_left.medium, left.medium);
     const LightField together = picture(with_left), alone = picture(compile(scene));
@@ -249,11 +250,61 @@ TEST(Cameras, FlamesAreLoadedOnceAndPicturesAreThoseOfEachCameraAlone) {
       brightest = std::max(brightest, static_cast<double>(value));
     EXPECT_GT(brightest, 0) << name;
   }
+  // The next frame of the left camera, after the right one's: its camera from its own last frame,
+  // the flames from the other camera's.
+  Scene next = for_camera(document.scene, "right");
+  for (FlameSpec& flame : next.flames) flame.position.y = 1e-3;
+  const CompiledScene right = compile(next, counting);
+  next = for_camera(document.scene, "left");
+  for (FlameSpec& flame : next.flames) flame.position.y = 1e-3;
+  loaded = 0;
+  const CompiledScene later = compile(next, counting, {}, {}, {&left, &right});
+  EXPECT_EQ(loaded, 0);
+  EXPECT_EQ(later.medium, right.medium);
+  EXPECT_EQ(picture(later).channels[0].flux.pixels, picture(compile(next)).channels[0].flux.pixels);
   // Behind a filter a flame is another one; the camera of the same scene is not.
   document.scene.cameras[1].transmission.filter = "400 nm 0.9, 700 nm 0.8";
   loaded = 0;
-  compile(for_camera(document.scene, "right"), counting, {}, {}, &left);
+  compile(for_camera(document.scene, "right"), counting, {}, {}, {&left});
   EXPECT_EQ(loaded, 2);
+}
+
+// A flame of voxels that moves, grows and dims is loaded once.
+TEST(Cameras, FlamesThatMoveKeepTheirVoxels) {
+  VoxelField absorption, temperature;
+  absorption.name = temperature.name = "test";
+  absorption.index_to_world.linear = {{{{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}}}};
+  temperature.index_to_world = absorption.index_to_world;
+  absorption.brick_origins = temperature.brick_origins = {{0, 0, 0}};
+  absorption.values.assign(512, 20);
+  temperature.values.assign(512, 1700);
+  int loaded = 0;
+  const MediumLoader counting = [&](const FlameSpec& flame, const std::string&,
+                                    const std::vector<SourceFunction>& channels, const Execution&) {
+    ++loaded;
+    return make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear, channels, {},
+                             {}, {}, {flame.scale, {rotation_xyz(flame.rotation), flame.position}});
+  };
+  Scene scene = for_camera(three().scene, "left");
+  scene.flames.resize(1);
+  scene.flames[0].kind = FlameKind::vdb;
+  scene.flames[0].file = "test.vdb";
+  scene.flames[0].layers.clear();
+  const CompiledScene first = compile(scene, counting);
+  EXPECT_EQ(loaded, 1);
+  scene.flames[0].position.y += 2e-3;
+  scene.flames[0].scale = 1.5;
+  scene.flames[0].brightness = 0.5;
+  const CompiledScene second = compile(scene, counting, {}, {}, {&first});
+  EXPECT_EQ(loaded, 1);
+  const LightField kept = picture(second), made = picture(compile(scene, counting));
+  EXPECT_EQ(loaded, 2);
+  EXPECT_EQ(kept.channels[0].flux.pixels, made.channels[0].flux.pixels);
+  EXPECT_NE(kept.channels[0].flux.pixels, picture(first).channels[0].flux.pixels);
+  // Another file is another flame.
+  scene.flames[0].file = "other.vdb";
+  compile(scene, counting, {}, {}, {&first, &second});
+  EXPECT_EQ(loaded, 3);
 }
 
 }  // namespace

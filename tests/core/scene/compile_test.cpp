@@ -101,7 +101,7 @@ TEST(Compile, KeepsToItselfWhatTheCallerKnows) {
     int count = 0;
     Execution execution;
     execution.message = [&](Severity, const std::string&) { ++count; };
-    compile(document.scene, load_core_medium, execution, document.positions, nullptr, unsaid);
+    compile(document.scene, load_core_medium, execution, document.positions, {}, unsaid);
     return count;
   };
   EXPECT_EQ(warnings({}), 1);

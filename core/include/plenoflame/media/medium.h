@@ -44,6 +44,12 @@ struct MediumCounters {
   }
 };
 
+/// How a flame's own frame lies in the world: lengths times `scale`, then turned and moved.
+struct FlamePlacement {
+  double scale = 1;
+  RigidTransform frame = {};
+};
+
 struct MediumOptions {
   Isa isa = best_isa();
   bool skip = true;  ///< false: no empty, constant or opaque skipping (for comparison)
@@ -101,6 +107,9 @@ class Medium {
   /// A medium of one of the channels alone, which shares with this one what is large; nullptr from
   /// media that are made anew as fast.
   virtual std::shared_ptr<const Medium> single_channel(int) const { return nullptr; }
+  /// The same flame with another placement, bit for bit as if it had been made there; nullptr from
+  /// media that are made anew as fast.
+  virtual std::shared_ptr<const Medium> placed(const FlamePlacement&) const { return nullptr; }
   /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
   /// surfaces, cell faces), unsorted: between neighbouring values all fields are smooth.
   virtual void append_breakpoints(const Ray& ray, std::vector<double>& t) const = 0;

@@ -60,6 +60,7 @@ inline constexpr std::size_t kMostVoxelLines = 8;
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
 /// `trilinear` (docs/theory.md), stable for any optical thickness.
 /// @param absorption_factors per channel, on the grid's absorption; empty: grey
+/// @param placement of the frame in which the fields' transforms are
 /// @throws InputError for a background other than 0, a singular transform, or NaN or negative
 ///         values (names field and index), a tolerance outside of [0, 1), extras on another lattice
 ///         than the absorption's, more than kMostVoxelLines.
@@ -68,6 +69,7 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
                                           std::vector<SourceFunction> channels,
                                           const VoxelMediumOptions& options = {},
                                           std::vector<double> absorption_factors = {},
-                                          VoxelExtras extras = {});
+                                          VoxelExtras extras = {},
+                                          const FlamePlacement& placement = {});
 
 }  // namespace plenoflame

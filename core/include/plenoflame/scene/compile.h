@@ -21,6 +21,11 @@
 
 namespace plenoflame {
 
+struct CompiledScene;
+/// Scenes that were compiled before. What one of them has in common with a new one is taken over;
+/// nullptr among them is none.
+using EarlierScenes = std::vector<const CompiledScene*>;
+
 /// Makes the medium of one flame, with its spectrum at the channels' wavelengths. Core itself knows
 /// the closed-form kinds; flames in OpenVDB files come from plenoflame::volumes, whose loader the
 /// caller passes in.
@@ -61,6 +66,7 @@ struct CompiledScene {
   /// that other scenes can share what is the same.
   std::vector<SourceFunction> sources = {}, emitters = {};
   std::vector<std::shared_ptr<const Medium>> flames = {};
+  std::vector<std::shared_ptr<const Medium>> loaded = {};  ///< these before FlameSpec::brightness
   /// Where filters cover parts of the stop: the same for the rays through each of them
   /// (PupilFilters::part_at()); `mix` is their mean over the stop. Empty: `mix` holds for all.
   std::vector<ChannelMix> part_mixes = {};
@@ -87,14 +93,14 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 /// checks where they lie. Warnings go to execution.message, with their place in the scene file.
 /// @param scene with one camera (cameras.h chooses it); a list of a single one is as good
 /// @param positions of the scene's keys in its file, for messages
-/// @param like a scene from which is taken over, not compiled again, whatever this one has in
-/// common with it: the camera with its pupils, each flame, the surfaces. What is traced has the
-/// same bits either way. Files must not have changed since. nullptr: none
+/// @param earlier scenes from which is taken over, not compiled again, whatever this one has in
+/// common with any of them: the camera with its pupils, each flame, the surfaces. Flames of voxels
+/// that lie elsewhere, have another scale or another brightness keep their voxels. What is traced
+/// has the same bits either way. Files must not have changed since
 /// @param unsaid warnings that do not matter for what the caller does with the scene
 /// @throws InputError, FileError
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
                       const Execution& execution = {}, const PositionMap& positions = {},
-                      const CompiledScene* like = nullptr,
-                      const std::vector<IssueCode>& unsaid = {});
+                      const EarlierScenes& earlier = {}, const std::vector<IssueCode>& unsaid = {});
 
 }  // namespace plenoflame

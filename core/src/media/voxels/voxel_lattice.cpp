@@ -23,12 +23,29 @@ bool is_plain(int word) {
 
 }  // namespace
 
-Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation)
-    : index_to_world_(primary.field().index_to_world),
+Lattice::Lattice(const FieldReader& primary, VoxelInterpolation interpolation,
+                 const FlamePlacement& placement)
+    : index_to_flame_(primary.field().index_to_world),
+      field_(primary.field().name),
       one_value_per_cell_(interpolation == VoxelInterpolation::constant) {
+  set_placement(placement);
+}
+
+void Lattice::set_placement(const FlamePlacement& placement) {
+  AffineTransform scaled = index_to_flame_;
+  for (Vec3& row : scaled.linear.rows) row = placement.scale * row;
+  scaled.translation = placement.scale * scaled.translation;
+  index_to_world_ = {placement.frame.rotation * scaled.linear,
+                     placement.frame.point(scaled.translation)};
   // A voxel reaches half a spacing to each side of its sample.
   if (one_value_per_cell_) index_to_world_.translation = index_to_world_.point({-0.5, -0.5, -0.5});
-  world_to_index_ = inverse(index_to_world_, primary.field().name);
+  world_to_index_ = inverse(index_to_world_, field_);
+}
+
+Lattice Lattice::placed(const FlamePlacement& placement) const {
+  Lattice moved = *this;
+  moved.set_placement(placement);
+  return moved;
 }
 
 namespace {
@@ -103,8 +120,9 @@ class Window {
 
 Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader* temperature,
                                Index temperature_shift, const std::vector<ExtraField>& extras,
-                               VoxelInterpolation interpolation, const StepPlanner& steps) {
-  Lattice lattice(absorption, interpolation);
+                               VoxelInterpolation interpolation, const StepPlanner& steps,
+                               const FlamePlacement& placement) {
+  Lattice lattice(absorption, interpolation, placement);
   if (temperature) lattice.background_temperature_ = temperature->field().background;
   std::vector<Index> bricks;
   add_touched(absorption, {}, 0, lattice.one_value_per_cell_, bricks);
@@ -114,8 +132,9 @@ Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader*
   return lattice;
 }
 
-Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation) {
-  Lattice lattice(temperature, interpolation);
+Lattice Lattice::of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation,
+                                const FlamePlacement& placement) {
+  Lattice lattice(temperature, interpolation, placement);
   lattice.background_temperature_ = temperature.field().background;
   std::vector<Index> bricks;
   add_touched(temperature, {}, temperature.field().background, lattice.one_value_per_cell_, bricks);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <string>
 #include <vector>
 
 #include "media/field_reader.h"
@@ -26,9 +27,13 @@ class Lattice {
   /// temperature_shift belongs to sample i; without a temperature field only absorption is stored.
   static Lattice of_absorption(const FieldReader& absorption, const FieldReader* temperature,
                                Index temperature_shift, const std::vector<ExtraField>& extras,
-                               VoxelInterpolation interpolation, const StepPlanner& steps);
+                               VoxelInterpolation interpolation, const StepPlanner& steps,
+                               const FlamePlacement& placement);
   /// Cells where `temperature` differs from its background.
-  static Lattice of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation);
+  static Lattice of_temperature(const FieldReader& temperature, VoxelInterpolation interpolation,
+                                const FlamePlacement& placement);
+  /// A copy that lies elsewhere: nothing that is stored depends on the place or the scale.
+  Lattice placed(const FlamePlacement& placement) const;
 
   /// (temperature, absorption) at an index coordinate; the background outside of stored bricks.
   std::array<double, 2> sample(Vec3 index) const;
@@ -74,7 +79,9 @@ class Lattice {
   std::array<float, 2> temperature_range() const { return temperature_range_; }
 
  private:
-  Lattice(const FieldReader& primary, VoxelInterpolation interpolation);
+  Lattice(const FieldReader& primary, VoxelInterpolation interpolation,
+          const FlamePlacement& placement);
+  void set_placement(const FlamePlacement& placement);
   void store(const std::vector<Index>& bricks, const FieldReader* absorption,
              const FieldReader* temperature, Index temperature_shift,
              const std::vector<ExtraField>& extras, const StepPlanner* steps);
@@ -88,6 +95,8 @@ class Lattice {
   Corners corners(Vec3 index) const;
   int entry(Index brick) const;
 
+  AffineTransform index_to_flame_;  ///< of the samples, in the flame's own frame
+  std::string field_;               ///< its name, for messages
   AffineTransform index_to_world_, world_to_index_;
   bool one_value_per_cell_ = false;
   float background_temperature_ = 0;

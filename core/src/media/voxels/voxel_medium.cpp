@@ -216,9 +216,10 @@ class VoxelMedium final : public Medium, public CellSampling {
  public:
   VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras)
+              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
+              const FlamePlacement& placement)
       : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
-                    std::move(channels), options, std::move(factors), extras) {}
+                    std::move(channels), options, std::move(factors), extras, placement) {}
 
   /// One channel of another one, on the same lattices. Cells are cut as all channels need it.
   VoxelMedium(const VoxelMedium& whole, std::size_t channel)
@@ -234,8 +235,29 @@ class VoxelMedium final : public Medium, public CellSampling {
         double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
         bounds_(whole.bounds_) {}
 
+  /// Another one elsewhere.
+  VoxelMedium(const VoxelMedium& other, const FlamePlacement& placement)
+      : channels_(other.channels_),
+        factors_(other.factors_),
+        line_weights_(other.line_weights_),
+        share_fields_(other.share_fields_),
+        constant_(other.constant_),
+        shared_cells_(std::make_shared<const voxel::Lattice>(other.cells_.placed(placement))),
+        cells_(*shared_cells_),
+        temperature_(other.temperature_ ? std::make_shared<const voxel::Lattice>(
+                                              other.temperature_->placed(placement))
+                                        : nullptr),
+        single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
+        double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()) {
+    if (!cells_.empty()) set_bounds();
+  }
+
   std::shared_ptr<const Medium> single_channel(int channel) const override {
     return std::make_shared<VoxelMedium>(*this, static_cast<std::size_t>(channel));
+  }
+
+  std::shared_ptr<const Medium> placed(const FlamePlacement& placement) const override {
+    return std::make_shared<VoxelMedium>(*this, placement);
   }
 
   int channel_count() const override { return static_cast<int>(channels_.size()); }
@@ -332,16 +354,17 @@ class VoxelMedium final : public Medium, public CellSampling {
 
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras)
+              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
+              const FlamePlacement& placement)
       : VoxelMedium(temperature, absorption, interpolation, std::move(channels), options,
-                    std::move(factors), extras,
+                    std::move(factors), extras, placement,
                     shift_between(temperature.field().index_to_world,
                                   absorption.field().index_to_world, temperature.field().name)) {}
 
   VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
               const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
-              const std::optional<Index>& shift)
+              const FlamePlacement& placement, const std::optional<Index>& shift)
       : channels_(std::move(channels)),
         factors_(grey_or_checked(std::move(factors), channels_.size())),
         line_weights_(extras.weights),
@@ -349,11 +372,11 @@ class VoxelMedium final : public Medium, public CellSampling {
         constant_(interpolation == VoxelInterpolation::constant),
         shared_cells_(std::make_shared<const voxel::Lattice>(voxel::Lattice::of_absorption(
             absorption, shift ? &temperature : nullptr, shift.value_or(Index{}), extras.fields,
-            interpolation, voxel::StepPlanner(channels_, options.tolerance)))),
+            interpolation, voxel::StepPlanner(channels_, options.tolerance), placement))),
         cells_(*shared_cells_),
         temperature_(shift ? nullptr
-                           : std::make_shared<const voxel::Lattice>(
-                                 voxel::Lattice::of_temperature(temperature, interpolation))),
+                           : std::make_shared<const voxel::Lattice>(voxel::Lattice::of_temperature(
+                                 temperature, interpolation, placement))),
         single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
         double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()) {
     if (!cells_.empty()) set_bounds();
@@ -579,7 +602,7 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
                                           std::vector<SourceFunction> channels,
                                           const VoxelMediumOptions& options,
                                           std::vector<double> absorption_factors,
-                                          VoxelExtras extras) {
+                                          VoxelExtras extras, const FlamePlacement& placement) {
   if (!(options.tolerance >= 0 && options.tolerance < 1))
     throw InputError("the voxel medium's tolerance must be at least 0 and below 1");
   if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
@@ -590,7 +613,7 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
   const Extras fields(extras, absorption, channels.size());
   fields.scatter(absorption);
   return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels),
-                                       options, std::move(absorption_factors), fields);
+                                       options, std::move(absorption_factors), fields, placement);
 }
 
 }  // namespace plenoflame
