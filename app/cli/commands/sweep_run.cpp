@@ -146,7 +146,7 @@ void make_run(const SweepPlan& plan, int run, SweepWorker& worker, std::mutex& a
       const RenderSettings how = render_settings_of(picture.options, picture.document.scene);
       const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
         worker.last = compile(scene, loader, execution, picture.document.positions,
-                              worker.last ? &*worker.last : nullptr);
+                              {worker.last ? &*worker.last : nullptr});
         return *worker.last;
       };
       const std::vector<SceneMoment> moments = picture.moments();

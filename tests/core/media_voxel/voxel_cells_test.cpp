@@ -125,7 +125,7 @@ TEST(VoxelCells, AFlameThatIsMovedIsTheOneMadeThere) {
       EXPECT_EQ(moved->bounds().upper, made->bounds().upper);
       EXPECT_EQ(moved->feature_size(), made->feature_size());
       for (int k = 0; k < 20; ++k) {
-        const Vec3 p{1e-3 * k, 6.3e-3, 7.1e-3};
+        const Vec3 p{0.7e-3 * k + 0.3e-3, 6.3e-3, 7.1e-3};
         double emission = 0, expected = 0;
         const Vec3 world = there.frame.rotation * (there.scale * p) + there.frame.translation;
         const double seen = moved->coefficients(world, &emission);

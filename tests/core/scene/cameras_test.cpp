@@ -273,7 +273,7 @@ TEST(Cameras, FlamesAreLoadedOnceAndPicturesAreThoseOfEachCameraAlone) {
 TEST(Cameras, FlamesThatMoveKeepTheirVoxels) {
   VoxelField absorption, temperature;
   absorption.name = temperature.name = "test";
-  absorption.index_to_world.linear = {{{{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}}}};
+  absorption.index_to_world.linear = {{{{8e-3, 0, 0}, {0, 8e-3, 0}, {0, 0, 8e-3}}}};
   temperature.index_to_world = absorption.index_to_world;
   absorption.brick_origins = temperature.brick_origins = {{0, 0, 0}};
   absorption.values.assign(512, 20);
@@ -290,6 +290,7 @@ TEST(Cameras, FlamesThatMoveKeepTheirVoxels) {
   scene.flames[0].kind = FlameKind::vdb;
   scene.flames[0].file = "test.vdb";
   scene.flames[0].layers.clear();
+  scene.flames[0].position = {1, -0.028, -0.028};
   const CompiledScene first = compile(scene, counting);
   EXPECT_EQ(loaded, 1);
   scene.flames[0].position.y += 2e-3;

@@ -109,6 +109,36 @@ TEST(Compile, KeepsToItselfWhatTheCallerKnows) {
   EXPECT_EQ(warnings({IssueCode::no_flame}), 0);
 }
 
+TEST(Compile, LightThatPassesWindowsStraightHasACode) {
+  const std::string plate = R"([camera]
+preset = "paper-plenoptic2"
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+[[windows]]
+shape = "plate"
+position = ["0.4 m", "0 m", "0 m"]
+rotation = ["0 deg", "90 deg", "0 deg"]
+diameter = "80 mm"
+thickness = "6 mm"
+index = 1.46
+)";
+  const auto straight = [](const std::string& text) {
+    int count = 0;
+    for (const SceneIssue& issue : validate(parse_scene(text, "s.toml")))
+      count += issue.code == IssueCode::straight_light && !issue.is_error;
+    return count;
+  };
+  const auto ball = [](double reflectivity) {
+    return "[[surfaces]]\nshape = \"sphere\"\nposition = [\"1.2 m\", \"0 m\", \"0 m\"]\n"
+           "radius = \"10 mm\"\n[surfaces.material]\nkind = \"lambertian\"\nreflectivity = " +
+           std::to_string(reflectivity) + "\n";
+  };
+  EXPECT_EQ(straight(plate), 0);
+  EXPECT_EQ(straight(plate + ball(0.5)), 1);
+  EXPECT_EQ(straight(plate + ball(0)), 0);
+}
+
 TEST(Compile, FlameOfAFileInTheCamera) {
   // The camera stands at the origin and looks along x.
   EXPECT_EQ(outcome(grid_scene(), in_box({{-0.5, -1, -1}, {2, 1, 1}})),

@@ -10,7 +10,8 @@ namespace plenoflame {
 /// What an issue is about, for callers that treat some of them otherwise than others.
 enum class IssueCode {
   other,
-  no_flame,  ///< nothing emits light
+  no_flame,        ///< nothing emits light
+  straight_light,  ///< windows do not refract light on its way to what sends it on
 };
 
 /// Something about a scene that is impossible (error) or probably not meant (warning).

@@ -1,7 +1,6 @@
 #include "plenoflame/media/voxel_medium.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include "media/absorption_factors.h"
 #include "media/source_fit.h"
 #include "media/voxels/cell_sampling.h"
+#include "media/voxels/unscattered_share.h"
 #include "media/voxels/voxel_lattice.h"
 #include "plenoflame/base/error.h"
 
@@ -42,28 +42,6 @@ std::optional<Index> shift_between(const AffineTransform& temperature,
   return shift;
 }
 
-/// The share of the extinction that is not scattered, from a field of albedos.
-VoxelField share_of(const VoxelField& albedo) {
-  VoxelField share = albedo;
-  const auto turn = [&](float& value, const std::string& where) {
-    if (!(value >= 0 && value < 1))
-      throw InputError(
-          fmt::format("field '{}': the albedo {} is {:g}; it must be at least 0 and "
-                      "below 1",
-                      albedo.name, where, value));
-    value = static_cast<float>(1 - static_cast<double>(value));
-  };
-  turn(share.background, "of the background");
-  for (std::size_t v = 0; v < share.values.size(); ++v) {
-    float& value = share.values[v];
-    if (value >= 0 && value < 1)  // no text for every voxel
-      turn(value, "");
-    else
-      turn(value, fmt::format("at index ({})", fmt::join(voxel::index_of(share, v), ", ")));
-  }
-  return share;
-}
-
 /// Fields on the samples of the absorption.
 class Extras {
  public:
@@ -78,7 +56,7 @@ class Extras {
         throw InputError("an emission line's weight must be a number of at least 0");
     readers_.reserve(extras.lines.size() + 1);
     if (extras.albedo) {
-      share_ = share_of(*extras.albedo);
+      share_ = voxel::unscattered_share(*extras.albedo);
       add(share_, absorption, false);
     }
     for (const VoxelField& line : extras.lines) {

@@ -159,7 +159,8 @@ void check_windows(const Scene& scene, Issues& issues) {
     issues.warning("windows",
                    "light on its way from its source to a surface or to smoke that sends it on "
                    "passes the windows straight and without loss; only rays of the camera are "
-                   "refracted");
+                   "refracted",
+                   IssueCode::straight_light);
 }
 
 }  // namespace plenoflame
