@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/render/estimators_agree.h"
 #include "core/render/stream_picture.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
@@ -83,41 +84,7 @@ Scene scene_behind(const std::vector<WindowSpec>& windows) {
 class ThroughWindows : public ::testing::TestWithParam<std::vector<WindowSpec>> {};
 
 TEST_P(ThroughWindows, BothEstimatorsMakeOnePicture) {
-  const CompiledScene scene = compile(scene_behind(GetParam()));
-  RenderSettings settings;
-  settings.samples = 256;
-  settings.replicates = 8;
-  const RenderResult backward = render(scene, settings);
-  settings.estimator = Estimator::forward;
-  settings.samples = 1'000'000;
-  const RenderResult forward = render(scene, settings);
-  constexpr int kBlock = 10;
-  double squares = 0, total = 0, variance = 0, other = 0;
-  int blocks = 0;
-  for (int top = 0; top < 60; top += kBlock)
-    for (int left = 0; left < 60; left += kBlock) {
-      double b = 0, f = 0, v = 0;
-      for (int row = top; row < top + kBlock; ++row)
-        for (int column = left; column < left + kBlock; ++column) {
-          const LightFieldChannel& from = backward.light_field.channels[0];
-          const LightFieldChannel& to = forward.light_field.channels[0];
-          b += static_cast<double>(from.flux.at(column, row));
-          f += static_cast<double>(to.flux.at(column, row));
-          v += std::pow(static_cast<double>(from.standard_error.at(column, row)), 2) +
-               std::pow(static_cast<double>(to.standard_error.at(column, row)), 2);
-        }
-      total += f;
-      other += b;
-      variance += v;
-      if (!(f > 0) || !(v > 0)) continue;
-      ++blocks;
-      squares += (b - f) * (b - f) / v;
-      EXPECT_TRUE(within_standard_errors(b, f, std::sqrt(v), 5)) << left << ", " << top;
-    }
-  EXPECT_GT(blocks, 8);
-  EXPECT_LT(squares / blocks, 2.5);
-  EXPECT_LT(std::sqrt(variance), 0.01 * total);
-  EXPECT_TRUE(within_standard_errors(other, total, std::sqrt(variance), 4));
+  expect_estimators_agree(compile(scene_behind(GetParam())));
 }
 
 // Microlenses and pixels that are left out, because what straight beams might see of the scene has
