@@ -98,47 +98,5 @@ TEST(VoxelCells, PlacesOfACellAreThoseOfEachAlone) {
                   3);
 }
 
-// The reference: the same fields with the whole transform in them, made anew; and the flame where
-// it was, at the place that goes to the world's place by the formula s R p + t.
-TEST(VoxelCells, AFlameThatIsMovedIsTheOneMadeThere) {
-  const AffineTransform cells = scaled(1e-3), own = scaled(1.5e-3, {2e-4, 0, 0});
-  const VoxelField absorption = noise({-3, 0, 1}, {15, 12, 13}, 10, 90, cells, 1);
-  const FlamePlacement first{1, {{}, {0.1, 0, 0}}};
-  const FlamePlacement there{1.25, {rotation_xyz({0.3, -0.2, 0.5}), {0.9, 0.05, -0.02}}};
-  const auto anew = [&](VoxelField field) {
-    AffineTransform& t = field.index_to_world;
-    for (Vec3& row : t.linear.rows) row = there.scale * row;
-    t.linear = there.frame.rotation * t.linear;
-    t.translation = there.frame.point(there.scale * t.translation);
-    return field;
-  };
-  for (const AffineTransform& hot : {cells, own})
-    for (const auto kind : {VoxelInterpolation::trilinear, VoxelInterpolation::constant}) {
-      const VoxelField temperature = noise({-3, 0, 1}, {15, 12, 13}, 1200, 1900, hot, 2);
-      const std::vector<SourceFunction> channels{SourceFunction::total()};
-      const auto here =
-          make_voxel_medium(temperature, absorption, kind, channels, {}, {}, {}, first);
-      const auto moved = here->placed(there);
-      const auto made = make_voxel_medium(anew(temperature), anew(absorption), kind, channels);
-      ASSERT_TRUE(moved);
-      EXPECT_EQ(moved->bounds().lower, made->bounds().lower);
-      EXPECT_EQ(moved->bounds().upper, made->bounds().upper);
-      EXPECT_EQ(moved->feature_size(), made->feature_size());
-      for (int k = 0; k < 20; ++k) {
-        const Vec3 p{0.7e-3 * k + 0.3e-3, 6.3e-3, 7.1e-3};
-        double emission = 0, expected = 0;
-        const Vec3 world = there.frame.rotation * (there.scale * p) + there.frame.translation;
-        const double seen = moved->coefficients(world, &emission);
-        EXPECT_TRUE(
-            relative(seen, here->coefficients(p + first.frame.translation, &expected), 1e-9));
-        EXPECT_TRUE(relative(emission, expected, 1e-9));
-        Vec3 direction = world - Vec3{0, 0, 0.01};
-        direction = (1 / length(direction)) * direction;
-        EXPECT_EQ(integrate_reference(*moved, {{0, 0, 0.01}, direction}, 0, 2),
-                  integrate_reference(*made, {{0, 0, 0.01}, direction}, 0, 2));
-      }
-    }
-}
-
 }  // namespace
 }  // namespace plenoflame::test::voxel_cells_test
