@@ -21,7 +21,7 @@ shot() { # NAME [options and file]
   shift
   [ "$wanted" = "  " ] || [[ "$wanted" == *" $name "* ]] || return 0
   xvfb-run -a -s "-noreset -screen 0 1920x1200x24" "$desktop" "$@" --screenshot "$folder/$name.png"
-  convert "$folder/$name.png" -strip -colors 255 "PNG8:docs/images/$name.png"
+  convert "$folder/$name.png" -strip +dither -colors 255 "PNG8:docs/images/$name.png"
   echo "docs/images/$name.png"
 }
 
