@@ -116,6 +116,21 @@ std::array<double, 3> point_option(std::string_view option, const std::string& t
   return {part(0, first), part(first + 1, second), part(second + 1, text.size())};
 }
 
+Box box_option(std::string_view option, const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos)
+    throw UsageError(std::string(option) +
+                     ": two corners of a box are wanted, 'X,Y,Z:X,Y,Z' with units, not '" + text +
+                     "'");
+  const auto a = point_option(option, text.substr(0, colon));
+  const auto b = point_option(option, text.substr(colon + 1));
+  const Box box{{std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])},
+                {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
+  if (box.lower.x == box.upper.x || box.lower.y == box.upper.y || box.lower.z == box.upper.z)
+    throw UsageError(std::string(option) + ": the box '" + text + "' has no volume");
+  return box;
+}
+
 void check_not_overwritten(std::string_view option, const std::string& output,
                            const std::string& input) {
   std::error_code ignored;

@@ -7,6 +7,7 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/image/image.h"
+#include "plenoflame/math/vector.h"
 #include "readable.h"
 
 namespace plenoflame {
@@ -31,6 +32,10 @@ std::array<int, 2> pair_option(std::string_view option, const std::string& text,
 
 /// A point of the world [m]: three lengths, "1 m, 0 m, -29 mm". @throws UsageError
 std::array<double, 3> point_option(std::string_view option, const std::string& text);
+
+/// A box by two of its corners, "1 m, 0 m, 0 mm : 2 m, 1 m, 5 mm" [m].
+/// @throws UsageError for anything else, and for a box without volume
+Box box_option(std::string_view option, const std::string& text);
 
 /// Refuses to write over a file that is read. @throws UsageError when both are the same file
 void check_not_overwritten(std::string_view option, const std::string& output,

@@ -58,7 +58,7 @@ class DrawingTest : public test::SceneFixture {
     const Box box = scene().medium->bounds();
     const double true_share = length(flame_middle()) / (box.upper.z - box.lower.z);
     QVERIFY(true_share > 10 && share() < 0.35 * true_share);
-    // What is clicked is where it is in the world, not in the drawing.
+    // A clicked point is at its place in the world, not in the drawing.
     QTest::mouseClick(scene3d(), Qt::LeftButton, {}, seen_at(flame_middle()));
     QVERIFY(selection().kind == Selection::Kind::point);
     QVERIFY(length(selection().point - flame_middle()) < 0.6 * (box.upper.z - box.lower.z));

@@ -290,7 +290,7 @@ class SelectionTest : public test::SceneFixture {
       different << colours.back().name();
     }
     QVERIFY(different.size() >= 2);
-    // What the view draws, to scale: lines, each with a colour of its own.
+    // Lines of the view, to scale, each with a colour of its own.
     child<QAction>("shortenGaps")->setChecked(false);
     auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
     vtkPropCollection* const props =

@@ -27,21 +27,6 @@ struct CompileArguments {
   bool json = false, quiet = false;
 };
 
-/// "X,Y,Z:X,Y,Z", two corners.
-Box region_option(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos)
-    throw UsageError("--region: two corners of a box are wanted, 'X,Y,Z:X,Y,Z' with units, not '" +
-                     text + "'");
-  const auto a = point_option("--region", text.substr(0, colon));
-  const auto b = point_option("--region", text.substr(colon + 1));
-  const Box box{{std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])},
-                {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
-  if (box.lower.x == box.upper.x || box.lower.y == box.upper.y || box.lower.z == box.upper.z)
-    throw UsageError("--region: the box '" + text + "' has no volume");
-  return box;
-}
-
 CompileSettings checked(const CompileArguments& arguments) {
   CompileSettings settings;
   if (!arguments.error.empty()) {
@@ -51,7 +36,7 @@ CompileSettings checked(const CompileArguments& arguments) {
                        arguments.error + "'");
   }
   if (!arguments.window.empty()) settings.window = window_option("--window", arguments.window);
-  if (!arguments.region.empty()) settings.region = region_option(arguments.region);
+  if (!arguments.region.empty()) settings.region = box_option("--region", arguments.region);
   if (!arguments.margin.empty()) {
     settings.margin = quantity_option("--margin", arguments.margin, Dimension::length);
     if (!(settings.margin >= 0)) throw UsageError("--margin: a length of at least 0 is wanted");

@@ -98,7 +98,7 @@ int run_sweep(const SweepArguments& arguments, const std::stop_token& stop) {
       if (execution.progress) execution.progress(progress);
     });
   } catch (const Cancelled&) {
-    // What was done stays, as below.
+    // Runs that are done stay, as below.
   }
   bar.finish();
   if (stop.stop_requested() && done < left.size()) {

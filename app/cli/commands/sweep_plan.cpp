@@ -73,21 +73,6 @@ std::array<int, 3> lattice_option(const std::string& text) {
   return count;
 }
 
-/// "X,Y,Z:X,Y,Z", two corners.
-Box box_option(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos)
-    throw UsageError("--region: two corners of a box are wanted, 'X,Y,Z:X,Y,Z' with units, not '" +
-                     text + "'");
-  const auto a = point_option("--region", text.substr(0, colon));
-  const auto b = point_option("--region", text.substr(colon + 1));
-  const Box box{{std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])},
-                {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}};
-  if (box.lower.x == box.upper.x || box.lower.y == box.upper.y || box.lower.z == box.upper.z)
-    throw UsageError("--region: the box '" + text + "' has no volume");
-  return box;
-}
-
 /// The box around the flames of the scene as it stands.
 Box box_of_flames(const RenderOptions& options) {
   RenderOptions one = options;
@@ -106,7 +91,7 @@ Box box_of_flames(const RenderOptions& options) {
 TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& options) {
   TruthLattice lattice;
   lattice.count = lattice_option(arguments.lattice);
-  lattice.box = !arguments.region.empty() ? box_option(arguments.region)
+  lattice.box = !arguments.region.empty() ? box_option("--region", arguments.region)
                 : options.compiled_camera ? options.compiled_camera->region
                                           : box_of_flames(options);
   return lattice;
@@ -197,7 +182,7 @@ void check_run(const SweepPlan& plan, int run) {
   }
 }
 
-/// What pictures in one array must have in common.
+/// Properties that pictures in one array must share.
 std::string shape_of(const SweepPlan& plan, int run) {
   std::string text;
   for (const Picture& picture : pictures_of(plan.options_of(run))) {

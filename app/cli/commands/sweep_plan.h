@@ -27,7 +27,7 @@ struct GeneratedFlame {
   std::map<std::string, std::string> values;
 };
 
-/// What a run is to be: the scene's values, and flames that are generated, by their number.
+/// Settings of one run: values of the scene, and flames that are generated, by their number.
 struct RunSettings {
   std::vector<std::string> set;  ///< as of --set, the sweep's own first
   std::map<int, GeneratedFlame> flames;

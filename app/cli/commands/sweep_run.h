@@ -8,7 +8,8 @@
 
 namespace plenoflame::cli {
 
-/// What one worker keeps from run to run: what the next scene has in common with the last.
+/// State that one worker keeps from run to run: the next scene takes over what it shares with the
+/// last.
 struct SweepWorker {
   std::optional<CompiledScene> last;
 };

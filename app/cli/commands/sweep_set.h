@@ -6,7 +6,7 @@
 
 namespace plenoflame::cli {
 
-/// Whether a run's files are all there: its record is written with them.
+/// True if a run's files are all there: its record is written with them.
 bool run_is_done(const std::string& folder, int run);
 
 /// Writes index.csv of a set whose runs are all there and, for HDF5, set.h5, which takes the place

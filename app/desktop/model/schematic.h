@@ -27,7 +27,7 @@ class Schematic {
 
   bool is_to_scale() const { return gaps_.empty(); }
   const std::vector<Gap>& gaps() const { return gaps_; }
-  /// Where a point of the world is drawn.
+  /// The place at which a point of the world is drawn.
   Vec3 place(const Vec3& world) const;
   /// The point of the axis at this distance of the drawing [m].
   Vec3 on_axis(double drawn) const { return origin_ + drawn * axis_; }

@@ -21,7 +21,7 @@ class FlameLookEditor : public QWidget {
   explicit FlameLookEditor(Document& document, QWidget* parent = nullptr);
   /// Temperatures that the flame has where it absorbs [K].
   void set_flame_range(double coldest, double hottest);
-  /// What stands behind the curve of opacity, see OpacityCurve.
+  /// The histogram behind the curve of opacity, see OpacityCurve.
   void set_histogram(double coldest, double hottest, std::vector<double> shares);
 
  private:

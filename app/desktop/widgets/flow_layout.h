@@ -5,7 +5,7 @@
 namespace plenoflame::desktop {
 
 /// Widgets side by side on as many lines as they need, so that a narrow panel hides none of them.
-/// What may grow sideways shares what its line has left.
+/// Widgets that may grow sideways share the room that is left in their line.
 class FlowLayout : public QLayout {
  public:
   explicit FlowLayout(QWidget* parent);

@@ -380,7 +380,7 @@ void SceneView::show_part(Part part) {
   render();
 }
 
-/// What decides about the gaps has changed.
+/// The gaps are found anew: something that they depend on has changed.
 void SceneView::draw_to_scale() {
   update_schematic();
   if (geometry_) {

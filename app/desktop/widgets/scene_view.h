@@ -76,7 +76,7 @@ class SceneView : public QWidget {
   double measured() const;
   /// How the whole scene is drawn now: with shortened gaps, or to scale.
   const Schematic& schematic() const { return schematic_; }
-  /// Where handles to move things by are [m] world; the last one is the camera's. None unless
+  /// Places of the handles that move things [m] world; the last one is the camera's. None unless
   /// *Move* is on.
   std::vector<Vec3> handles() const;
 

@@ -19,7 +19,7 @@
 #include "widgets/scene_geometry.h"
 #include "widgets/scene_view_parts.h"
 
-// What of the 3-D view is not to scale, and the handles that flames and cameras are dragged by.
+// The 3-D view's schematic, which is not to scale, and the handles that drag flames and cameras.
 namespace plenoflame::desktop {
 namespace {
 

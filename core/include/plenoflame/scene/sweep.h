@@ -10,7 +10,7 @@
 /// Sweeps: many runs of one scene, each with values of its own for some of the scene's keys.
 namespace plenoflame {
 
-/// What a run gives a key of the scene.
+/// The value that a run gives to a key of the scene.
 struct SweepValue {
   std::string key;          ///< path as SceneSettings::values has it
   std::string value;        ///< as text, with its unit

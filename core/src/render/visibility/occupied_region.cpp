@@ -28,7 +28,7 @@ Box nothing() {
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 }
 
-/// What rays that see a box cross in its place where the lens has no distortion: bounds and
+/// The box that rays cross in its place where the lens has no distortion: bounds and
 /// footprints of beams are without it.
 Box undistorted(const Camera& camera, Box box) {
   constexpr double kPupilRoom = 1.5;  // pupils of real lenses move and grow off axis
