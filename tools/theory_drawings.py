@@ -1,16 +1,18 @@
 #!/usr/bin/python3
 """Makes the drawings of docs/theory: docs/images/theory-*.png. From the formulas of the chapters, not to scale.
 
-    tools/theory_drawings.py            needs matplotlib (Debian: python3-matplotlib)
+    tools/theory_drawings.py            needs matplotlib and SciPy (Debian: python3-matplotlib, python3-scipy)
 """
 
 import math
 import pathlib
+import random
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+import scipy.stats  # noqa: E402
 
 IMAGES = pathlib.Path(__file__).resolve().parent.parent / "docs" / "images"
 INK, OPEN, CUT = "#222222", "#2a6fb0", "#c0392b"
@@ -257,9 +259,198 @@ def rings_drawing():
     save(figure, "rings")
 
 
+def way(axes, a, b, colour, style="-", lw=1.1):
+    """A straight way of light from a to b, with its direction in the middle."""
+    middle = (0.55 * b[0] + 0.45 * a[0], 0.55 * b[1] + 0.45 * a[1])
+    axes.plot([a[0], b[0]], [a[1], b[1]], color=colour, lw=lw, ls=style)
+    axes.annotate("", xy=middle, xytext=a, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 0, "mutation_scale": 11})
+
+
+def flame_shape(axes, x, y, width, height):
+    turn = [math.pi * k / 60 for k in range(121)]
+    axes.fill([x + width * math.sin(t) * math.sin(t / 2) for t in turn], [y + height * math.cos(t) for t in turn],
+              color="#f5b971", alpha=0.7, lw=0)
+
+
+def circle(axes, x, y, radius, **style):
+    turn = [2 * math.pi * k / 200 for k in range(201)]
+    axes.plot([x + radius * math.cos(t) for t in turn], [y + radius * math.sin(t) for t in turn], **style)
+
+
+def lit_point(axes):
+    """The light that a point of a surface sends towards the camera, term by term."""
+    p = (0.0, 0.0)
+    axes.plot([-3.2, 3.4], [0, 0], color=INK, lw=2)
+    axes.fill_between([-3.2, 3.4], -0.22, 0, color="#d9d9d9", lw=0)
+    axes.annotate("", xy=(0, 1.3), xytext=p, arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 0.9})
+    axes.text(0.07, 1.32, "n", fontsize=9)
+    camera, lamp = (-3.6, 2.3), (-1.5, 3.3)
+    way(axes, p, camera, OPEN, lw=1.5)
+    axes.text(camera[0] - 0.1, camera[1] + 0.08, "camera", fontsize=9, ha="right")
+    axes.text(-2.5, 1.12, "L_o", fontsize=9, color=OPEN, ha="center")
+    axes.plot(*lamp, "*", color=CUT, ms=10)
+    axes.text(lamp[0], lamp[1] + 0.2, "lamp: shadow ray, I cos / d^2", fontsize=8, ha="center")
+    way(axes, lamp, p, CUT)
+    flame_shape(axes, 1.0, 2.6, 0.5, 0.9)
+    end = (1.0 * 1.75, 2.45 * 1.75)
+    way(axes, end, p, "#d98324")
+    axes.plot([0.84], [2.06], "o", color=INK, ms=3)
+    axes.text(1.62, 2.75, "flame: a point gives the direction,\nthe whole line counts", fontsize=8, va="center")
+    sky = (4.0, 1.35)
+    way(axes, sky, p, "#3f8f4f", "--")
+    axes.text(sky[0] + 0.1, sky[1], "next point or surroundings:\nby the cosine", fontsize=8, va="center")
+    arc = [0.9 * k / 20 for k in range(21)]
+    turn = math.atan2(sky[0], sky[1])
+    axes.plot([0.75 * math.sin(turn * a / 0.9) for a in arc], [0.75 * math.cos(turn * a / 0.9) for a in arc], color=INK, lw=0.7)
+    axes.text(0.42, 0.78, "theta", fontsize=8)
+    axes.text(-0.05, -0.5, "p", fontsize=9)
+    axes.set_title("Light that leaves a point of a surface", fontsize=10)
+    plain(axes)
+
+
+def own_root(axes):
+    """A ray that starts on a curved part: the root nearer to 0 is its start."""
+    radius, start, direction = 1.3, math.radians(200), math.radians(35)
+    circle(axes, 0, 0, radius, color=INK, lw=1.2)
+    o = (radius * math.cos(start), radius * math.sin(start))
+    d = (math.cos(direction), math.sin(direction))
+    far = -2 * (o[0] * d[0] + o[1] * d[1])  # o lies on the circle: t (t + 2 o.d) = 0
+    at = lambda t: (o[0] + t * d[0], o[1] + t * d[1])  # noqa: E731
+    axes.plot(*zip(at(-0.9), at(0)), color="#888888", lw=0.8, ls="--")
+    way(axes, o, at(far), OPEN)
+    axes.plot(*zip(at(far), at(far + 0.9)), color="#888888", lw=0.8, ls="--")
+    axes.plot(*o, "o", color=CUT, ms=5)
+    axes.plot(*at(far), "o", color=OPEN, ms=5)
+    axes.text(o[0] - 0.2, o[1] + 0.2, "start: the root nearer to 0,\nleft out", fontsize=8, color=CUT, ha="right", va="bottom")
+    axes.text(at(far)[0] + 0.62, at(far)[1] - 0.02, "the other root counts,\nhowever near", fontsize=8, color=OPEN, va="top")
+    foot = (at(far / 2)[0], at(far / 2)[1])
+    axes.plot([0, foot[0]], [0, foot[1]], color=INK, lw=0.8)
+    axes.plot([0], [0], "+", color=INK)
+    axes.text(foot[0] / 2 + 0.08, foot[1] / 2, "|o - (o.d) d|", fontsize=8, va="center")
+    axes.set_title("A ray from a curved part", fontsize=10)
+    plain(axes)
+
+
+def surfaces_drawing():
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), width_ratios=(1.35, 1))
+    lit_point(left)
+    own_root(right)
+    save(figure, "surfaces")
+
+
+def forward_drawing():
+    """One energy bundle: its place from a grid of cells, its direction from the cone around the front surface, its end on the sensor."""
+    figure, axes = plt.subplots(figsize=(10, 3.4))
+    cell, columns, rows, left, low = 0.42, 4, 7, -1.0, -1.35
+    for i in range(columns):
+        for j in range(rows):
+            x, y = left + (i + 0.5) * cell, low + (j + 0.5) * cell
+            share = math.exp(-((x + 0.16) / 0.42) ** 2 - ((y - 0.1) / 0.85) ** 2)
+            axes.fill([x - cell / 2, x + cell / 2, x + cell / 2, x - cell / 2], [y - cell / 2, y - cell / 2, y + cell / 2, y + cell / 2],
+                      color="#f5a742", alpha=0.08 + 0.8 * share, lw=0.4, ec="#bbbbbb")
+    axes.text(left + columns * cell / 2, low + rows * cell + 0.12, "cells: share of the emission", fontsize=9, ha="center")
+    x, lens, radius, sensor, image = (-0.05, 0.35), 6.0, 1.15, 9.0, -0.22
+    half = [radius * k / 20 for k in range(-20, 21)]
+    for side in (-1, 1):
+        axes.plot([lens + side * 0.16 * (1 - (u / radius) ** 2) for u in half], half, color=INK, lw=1.2)
+    middle = lens - 0.16
+    circle(axes, lens, 0, radius, color="#888888", lw=0.8, ls="--")
+    distance = math.hypot(lens - x[0], x[1])
+    axis, opening = math.atan2(-x[1], lens - x[0]), math.asin(radius / distance)
+    for side in (-1, 1):
+        turn, reach = axis + side * opening, distance * math.cos(opening)
+        axes.plot([x[0], x[0] + reach * math.cos(turn)], [x[1], x[1] + reach * math.sin(turn)], color="#888888", lw=0.8)
+    hit = (middle, 0.45)
+    way(axes, x, hit, OPEN, lw=1.4)
+    way(axes, hit, (sensor, image), OPEN, lw=1.4)
+    missed = axis + 0.93 * opening
+    end = (x[0] + 5.6 * math.cos(missed), x[1] + 5.6 * math.sin(missed))
+    axes.plot([x[0], end[0]], [x[1], end[1]], color=CUT, lw=1)
+    axes.text(end[0] - 0.1, end[1] + 0.14, "h = 0", fontsize=9, color=CUT, ha="right")
+    axes.plot(*x, "o", color=INK, ms=4)
+    axes.text(x[0] + 0.02, x[1] - 0.3, "x", fontsize=10, ha="center")
+    axes.text(2.5, 0.08, "e^-tau(x, camera)", fontsize=9, color=OPEN)
+    axes.text(2.6, -0.75, "cone around the sphere:\nits solid angle is the weight", fontsize=8, ha="center", va="top", color="#555555")
+    axes.plot([sensor, sensor], [-1.35, 1.35], color=INK, lw=2)
+    axes.plot([sensor, sensor], [image - 0.12, image + 0.12], color=CUT, lw=4, solid_capstyle="butt")
+    axes.text(sensor + 0.15, image, "pixel: h = 1", fontsize=9, va="center")
+    axes.text(sensor, 1.5, "sensor", fontsize=9, ha="center")
+    axes.text(lens, 1.35, "front surface", fontsize=9, ha="center")
+    axes.set_xlim(-1.3, 10.6)
+    axes.set_ylim(-1.7, 2.0)
+    plain(axes)
+    save(figure, "forward")
+
+
+def sobol_points(count, bits=16):
+    """The first points of the Sobol' sequence in two dimensions (Joe and Kuo's direction numbers), as whole numbers of `bits` bits."""
+    first = [1 << (bits - 1 - k) for k in range(bits)]
+    second = [1 << (bits - 1)]
+    for k in range(1, bits):
+        second.append(second[-1] ^ second[-1] >> 1)
+    points = []
+    for n in range(count):
+        x = y = 0
+        for k in range(bits):
+            if n >> k & 1:
+                x, y = x ^ first[k], y ^ second[k]
+        points.append((x, y))
+    return points
+
+
+def scrambled(points, seed, bits=16):
+    """Owen's nested uniform scrambling: each bit is flipped or not by chance, anew for each value of those before it."""
+    flips = random.Random(seed)
+    drawn = {}
+    scramble = []
+    for point in points:
+        new = []
+        for d, value in enumerate(point):
+            mixed = 0
+            for k in range(bits):
+                above = (d, k, value >> (bits - k))
+                if above not in drawn:
+                    drawn[above] = flips.getrandbits(1)
+                mixed |= (value >> (bits - 1 - k) & 1 ^ drawn[above]) << (bits - 1 - k)
+            new.append((mixed + 0.5) / 2 ** bits)
+        scramble.append(tuple(new))
+    return scramble
+
+
+def errors_drawing():
+    """Scrambled points of two randomisations in their elementary intervals; the limit over the stated error."""
+    figure, (one, other, right) = plt.subplots(1, 3, figsize=(11, 3.5), width_ratios=(1, 1, 1.45))
+    points = sobol_points(16)
+    for axes, seed, across, down in ((one, 3, 4, 4), (other, 8, 16, 1)):
+        for k in range(across + 1):
+            axes.plot([k / across, k / across], [0, 1], color="#bbbbbb", lw=0.7)
+        for k in range(down + 1):
+            axes.plot([0, 1], [k / down, k / down], color="#bbbbbb", lw=0.7)
+        axes.plot(*zip(*scrambled(points, seed)), "o", color=OPEN if axes is one else CUT, ms=4)
+        plain(axes)
+    one.set_title("A randomisation: 16 points,\none in each elementary interval", fontsize=9)
+    other.set_title("Another one; so are intervals\nof other shapes", fontsize=9)
+    pixels = [10 ** (3.0 * k / 60) for k in range(61)]
+    for randomisations, colour in ((2, CUT), (4, OPEN), (16, "#3f8f4f")):
+        right.loglog(pixels, [math.sqrt(scipy.stats.f.ppf(0.95, n, n * (randomisations - 1))) for n in pixels], color=colour,
+                     label=f"R = {randomisations}")
+    right.set_ylim(0.9, 20)
+    right.set_yticks([1, 2, 5, 10], ["1", "2", "5", "10"])
+    right.minorticks_off()
+    right.grid(True, color="#dddddd", lw=0.6)
+    right.set_xlabel("n: pixels that make the error", fontsize=9)
+    right.set_ylabel("limit / stated error", fontsize=9)
+    right.legend(fontsize=8, frameon=False)
+    right.set_title("sqrt F_0.95(n, n (R - 1))", fontsize=10)
+    save(figure, "errors")
+
+
 pupil_drawing()
 interval_drawing()
 cardinal_drawing()
 measurement_drawing()
 window_drawing()
 rings_drawing()
+surfaces_drawing()
+forward_drawing()
+errors_drawing()
