@@ -1,7 +1,11 @@
-// How often the stated bound of the error holds: over many seeds, in every example. Prints lines
+// The share of pictures in which the stated bound of the error holds: over many seeds, in every
+// example. Prints lines
 //   coverage | scene | window | samples | replicates | seeds | share | median of bound over error
-// from which tests/stress/write_numerics.py makes a table of docs/numerics.md.
-//   bounds_of_examples FOLDER [SECONDS]   FOLDER: the examples with their flames
+//   left out | scene | window | samples | replicates | reason
+// from which tests/stress/write_numerics.py makes a table of docs/numerics.md. The columns between
+// scene and reason are "-" where no picture could be made.
+//   bounds_of_examples PATH [SECONDS]   PATH: a scene, or the folder of the examples with their
+//                                       flames; SECONDS of a row, at most
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -59,8 +63,15 @@ double seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
+void leave_out(const std::string& name, const std::string& row, const std::string& reason) {
+  std::printf("left out | %s | %s | %s\n", name.c_str(), row.c_str(), reason.c_str());
+  std::fflush(stdout);
+}
+
 void look(const CompiledScene& scene, const std::string& name, const PixelWindow& window,
           const Way& way, double limit) {
+  const std::string row = std::to_string(window.width) + " | " + std::to_string(way.samples) +
+                          " | " + std::to_string(way.replicates);
   RenderSettings settings;
   settings.samples = way.samples;
   settings.replicates = way.replicates;
@@ -68,7 +79,11 @@ void look(const CompiledScene& scene, const std::string& name, const PixelWindow
   const double start = seconds();
   render(scene, settings, one());
   const double each = std::max(seconds() - start, 1e-6);
-  if (each * (kLeastRuns + kReferenceFactor) > limit) return;  // takes too long to be told of
+  if (each * (kLeastRuns + kReferenceFactor) > limit) {
+    char reason[64];
+    std::snprintf(reason, sizeof reason, "%.2g s a picture", each);
+    return leave_out(name, row, reason);
+  }
   const int seeds =
       static_cast<int>(std::min(static_cast<double>(kMostSeeds), limit / each - kReferenceFactor));
   const Truth truth(scene, settings, static_cast<int>(kReferenceFactor) * way.samples);
@@ -81,15 +96,13 @@ void look(const CompiledScene& scene, const std::string& name, const PixelWindow
     below += error <= run.statistics.relative_error_bound ? 1 : 0;
     if (error > 0) widths.push_back(run.statistics.relative_error_bound / error);
   }
-  if (widths.empty()) return;  // no light, or none of it by chance
-  std::printf("coverage | %s | %d | %d | %d | %d | %.3f | %.2f\n", name.c_str(), window.width,
-              way.samples, way.replicates, seeds, static_cast<double>(below) / seeds,
-              median(widths));
+  if (widths.empty()) return leave_out(name, row, "no light, or no error");
+  std::printf("coverage | %s | %s | %d | %.3f | %.2f\n", name.c_str(), row.c_str(), seeds,
+              static_cast<double>(below) / seeds, median(widths));
   std::fflush(stdout);
 }
 
-void look_at(const std::string& path, double limit) {
-  const std::string file = std::filesystem::path(path).stem().string();
+void look_at(const std::string& path, const std::string& file, double limit) {
   const SceneDocument document = read_scene_file(path);
   const std::string camera = camera_names(document.scene).front();  // the others see much the same
   const CompiledScene scene = compile(for_camera(document.scene, camera), load_medium, one());
@@ -104,16 +117,26 @@ void look_at(const std::string& path, double limit) {
 
 int main(int count, char** arguments) {
   if (count < 2) return 2;
-  std::vector<std::string> scenes;
-  for (const auto& entry : std::filesystem::directory_iterator(arguments[1]))
-    if (entry.path().extension() == ".toml") scenes.push_back(entry.path().string());
-  std::sort(scenes.begin(), scenes.end());
+  namespace files = std::filesystem;
+  std::vector<files::path> scenes;
+  if (files::is_directory(arguments[1])) {
+    for (const auto& entry : files::directory_iterator(arguments[1]))
+      if (entry.path().extension() == ".toml") scenes.push_back(entry.path());
+    std::sort(scenes.begin(), scenes.end());
+  } else {
+    scenes.emplace_back(arguments[1]);
+  }
   const double limit = count > 2 ? std::atof(arguments[2]) : 20;
-  for (const std::string& scene : scenes) try {
-      plenoflame::test::look_at(scene, limit);
+  for (const files::path& scene : scenes) {
+    const std::string name = scene.stem().string();
+    try {
+      plenoflame::test::look_at(scene.string(), name, limit);
     } catch (const std::exception& error) {
-      std::fprintf(stderr, "%s: %s\n", scene.c_str(), error.what());
-      return 1;
+      std::string reason = error.what();  // one line, without the columns' separator
+      std::replace(reason.begin(), reason.end(), '\n', ' ');
+      std::replace(reason.begin(), reason.end(), '|', '/');
+      plenoflame::test::leave_out(name, "- | - | -", reason);
     }
+  }
   return 0;
 }

@@ -3,9 +3,11 @@
 
     write_numerics.py --output docs/numerics.md STRESS_TEST...
     write_numerics.py --output docs/numerics.md --bounds bounds_of_examples EXAMPLES
+    write_numerics.py --output docs/numerics.md --bounds-printed FILE
 
 The second form measures in how many pictures the true error is below the stated bound, in every example of a folder, whose flames
-(.vdb) must be there (tests/statistical/bounds_of_examples.cpp; minutes), and leaves the rest of the page as it is.
+(.vdb) must be there (tests/statistical/bounds_of_examples.cpp; minutes), and leaves the rest of the page as it is; the third takes what
+that program printed, for runs in parts, each of a scene.
 The first runs the executables, collects their lines "stress | area | case | reference | worst | bound | at"
 (tests/stress/stress_table.h) and writes one table per area; draws the lines "order | ..." of the voxel
 suite. Needs python3-matplotlib.
@@ -46,8 +48,8 @@ BOUNDS_TITLE = "\n## How often the stated bound of the error holds\n"
 BOUNDS = BOUNDS_TITLE + """
 Made by `write_numerics.py --bounds` (tests/stress) over all examples: pictures of that many seeds, one by one, each held against one of 64 times the
 samples, in the brightest window of 48 x 48 and of 8 x 8 pixels. "below 95 % limit" is the share of them whose true relative RMSE lies below
-the stated limit ([Errors](theory/errors.md)), with its standard error; shares below 93 % are bold. "wide" is the median of limit over true error. Examples
-that take more than SECONDS a row are left out.
+the stated limit ([Errors](theory/errors.md)), with its standard error; shares below 93 % are bold. "wide" is the median of limit over true error. Rows
+that would take more than SECONDS are named below the table.
 
 | example | side [pixels] | samples | randomisations | pictures | below 95 % limit | wide |
 |---|---|---|---|---|---|---|
@@ -56,15 +58,31 @@ that take more than SECONDS a row are left out.
 
 def bounds_section(program, folder, seconds):
     done = subprocess.run([program, folder, str(seconds)], capture_output=True, text=True)
-    rows = [line.split(" | ")[1:] for line in done.stdout.splitlines() if line.startswith("coverage | ")]
-    if done.returncode != 0 or not rows:
-        sys.exit(f"{program} failed or printed no pictures:\n{done.stderr[-2000:]}")
+    if done.returncode != 0:
+        sys.exit(f"{program} failed:\n{done.stderr[-2000:]}")
+    return bounds_text(done.stdout, seconds)
+
+
+def bounds_text(printed, seconds):
+    """The section of the page, of what the program printed."""
+    rows = [line.split(" | ")[1:] for line in printed.splitlines() if line.startswith("coverage | ")]
+    left_out = {}
+    for line in printed.splitlines():
+        if line.startswith("left out | "):
+            scene, *row, reason = line.split(" | ")[1:]
+            left_out.setdefault(scene, []).append((row, reason))
+    if not rows:
+        sys.exit("no pictures were made:\n" + printed[-2000:])
     text = BOUNDS.replace("SECONDS", f"{seconds:g} s")
     for scene, side, samples, replicates, pictures, share, wide in rows:
         share, error = float(share), 100 * (float(share) * (1 - float(share)) / int(pictures)) ** 0.5
         told = f"{100 * share:.1f} +- {error:.1f} %"
         text += f"| {scene} | {side} | {samples} | {replicates} | {pictures} | " \
                 f"{'**' + told + '**' if share < 0.93 else told} | {wide} |\n"
+    if left_out:
+        text += "\nNot measured (side, samples, randomisations):\n\n"
+    for scene, of_scene in left_out.items():
+        text += f"- {scene}: " + "; ".join(f"{', '.join(row)}: {reason}" if row[0] != "-" else reason for row, reason in of_scene) + "\n"
     return text
 
 
@@ -113,6 +131,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--output", required=True)
     parser.add_argument("--bounds", nargs=2, metavar=("PROGRAM", "EXAMPLES"))
+    parser.add_argument("--bounds-printed", metavar="FILE")
     parser.add_argument("--seconds", type=float, default=20, help="for a row of the table of bounds, at most")
     parser.add_argument("tests", nargs="*", metavar="STRESS_TEST")
     options = parser.parse_args()
@@ -120,6 +139,9 @@ def main():
     rest, title, bounds = before.partition(BOUNDS_TITLE)
     if options.bounds:
         return write(options.output, rest + bounds_section(*options.bounds, options.seconds))
+    if options.bounds_printed:
+        with open(options.bounds_printed) as file:
+            return write(options.output, rest + bounds_text(file.read(), options.seconds))
     if not options.tests:
         parser.error("no STRESS_TEST")
     areas, orders = {}, []
