@@ -62,7 +62,7 @@ class Cameras(CommandTest):
             scene = self.succeeds("info", f"out-{name}.exr", "--scene")
             self.assertIn(f'[camera]\nname = "{name}"\n', scene)
             self.assertNotIn("cameras", scene)
-        # What follows a picture knows its camera.
+        # Commands that take a picture know its camera.
         truth = self.succeeds("truth", "out-side.exr", "-o", "side.csv")
         self.assertIn("micro-images", truth)
         self.succeeds("views", "out-side.exr", "-o", "views")

@@ -86,7 +86,7 @@ TEST(DamagedResults, RayPaths) {
     write_ray_paths(path, two_rays());
     const std::string whole = read_bytes(path);
     const std::string what = "ray paths (." + ending + ")";
-    // Of a .vtp file only the tags are read: much of the damage goes to the numbers between them.
+    // Only the tags of a .vtp file are read: much of the damage goes to the numbers between them.
     const LeastShares least = ending == "vtp" ? LeastShares{0.1, 0.05} : LeastShares{};
     read_damaged_text(
         what.c_str(), {whole}, 2,

@@ -140,7 +140,7 @@ class Design(CommandTest):
     def test_messages(self):
         self.fails(2, "design", mentions="SCENE")
         self.fails(1, "design", "none.toml", mentions="none.toml")
-        # What a scene says itself is not taken from the command line, and not ignored either.
+        # A value that the scene states is not taken from the command line, and not ignored either.
         self.write("scene.toml", '[camera]\npreset = "paper-plenoptic2"\n')
         for option in (("--field", "14 deg"), ("--distance", "1 m"), ("--wavelength", "450 nm"), ("--paraxial-focus",)):
             self.fails(2, "design", "scene.toml", *option, mentions=[option[0], "for a lens alone"])

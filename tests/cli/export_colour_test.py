@@ -72,7 +72,7 @@ class ExportColour(CommandTest):
         self.assertNotIn("colours", self.export("libpleno", "--channel", "ir"))
         _, _, _, channels, rows, _ = self.picture("libpleno")
         self.assertTrue(all(row[3 * x] == row[3 * x + 1] == row[3 * x + 2] for row in rows for x in range(160)))
-        # What holds one channel stays as it was.
+        # Formats that hold one channel stay as they were.
         self.assertNotIn("colours", self.export("npz"))
         self.fails(2, "export", "raw.exr", "--format", "npz", "-o", "n", "--channels", "red,green,blue", mentions="one channel")
         self.fails(2, "export", "raw.exr", "--format", "hci", "-o", "n", "--channels", "red,green", mentions="three names")

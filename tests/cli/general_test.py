@@ -17,7 +17,7 @@ class General(CommandTest):
         text = self.succeeds("--version")
         self.assertRegex(text, r"\Aplenoflame \d+\.\d+\.\d+ \((commit [0-9a-f]{10}( with changes)?; )?parts: light fields[^\n]*; "
                          r"instruction set: (baseline|avx2|avx512)\)\n\Z")
-        # What is said to be there is there.
+        # Parts that are said to be there are there.
         for part, names in (("OpenVDB", ["flame"]), ("VTK", ["picture", "flame import"])):
             for name in names:
                 lists = self.succeeds("--help") if " " not in name else self.succeeds(name.split()[0], "--help")

@@ -90,7 +90,7 @@ class Reconstruct(CommandTest):
         self.assertGreater(found["largest_emission"], 0)
         self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "8,16",
                          "--absorption", "scene", "-o", "found.vdb")
-        # What was found can be rendered as any flame.
+        # The flame that was found can be rendered as any other.
         scene = self.read("front.toml").decode().replace("candle.vdb", "found.vdb").replace(
             '"1 m", "0 m", "-16 mm"', '"0 m", "0 m", "0 m"')
         self.write("again.toml", scene)

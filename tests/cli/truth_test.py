@@ -168,7 +168,7 @@ absorption = "20 1/m"
                 continue
             weight, x, y = seen[k]
             self.assertLess(abs(weight / total / share - 1), 0.05, row)
-            # Of lenses at the rim of the beam the speck, which is no point, lights another part.
+            # The speck, which is no point, lights another part of lenses at the rim of the beam.
             whole = share > 0.0765
             self.assertLess(math.hypot(x / weight - places[k][0], y / weight - places[k][1]), 0.03 if whole else 0.15, row)
             chief = float(row["column"]), float(row["row"])

@@ -35,7 +35,7 @@ inline void close_popups() {
     QApplication::activePopupWidget()->close();
 }
 
-/// What the title and texts of a widget say, for a message.
+/// The title and texts of a widget, for a message.
 QString words_of(const QWidget& widget);
 
 /// Answers menus and dialogs. Each of them runs an event loop of its own, which ends when somebody

@@ -1,4 +1,5 @@
-// How values become colours. References: closed forms, and the published ends of the colour maps.
+// The way from values to colours. References: closed forms, and the published ends of the colour
+// maps.
 #include "model/image_display.h"
 #include "model/schematic.h"
 

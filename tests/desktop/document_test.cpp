@@ -26,7 +26,7 @@ namespace {
 using plenoflame::test::relative;
 using plenoflame::test::TemporaryFolder;
 
-/// What the command prints on standard error about a file, and its status.
+/// The text that the command prints on standard error about a file, and its status.
 std::string run_command(const std::string& arguments, int& status) {
   FILE* const pipe =
       popen((std::string(PLENOFLAME_COMMAND) + " " + arguments + " 2>&1").c_str(), "r");
@@ -299,7 +299,7 @@ TEST_F(DocumentTest, RefusedValueChangesNothingAndSaysWhatTheCommandSays) {
     int status = 0;
     const std::string command = run_command("info " + folder.file("wrong.toml"), status);
     EXPECT_NE(status, 0);
-    // What is wrong is said in the same words; the command adds where it stands.
+    // Faults are named in the same words; the command adds their place in the file.
     const std::size_t key = said.find(w.key);
     const std::string words = said.substr(key == std::string::npos ? 0 : key);
     EXPECT_NE(command.find(words), std::string::npos) << command << "\nwithout: " << words;

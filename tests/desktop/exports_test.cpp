@@ -100,7 +100,7 @@ class ExportsTest : public test::WindowFixture {
       const bool dated = name.endsWith(".h5") || name.endsWith(".vox");
       if (differing > (dated ? 64 : 0)) return complain(name);
     }
-    // What the tool cannot be told is said here, too.
+    // Properties that the tool cannot be told are named here, too.
     for (const std::string& note : expected.notes)
       if (!window_->last_message().contains(QString::fromStdString(note)))
         return complain(window_->last_message());

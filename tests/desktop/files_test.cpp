@@ -127,7 +127,7 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(settled());
     session().document().save(file("mine.toml").toStdString());
     write_light_field(file("raw.exr").toStdString(), *session().document().image());
-    // What was opened last is open in the end, however long the other one takes.
+    // The file that was opened last is open in the end, however long the other one takes.
     QVERIFY(window_->open(file("raw.exr")));
     QVERIFY(window_->open(file("mine.toml")));
     QVERIFY(written());
@@ -150,7 +150,7 @@ class FilesTest : public test::WindowFixture {
     QCOMPARE(session().document().scene().camera.focus.object_distance, 1.25);
     QVERIFY(!then);
     window_->set_unattended(true);
-    // What is to be done with a file comes after it is there.
+    // Work that waits for a file begins after it is there.
     QVERIFY(window_->open(file("raw.exr"), [&] {
       then = session().document().image() && session().document().file().empty();
     }));

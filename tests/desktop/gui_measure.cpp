@@ -1,4 +1,4 @@
-// How long things take that somebody waits for; run by hand, see docs/benchmarks.md. Nothing here
+// Times of everything that somebody waits for; run by hand, see docs/benchmarks.md. Nothing here
 // passes or fails.
 #include <malloc.h>
 #include <sys/resource.h>
@@ -27,7 +27,7 @@
 namespace plenoflame::desktop::test {
 namespace {
 
-/// What the calling thread waited for processors that others had, on Linux.
+/// Time that the calling thread waited for processors that others had, on Linux.
 double waited() {
   std::ifstream file("/proc/thread-self/schedstat");
   double ran = 0, waiting = 0;

@@ -91,7 +91,7 @@ class HandlingTest : public test::SceneFixture {
     press(Qt::Key_Z, Qt::ControlModifier);
     QCOMPARE(position().y, before.y);
     QCOMPARE(position().x, 1.25);
-    // What is refused stays at its place.
+    // A refused text stays at its place.
     type("flames[0].position.z", "3 kg");
     QCOMPARE(model().find("flames[0].position.z", ParameterModel::kValue).data().toString(),
              QString("3 kg"));

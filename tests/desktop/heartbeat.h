@@ -1,4 +1,4 @@
-// How long the window's thread did not turn to events.
+// Measures the longest time in which the window's thread did not turn to events.
 #pragma once
 #include <QObject>
 #include <QTimer>
@@ -17,7 +17,7 @@ inline double milliseconds(clockid_t clock) {
 inline double wall() {
   return milliseconds(CLOCK_MONOTONIC);
 }
-/// Of the calling thread: what it worked, not what it waited for others.
+/// Processor time of the calling thread, without its waits for others.
 inline double worked() {
   return milliseconds(CLOCK_THREAD_CPUTIME_ID);
 }

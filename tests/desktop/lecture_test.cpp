@@ -181,7 +181,7 @@ class LectureTest : public test::SceneFixture {
     QVERIFY(until([&] { return right->image() && right->image()->largest() > 0; }));
     QVERIFY(std::abs(right->image()->largest() / left->image()->largest() / 2.0F - 1) < 1e-5F);
     QCOMPARE(left->tone_settings().white, right->tone_settings().white);
-    // What is seen of one is seen of the other.
+    // Both views show the same part.
     left->set_scale(7);
     left->centre_on(50, 60);
     QVERIFY(std::abs(right->scale() - 7) < 1e-9 && std::abs(right->centre().x() - 50) < 1e-9);

@@ -1,4 +1,4 @@
-// How the flame is drawn, and from where; the section's parts; bars of colours;
+// The drawing of the flame, and its viewpoint; the section's parts; bars of colours;
 // one view alone. References: where points of the world are seen, the values of
 // the image, the design's own lines.
 #include <QAction>

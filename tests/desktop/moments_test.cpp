@@ -1,4 +1,4 @@
-// What is shown is right at every moment: after a broken file, a refused value, an edit, another
+// The display is right at every moment: after a broken file, a refused value, an edit, another
 // theme. References: the scene's file, the command's messages, the picture that a run ends with.
 #include <QComboBox>
 #include <QDir>
@@ -172,7 +172,7 @@ class MomentsTest : public test::SceneFixture {
              1.25);
     press(Qt::Key_S, Qt::ControlModifier);
     QVERIFY(window_->statusBar()->currentMessage().contains("not taken"));
-    // What is being typed when the keys for saving come is saved.
+    // A text that is being typed when the keys for saving come is saved.
     ScenePanel& panel = window_->scene_panel();
     panel.reveal("camera.focus.object_distance");
     QTest::keyClick(&panel.tree(), Qt::Key_F2);

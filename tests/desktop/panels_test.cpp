@@ -122,8 +122,8 @@ class PanelsTest : public test::WindowFixture {
       QVERIFY(edit->styleSheet().contains("b3261e"));
       QCOMPARE(window_->light_field_panel().depth(), 1.0);
     }
-    // What is typed is what counts, between the slider's steps and beyond them, and stays when
-    // there is another picture of the same camera.
+    // The typed number is the one that counts, between the slider's steps and beyond them, and
+    // stays when there is another picture of the same camera.
     auto* views = &session().light_field();
     for (const double typed : {1.0001, 7.5}) {
       edit->setFocus();
@@ -312,7 +312,7 @@ class PanelsTest : public test::WindowFixture {
   void unsavedSceneIsRecovered() {
     QVERIFY(window_->open_example("lenslets-30"));
     session().document().set_value("camera.focus.object_distance", "1.3 m");
-    // What a program that ended badly leaves: its copy, with the number of a process that is gone.
+    // A program that ended badly leaves its copy, with the number of a process that is gone.
     QProcess gone;
     gone.start("true", QStringList());
     const qint64 process = gone.processId();

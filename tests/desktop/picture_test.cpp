@@ -1,4 +1,4 @@
-// What the image view and the light-field panel show, and how the flame is drawn. References: sums
+// The image view, the light-field panel and the drawing of the flame. References: sums
 // over the document's image.
 #include <QAction>
 #include <QComboBox>

@@ -1,4 +1,4 @@
-// What is selected shows everywhere, and can be selected everywhere, by real clicks. References:
+// A selection shows everywhere, and can be made everywhere, by real clicks. References:
 // the camera's frame as docs/reference defines it, written out here. Runs on a screen of double
 // density, too: places on widgets are logical pixels, what VTK draws is not.
 #include <QVTKOpenGLNativeWidget.h>
@@ -280,7 +280,7 @@ class SelectionTest : public test::SceneFixture {
     QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(40, 40));
     QVERIFY(rays_are_there());
     QVERIFY(settled());
-    // What the table says of each ray, by colours that raysAreColouredByHowTheyEnd() checks.
+    // The table's words for each ray, by colours that raysAreColouredByHowTheyEnd() checks.
     const RayPaths& paths = session().rays().rays()->paths;
     std::vector<QColor> colours;
     QSet<QString> different;

@@ -1,4 +1,4 @@
-// What is computed in the background. References: the command, sums over rays, closed forms.
+// The computations in the background. References: the command, sums over rays, closed forms.
 #include "model/session.h"
 
 #include <gtest/gtest.h>
@@ -140,7 +140,7 @@ TEST_F(SessionTest, ViewsThatAreWantedLateAreOfAWholePass) {
     EXPECT_EQ(session_.render().state(), RenderJob::State::running);
     session_.set_views_wanted(true);
     EXPECT_EQ(session_.light_field().field(), whole);
-    // What is broken off is seen in them, too: nothing better comes by itself.
+    // A run that was broken off is seen in them, too: nothing better comes by itself.
     session_.render().stop();
   });
   ASSERT_TRUE(wait_for([&] { return wanted; }));

@@ -1,4 +1,4 @@
-// What the views show and how they are moved, by the pointer and by keys. References: the light
+// The views' contents and their movement, by the pointer and by keys. References: the light
 // field, the medium, places in the camera's frame as docs/reference defines it.
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkActor.h>
@@ -51,7 +51,7 @@ class ViewsTest : public test::SceneFixture {
     }
     return nullptr;
   }
-  /// Whether it is the present image: 99.9 % of the lit pixels not white, a power of 1 / 2.2.
+  /// Tells if it shows the present image: 99.9 % of the lit pixels not white, a power of 1 / 2.2.
   bool sensor_shows_the_image() {
     vtkImageData* const texture = sensor_texture();
     if (!texture) return false;
@@ -143,7 +143,7 @@ class ViewsTest : public test::SceneFixture {
     QVERIFY(view().view_height() < 0.9 * height);
     wheel(scene3d(), middle, -3);
     QVERIFY(std::fabs(view().view_height() / height - 1) < 1e-6);
-    // What lies in the plane of the middle moves with the pointer.
+    // A point in the plane of the middle moves with the pointer.
     QVERIFY(part(Qt::Key_2));
     const Vec3 centre = middle_of_the_view();
     const QPointF at = view().to_widget(centre);
@@ -200,7 +200,8 @@ class ViewsTest : public test::SceneFixture {
       return shown.pixel(section().to_widget(z, height).toPoint());
     };
     const QRgb back = at(0.5, 0.02);
-    // Where it absorbs, and nowhere else; without the border, which is smooth.
+    // The medium is seen at the places at which it absorbs, and nowhere else; without the border,
+    // which is smooth.
     int inside = 0, outside = 0, wrong = 0;
     for (double z = 0.94; z < 1.06; z += 0.004)
       for (double height = -0.045; height < 0.045; height += 0.004) {

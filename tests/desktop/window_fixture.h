@@ -131,7 +131,7 @@ class WindowFixture : public QObject {
   void when_shown(std::function<void(Dialog&)> act) {
     answers_.when_shown<Dialog>(std::move(act));
   }
-  /// What a program prints; fails when it does.
+  /// The output of a program; fails when the program does.
   QString run(const QString& program, const QStringList& arguments) {
     QProcess process;
     process.start(program, arguments);

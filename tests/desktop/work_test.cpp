@@ -1,4 +1,4 @@
-// What is done in the background, what is said about it, and what goes wrong. References: the
+// Work in the background, messages about it, and its failures. References: the
 // messages and figures of the command.
 #include <unistd.h>
 
@@ -28,7 +28,7 @@ using plenoflame::desktop::test::difference;
 class WorkTest : public test::SceneFixture {
   Q_OBJECT
 
-  /// What the command says on standard error, and that it fails.
+  /// The command's line on standard error; it must fail.
   QString refusal(const QStringList& arguments) {
     QProcess process;
     process.start(PLENOFLAME_COMMAND, arguments);

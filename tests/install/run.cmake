@@ -14,7 +14,7 @@ endfunction()
 run("installing" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix")
 file(RENAME "${WORK_DIR}/prefix" "${prefix}")
 
-# What is installed may not point back to where it was built.
+# Installed files may not point back to the folder that they were built in.
 file(GLOB_RECURSE installed "${prefix}/*.cmake" "${prefix}/*.h")
 if(NOT installed)
   message(FATAL_ERROR "nothing was installed")

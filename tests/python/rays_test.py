@@ -38,7 +38,7 @@ class RaysTest(PackageTest):
         column, row = numpy.median(arrived, axis=0).astype(int)
         back = scene.rays(pixels=[(int(column), int(row))], rays=16, status="reached")
         ends = back.offsets[1:] - 1
-        # Where they cross the plane of the point.
+        # The points at which they cross the plane of the point.
         a, b = back.points[ends - 1], back.points[ends]
         t = (point[0] - a[:, 0]) / (b[:, 0] - a[:, 0])
         crossing = a + t[:, None] * (b - a)

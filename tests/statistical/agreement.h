@@ -50,7 +50,7 @@ inline Bins bins_of(const LightFieldChannel& channel) {
   return bins;
 }
 
-/// How many times more work brings an estimator's share of the total's variance down to half of
+/// The factor of more work that brings an estimator's share of the total's variance down to half of
 /// what kTotalError allows.
 inline double needed_effort(const LightField& field) {
   double most = 0;

@@ -58,7 +58,7 @@ PixelWindow brightest(const CompiledScene& scene, int side) {
   return best;
 }
 
-/// Of the processor: the number of pictures shall not depend on what else the machine does.
+/// Time of the processor: the number of pictures shall not depend on what else the machine does.
 double seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }

@@ -1,4 +1,4 @@
-// How fast the error falls with the number of samples.
+// The rate at which the error falls with the number of samples.
 #include "statistical/measured_errors.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"

@@ -43,8 +43,8 @@ TEST(Coverage, FixedSamples) {
 }
 
 TEST(Coverage, FewPixels) {
-  // Of so few pixels errors are hardly known: the bound must say so, and does not need to be tight.
-  // (A single pixel is not normally distributed: both replicates are often wrong alike.)
+  // The errors of so few pixels are hardly known: the bound must say so, and does not need to be
+  // tight. (A single pixel is not normally distributed: both replicates are often wrong alike.)
   const CompiledScene scene = compile(paper_flame(400, 400, 0.004));
   for (const int side : {4, 8}) {
     RenderSettings settings;

@@ -97,7 +97,7 @@ struct Coverage {
   double below_bound = 0, below_target = 0;  ///< shares of the runs
   double median_of_bound = 0;                ///< bound over true error
   double median_of_estimate = 0;             ///< estimate over true error
-  /// What the median of bound over true error is when pixels are independent and normal, from the
+  /// The median of bound over true error when pixels are independent and normal, from the
   /// true errors alone, and the standard error of the measured one.
   double expected_median_of_bound = 0, its_error = 0;
 };

@@ -124,7 +124,7 @@ PixelWindow window_of(const Case& c) {
           static_cast<int>((sensor.rows - kWindow) * (0.5 - 0.5 * c.field)), kWindow, kWindow};
 }
 
-/// Whether an aim point is inside the cut for a sensor point at `image` from the micro-image's
+/// Tells if an aim point is inside the cut for a sensor point at `image` from the micro-image's
 /// centre.
 bool inside(const PixelView& view, Vec2 image, Vec2 aim) {
   const double d = length(image);

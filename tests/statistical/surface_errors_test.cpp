@@ -73,7 +73,7 @@ TEST(SurfaceErrors, StatedBoundsHold) {
     settings.window = {21, 21, 13, 13};
     const Coverage c = coverage(compile(scene), settings, 2048);
     EXPECT_GE(c.below_bound, kLeastShare);
-    // Of so few pixels errors are hardly known, and the bound says so; no more than it must.
+    // The errors of so few pixels are hardly known, and the bound says so; no more than it must.
     EXPECT_LT(c.median_of_bound, c.expected_median_of_bound + 3 * c.its_error);
     EXPECT_GT(c.median_of_estimate, 0.9);
     EXPECT_LT(c.median_of_estimate, 1.1);

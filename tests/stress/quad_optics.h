@@ -47,7 +47,7 @@ struct QuadRay {
   QuadVec origin, direction;  ///< direction of length 1
 };
 
-/// What happened at one surface.
+/// A ray's refraction at one surface.
 struct QuadRefraction {
   RayStatus status = RayStatus::reached;
   Quad cos2_out = 1;  ///< of refraction; negative: total reflection

@@ -51,7 +51,7 @@ TEST(SumsStress, ABillionSamples) {
   }
 }
 
-// Of a pixel that gets few rays: up to 8 products are added in single precision, pairs first.
+// A pixel that gets few rays: up to 8 products are added in single precision, pairs first.
 TEST(SumsStress, FewSamples) {
   StressCase sum(kArea, "sum of 8 samples in single precision [2^-24 relative]", "long double", 4);
   constexpr int kCount = 1 << 16;

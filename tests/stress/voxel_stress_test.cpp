@@ -33,7 +33,7 @@ float noise(int i, int j, int k) {
   return static_cast<float>((h ^ (h >> 15)) >> 8) * 0x1p-24f;
 }
 
-/// How much the noise varies from sample to sample.
+/// The noise's variation from sample to sample.
 struct Strength {
   double coldest = 1700, hottest = 1700.1;  ///< [K]
   double per_voxel = 0.01;                  ///< optical thickness of a cell at most

@@ -17,7 +17,7 @@
 /// distributions of the library differ between systems.
 namespace plenoflame::test {
 
-/// How many damaged files a test tries: PLENOFLAME_DAMAGED_FILES, where that is set.
+/// The number of damaged files that a test tries: PLENOFLAME_DAMAGED_FILES, where that is set.
 inline int damaged_files_wanted(int otherwise) {
   const char* const text =
       std::getenv("PLENOFLAME_DAMAGED_FILES");  // NOLINT(concurrency-mt-unsafe)

@@ -27,7 +27,7 @@ PLENOFLAME_DECLARE_PROBES(avx512)
 
 namespace test {
 
-/// What math/kernel_exp.h makes of each number of an array.
+/// Applies math/kernel_exp.h to each number of an array.
 template <class Real>
 struct Exponentials {
   std::vector<Real> exp, expm1, transmittance, emissivity, far_weight, near_weight;

@@ -11,8 +11,8 @@
 #include "plenoflame/sampling/noise.h"
 #include "support/approx.h"
 
-/// What the cases of the validation page have in common: rays that are given, not drawn; a ring
-/// flame as fine as is wanted; and figures that tools/validation_page.py finds in the test's
+/// Parts that the cases of the validation page have in common: rays that are given, not drawn; a
+/// ring flame as fine as is wanted; and figures that tools/validation_page.py finds in the test's
 /// output.
 namespace plenoflame::test {
 

@@ -38,7 +38,7 @@ void for_each_sample(const VoxelField& field, Visit&& visit) {
   }
 }
 
-/// What every generated flame must be.
+/// Checks the properties that every generated flame must have.
 void expect_sound(const FlameFields& flame, double lowest, double highest) {
   EXPECT_EQ(flame.absorption.name, "absorption");
   EXPECT_EQ(flame.temperature.name, "temperature");
@@ -117,7 +117,7 @@ TEST(SootFlame, WithinThePublishedRanges) {
         *std::max_element(flame.absorption.values.begin(), flame.absorption.values.end());
     EXPECT_GE(densest, c.least_kappa);
     EXPECT_LE(densest, c.most_kappa);
-    // Where half of the largest soot or more is, the flame glows.
+    // The flame glows wherever there is half of the largest soot or more.
     const FieldSampler temperature(flame.temperature);
     for_each_sample(flame.absorption, [&](const std::array<int, 3>& at, double kappa) {
       if (kappa < densest / 2) return;

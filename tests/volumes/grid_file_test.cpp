@@ -275,7 +275,7 @@ TEST(GridFile, UnreadableAbsorptionBesideEmissionLines) {
   flame.lines = {{LineKind::ch}};
   EXPECT_TRUE(contains(message_of<InputError>([&] { read_flame(flame, "", {}); }),
                        "grid \"Absorption\" has values of type vec3s"));
-  // Of any other name it could not be meant to absorb.
+  // A grid of any other name could not be meant to absorb.
   absorption->setName("velocity");
   write(path, {glow, absorption});
   Execution execution;

@@ -52,7 +52,7 @@ std::vector<Piece> pieces(const std::vector<EllipsoidSpec>& layers, const Ray& r
   return result;
 }
 
-/// What a layer emits per absorption: T^4, or Wien's law at 650 nm, c2 = 0.014387768775 m K.
+/// The emission of a layer per absorption: T^4, or Wien's law at 650 nm, c2 = 0.014387768775 m K.
 using Emission = double (*)(double);
 double total(double t) {
   return t * t * t * t;
@@ -140,7 +140,7 @@ FlameFields layered(double voxel) {
   return make_layered_flame(options, {});
 }
 
-/// What a simpler generator would do: every voxel has the values of its centre.
+/// A simpler generator's flame: every voxel has the values of its centre.
 FlameFields point_sampled(double voxel) {
   FlameFields flame = layered(voxel);
   const auto layers = default_layers();

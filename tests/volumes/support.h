@@ -60,7 +60,7 @@ inline void spill(const std::string& path, const std::vector<char>& bytes) {
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// What action throws as Exception; fails the test when it does not.
+/// The message that action throws as Exception; fails the test when it does not.
 template <class Exception, class Action>
 std::string message_of(Action&& action) {
   try {

@@ -25,7 +25,7 @@ class Events {
   Events& operator=(const Events&) = delete;
 
   std::size_t size() const { return texts_.size(); }
-  /// Whether exactly one came, and has this in it.
+  /// Tells if exactly one came, and has this in it.
   bool one_with(const std::string& part) const {
     return texts_.size() == 1 && texts_[0].find(part) != std::string::npos;
   }

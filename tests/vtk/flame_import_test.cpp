@@ -132,7 +132,7 @@ TEST_F(FlameImport, StopsWhereItIsAborted) {
   ASSERT_FALSE(watch.told().empty());
   EXPECT_GT(watch.told().back(), 0.2);
   EXPECT_LE(watch.told().back(), 0.6);  // where the second array begins
-  // What was stopped is not up to date.
+  // An output that was stopped is not up to date.
   watch.leave();
   import_->Update();
   EXPECT_EQ(errors.size(), 0U) << errors.all();

@@ -34,7 +34,7 @@ Scene example() {
   return scene;
 }
 
-/// What core makes of it, at the same settings.
+/// The light field that core makes of it, at the same settings.
 LightField rendered(const Scene& scene, PixelWindow window = {}) {
   const CompiledScene compiled = compile(scene);
   RenderSettings settings;

@@ -1,4 +1,4 @@
-// What PrintSelf of every class says.
+// The text that PrintSelf of every class prints.
 #include <sstream>
 #include <string>
 #include <vector>

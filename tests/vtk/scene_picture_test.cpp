@@ -90,7 +90,7 @@ TEST_F(ScenePicture, BrightnessFollowsTheReflectivity) {
     EXPECT_GT(value(image, 150, 100), before + 15) << reflectivity;
     before = value(image, 150, 100);
   }
-  // What emits is yellow, whatever the light.
+  // Emitting surfaces are yellow, whatever the light.
   SolidSurfaceSpec lamp = solid(SolidShape::sphere, 0);
   lamp.material.kind = MaterialKind::emitter;
   lamp.material.radiance = 10;
@@ -124,7 +124,7 @@ TEST_F(ScenePicture, EveryShapeIsDrawnAndCanBeLeftOut) {
   const int camera = inked(drawn({ball}));
   picture_->SetView(vtkPlenoflameScenePicture::WHOLE_SCENE);
   picture_->SetShowSurfaces(false);
-  // What is left is the camera, as large as it fits.
+  // Only the camera is left, as large as it fits.
   EXPECT_TRUE(relative(inked(drawn({ball})), camera, 0.1));
 }
 
@@ -158,7 +158,7 @@ TEST_F(ScenePicture, SolidsDoNotHideTheLabelsOfTheAxes) {
 }
 
 TEST_F(ScenePicture, LabelsOfTheAxesStandOnPaper) {
-  // What is behind the labels, microlenses before the sensor, is darker than the paper that they
+  // The microlenses before the sensor, behind the labels, are darker than the paper that they
   // stand on.
   spec_.camera.sensor.columns = spec_.camera.sensor.rows = 400;
   picture_->SetSize(600, 400);

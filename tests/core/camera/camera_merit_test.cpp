@@ -1,5 +1,5 @@
-// What cameras are judged by, against figures by hand for thin lenses, and what a change of a
-// camera changes.
+// Figures that cameras are judged by, against those by hand for thin lenses, and the effect of a
+// change of a camera changes.
 #include "plenoflame/camera/camera_merit.h"
 
 #include <cmath>
@@ -101,7 +101,7 @@ TEST(CameraMerit, LeastResolution) {
       merit(camera, at_depths(MeritKind::resolution, object_at(1 * kMm), object_at(2 * kMm), 1),
             false),
       merit(camera, at_depths(MeritKind::resolution, middle, middle, 7), false), 1e-12));
-  // Of two types the better counts: at v = 1 / 0.55 the second is sharp, and past |a| = 2 B.
+  // The better of two types counts: at v = 1 / 0.55 the second is sharp, and past |a| = 2 B.
   EXPECT_TRUE(relative(
       merit(Camera(two_types()),
             at_depths(MeritKind::resolution, object_at(0.55 * kMm), object_at(0.55 * kMm)), false),

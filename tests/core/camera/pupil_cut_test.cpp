@@ -99,7 +99,7 @@ TEST(PupilCut, PixelsHoldEveryCutWithin) {
   EXPECT_GT(narrow, 1000);  // not just any wide bound
 }
 
-// Where all azimuths are alike a pixel's cuts are that one column; between tables they are mixed.
+// If all azimuths are alike a pixel's cuts are that one column; between tables they are mixed.
 TEST(PupilCut, LikeColumnsAreTakenAsTheyAre) {
   Numbers numbers;
   PixelCuts tables[2];

@@ -227,7 +227,7 @@ TEST(Compare, BlocksNeedNotKnowHowErrorsAreDistributed) {
     const Comparison c = uneven(0, seed);
     EXPECT_EQ(c.blocks, 1600U);
     EXPECT_LT(std::fabs(c.block_score), 5) << seed;
-    // Of 1600 squares of about normal sums.
+    // The mean of 1600 squares of about normal sums.
     EXPECT_TRUE(relative(c.block_chi_square, 1, 5 * std::sqrt(2 / 1600.0))) << seed;
   }
   EXPECT_GT(uneven(0.003, 24).block_score, 8);
@@ -277,7 +277,7 @@ TEST(Compare, SaysWhatTheDifferencesMean) {
   Comparison c = noisy(0, 0.05, 11);
   c.largest_z_probability = 1e-9;
   EXPECT_EQ(verdict(c), Verdict::more_than_noise);
-  // Of two randomisations the error of a single pixel is hardly known.
+  // Two randomisations hardly tell the error of a single pixel.
   c.freedom = 1;
   EXPECT_EQ(verdict(c), Verdict::noise);
   c.dark_in_one_share = 0.02;

@@ -78,8 +78,8 @@ struct Bounds {
   double width = 0;        ///< median of bound / estimate
 };
 
-/// Of pictures of one pixel for each of `sigmas`, with normal errors of this size around a flux of
-/// 1000.
+/// The bounds of pictures of one pixel for each of `sigmas`, with normal errors of this size around
+/// a flux of 1000.
 Bounds bounds_of(const std::vector<double>& sigmas, int replicates, int runs) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;

@@ -81,7 +81,7 @@ Film film_of_numbers(int replicates) {
   return film;
 }
 
-// What images() makes of a film is the same whichever of its tiles are finished, and however it
+// The images() of a film are the same whichever of its tiles are finished, and however it
 // was taken.
 TEST(Film, FinishedTilesKeepTheirImages) {
   for (const int replicates : {1, 2, 5}) {

@@ -1,4 +1,4 @@
-// What is lit is found wherever it stands, and only that; sums over parts are those over all.
+// Lit pixels are found wherever they stand, and only these; sums over parts are those over all.
 #include "film/lit_runs.h"
 
 #include <algorithm>

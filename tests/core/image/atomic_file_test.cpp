@@ -233,7 +233,7 @@ TEST(AtomicFile, ACircleOfLinksIsRefused) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder.file("b")));
 }
 
-// What is open, such as a log that is appended to, is not replaced under its own feet.
+// An open file, such as a log that is appended to, is not replaced under its own feet.
 TEST(AtomicFile, AnOpenStreamIsNotReplaced) {
   const TemporaryFolder folder;
   write_bytes(folder.file("log"), "kept");

@@ -88,7 +88,7 @@ void expect_same_header(const LightField& actual, const LightField& expected) {
   ASSERT_EQ(actual.layers.size(), expected.layers.size());
 }
 
-// What is not asked for stays in the file; what is asked for is the same as when all is read.
+// Channels that are not asked for stay in the file; the others are the same as when all are read.
 TEST(LightFieldFile, OneChannelIsReadByItself) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");
@@ -188,7 +188,7 @@ TEST(LightFieldFile, WritingStoppedInItsMidstLeavesNothingBehind) {
   EXPECT_EQ(folder.names(), std::vector<std::string>{});
 }
 
-/// What other programs see: read with OpenEXR alone.
+/// The file as other programs see it: read with OpenEXR alone.
 TEST(LightFieldFile, IsAnOrdinaryExr) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");
@@ -251,7 +251,7 @@ TEST(LightFieldFile, IsTheSameHoweverItIsPacked) {
   }
 }
 
-// What other programs do to an EXR that they write anew: attributes of types other than whole
+// Other programs that write an EXR anew do this to it: attributes of types other than whole
 // numbers and texts are gone.
 TEST(LightFieldFile, NeedsNoAttributesButWholeNumbersAndTexts) {
   const TemporaryFolder folder;

@@ -139,7 +139,7 @@ TEST(Png, ReadsAFileOfAnotherWriter) {
   EXPECT_EQ(image.samples, (std::vector<std::uint16_t>{0, 1, 256, 65535, 4660, 2}));
 }
 
-/// What the process has in memory, at most, since the last call with `reset` [bytes].
+/// The most that the process had in memory since the last call with `reset` [bytes].
 std::uint64_t peak_memory(bool reset) {
   if (reset) {
     std::ofstream("/proc/self/clear_refs") << "5";

@@ -86,7 +86,7 @@ TEST(StagingFolder, NothingIsMovedWhereOneFileCannotBeReplaced) {
   EXPECT_EQ(folder.names(), std::vector<std::string>{"b"});
 }
 
-/// Where a file system is kept in memory, which is mostly another than that of temporary files;
+/// A folder of a file system in memory, which is mostly another than that of temporary files;
 /// that one where there is none, or it cannot be written to.
 fs::path parent_elsewhere() {
   return access("/dev/shm", R_OK | W_OK | X_OK) == 0 ? fs::path("/dev/shm")
@@ -223,7 +223,7 @@ TEST(StagingFolder, FolderThatIsNotThereIsNamed) {
   }
 }
 
-// What cannot go to its place in one folder leaves the other as it was.
+// A file that cannot go to its place in one folder leaves the other as it was.
 TEST(StagingFolder, SeveralFoldersAreFilledTogether) {
   const TemporaryFolder one, other;
   write_bytes(one.file("a"), "old");

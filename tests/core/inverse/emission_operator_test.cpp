@@ -164,8 +164,8 @@ TEST(EmissionOperator, FiltersInThePupilWeighTheRays) {
   expect_picture(problem_of(filtered_scene(), 150));
 }
 
-// Where glasses disperse the line has rays of its own in the picture, while the matrix takes those
-// of the channel's middle as well: another sample of the same light.
+// With glasses that disperse the line has rays of its own in the picture, while the matrix takes
+// those of the channel's middle as well: another sample of the same light.
 TEST(EmissionOperator, FiltersInThePupilOfADispersiveLens) {
   Scene scene = filtered_scene();
   scene.camera.lens.surfaces[0].glass = "N-BK7";

@@ -129,9 +129,9 @@ TEST(RayError, IsHowFarRowsAreFromThoseOfManyRays) {
       if (rows[i] > 0) said[bright] += std::pow(stated.at(exact[i]), 2);
     }
   }
-  // What is said over what is found differs from seed to seed by 10 % for the bright rows (62,
-  // whose squares are known to sqrt(2 / 62) = 18 %, roots to 9 %), by 6 % for the dim ones: four
-  // standard errors of 16 seeds.
+  // The stated noise over the one that is found differs from seed to seed by 10 % for the bright
+  // rows (62, whose squares are known to sqrt(2 / 62) = 18 %, roots to 9 %), by 6 % for the dim
+  // ones: four standard errors of 16 seeds.
   for (std::size_t bright : {0u, 1u})
     EXPECT_TRUE(relative(std::sqrt(said[bright]), std::sqrt(found[bright]), 0.1)) << bright;
 }

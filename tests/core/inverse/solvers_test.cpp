@@ -241,7 +241,7 @@ TEST(TotalVariation, ShrinksAStepByTheStrengthOverItsLength) {
   EXPECT_TRUE(relative(s.history.back().penalty, (5 - 0.1) - (1 + 0.15), 1e-9));
 }
 
-// Where nothing is flat the optimum is a stationary point: compared with Newton's method on a
+// With nothing flat the optimum is a stationary point: compared with Newton's method on a
 // smoothed gradient, in dense algebra.
 TEST(TotalVariation, AgreesWithNewtonOnASmoothedProblem) {
   const TwinMatrix a = random_matrix(40, 9, 0.7, 51);

@@ -254,7 +254,7 @@ TEST(ThermalModel, IsTheSameForAnyNumberOfThreads) {
             transposed_times(*make_thermal_derivative(p.model, x, two), y));
 }
 
-// What is known is no variable; what does not absorb does not shine.
+// Known fields are no variables; a place that does not absorb does not shine.
 TEST(ThermalModel, KnownFieldsAndEmptyPlaces) {
   Problem p(50);
   const std::vector<double> x = p.grids.variables(), flux = thermal_fluxes(p.model, x);

@@ -107,7 +107,7 @@ TEST(Strength, LCurveComesNearTheLeastError) {
   EXPECT_LT((dense(choice.solution.x) - dense(p.truth)).norm(), 2 * least);
 }
 
-// Where no strength leaves as little as is expected: the strongest that leaves a tenth more than
+// If no strength leaves as little as is expected: the strongest that leaves a tenth more than
 // the least.
 TEST(Strength, SaysWhereNoiseDoesNotExplainTheData) {
   const Profile p;

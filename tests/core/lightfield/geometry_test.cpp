@@ -85,8 +85,8 @@ TEST(IsUnfocused, AsksForTheFocalPlane) {
   EXPECT_FALSE(is_unfocused(Camera(spec)));
 }
 
-// What the renderer records of a scene of radiance 1, also where micro-images overlap, and in a
-// window as in the whole picture.
+// The picture that the renderer records of a scene of radiance 1, also where micro-images overlap,
+// and in a window as in the whole picture.
 TEST(WhiteImage, IsTheUniformScene) {
   CameraSpec spec = thin_camera(Lattice::hexagonal);
   spec.array.sensor_distance = 1.2e-3;

@@ -153,7 +153,7 @@ TEST(Refocus, SameForAnyInstructionSet) {
   }
 }
 
-// Of two opaque cubes at different depths the map finds both, and the picture that is sharp
+// The map finds both of two opaque cubes at different depths, and the picture that is sharp
 // everywhere is as sharp at each as the one that is focused on it.
 TEST(FocusStack, FindsTheDepthsOfTwoCubes) {
   const CameraSpec spec = test::preset_camera("paper-previous-60x60");
@@ -180,7 +180,7 @@ TEST(FocusStack, FindsTheDepthsOfTwoCubes) {
   const FocusStack stack = focus_stack(field, micro, depths, {}, test::threads(2));
   ASSERT_EQ(stack.planes.size(), depths.size());
   for (const auto& [depth, x] : {std::pair{near, -0.03}, std::pair{far, 0.03}}) {
-    // Where the cube's middle lies in the picture of its depth.
+    // The place of the cube's middle in the picture of its depth.
     std::size_t plane = 0;
     while (depths[plane] < depth - 1e-6) ++plane;
     const RefocusedImage& sharp = stack.planes[plane];

@@ -36,7 +36,7 @@ class PaintedViews : public ::testing::Test {
   ViewSettings settings;
 };
 
-// What is painted at a place of the upright raw image turns up at the same place of the views.
+// A colour painted at a place of the upright raw image turns up at the same place of the views.
 TEST_F(PaintedViews, AreUpright) {
   // The lens whose micro-image is nearest to column 150, row 40: right of and above the middle.
   const Vec2 s = camera.sensor_point(150, 40);

@@ -97,7 +97,7 @@ TEST(KernelRoots, AreAsGoodAsTheySay) {
   check_roots<double>(4 * std::numeric_limits<double>::epsilon());
 }
 
-// What is only to be near is the same for both precisions: they draw the same rays.
+// Roots that are only to be near are the same for both precisions: they draw the same rays.
 TEST(KernelRoots, AreTheSameInBothPrecisions) {
   const std::vector<float> x = places<float>();
   const Roots<float> single = roots_of(Isa::baseline, x);

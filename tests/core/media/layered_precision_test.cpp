@@ -52,7 +52,7 @@ struct Flame {
   }
 };
 
-/// How close a ray comes to grazing a layer: least |1 - q.q| over the layers, q the point nearest
+/// A ray's nearness to grazing a layer: the least |1 - q.q| over the layers, q the point nearest
 /// to the centre in the space where the ellipsoid is the unit sphere.
 double grazing(const Flame& flame, const Ray& ray) {
   double least = 1;

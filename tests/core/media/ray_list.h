@@ -73,7 +73,7 @@ class RayList {
   }
 
  private:
-  /// Whether a column of limits cuts any ray: media are told of none in another way.
+  /// Tells if a column of limits cuts any ray: media are told of none in another way.
   bool limits(std::size_t column) const {
     return std::any_of(columns_[column].begin(), columns_[column].end(),
                        [](Real t) { return !std::isinf(t); });

@@ -146,7 +146,7 @@ TEST(LatticeWalk, SlopesOfTheWeights) {
         const auto a = moved(h), b = moved(-h), c = moved(2 * h), d = moved(-2 * h);
         const double near = (8 * (a.near - b.near) - (c.near - d.near)) / (12 * h);
         const double far = (8 * (a.far - b.far) - (c.far - d.far)) / (12 * h);
-        // Where the weights hardly change with tau, differences of their values' last places count.
+        // If the weights hardly change with tau, differences of their values' last places count.
         const double size = std::max(std::fabs(near) + std::fabs(far), 1e-5 * a.near / at[n]);
         EXPECT_TRUE(within(slopes.near[n], near, 1e-7, size)) << tau << " " << share << " " << n;
         EXPECT_TRUE(within(slopes.far[n], far, 1e-7, size)) << tau << " " << share << " " << n;

@@ -1,4 +1,4 @@
-// What the medium says about itself, what it refuses, and that skipping changes nothing.
+// The medium's statements about itself, its refusals, and skipping, which changes nothing.
 #include <gtest/gtest.h>
 
 #include <limits>

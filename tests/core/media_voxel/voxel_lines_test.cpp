@@ -206,8 +206,8 @@ TEST(VoxelLines, NoiseAgainstTheReference) {
   EXPECT_LT(worst(random_flame(100, 300), along), thick / 3);
 }
 
-// What only emits is no empty space: bounds, occupied boxes and rays know it. The field's samples
-// are moved against the absorption's, by whole spacings.
+// A region that only emits is no empty space: bounds, occupied boxes and rays know it. The field's
+// samples are moved against the absorption's, by whole spacings.
 TEST(VoxelLines, EmissionBeyondTheAbsorption) {
   const Flame flame{
       even({8, 8, 8}, 1500, 300),
@@ -247,7 +247,7 @@ TEST(VoxelLines, NothingButALine) {
   EXPECT_TRUE(relative(seen.radiance[0][0], 0.5 * 4 * 8e-3, 1e-12));
 }
 
-// Where media overlap the sum of both is integrated.
+// The sum of media that overlap is integrated.
 TEST(VoxelLines, OverlappingMedia) {
   const Flame one = random_flame(60);
   Flame two = random_flame(30);

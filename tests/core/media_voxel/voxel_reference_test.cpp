@@ -73,7 +73,8 @@ TEST(VoxelReference, SmoothFieldsTrilinear) {
     const auto band = integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::trilinear,
                                        rays[r], 0, 1, line);
     EXPECT_TRUE(relative(-std::log(seen.transmittance[r]), double(total.optical_thickness), 1e-12));
-    // What two nodes per cell leave on this coarse grid, less for T^4 than for the steep band.
+    // The error that two nodes per cell leave on this coarse grid, less for T^4 than for the steep
+    // band.
     EXPECT_TRUE(relative(seen.radiance[0][r], double(total.radiance), 6e-6)) << r;
     EXPECT_TRUE(relative(seen.radiance[1][r], double(band.radiance), 4e-5)) << r;
   }

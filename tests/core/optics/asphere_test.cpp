@@ -21,7 +21,7 @@ SurfaceSpec conic(double radius, double k, double index, double thickness = 0) {
   return surface;
 }
 
-/// Where a ray crosses the axis behind the last vertex.
+/// The place at which a ray crosses the axis, behind the last vertex.
 double crossing(const LensSystem& lens, double height) {
   Ray ray{{height, 0, 50 * kMm}, {0, 0, -1}};
   EXPECT_EQ(lens.trace_to_sensor(ray).status, RayStatus::reached);

@@ -1,4 +1,4 @@
-// What must hold for every ray through every lens, whatever the numbers.
+// Laws that hold for every ray through every lens, whatever the numbers.
 #include <cmath>
 #include <random>
 

@@ -61,7 +61,7 @@ double path(const ChannelNodes& nodes, const AbsorptionSpectrum& spectrum, doubl
   return sum;
 }
 
-// What leaves a homogeneous path of soot, mpmath: a curve, and all wavelengths.
+// The light that leaves a homogeneous path of soot, mpmath: a curve, and all wavelengths.
 TEST(ChannelNodes, StandForTheirChannel) {
   const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
   const ChannelNodes curve = channel_nodes(
@@ -105,8 +105,8 @@ TEST(ChannelNodes, SteepTables) {
         << row[0] << " " << row[1];
 }
 
-// What a wall emits through a colour that several wavelengths stand for, far below the temperatures
-// for which these were chosen: 3 to 5 um, mpmath.
+// The light that a wall emits through a colour that several wavelengths stand for, far below the
+// temperatures for which these were chosen: 3 to 5 um, mpmath.
 TEST(ChannelNodes, ColdWallsEmitTheirWholeBand) {
   const auto soot = AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
   const auto band = SpectralResponse::band(4e-6, 2e-6);
@@ -182,7 +182,7 @@ TEST(SharedNodes, StandForAllTheirChannels) {
         }
         EXPECT_TRUE(relative(seen, expected, kSpectralTolerance)) << c << " " << temperature;
       }
-    // What is far too cold for the rule is inexact, but light all the same.
+    // A node far too cold for the rule is inexact, but light all the same.
     for (int n = 0; n < shared->mix.nodes(); ++n) EXPECT_GE(shared->mix.weight(c, n), 0) << c << n;
   }
   // The node that stands for the first channel alone is in the middle of it.

@@ -12,7 +12,7 @@ namespace {
 
 using test::relative;
 
-/// What a call says when it refuses.
+/// The message of a call that refuses.
 template <class Call>
 std::string refusal(Call call) {
   try {

@@ -122,7 +122,7 @@ TEST(TwoColour, BinsAddUpLightAndErrors) {
   EXPECT_TRUE(relative(map.standard_error.at(4, 0), errors[1], 5e-3));
   EXPECT_TRUE(
       relative(map.expected_deviation, std::hypot(errors[0], errors[1]) / std::sqrt(2.0), 5e-3));
-  // What is not above so many standard errors would be chosen by its noise.
+  // Pixels not above so many standard errors would be chosen by their noise.
   PyrometrySettings strict;
   strict.least_signal_to_noise = 15;
   EXPECT_EQ(two_colour_map(red, infrared, law, strict, &bins).bins, 1u);

@@ -1,5 +1,5 @@
-// How far rays are aimed through a microlens: up to where they begin to be stopped, and no less.
-// The reference is the camera's exact trace of single rays.
+// The extent of rays that are aimed through a microlens: up to where they begin to be stopped, and
+// no less. The reference is the camera's exact trace of single rays.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +26,7 @@ namespace {
 constexpr int kPixels = 20;      ///< along the micro-image's side that are looked at, at most
 constexpr int kDirections = 16;  ///< of each sensor point
 
-/// What the tests need of the kernels, for the rays of one pixel.
+/// The kernels' columns that the tests need, for the rays of one pixel.
 class PixelAims {
  public:
   PixelAims() : storage_(9 * kStride), codes_(kStride), fractions_(4 * kStride) {
@@ -193,7 +193,7 @@ TEST_P(AimedRays, ReachAsFarAsLightGoesAndLittleFarther) {
   }
 }
 
-// Where a microlens images the stop sharply (the paper's next two), its edge divides sensor points
+// A microlens that images the stop sharply (the paper's next two) has its edge divide sensor points
 // rather than aim points. No series holds for tilted arrays, and hardly one for strong
 // microlenses, whose rays are held as well as cuts hold them: to 1e-4 (no_light_lost_test.cpp).
 INSTANTIATE_TEST_SUITE_P(

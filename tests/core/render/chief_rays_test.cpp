@@ -1,4 +1,4 @@
-// What chief rays carry of the light behind the flames.
+// The light from behind the flames that chief rays carry.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -48,8 +48,9 @@ struct Chord {
   double first = 0, last = 0, mean = 0, depth = 0;  ///< distances along the axis
 };
 
-/// Of the line (x, y) = position + z slope through the sphere: a quadratic; the mean distance of
-/// the light of a homogeneous body, 1/k - L exp(-k L) / (1 - exp(-k L)) from where it is entered.
+/// The chord of the line (x, y) = position + z slope through the sphere: a quadratic; the mean
+/// distance of the light of a homogeneous body, 1/k - L exp(-k L) / (1 - exp(-k L)) from where it
+/// is entered.
 Chord chord(Vec2 position, Vec2 slope) {
   const double a = 1 + dot(slope, slope);
   const double b = dot(position, slope) - kDistance;

@@ -1,4 +1,4 @@
-// What single rays see is within the beam of their pixel, and that is not much wider.
+// Single rays stay within the beam of their pixel, and that is not much wider.
 #include "render/visibility/pixel_beams.h"
 
 #include <cmath>

@@ -54,7 +54,7 @@ struct Difference {
   double flux = 0, sum = 0, standard_error = 0, rms = 0;
 };
 
-/// Of images of the same rays: what is left is the scatter of the corrections.
+/// The difference of images of the same rays: the scatter of the corrections is left.
 Difference difference(const Image& a, const Image& b) {
   Difference d;
   double squares = 0;
@@ -213,7 +213,7 @@ TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
     clamped += with.statistics.table.clamped;
     cut_off += cut_to_nothing(with, without);
   }
-  // What would be negative is 0, no more: but for pixels that see the flame through another
+  // Sums that would be negative are 0, no more: but for pixels that see the flame through another
   // microlens, too, every one of these sums is found in the picture.
   EXPECT_LE(cut_off, clamped);
   EXPECT_GT(cut_off, 0.5 * clamped);

@@ -144,7 +144,7 @@ RayPaths numbered(int count) {
   return paths;
 }
 
-/// Whether every ray still has its own vertices and radiances.
+/// Checks that every ray still has its own vertices and radiances.
 void expect_consistent(const RayPaths& paths) {
   std::size_t first = 0;
   for (std::size_t i = 0; i < paths.rays.size(); ++i) {

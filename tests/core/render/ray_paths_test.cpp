@@ -118,7 +118,7 @@ TEST_P(RayPathsTest, SumIsTheFluxOfThePixel) {
   EXPECT_GT(lit, window.width * window.height);
 }
 
-/// Of cameras whose main lens has surfaces.
+/// The same for cameras whose main lens has surfaces.
 class RefractedRayPathsTest : public RayPathsTest {};
 
 TEST_P(RefractedRayPathsTest, VerticesObeyTheLawOfRefraction) {

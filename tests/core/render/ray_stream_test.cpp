@@ -192,7 +192,7 @@ std::pair<std::size_t, std::size_t> compare_with_exact_trace(const CompiledScene
       const Vec3 along{lines.dx[k], lines.dy[k], lines.dz[k]};
       const Vec3 origin = lines.anchor + Vec3{lines.x[k], lines.y[k], lines.z[k]};
       EXPECT_TRUE(relative(length(along), 1, 1e-13));
-      // How far from the line the vertex lies, beside how far it is from the camera (1 m).
+      // The vertex' distance from the line, beside its distance from the camera (1 m).
       EXPECT_LT(length(cross(in_scene - origin, along)), 1e-11);
     }
   };

@@ -1,4 +1,4 @@
-// What a front end asks for, and what the scene says. The numbers are those of the command's help.
+// Settings of a front end and of the scene. The numbers are those of the command's help.
 #include "plenoflame/render/render_request.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a rendering must not depend on, and what it says about itself.
+// Settings that a rendering must not depend on, and its statements about itself.
 #include "plenoflame/render/render.h"
 
 #include <algorithm>
@@ -207,7 +207,7 @@ TEST(Render, StoppedEarlyItIsMarkedPartial) {
   const RenderResult part = render(scene, settings, execution);
   EXPECT_FALSE(part.light_field.complete);
   EXPECT_FALSE(part.statistics.complete);
-  // What is there is right, the rest is zero.
+  // Pixels that are there are right, the rest is zero.
   int same = 0, missing = 0;
   for (std::size_t i = 0; i < whole.channels[0].flux.pixels.size(); ++i) {
     const float p = part.light_field.channels[0].flux.pixels[i],
@@ -269,7 +269,7 @@ TEST(Render, StandardErrorsAreHonest) {
   EXPECT_TRUE(within(sum / count, 0, 4 / std::sqrt(count), 1));
 }
 
-// Where the stop is imaged sharply, pixels at the edge of a micro-image see slivers, whose bounds
+// With a stop that is imaged sharply, pixels at the edge of a micro-image see slivers, whose bounds
 // are less close.
 TEST(Render, NearlyAllRaysReachTheScene) {
   const std::pair<const char*, double> presets[] = {{"paper-plenoptic1", 0.87},

@@ -36,7 +36,7 @@ TEST(RunProgress, IsTheShareOfAllThatIsForeseen) {
   EXPECT_GE(reports.all.back().remaining_seconds, 0);
 }
 
-// What an earlier run did counts as done.
+// The work of an earlier run counts as done.
 TEST(RunProgress, BeginsWhereAnEarlierRunStopped) {
   Reports reports;
   const Execution execution = reports.execution();
@@ -52,7 +52,7 @@ TEST(RunProgress, NeverFallsAndEndsAtOne) {
   RunProgress run(execution, 0);
   run.explore(10);
   for (int i = 0; i < 10; ++i) run.add(1, 0);
-  // Of what was explored it is not known how much follows.
+  // An explored stretch does not tell how much follows.
   EXPECT_LT(reports.fraction(), 0.05);
   EXPECT_LT(reports.all.back().remaining_seconds, 0);
   run.foresee(10, 30);
@@ -69,7 +69,7 @@ TEST(RunProgress, NeverFallsAndEndsAtOne) {
     EXPECT_GE(reports.all[i].fraction, reports.all[i - 1].fraction);
 }
 
-// What is known to be left at least is the most that an open stretch may stand for.
+// The work that is known to be left is the most that an open stretch may stand for.
 TEST(RunProgress, AnOpenStretchStandsForWhatItMayBe) {
   Reports reports;
   const Execution execution = reports.execution();
@@ -85,7 +85,7 @@ TEST(RunProgress, AnOpenStretchStandsForWhatItMayBe) {
   EXPECT_DOUBLE_EQ(reports.fraction(), 0.9);
 }
 
-// Of two workers, or of two rounds: every count is added to its like.
+// Counters of two workers, or of two rounds: every count is added to its like.
 TEST(WorkCounters, AddUp) {
   WorkCounters one, other;
   double* const of_one[] = {&one.rays,

@@ -64,7 +64,7 @@ TEST(SamplePlan, HardTilesGetMoreByLagrangesRule) {
   EXPECT_LT(rays, 0.78 * equal);
 }
 
-// Of many tiles a part is doubled: no more than the goal asks for.
+// A part of many tiles is doubled: no more than the goal asks for.
 TEST(SamplePlan, ManyTilesMeetTheGoalClosely) {
   std::vector<TileNeed> tiles;
   for (int i = 0; i < 500; ++i) tiles.push_back({100.0 + i % 7, 8, 1 + 0.01 * i});
@@ -89,7 +89,7 @@ TEST(SamplePlan, SomethingGrowsWhenLittleIsMissing) {
   const std::vector<TileNeed> tiles{{10, 64, 1}, {10, 64, 1.01}};
   const double goal = 0.99 * error_of(tiles, {64, 64});
   EXPECT_GT(plan_samples(tiles, goal, 1 << 20)[1], 64);
-  // What decides about tiles is not their own error: the goal may seem to be met, and is not.
+  // Tiles are not decided upon by their own errors: the goal may seem to be met, and is not.
   EXPECT_GT(plan_samples(tiles, 2 * goal, 1 << 20)[1], 64);
 }
 

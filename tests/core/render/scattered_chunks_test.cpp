@@ -1,4 +1,4 @@
-// What one chunk of bundles keeps while smoke scatters them to the camera from many places.
+// The memory of one chunk of bundles while smoke scatters them to the camera from many places.
 #include <gtest/gtest.h>
 
 #include <stop_token>
@@ -36,8 +36,8 @@ ForwardChunk traced(const CompiledScene& scene, std::size_t most_waiting,
   return chunk;
 }
 
-// How often what arrived is added changes no bit of it, only how much waits. Bundles still on their
-// way keep their spectra when room is made.
+// Adding arrivals more or less often changes no bit of them, only how many wait. Bundles still on
+// their way keep their spectra when room is made.
 TEST(ScatteredChunks, AreTheSameHoweverLittleWaits) {
   for (const bool grey : {true, false}) {
     const CompiledScene scene = compile(thick_smoke(grey));

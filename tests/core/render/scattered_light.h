@@ -32,7 +32,8 @@ inline CompiledScene smoke(Vec3 semi_axes, double extinction, const ScatteringSp
   return scene;
 }
 
-/// What the medium scatters into whole lines, one sample each, per node; without any surfaces.
+/// The light that the medium scatters into whole lines, one sample each, per node; without any
+/// surfaces.
 inline std::vector<Tally> scattered_along(const CompiledScene& scene, const std::vector<Ray>& rays,
                                           std::uint64_t seed) {
   const ScatterPlan plan(scene, {}, {});

@@ -95,7 +95,7 @@ void expect_radiance_of_soot(const RayPaths& paths, bool runs_towards_camera) {
           kResponses[c], [&](double absorption) { return -std::expm1(-absorption * length); });
       EXPECT_TRUE(relative(paths.radiance_of(i, c), expected, kSpectralTolerance)) << i << " " << c;
     }
-    // That of a wavelength in the middle of the first channel.
+    // The thickness is that of a wavelength in the middle of the first channel.
     EXPECT_GT(ray.optical_thickness, kAbsorption * length * 650 / 700);
     EXPECT_LT(ray.optical_thickness, kAbsorption * length * 650 / 560);
   }
@@ -204,7 +204,8 @@ TEST(SharedWavelengths, ImagesOfBothEstimators) {
   }
 }
 
-// Where the light comes from, by the first channel's own wavelengths: blue sees less deep than red.
+// The depth that the light comes from, by the first channel's own wavelengths: blue sees less deep
+// than red.
 TEST(SharedWavelengths, DepthOfTheFirstChannel) {
   std::array<double, 3> depths{};
   for (const std::size_t first : {std::size_t{0}, std::size_t{2}}) {

@@ -1,4 +1,4 @@
-// What is left out changes no bit of the picture, and what remains is what the scene asks for.
+// Skipping changes no bit of the picture, and leaves all that the scene asks for.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -105,7 +105,7 @@ TEST(Skipping, OccupiedBoxesHoldEveryPlaceWithAbsorption) {
   }
 }
 
-/// Whether a straight line meets a box, by its slabs.
+/// Tells if a straight line meets a box, by its slabs.
 bool line_meets(const Box& box, Vec3 a, Vec3 b) {
   double from = 0, to = 1;
   const auto slab = [&](double lower, double upper, double p, double q) {
@@ -158,7 +158,7 @@ TEST(Skipping, NoRayOfABeamMeetsAnythingWhereTheBeamDoesNot) {
   EXPECT_GT(meeting, 300);
 }
 
-// How far something is from a point of a plane across the axis, looked at along the axis.
+// The boxes' distance from a point of a plane across the axis, looked at along the axis.
 double distance_to(const std::vector<Box>& boxes, const RigidTransform& to_camera, Vec2 p) {
   double nearest = 1e300;
   for (const Box& box : boxes) {
@@ -189,7 +189,7 @@ TEST(Skipping, BeamsAreToldFromWhatIsHardlyBesideThem) {
       all.upper = {1, std::max(all.upper.y, box.upper.y), std::max(all.upper.z, box.upper.z)};
     }
     // Two places of the raster: one that a box only touches, one for where in it the beam is.
-    // What is beside the raster is told only roughly.
+    // Distances beside the raster are told only roughly.
     const std::vector<Box> raster{all};
     const double blur = 3 * std::hypot(all.upper.y - all.lower.y, all.upper.z - all.lower.z) / 128;
     int near = 0, far = 0;
@@ -376,7 +376,7 @@ TEST(Skipping, OnePercentOfThePictureIsAboutOnePercentOfTheWork) {
     // Pixels whose beams only touch the flame are traced whole: across the rim of so small a
     // picture that is some, with the real lens' blur, which is as wide as the flame, more.
     EXPECT_LT(rays, (ideal ? 1.2 : 2.3) * share);
-    // Of the pixels that get any light at all, however little, by so many rays that those that two
+    // All pixels that get any light, however little, by so many rays that those that two
     // rays miss are found: none is left out, to begin with.
     RenderSettings all = settings;
     all.samples = 256;

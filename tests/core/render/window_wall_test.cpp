@@ -174,7 +174,7 @@ TEST(WindowWalls, KernelsGoTheWaysOfSingleRays) {
     }
 }
 
-// What the walls' order does not say is left to rays that are traced one by one.
+// Crossings that the walls' order does not tell are left to rays that are traced one by one.
 TEST(WindowWalls, OtherArrangementsAreNotTaken) {
   const auto taken = [](const std::vector<WindowSpec>& windows) {
     Scene plain = small_scene(singlet(), {});

@@ -107,7 +107,7 @@ TEST_P(ThroughWindows, WhatIsLeftOutSeesNothing) {
   settings.skip = false;
   const RenderResult all = render(compiled, settings);
   EXPECT_GT(left_out.statistics.flux, 0);
-  // What a dome turns so much is hardly bounded.
+  // Rays that a dome turns so much are hardly bounded.
   const bool bounded = GetParam().back().shape != WindowShape::dome;
   EXPECT_LE(left_out.statistics.rays, (bounded ? 0.5 : 1.0) * all.statistics.rays);
   double largest = 0;
@@ -259,7 +259,7 @@ TEST(Windows, DesignTellsShiftAstigmatismAndLoss) {
   EXPECT_TRUE(relative(of_plate.shift_x, 0.04 * (1 - 1 / 1.7), 1e-6));
   EXPECT_TRUE(relative(of_plate.shift_y, 0.04 * (1 - 1 / 1.7), 1e-6));
   EXPECT_TRUE(relative(of_plate.loss, 1 - 2 * 1.7 / (1.7 * 1.7 + 1), 1e-6));
-  // Of a point on its axis a tube bends no ray across it (camera x); along it its wall is a plate.
+  // A tube bends no ray of a point on its axis across it (camera x); along it its wall is a plate.
   const WindowDesign of_tube = window_design(camera, WindowSet({tube()}));
   EXPECT_TRUE(within(of_tube.shift_x, 0, 1e-9, 1));
   EXPECT_TRUE(relative(of_tube.shift_y, 0.003 * (1 - 1 / 1.46), 1e-6));

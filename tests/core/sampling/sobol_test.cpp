@@ -10,7 +10,7 @@
 namespace plenoflame::test::sobol_test {
 namespace {
 
-/// Whether every one of 2^m consecutive cells holds exactly one value.
+/// Tells if every one of 2^m consecutive cells holds exactly one value.
 template <class Value>
 bool one_per_cell(int m, const Value& value) {
   std::vector<int> hits(std::size_t{1} << m);
@@ -124,7 +124,7 @@ TEST(OwenScramble, EveryFractionBecomesUniform) {
 }
 
 TEST(OwenScramble, NodesOfTheTreeFlipIndependently) {
-  // Whether a bit is flipped says nothing about a lower one of the same fraction, nor about a lower
+  // The flip of a bit says nothing about a lower one of the same fraction, nor about a lower
   // one of a fraction that differs in one of the highest 18 bits.
   constexpr int kSeeds = 10000, kNested = 18, kBits = 32;
   const double half = kSeeds / 2.0, error = std::sqrt(kSeeds) / 2;
@@ -281,7 +281,7 @@ TEST(SobolPool, NumbersOfReplicatesAreOddAndDiffer) {
   EXPECT_EQ(pool.replicate_numbers()[0], 0U);
 }
 
-// What two replicates of an entry are wrong by, over the shifts of many pixels: independent. The
+// The errors of two replicates of an entry, over the shifts of many pixels: independent. The
 // integrand is smooth, as a pixel's is where no edge is seen; its mean is 1.
 TEST(SobolPool, ErrorsOfReplicatesDoNotGoTogether) {
   constexpr int kEntries = 32, kPixels = 2000, kPoints = 8;
@@ -313,7 +313,7 @@ TEST(SobolPool, ErrorsOfReplicatesDoNotGoTogether) {
     }
     return sum;
   };
-  // Of so many degrees of freedom: mean and variance are n and 2 n.
+  // A chi-square of n degrees of freedom has the mean n and the variance 2 n.
   const double most = kEntries + 5 * std::sqrt(2.0 * kEntries);
   EXPECT_LT(chi_square(0, 1, true), most);
   EXPECT_LT(chi_square(1, 2, true), most);

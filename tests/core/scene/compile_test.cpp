@@ -32,7 +32,7 @@ MediumLoader in_box(const Box& box) {
                const Execution&) { return std::make_unique<test::UniformMedium>(box); };
 }
 
-/// What compile() throws, or the warnings that it gives, one per line.
+/// The message that compile() throws, or the warnings that it gives, one per line.
 std::string outcome(const SceneDocument& document, const MediumLoader& loader) {
   std::string warnings;
   Execution execution;

@@ -50,7 +50,7 @@ TEST(LensPresets, HaveTheirPublishedFocalLengths) {
   }
 }
 
-/// What rounding of all printed numbers may change, at most: by differences.
+/// The most that rounding of all printed numbers may change: by differences.
 /// @param length, index half of the last printed decimal
 double rounding(const MainLensSpec& lens, double FirstOrder::*figure, double length, double index) {
   double sum = 0;
@@ -186,7 +186,7 @@ TEST(LensImport, WhatZemaxFilesMayNotHave) {
   expect(zmx_error("DISZ 9", "DISZ -9"), "negative thickness");
   expect(zmx_error("  DIAM 13.5 1 0 0 1 \"\"", "  DIAM 0"), "no clear aperture");
   expect(zmx_error("  DIAM 13.5 1 0 0 1 \"\"", "  DIAM 13500"), "curved too much");
-  // What is replaced or unknown is said.
+  // The notes name everything that is replaced or unknown.
   std::string text = kZmx;
   text.replace(text.find("GLAS SF2"), 8, "GLAS XYZ");
   text.replace(text.find("COAT AR"), 7, "ABCD 12");

@@ -53,7 +53,7 @@ TEST(PresetCameras, MicroImagesAreAsLargeAsTheirTextsSay) {
                              427.2409e-3 - 17.3077e-6, 1e-6));
 }
 
-// What examples/candle.toml claims about its three types: sharp planes from a0 = 1 / (1/f - 1/B),
+// The claims of examples/candle.toml about its three types: sharp planes from a0 = 1 / (1/f - 1/B),
 // blur D B |1/a - 1/a0| for an object on the first type's plane (Perwass and Wietzke 2012).
 TEST(PresetCameras, CandleTellsTheTypesApart) {
   const Camera camera = camera_of(test::source_text("examples/candle.toml"));

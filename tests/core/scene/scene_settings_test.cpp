@@ -98,7 +98,7 @@ TEST(SceneSettings, SayWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(error({"camera.array.pitch=2m"}).find("at most 1 m is allowed"), std::string::npos);
   EXPECT_NE(error({"camera.preset=r13"}).find("--set camera.preset: "), std::string::npos);
-  // Where a message about the value stands later on.
+  // The place that a later message about the value names.
   SceneSettings settings;
   settings.values = {"camera.array.types.type3.index=1.7"};
   const SceneDocument document = parse_scene(kCamera, "a.toml", settings);

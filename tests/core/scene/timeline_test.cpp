@@ -82,7 +82,7 @@ TEST_F(Timeline, FramesAreFiles) {
   EXPECT_FALSE(changes_with_time(alone));
 }
 
-// Of numbers beyond the digits of the pattern the names are longer.
+// Numbers beyond the digits of the pattern make the names longer.
 TEST_F(Timeline, LongNumbers) {
   for (const int number : {9998, 9999, 10000, 10001}) file(number);
   const SceneTimeline timeline(series());
@@ -182,7 +182,7 @@ TEST_F(Timeline, AnExposureOfATableIsDivided) {
   EXPECT_TRUE(test::relative(shares, 1, 1e-14));
   EXPECT_TRUE(test::relative(mean, 1.4, 1e-14));
   EXPECT_EQ(timeline.exposure_of_frame(1).size(), 1u);  // nothing changes there
-  // What is alike is one moment: the first half of these 8 ms, then two quarters.
+  // Moments that are alike become one: the first half of these 8 ms, then two quarters.
   write_bytes(folder_.file("t.csv"), "time [ms],brightness\n0,1\n4,1\n8,2\n");
   const auto half = SceneTimeline(scene("file = \"a.vdb\"\ntime_table = \"t.csv\"\n",
                                         "exposure_time = \"8 ms\"\nexposure_steps = 4\n"))

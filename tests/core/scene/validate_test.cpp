@@ -105,7 +105,7 @@ TEST(Validate, EmissionLinesThatCountTheSameGridTwice) {
   LineSpec third{LineKind::c2_517};
   third.emission.scale = 0.3;
   EXPECT_EQ(warning({LineKind::c2_474}, third), "0 warnings");
-  // Of three the second and the third, once each.
+  // The second and the third of three are named, once each.
   EXPECT_EQ(warning_after([](Scene& s) {
               with_line(s, {LineKind::ch});
               s.flames[0].lines.resize(3, {LineKind::ch});
@@ -165,7 +165,7 @@ TEST(Validate, FiltersThatPassNothing) {
   EXPECT_EQ(error("600 nm 1, 650 nm 1"), "");
   EXPECT_NE(error("400 nm 1, 500 nm 1").find("channel \"red\": the filter"), std::string::npos);
   EXPECT_NE(error("400 nm 1, 500 nm 1").find("lets nothing through"), std::string::npos);
-  // Where they meet it is 0.
+  // A filter that is 0 all over the channel:
   EXPECT_NE(error("400 nm 1, 500 nm 0, 700 nm 0").find("lets nothing through"), std::string::npos);
 }
 
@@ -522,7 +522,7 @@ TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
   const SceneDocument focus =
       parse_scene(std::string(kScene) + "[camera.focus]\nconjugate = \"typ2\"\n", "s.toml");
   EXPECT_EQ(message_of([&] { validate(focus); }).substr(0, 14), "s.toml:7:13: c");
-  // What stands nowhere in the file is at least said to be missing there.
+  // A key that stands nowhere in the file is at least said to be missing there.
   const SceneDocument empty = parse_scene("", "empty.toml");
   EXPECT_EQ(
       message_of([&] { validate(empty); }),

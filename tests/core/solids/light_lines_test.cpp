@@ -73,7 +73,7 @@ TEST(LightLines, FlamesBehindAPlateDoNotShine) {
   EXPECT_EQ(flux_of(scene), 0);
 }
 
-// Whether the plate's light is found by its points or by reflected rays.
+// The plate's light is found by its points or by reflected rays.
 TEST(LightLines, FlamesBehindAnEmitterDoNotDimIt) {
   Scene scene = wall_scene();
   scene.surfaces.push_back(plate());

@@ -13,7 +13,7 @@ namespace {
 constexpr SolidShape kShapes[] = {SolidShape::sphere, SolidShape::cylinder, SolidShape::cone,
                                   SolidShape::disc,   SolidShape::plane,    SolidShape::box};
 
-/// How far a point is from a shape of size s (in its own frame), by the shape's definition.
+/// The distance of a point from a shape of size s (in its own frame), by the shape's definition.
 double distance_from(SolidShape shape, double s, Vec3 p) {
   const double r = std::hypot(p.x, p.y), h = 1.5 * s;
   switch (shape) {
@@ -86,7 +86,7 @@ TEST(Shapes, ChordsOfASphere) {
     }
 }
 
-// Of a convex body no ray that leaves outwards comes back, one that enters leaves through another
+// No ray that leaves a convex body outwards comes back, one that enters leaves through another
 // place; whatever the size, and far from the origin of the world.
 TEST(Shapes, RaysThatLeaveDoNotComeBack) {
   Random random(3);

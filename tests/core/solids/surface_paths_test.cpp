@@ -80,7 +80,7 @@ TEST(SurfacePaths, SumIsTheFluxOfThePixel) {
   EXPECT_GT(lit, 240);
 }
 
-/// How far a line passes the middle of the ball.
+/// The distance of a line from the middle of the ball.
 double beside_ball(Vec3 from, Vec3 towards) {
   const Vec3 d = normalize(towards - from), to = kBall - from;
   return length(to - dot(to, d) * d);

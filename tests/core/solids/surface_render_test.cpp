@@ -91,7 +91,7 @@ TEST(SurfaceRender, LambertianWallUnderAPointSource) {
   }
 }
 
-// Where a point of an object is imaged: rays from one sensor point through any point of an ideal
+// The image of a point of an object: rays from one sensor point through any point of an ideal
 // lens meet a wall at the conjugate distance in one point, that of the paraxial magnification.
 TEST(SurfaceRender, ObjectsAreWhereTheirParaxialImageIs) {
   for (const double distance : {0.3, 2.0, 50.0}) {
