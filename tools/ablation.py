@@ -7,7 +7,7 @@ Builds the command from a copy of the sources, in build/ablation, in which tools
 and renders each scene with all devices and with one of them off, in turn and with the same seeds. Error is the relative RMSE against a
 picture of many more samples and another seed; time is the processor's, of one thread, without compiling the scene. Figures are medians
 of ratios within pairs: sqrt of the mean of squares for errors. --check only looks whether the switches fit the sources.
-Results are kept in build/ablation/results.json: what is not measured again stays on the page.
+What is not measured again stays on the page.
 """
 
 import argparse
@@ -38,6 +38,8 @@ FLAME = '[[flames]]\npreset = "paper-layered"\nposition = ["1 m", "0 m", "-29 mm
 R29 = 'camera.preset = "raytrix-r29"\ncamera.focus = { mode = "best", object_distance = "1 m", conjugate = "array" }\n' + FLAME
 SPARSE = ('camera.preset = "paper-plenoptic2"\ncamera.focus = { mode = "best", object_distance = "4 m", conjugate = "type2" }\n'
           '[[flames]]\nkind = "vdb"\nfile = "layered.vdb"\nposition = ["4 m", "0 m", "-29 mm"]\n')
+GRID = ('camera.preset = "paper-plenoptic2"\ncamera.focus = { mode = "best", object_distance = "1 m", conjugate = "type2" }\n'
+        '[[flames]]\nkind = "vdb"\nfile = "layered.vdb"\nposition = ["1 m", "0 m", "-29 mm"]\n')
 SCENES = {
     "paper-flame-1m": (None, "1300,1300,400,400"),
     "paper-previous-60x60": (None, None),
@@ -45,9 +47,10 @@ SCENES = {
     "candle": (None, "300,300,400,400"),
     "lenslets-30": (None, None),
     "sparse": (SPARSE, None),
-    "smoke": (None, "100,100,100,100"),
+    "grid": (GRID, "1300,1300,400,400"),
+    "smoke": (None, "120,120,60,60"),
 }
-WHICH = {"roulette of walks": ["smoke"]}  # all but smoke, where nothing is said
+WHICH = {"roulette of walks": ["smoke"]}  # all, where nothing is said
 
 
 def switch(name):
@@ -144,7 +147,7 @@ def error_of(command, picture, reference):
 
 def measure(command, folder, scene, samples, devices, repeat, results):
     """Adds {device: {"time", "error", "gain"}} for a scene: ratios without the device to with it."""
-    names = [d.name for d in devices if scene in WHICH.get(d.name, [s for s in SCENES if s != "smoke"])]
+    names = [d.name for d in devices if scene in WHICH.get(d.name, SCENES)]
     if not names:
         return
     reference = folder / f"{scene}-{samples}.exr"
@@ -183,11 +186,27 @@ def lines_of(parts):
     return count
 
 
+TABLES = (("Gain in error^2 x time", "gain"), ("Time", "time"), ("Error", "error"), ("Memory", "memory"))
+
+
+def results_on(page):
+    """{device: {"SCENE SAMPLES": {"gain", ...}}} of the tables that page_of() wrote."""
+    results = {}
+    for title, what in TABLES:
+        table = page.split(f"### {title}\n")[1].split("\n\n")[1].splitlines()
+        cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+        for row in cells[2:]:
+            for key, cell in zip(cells[0][1:], row[1:]):
+                if cell:
+                    results.setdefault(row[0], {}).setdefault(key.replace(",", ""), {})[what] = float(cell)
+    return results
+
+
 def page_of(results):
     keys = sorted({key for of_device in results.values() for key in of_device},
                   key=lambda key: (list(SCENES).index(key.split()[0]), int(key.split()[1])))
     text = ""
-    for title, what in (("Gain in error^2 x time", "gain"), ("Time", "time"), ("Error", "error"), ("Memory", "memory")):
+    for title, what in TABLES:
         text += f"### {title}\nWithout the device divided by with it: above 1 the device pays.\n\n"
         text += "| device | " + " | ".join(f"{key.split()[0]}, {key.split()[1]}" for key in keys) + " |\n"
         text += "|---" * (len(keys) + 1) + "|\n"
@@ -218,8 +237,13 @@ def main():
         lines_of(device.parts + device.tests)
     if options.check:
         return
+    before, rest = PAGE.read_text().split(BEGIN)
+    old, after = rest.split(END)
     kept = WORK / "results.json"
-    results = json.loads(kept.read_text()) if kept.exists() else {}
+    results = results_on(old)
+    if kept.exists():  # with more digits
+        for device, cells in json.loads(kept.read_text()).items():
+            results.setdefault(device, {}).update(cells)
     if not options.page:
         WORK.mkdir(parents=True, exist_ok=True)
         command = COMMAND if options.built else build(options.jobs)
@@ -229,8 +253,6 @@ def main():
             for samples in map(int, options.samples.split(",")):
                 measure(command, folder, scene, samples, chosen, options.repeat, results)
                 kept.write_text(json.dumps(results, indent=1))
-    before, rest = PAGE.read_text().split(BEGIN)
-    after = rest.split(END)[1]
     PAGE.write_text(before + BEGIN + page_of(results) + END + after)
 
 
