@@ -9,17 +9,9 @@ import math
 
 from command import CommandTest, main
 from exr import write_light_field
+from export_scenes import LENS
 
-SCENE = """[camera.lens]
-model = "ideal"
-surfaces = []
-focal_length = "50 mm"
-diameter = "10 mm"
-[camera.focus]
-mode = "paraxial"
-object_distance = "1 m"
-conjugate = "array"
-[camera.array]
+SCENE = LENS + """[camera.array]
 lattice = "%s"
 model = "ideal"
 pitch = "100 um"

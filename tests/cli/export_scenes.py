@@ -8,7 +8,7 @@ Z, X, Y = 0.6, 1.5e-3, -1.0e-3         # the sphere: depth, right, down
 IMAGE = 1 / (1 / F - 1 / Z)            # where it is imaged, from the main lens
 POINT = np.array([-X, -Y]) * IMAGE / Z  # its image, camera x, y: behind the array
 
-SCENE = """[camera.lens]
+LENS = """[camera.lens]
 model = "ideal"
 surfaces = []
 focal_length = "50 mm"
@@ -17,7 +17,9 @@ diameter = "10 mm"
 mode = "paraxial"
 object_distance = "1 m"
 conjugate = "array"
-[[flames]]
+"""
+
+SCENE = LENS + """[[flames]]
 name = "point"
 position = ["%g m", "%.9g m", "%.9g m"]
 [[flames.layers]]
