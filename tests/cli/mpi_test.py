@@ -1,5 +1,6 @@
 """Pictures that several processes share under mpirun: the bits of one process, and what is said when something goes wrong."""
 
+import filecmp
 import json
 import os
 import shutil
@@ -18,6 +19,7 @@ preset = "paper-layered"
 position = ["1 m", "0 m", "-29 mm"]
 """
 WINDOW = ("--window", "1400,1400,300,200")
+SWEEP = ("--window", "1400,1400,64,64", "--samples", "4", "--lattice", "4", "--threads", "1", "--quiet")
 PLUGIN = os.path.join(os.path.dirname(command.COMMAND), "plugins", "libplenoflame_mpi.so")
 MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none"]
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -45,6 +47,23 @@ class Ranks(CommandTest):
             self.renders(ranks, *options, "-o", "all.exr", "--truth", "--stats", "all.json")
             self.assertEqual(self.read("all.exr"), self.read("one.exr"), ranks)
             self.assertEqual(json.loads(self.read("all.json"))["ranks"], ranks)
+
+    def test_pictures_by_a_compiled_camera(self):
+        self.succeeds("compile", "a.toml", *WINDOW, "--level", "1", "--samples", "16", "--margin", "3mm", "-o", "a.bundle", "--quiet")
+        options = ("--compiled", "a.bundle", "--set", "flames[0].brightness=0.5", "--quiet")
+        self.succeeds("render", "a.toml", *options, "-o", "one.exr", "--stats", "one.json")
+        for ranks in (2, 3):
+            self.renders(ranks, *options, "-o", "all.exr", "--stats", "all.json")
+            self.assertEqual(self.read("all.exr"), self.read("one.exr"), ranks)
+            one, shared = json.loads(self.read("one.json")), json.loads(self.read("all.json"))
+            self.assertEqual((shared["ranks"], shared["rays"]), (ranks, one["rays"]))
+        damaged = bytearray(self.read("a.bundle"))
+        damaged[-100] ^= 1
+        self.write("b.bundle", bytes(damaged))
+        result = self.shared(3, "render", "a.toml", "--compiled", "b.bundle", "-o", "x.exr", "--quiet")
+        lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
+        self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
+        self.assertIn("damaged; compile the camera again", lines[0])
 
     def test_rounds_and_going_on(self):
         options = ("--target-error", "2%", "--quiet")
@@ -81,6 +100,66 @@ class Ranks(CommandTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.succeeds("render", "a.toml", *options, "-o", "whole.exr")
         self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
+
+    def sweep(self, ranks, folder, *options):
+        return self.shared(ranks, "sweep", "a.toml", "--table", "runs.csv", "-o", folder, *SWEEP, *options)
+
+    def assert_same(self, one, other):
+        names = sorted(os.path.relpath(os.path.join(path, name), self.path(one)) for path, _, files in os.walk(self.path(one))
+                       for name in files)
+        self.assertEqual(names, sorted(os.path.relpath(os.path.join(path, name), self.path(other))
+                                       for path, _, files in os.walk(self.path(other)) for name in files))
+        self.assertEqual(filecmp.cmpfiles(self.path(one), self.path(other), names, shallow=False)[1:], ([], []))
+
+    def runs(self, rows, header="flames[0].brightness"):
+        self.write("runs.csv", header + "\n" + "".join(f"{row}\n" for row in rows))
+
+    def test_a_sweep_has_the_same_bits(self):
+        self.runs([1, 0.9, 0.8, 0.7, 0.6])
+        for form in ("exr", "hdf5"):
+            self.succeeds("sweep", "a.toml", "--table", "runs.csv", "-o", "one" + form, *SWEEP, "--format", form)
+            for ranks in (1, 2, 3, 4):
+                result = self.sweep(ranks, f"all{form}{ranks}", "--format", form)
+                self.assertEqual((result.returncode, result.stderr), (0, ""), ranks)
+                self.assert_same("one" + form, f"all{form}{ranks}")
+
+    def test_what_is_wrong_with_a_run_of_a_sweep_is_said_once(self):
+        self.runs([1, 0.5, "none.vdb", 0.5], "flames[0].brightness")
+        result = self.sweep(3, "set")
+        self.assertEqual(result.returncode, 1)
+        self.assertRegex(result.stderr, r"\Aplenoflame: error: [^\n]*runs.csv:4:1: [^\n]*\n")
+        # This one is found only while the run is made.
+        self.write("b.toml", SCENE.replace('preset = "paper-layered"', 'kind = "vdb"\nfile = "a.vdb"'))
+        self.runs(["missing.vdb"] * 3, "flames[0].file")
+        result = self.shared(3, "sweep", "b.toml", "--table", "runs.csv", "-o", "other", "--samples", "2", "--quiet")
+        self.assertEqual(result.returncode, 1)
+        lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertIn("missing.vdb", lines[0])
+
+    def test_a_rank_of_a_sweep_that_dies_costs_no_more_than_its_runs(self):
+        self.runs([1 - 0.01 * run for run in range(12)])
+        options = ("sweep", "a.toml", "--table", "runs.csv", "--window", "1400,1400,128,128", "--samples", "512", "--quiet",
+                   "--threads", "1")
+        process = subprocess.Popen([*MPIRUN, "-n", "3", command.COMMAND, *options, "-o", "set"], cwd=self.folder, env=ENVIRONMENT,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        def done():
+            return [n for n in os.listdir(self.path("set/runs")) if n.endswith(".json")] if os.path.isdir(self.path("set/runs")) else []
+        while process.poll() is None and not done():
+            time.sleep(0.02)
+        self.assertIsNone(process.poll(), "it ended too early")
+        children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
+        os.kill(int(children[-1]), signal.SIGKILL)
+        _, errors = process.communicate(timeout=60)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn("signal 9", errors)
+        self.assertTrue(0 < len(done()) < 12, done())
+        result = self.shared(2, *options, "-o", "set")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.succeeds(*options, "-o", "one")
+        self.assert_same("set", "one")
 
     def test_wrong_input_is_said_once(self):
         for arguments, status, text in ((("render", "missing.toml", "-o", "x.exr"), 1, "missing.toml"),

@@ -4,7 +4,11 @@ import csv
 import filecmp
 import os
 import shutil
+import signal
+import subprocess
+import time
 
+import command
 from command import CommandTest, main
 
 SCENE = """[camera]
@@ -18,7 +22,21 @@ TABLE = """flames[0].position,flames[0].brightness
 "1 m, 2 mm, -29 mm",0.5
 "1 m, -2 mm, -29 mm",
 """
-OPTIONS = ("--window", "1400,1400,64,64", "--samples", "4", "--lattice", "4,4,6", "--quiet")
+# The box of the lattice holds the flames of all runs.
+OPTIONS = ("--window", "1400,1400,64,64", "--samples", "4", "--lattice", "4,4,6", "--region",
+           "0.98m,-15mm,-32mm:1.02m,15mm,35mm", "--quiet")
+# Runs the tasks of an array one after the other, and what waits for it when all went well.
+SBATCH = """#!/bin/sh
+set -eu
+tasks() {
+  for task in $(seq "$(sed -n 's/^#SBATCH --array=1-//p' "$1")"); do SLURM_ARRAY_TASK_ID=$task sh "$1" >&2; done
+}
+case $1 in
+  --parsable) tasks "$2"; echo 42 ;;
+  --dependency=afterok:42) [ "$2" = --wrap ]; sh -c "$3" ;;
+  *) tasks "$1" ;;
+esac
+"""
 
 
 class Sweeps(CommandTest):
@@ -121,6 +139,96 @@ class Sweeps(CommandTest):
         self.assertNotIn("set.h5", os.listdir(self.path("set")))
         self.sweep("set", "--format", "hdf5")
         self.assertEqual(self.read("set/set.h5"), whole)
+
+    def submitted(self, printed):
+        """What a shell makes of the printed lines where sbatch is the one above."""
+        self.write("sbatch", SBATCH)
+        os.chmod(self.path("sbatch"), 0o755)
+        return subprocess.run(["sh", "-e", "-c", printed], cwd=self.folder, capture_output=True, text=True, timeout=120, check=False,
+                              env={**os.environ, "PATH": self.folder + ":" + os.environ["PATH"], "PLENOFLAME": command.COMMAND})
+
+    def test_a_job_array(self):
+        for parts, name in ((2, "my set"), (1, "one")):
+            options = f"--table runs.csv --format hdf5 --test-share 34% {' '.join(OPTIONS)}"
+            printed = self.succeeds("submit", "--slurm", "a.toml", "--sweep", name + "/", "--parts", str(parts), "--threads", "2",
+                                    "--options", options, "-o", "jobs.sbatch")
+            result = self.submitted(printed)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            self.assertEqual("merged" in result.stdout, parts > 1)
+        self.sweep("whole", "--format", "hdf5", "--test-share", "34%")
+        self.assert_same("whole", "my set")
+        self.assert_same("whole", "one")
+
+    def test_a_task_that_is_begun_anew_makes_what_is_left(self):
+        printed = self.succeeds("submit", "--slurm", "a.toml", "--sweep", "set", "--parts", "2", "-o", "jobs.sbatch",
+                                "--options", "--table runs.csv " + " ".join(OPTIONS))
+        self.assertEqual(self.submitted(printed).returncode, 0)
+        def record(run):
+            return self.path(f"set-part-1-of-2/runs/00000{run}.json")
+        before = os.stat(record(0))
+        os.remove(record(2))
+        environment = {**os.environ, "SLURM_ARRAY_TASK_ID": "1", "PLENOFLAME": command.COMMAND}
+        subprocess.run(["sh", "jobs.sbatch"], cwd=self.folder, env=environment, check=True, timeout=60)
+        self.assertTrue(os.path.exists(record(2)))
+        self.assertEqual(os.stat(record(0)).st_mtime_ns, before.st_mtime_ns)
+        environment["SLURM_ARRAY_TASK_ID"] = "3"
+        result = subprocess.run(["sh", "jobs.sbatch"], cwd=self.folder, env=environment, check=False, timeout=60,
+                                capture_output=True, text=True)
+        self.assertEqual((result.returncode, result.stderr), (2, "there is no task 3\n"))
+
+    def test_bad_submissions(self):
+        def refused(options, mentions, *more, status=2, scenes=("a.toml",)):
+            self.fails(status, "submit", "--slurm", *scenes, "--sweep", "set", *more, "--options", options, "-o", "jobs.sbatch",
+                       mentions=mentions)
+        self.write("bad.csv", "flames[0].brightness\n1\nred\n")
+        refused("--table bad.csv", "bad.csv:3:1", status=1)
+        refused("--table runs.csv --sample 4", "--options")
+        refused("--table runs.csv --part 1/2", "--part")
+        refused("--table runs.csv -o other", "--output")
+        refused("", "--table")
+        refused("runs.csv", "scenes stand before")
+        refused("--table runs.csv", "3 runs", "--parts", "4")
+        refused("--table runs.csv", "one scene", scenes=("a.toml", "b.toml"))
+        self.assertNotIn("jobs.sbatch", self.files())
+
+    def begun(self, *options):
+        """A sweep that runs in the background, of runs of about a second, until one of them is done."""
+        self.write("long.csv", "flames[0].brightness\n1\n0.9\n0.8\n0.7\n0.6\n0.5\n")
+        arguments = ("sweep", "a.toml", "--table", "long.csv", "-o", "set", "--window", "1400,1400,128,128", "--samples", "512",
+                     "--threads", "1", "--quiet", *options)
+        process = subprocess.Popen([command.COMMAND, *arguments], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        while process.poll() is None and not os.path.exists(self.path("set/runs/000000.json")):
+            time.sleep(0.02)
+        self.assertIsNone(process.poll(), "it ended too early")
+        return process, arguments
+
+    def goes_on(self, arguments):
+        """The same command makes the rest; the set is that of a run that nobody stopped."""
+        kept = {name: os.stat(self.path("set/runs/" + name)).st_mtime_ns for name in os.listdir(self.path("set/runs"))
+                if name.endswith(".json")}
+        self.assertLess(len(kept), 6)
+        self.succeeds(*arguments)
+        for name, when in kept.items():
+            self.assertEqual(os.stat(self.path("set/runs/" + name)).st_mtime_ns, when, name)
+        self.succeeds(*("whole" if argument == "set" else argument for argument in arguments))
+        self.assert_same("set", "whole")
+
+    def test_interrupted(self):
+        process, arguments = self.begun()
+        process.send_signal(signal.SIGINT)
+        out, errors = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, out), (1, ""))
+        self.assertRegex(errors, r"\Aplenoflame: stopped; [1-5] of 6 runs are in set; the same command goes on\n\Z")
+        self.goes_on(arguments)
+
+    def test_killed(self):
+        process, arguments = self.begun()
+        process.kill()
+        process.communicate(timeout=60)
+        self.goes_on(arguments)
 
 
 if __name__ == "__main__":

@@ -61,10 +61,9 @@ int run_compile(const CompileArguments& arguments, const std::stop_token& stop) 
   execution.threads = arguments.threads;
   execution.stop = stop;
   bar.connect(execution);
-  std::vector<IssueCode> unsaid;
-  if (!settings.region.empty()) unsaid.push_back(IssueCode::no_flame);
-  const CompiledScene scene =
-      compile(document.scene, medium_loader(), execution, document.positions, {}, unsaid);
+  // With a region no flame is needed, and without one its lack is the error.
+  const CompiledScene scene = compile(document.scene, medium_loader(), execution,
+                                      document.positions, {}, {IssueCode::no_flame});
   const auto start = std::chrono::steady_clock::now();
   const CompiledCamera camera = compile_camera(scene, settings, execution);
   write_bundle(arguments.output, camera);

@@ -11,6 +11,7 @@
 #include "commands/commands.h"
 #include "commands/render_options.h"
 #include "commands/sweep_set.h"
+#include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/film.h"
@@ -69,10 +70,12 @@ void merge_pictures(const MergeArguments& arguments, const std::stop_token& stop
 int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
   std::error_code error;
   if (std::filesystem::is_directory(arguments.files.front(), error)) {
-    merge_sets(arguments.files, arguments.output, stop);
+    const std::vector<int> beyond = merge_sets(arguments.files, arguments.output, stop);
+    if (const std::string warning = beyond_lattice_warning(beyond); !warning.empty()) warn(warning);
     Report report;
     report.add("merged", fmt::format("{} parts of a sweep", arguments.files.size()), "files",
                arguments.files.size());
+    report.add_json("beyond_lattice", beyond);
     report.add("written", arguments.output, "output", arguments.output);
     report.print(arguments.json);
     return kSuccess;

@@ -324,7 +324,8 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
     const auto start = std::chrono::steady_clock::now();
     check_series(picture, scene, run.check_lattice);
-    if (run.ranks) announce_scene(scene, options.white, options.threads, *run.ranks);
+    if (run.ranks)
+      announce_scene(scene, options.white, options.compiled, options.threads, *run.ranks);
     // Only frames come back to a view.
     std::unique_ptr<CompiledScene>& own = run.last[options.frames ? picture.view : 0];
     own = std::make_unique<CompiledScene>(compile(
@@ -341,8 +342,6 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   settings.ranks = run.ranks;
   if (run.ranks && settings.estimator == Estimator::forward)
     execution.warn("bundles of the forward estimator are traced by rank 0 alone");
-  if (run.ranks && settings.compiled)
-    execution.warn("pictures by a compiled camera are made by rank 0 alone");
   if (options.checkpoint) settings.checkpoint_seconds = *options.checkpoint;
   RunRecord record = record_of(options, moments.front().scene, settings);
   add_exposure(picture, settings, record);

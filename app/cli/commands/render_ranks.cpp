@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "commands/sweep_ranks.h"
 #include "medium_loader.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/media/uniform_medium.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/ranks.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/validate.h"
@@ -35,11 +37,14 @@ void fill_with_light(CompiledScene& compiled) {
   }
 }
 
-void announce_scene(const Scene& scene, bool white, int threads, Communicator& ranks) {
-  const nlohmann::json json{{"scene", write_scene(scene)},
-                            {"file", std::filesystem::absolute(scene.file).string()},
-                            {"white", white},
-                            {"threads", threads}};
+void announce_scene(const Scene& scene, bool white, const std::string& compiled, int threads,
+                    Communicator& ranks) {
+  const nlohmann::json json{
+      {"scene", write_scene(scene)},
+      {"file", std::filesystem::absolute(scene.file).string()},
+      {"white", white},
+      {"compiled", compiled.empty() ? "" : std::filesystem::absolute(compiled).string()},
+      {"threads", threads}};
   const std::string text =
       kScene + json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, text);
@@ -49,6 +54,8 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
   Execution execution;
   execution.stop = stop;
   std::optional<CompiledScene> compiled;
+  std::optional<CompiledCamera> camera;
+  std::string camera_file;
   bool white = false;
   for (;;) {
     const RankMessage message = wait_for_message(ranks);
@@ -67,9 +74,14 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
         compiled = compile(document.scene, medium_loader(), execution, document.positions,
                            {compiled ? &*compiled : nullptr});
         if (white) fill_with_light(*compiled);
+        const auto file = json.at("compiled").get<std::string>();
+        if (file != camera_file) camera.reset();
+        if (!file.empty() && !camera) camera = read_bundle(file);
+        camera_file = file;
       }
+      if (what == kSweepBegins) serve_sweep(message, ranks, threads, stop);
       if (what == rank_message::kRender && compiled &&
-          !serve_render(*compiled, message, ranks, execution))
+          !serve_render(*compiled, camera ? &*camera : nullptr, message, ranks, execution))
         return;
     } catch (const std::exception& error) {
       compiled.reset();

@@ -1,5 +1,6 @@
 #pragma once
 #include <stop_token>
+#include <string>
 
 #include "plenoflame/base/communicator.h"
 #include "plenoflame/scene/compile.h"
@@ -10,8 +11,10 @@ namespace plenoflame::cli {
 void fill_with_light(CompiledScene& compiled);
 
 /// Rank 0 tells the others which scene is rendered next: they compile it, too.
+/// @param compiled file of the camera by which it is rendered; empty: none
 /// @param threads of each; 0: as many as each thinks best
-void announce_scene(const Scene& scene, bool white, int threads, Communicator& ranks);
+void announce_scene(const Scene& scene, bool white, const std::string& compiled, int threads,
+                    Communicator& ranks);
 
 /// Compiles what rank 0 announces and renders along, until it quits.
 /// @param threads where rank 0 does not say how many

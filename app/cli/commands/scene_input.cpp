@@ -57,7 +57,7 @@ void check_is_scene(const std::string& path) {
   if (!std::filesystem::exists(path, error) && !error)
     throw FileError("cannot read '" + path + "': No such file or directory");
   if (!std::filesystem::is_regular_file(path, error)) return;  // a pipe would be waited for
-  std::array<char, 8> start{};
+  std::array<char, 18> start{};
   std::ifstream file(path, std::ios::binary);
   file.read(start.data(), start.size());
   const std::string_view bytes(start.data(), static_cast<std::size_t>(file.gcount()));
@@ -71,6 +71,8 @@ void check_is_scene(const std::string& path) {
     refuse(
         "a flame (.vdb), and a scene (.toml) is needed here, which names it as the file of one "
         "of its [[flames]]");
+  if (bytes == "plenoflame bundle ")
+    refuse("a compiled camera (.bundle), and a scene (.toml) is needed here; --compiled takes it");
   if (bytes.starts_with("\x89PNG")) refuse("a picture (.png), and a scene (.toml) is needed here");
 }
 

@@ -11,6 +11,7 @@
 #include "commands/commands.h"
 #include "commands/render_options.h"
 #include "commands/scene_input.h"
+#include "commands/sweep_plan.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part.h"
@@ -22,7 +23,7 @@ namespace {
 
 struct SubmitArguments {
   std::vector<std::string> scenes;
-  std::string output, options, parts = "1", threads = "1", time, memory, partition;
+  std::string output, sweep, options, parts = "1", threads = "1", time, memory, partition;
   bool slurm = false;
 };
 
@@ -33,7 +34,7 @@ struct SubmittedPicture {
 };
 
 /// The text as one word of the shell.
-std::string quoted(const std::string& text) {
+std::string shell_word(const std::string& text) {
   if (!text.empty() &&
       text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                              "_-+=:,./%@") == std::string::npos)
@@ -43,7 +44,7 @@ std::string quoted(const std::string& text) {
   return word + "'";
 }
 
-/// The options for render, as the shell would part them. @throws UsageError for an open quote
+/// The options for the command, as the shell would part them. @throws UsageError for an open quote
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   bool within = false;
@@ -66,25 +67,50 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// The options that render will read, checked here: a job that waited for a day should not end with
-/// it.
+/// Reads options as the job will, so that one that waited for a day does not end with them.
+/// @param own options that the script itself gives @param scene of the arguments, a word that is no
+/// option
 /// @throws UsageError
+void read_options(CLI::App& command, const std::vector<std::string>& words,
+                  std::initializer_list<const char*> own, const std::string& scene) {
+  try {
+    command.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(fmt::format("--options: {}", error.what()));
+  }
+  for (const char* name : own)
+    if (command.count(name) > 0)
+      throw UsageError(fmt::format("--options: the script itself says {}", name));
+  if (!scene.empty())
+    throw UsageError("--options: '" + scene + "' is no option; scenes stand before it");
+}
+
 RenderArguments checked_render_options(const std::vector<std::string>& words) {
   RenderArguments arguments;
   CLI::App render;
   add_render_options(render, arguments);
-  try {
-    render.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(fmt::format("--options: {}", error.what()));
-  }
-  for (const char* name : {"--output", "--part", "--resume", "--threads", "--camera", "--stats"})
-    if (render.count(name) > 0)
-      throw UsageError(fmt::format("--options: the script itself says {}", name));
-  if (!arguments.options.scene.empty())
-    throw UsageError("--options: '" + arguments.options.scene +
-                     "' is no option; scenes stand before it");
+  read_options(render, words,
+               {"--output", "--part", "--resume", "--threads", "--camera", "--stats"},
+               arguments.options.scene);
   return arguments;
+}
+
+/// Checks the sweep whole, run by run. @throws UsageError, InputError, FileError
+void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& words, int parts) {
+  if (submit.scenes.size() > 1)
+    throw UsageError("--sweep: a set is of one scene, not of " +
+                     std::to_string(submit.scenes.size()));
+  SweepArguments arguments;
+  CLI::App sweep;
+  add_sweep_options(sweep, arguments);
+  for (const char* name : {"SCENE", "--output"}) sweep.get_option(name)->required(false);
+  read_options(sweep, words, {"--output", "--part", "--threads"}, arguments.render.options.scene);
+  arguments.render.options.scene = submit.scenes.front();
+  arguments.output = submit.sweep;
+  const SweepPlan plan = plan_sweep(arguments, {});
+  if (static_cast<int>(plan.runs.size()) < parts)
+    throw UsageError(
+        fmt::format("--parts: there are {} runs, fewer than {}", plan.runs.size(), parts));
 }
 
 std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
@@ -134,16 +160,45 @@ std::string header(const SubmitArguments& arguments, const std::string& name, st
   return text;
 }
 
+constexpr const char* kBegin = "set -eu\ncommand=${PLENOFLAME:-plenoflame}\n";
+constexpr const char* kTask =
+    "task=${SLURM_ARRAY_TASK_ID:?is not set: submit this script with sbatch}\n";
+
+std::string with_options(std::string text, const std::vector<std::string>& options) {
+  for (const std::string& option : options) text += ' ' + shell_word(option);
+  return text + '\n';
+}
+
+/// The script of a sweep: a task of the array makes the runs of a part, and those that are left of
+/// them when it is begun anew.
+std::string sweep_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                         int threads, const std::vector<std::string>& options) {
+  std::string folder = arguments.sweep;
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  folder = shell_word(folder);
+  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  if (parts > 1)
+    text += fmt::format(
+        "if [ \"${{1:-}}\" = merge ]; then\n"
+        "  exec \"$command\" merge {0}-part-*-of-{1} -o {0}\nfi\n",
+        folder, parts);
+  text += kTask;
+  text += fmt::format(
+      "if [ \"$task\" -gt {} ]; then\n  echo \"there is no task $task\" >&2\n  exit 2\nfi\n",
+      parts);
+  text +=
+      fmt::format("exec \"$command\" sweep {} -o {}", shell_word(arguments.scenes.front()), folder);
+  if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
 /// The script: a task of the array renders a part, and goes on with it when it is begun anew.
 std::string script(const SubmitArguments& arguments, const std::string& name,
-                   const std::vector<SubmittedPicture>& pictures,
+                   const std::vector<SubmittedPicture>& pictures, int parts, int threads,
                    const std::vector<std::string>& options, bool frames) {
-  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
-  const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
   std::string text =
-      header(arguments, name, pictures.size() * static_cast<std::size_t>(parts), threads);
+      header(arguments, name, pictures.size() * static_cast<std::size_t>(parts), threads) + kBegin;
   const std::string ending = parts > 1 ? fmt::format("-part-$part-of-{}", parts) : "";
-  text += "set -eu\ncommand=${PLENOFLAME:-plenoflame}\n";
   if (parts > 1) {
     text += "if [ \"${1:-}\" = merge ]; then\n";
     for (const SubmittedPicture& picture : pictures) {
@@ -151,17 +206,18 @@ std::string script(const SubmitArguments& arguments, const std::string& name,
       text += fmt::format(
           "  for first in {0}{1}{2}; do\n    whole=${{first%{2}}}\n"
           "    \"$command\" merge \"$whole\"-part-*-of-{3}.exr -o \"$whole.exr\"\n  done\n",
-          quoted(picture.whole), frames ? ".*" : "", first, parts);
+          shell_word(picture.whole), frames ? ".*" : "", first, parts);
     }
     text += "  exit 0\nfi\n";
   }
-  text += "task=${SLURM_ARRAY_TASK_ID:?is not set: submit this script with sbatch}\n";
+  text += kTask;
   if (parts > 1) text += fmt::format("part=$(( (task - 1) % {} + 1 ))\n", parts);
   text += fmt::format("case $(( (task - 1) / {} )) in\n", parts);
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    text += fmt::format("  {}) set -- {}{}; whole={} ;;\n", i, quoted(pictures[i].scene),
-                        pictures[i].camera.empty() ? "" : " --camera " + quoted(pictures[i].camera),
-                        quoted(pictures[i].whole));
+    text +=
+        fmt::format("  {}) set -- {}{}; whole={} ;;\n", i, shell_word(pictures[i].scene),
+                    pictures[i].camera.empty() ? "" : " --camera " + shell_word(pictures[i].camera),
+                    shell_word(pictures[i].whole));
   text += "  *) echo \"there is no task $task\" >&2; exit 2 ;;\nesac\n";
   std::string resume;
   if (frames) {
@@ -175,9 +231,21 @@ std::string script(const SubmitArguments& arguments, const std::string& name,
   }
   text += "exec \"$command\" render \"$@\" -o \"$whole.exr\"" + resume;
   if (parts > 1) text += fmt::format(" --part \"$part/{}\"", parts);
-  text += fmt::format(" --threads {} --quiet", threads);
-  for (const std::string& option : options) text += ' ' + quoted(option);
-  return text + '\n';
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
+/// Checks the pictures, and makes their script. @throws UsageError, InputError, FileError
+std::string picture_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                           int threads, const std::vector<std::string>& options) {
+  const RenderArguments render = checked_render_options(options);
+  const std::vector<SubmittedPicture> pictures = pictures_of(arguments, render);
+  RenderArguments one = render;
+  one.options.scene = arguments.scenes.front();
+  one.part = parts > 1 ? fmt::format("1/{}", parts) : "";
+  static_cast<void>(checked_options(one));
+  std::vector<std::string> kept = options;
+  std::erase(kept, "--quiet");
+  return script(arguments, name, pictures, parts, threads, kept, !render.frames.empty());
 }
 
 int run_submit(const SubmitArguments& arguments) {
@@ -188,20 +256,19 @@ int run_submit(const SubmitArguments& arguments) {
        {std::pair{"--memory", arguments.memory}, std::pair{"--partition", arguments.partition}})
     if (text.find_first_of(" \t\n") != std::string::npos)
       throw UsageError(fmt::format("{}: '{}' has blanks", option, text));
-  std::vector<std::string> options = words_of(arguments.options);
-  const RenderArguments render = checked_render_options(options);
-  std::erase(options, "--quiet");
-  const std::vector<SubmittedPicture> pictures = pictures_of(arguments, render);
+  const std::vector<std::string> options = words_of(arguments.options);
+  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
+  const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
   std::string name = std::filesystem::path(arguments.output).stem().string();
   for (char& c : name)
     if (c == ' ' || c == '%') c = '_';
-  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
-  RenderArguments one = render;
-  one.options.scene = arguments.scenes.front();
-  one.part = parts > 1 ? fmt::format("1/{}", parts) : "";
-  static_cast<void>(checked_options(one));
-  write_file(arguments.output, script(arguments, name, pictures, options, !render.frames.empty()));
-  const std::string file = quoted(arguments.output);
+  if (arguments.sweep.empty()) {
+    write_file(arguments.output, picture_script(arguments, name, parts, threads, options));
+  } else {
+    check_sweep(arguments, options, parts);
+    write_file(arguments.output, sweep_script(arguments, name, parts, threads, options));
+  }
+  const std::string file = shell_word(arguments.output);
   if (parts == 1)
     std::cout << fmt::format("sbatch {}\n", file);
   else
@@ -216,7 +283,7 @@ int run_submit(const SubmitArguments& arguments) {
 void register_submit(const Registry& registry) {
   const auto arguments = std::make_shared<SubmitArguments>();
   CLI::App& command = add_command(
-      registry, "submit", "Write a batch system's script that renders scenes in parts",
+      registry, "submit", "Write a batch system's script that renders scenes, or a sweep, in parts",
       "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
   command.add_option("SCENE", arguments->scenes, "Scene files (.toml), each for a picture")
       ->required();
@@ -228,7 +295,13 @@ void register_submit(const Registry& registry) {
                   "which it is submitted, named after their scenes")
       ->required()
       ->option_text("FILE");
-  command.add_option("--parts", arguments->parts, "Parts of each picture (1)")->option_text("N");
+  command
+      .add_option("--sweep", arguments->sweep,
+                  "A sweep of the scene into this folder, in place of pictures; which runs, the "
+                  "--options say")
+      ->option_text("DIR");
+  command.add_option("--parts", arguments->parts, "Parts of each picture, or of the sweep (1)")
+      ->option_text("N");
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
       .add_option("--time", arguments->time,
@@ -241,7 +314,7 @@ void register_submit(const Registry& registry) {
       ->option_text("NAME");
   command
       .add_option("--options", arguments->options,
-                  "Options for render, in quotes: --options '--samples 256 --truth'")
+                  "Options for render, or for sweep, in quotes: --options '--samples 256 --truth'")
       ->option_text("TEXT");
   on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
 }

@@ -194,6 +194,35 @@ std::string shape_of(const SweepPlan& plan, int run) {
   return text;
 }
 
+/// Checks the runs of the part. @throws the error of the first that is wrong
+void check_runs(const SweepPlan& plan, const Execution& execution) {
+  const auto checked = [&](int run) {
+    try {
+      check_run(plan, run);
+      if (plan.packs() && run > 0 && shape_of(plan, run) != shape_of(plan, 0))
+        throw InputError(
+            "its pictures have another size or other channels than those of run 0, and one HDF5 "
+            "file has no place for both; use --format exr");
+    } catch (const FileError&) {
+      throw;
+    } catch (const Error& error) {
+      throw_of_run(plan, run, error.what());
+    }
+  };
+  std::vector<std::exception_ptr> wrong(plan.runs.size());
+  if (!parallel_for(execution, plan.runs.size(), [&](std::size_t run, int) {
+        if (!plan.is_mine(static_cast<int>(run))) return;
+        try {
+          checked(static_cast<int>(run));
+        } catch (...) {
+          wrong[run] = std::current_exception();
+        }
+      }))
+    throw Cancelled();
+  for (const std::exception_ptr& error : wrong)
+    if (error) std::rethrow_exception(error);
+}
+
 }  // namespace
 
 std::string run_name(int run) {
@@ -250,7 +279,7 @@ RenderOptions SweepPlan::options_of(int run) const {
   return one;
 }
 
-SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution) {
+SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution, RunsAre runs) {
   SweepPlan plan;
   plan.arguments = arguments;
   check_is_scene(arguments.render.options.scene);
@@ -280,32 +309,7 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
                      arguments.test_share + "'");
   plan.test = choose_test_runs(plan.seed, count, share);
   const SceneDocument document = read_scene(plan.options.scene, plan.options.set);
-  const auto checked = [&](int run) {
-    try {
-      check_run(plan, run);
-      if (plan.packs() && run > 0 && shape_of(plan, run) != shape_of(plan, 0))
-        throw InputError(
-            "its pictures have another size or other channels than those of run 0, and one HDF5 "
-            "file has no place for both; use --format exr");
-    } catch (const FileError&) {
-      throw;
-    } catch (const Error& error) {
-      throw_of_run(plan, run, error.what());
-    }
-  };
-  // The first one that is wrong is what is said.
-  std::vector<std::exception_ptr> wrong(plan.runs.size());
-  if (!parallel_for(execution, plan.runs.size(), [&](std::size_t run, int) {
-        if (!plan.is_mine(static_cast<int>(run))) return;
-        try {
-          checked(static_cast<int>(run));
-        } catch (...) {
-          wrong[run] = std::current_exception();
-        }
-      }))
-    throw Cancelled();
-  for (const std::exception_ptr& error : wrong)
-    if (error) std::rethrow_exception(error);
+  if (runs == RunsAre::unchecked) check_runs(plan, execution);
   if (!arguments.lattice.empty())
     plan.lattice = lattice_of(arguments, plan.options);
   else if (!arguments.region.empty())

@@ -13,6 +13,10 @@
 #include "plenoflame/math/vector.h"
 #include "plenoflame/scene/sweep.h"
 
+namespace CLI {
+class App;
+}
+
 namespace plenoflame::cli {
 
 /// The command line of `sweep`.
@@ -20,6 +24,9 @@ struct SweepArguments {
   RenderArguments render;  ///< scene, --set, --camera, --samples, --window, --threads, ...
   std::string table, random, output, format = "exr", runs, test_share, lattice, region, part, seed;
 };
+
+/// Adds the options of `sweep` to its command.
+void add_sweep_options(CLI::App& command, SweepArguments& arguments);
 
 /// A flame of a run that is made by a generator.
 struct GeneratedFlame {
@@ -57,9 +64,13 @@ struct SweepPlan {
   RenderOptions options_of(int run) const;
 };
 
+/// Whether plan_sweep() looks at the runs: another rank may have done that.
+enum class RunsAre { unchecked, checked };
+
 /// Reads table or rules, and checks every run of the part: all errors come before any work.
 /// @throws InputError with the place in the table or the rules; UsageError, FileError
-SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution);
+SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution,
+                     RunsAre runs = RunsAre::unchecked);
 
 /// Calls it with an error's text at the place of the value that it is about.
 [[noreturn]] void throw_of_run(const SweepPlan& plan, int run, const std::string& message);

@@ -187,11 +187,14 @@ bool run_is_done(const std::string& folder, int run) {
   return fs::exists(folder + "/runs/" + run_name(run) + ".json", error);
 }
 
-void finish_set(const std::string& folder, const Json& plan, const std::vector<int>& runs,
-                bool pack, const std::stop_token& stop) {
+std::vector<int> finish_set(const std::string& folder, const Json& plan,
+                            const std::vector<int>& runs, bool pack, const std::stop_token& stop) {
   std::vector<Json> records;
-  for (const int run : runs)
+  std::vector<int> beyond;
+  for (const int run : runs) {
     records.push_back(read_json(folder + "/runs/" + run_name(run) + ".json"));
+    if (records.back().value("beyond_lattice", false)) beyond.push_back(run);
+  }
   FileSet files;
   if (pack)
     files.write(folder + "/set.h5",
@@ -201,6 +204,17 @@ void finish_set(const std::string& folder, const Json& plan, const std::vector<i
   files.commit();
   std::error_code error;
   if (pack) fs::remove_all(folder + "/runs", error);
+  return beyond;
+}
+
+std::string beyond_lattice_warning(const std::vector<int>& runs) {
+  if (runs.empty()) return "";
+  const std::string which =
+      runs.size() == 1 ? fmt::format("the flame of run {} reaches", runs.front())
+                       : fmt::format("the flames of {} runs, the first of them run {}, reach",
+                                     runs.size(), runs.front());
+  return which +
+         " beyond the lattice, and the truth lacks what is outside; a larger --region holds all";
 }
 
 Json read_plan(const std::string& folder) {
@@ -218,8 +232,8 @@ std::string plan_difference(const Json& then, const Json& now) {
   return "";
 }
 
-void merge_sets(const std::vector<std::string>& parts, const std::string& output,
-                const std::stop_token& stop) {
+std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::string& output,
+                            const std::stop_token& stop) {
   check_folder(output, false);
   Json whole;
   std::map<int, std::string> folders;
@@ -251,6 +265,7 @@ void merge_sets(const std::vector<std::string>& parts, const std::string& output
     if (!run_is_done(folder, run))
       throw InputError(fmt::format("'{}' is not finished: run {} is not there", folder, run));
   }
+  std::vector<int> beyond;
   ResultFolder result(output);
   result.write([&](const std::string& folder) {
     std::error_code error;
@@ -264,9 +279,10 @@ void merge_sets(const std::vector<std::string>& parts, const std::string& output
         if (error) throw FileError("cannot write '" + to + "': " + error.message());
       }
     write_file(folder + "/sweep.json", whole.dump(2) + "\n");
-    finish_set(folder, whole, runs, whole.at("format").get<std::string>() == "hdf5", stop);
+    beyond = finish_set(folder, whole, runs, whole.at("format").get<std::string>() == "hdf5", stop);
   });
   result.commit();
+  return beyond;
 }
 
 }  // namespace plenoflame::cli

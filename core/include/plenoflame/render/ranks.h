@@ -5,6 +5,8 @@
 
 namespace plenoflame {
 
+struct CompiledCamera;
+
 /// First bytes of the messages that render() exchanges with the other ranks
 /// (RenderSettings::ranks). Messages of other uses begin with other letters.
 namespace rank_message {
@@ -16,10 +18,11 @@ inline constexpr char kFailed = 'F';  ///< to rank 0: what is wrong, as a text; 
 /// The work of a rank above 0 in a rendering: it traces the tiles that rank 0 hands out, until that
 /// is at its end.
 /// @param scene compiled from the same scene as that of rank 0
+/// @param camera of a rendering by a compiled camera; nullptr: there is none
 /// @param begin message that begins with kRender
 /// @return false when kQuit came
-bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
-                  const Execution& execution);
+bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
+                  const RankMessage& begin, Communicator& ranks, const Execution& execution);
 
 /// Waits for the next message, without taking up a processor.
 RankMessage wait_for_message(Communicator& ranks);

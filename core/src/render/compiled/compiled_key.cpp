@@ -89,16 +89,17 @@ void check_compiled(const CompiledScene& scene, const CompiledCamera& camera,
   if (!scene.medium) return;
   const Box& region = camera.region;
   const double slack = 1e-6 * length(region.upper - region.lower);
+  double beyond = 0;
   for (const Box& part : scene.medium->occupied()) {
     if (part.empty()) continue;
     const Vec3 below = region.lower - part.lower, above = part.upper - region.upper;
-    const double beyond = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
-    if (beyond > slack)
-      throw InputError(fmt::format(
-          "{}: the flame reaches {:.3g} mm beyond the region that it was compiled for; compile the "
-          "camera with a larger one (--region, --margin)",
-          name, 1e3 * beyond));
+    beyond = std::max({beyond, below.x, below.y, below.z, above.x, above.y, above.z});
   }
+  if (beyond > slack)
+    throw InputError(fmt::format(
+        "{}: the flame reaches {:.3g} mm beyond the region that it was compiled for; compile the "
+        "camera with a larger one (--region, --margin)",
+        name, 1e3 * beyond));
 }
 
 }  // namespace plenoflame

@@ -1,18 +1,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "render/compiled/bundle_file.h"
+#include "render/compiled/compiled_work.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/check_settings.h"
 #include "render/estimators/finish_picture.h"
+#include "render/estimators/rank_tiles.h"
 #include "render/estimators/run_control.h"
 #include "render/sampling/aligned_columns.h"
 #include "render/transport/channel_sum.h"
@@ -183,9 +187,10 @@ void check_tile(const CompiledCamera& camera, const CompiledTile& tile, std::siz
 }
 
 template <class Real>
-bool add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
-               const RenderSettings& settings, const Execution& execution, const std::string& name,
-               Film& film, RenderStatistics& statistics) {
+void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
+               const RenderSettings& settings, const std::string& name, const NextTile& next,
+               const Execution& execution, Film& film, RenderStatistics& statistics,
+               const TileDone& tile_done) {
   std::vector<std::unique_ptr<NodePath>> paths;
   std::size_t nodes = 1, parts = 1;
   for (const CompiledScene& path : scene.paths()) {
@@ -198,33 +203,81 @@ bool add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
   options.skip = settings.skip;
   // A tile of the camera may lie in up to four of the film: only one worker adds to each of these.
   const Film tiles(camera.window, 1, 1);
-  std::vector<std::unique_ptr<NodeIntegrator<Real>>> workers(
-      static_cast<std::size_t>(execution.thread_count()));
+  const auto threads = static_cast<std::size_t>(execution.thread_count());
   std::mutex mutex;
-  std::size_t done = 0;
-  const auto count = static_cast<std::size_t>(film.tile_count());
-  const bool finished = parallel_for(execution, count, [&](std::size_t index, int worker) {
-    const Part& part = settings.part;
-    if (part_of_tile(static_cast<int>(index), film.tiles_across(), part.count) != part.number - 1)
-      return;
-    auto& own = workers[static_cast<std::size_t>(worker)];
-    if (!own) own = std::make_unique<NodeIntegrator<Real>>(camera, paths, options, nodes);
-    own->add_to(static_cast<int>(index), tiles, film, [&](const CompiledTile& tile) {
-      check_tile(camera, tile, paths.size(), parts, name);
-    });
-    film.add_samples(static_cast<int>(index), 1);
-    if (!execution.progress) return;
+  std::atomic<bool> failed = false;
+  parallel_for(execution, threads, [&](std::size_t, int) {
+    NodeIntegrator<Real> own(camera, paths, options, nodes);
+    try {
+      while (!failed && !execution.stop.stop_requested()) {
+        const std::optional<TileJob> job = next();
+        if (!job) break;
+        const double before = own.counters().rays;
+        own.add_to(job->tile, tiles, film, [&](const CompiledTile& tile) {
+          check_tile(camera, tile, paths.size(), parts, name);
+        });
+        film.add_samples(job->tile, 1);
+        const std::lock_guard lock(mutex);
+        if (tile_done) tile_done(*job, own.counters().rays - before);
+      }
+    } catch (...) {
+      failed = true;
+      throw;
+    }
     const std::lock_guard lock(mutex);
-    Progress progress;
-    progress.fraction = static_cast<double>(++done) / static_cast<double>(count);
-    execution.progress(progress);
+    static_cast<WorkCounters&>(statistics) += own.counters();
   });
-  for (const auto& worker : workers)
-    if (worker) static_cast<WorkCounters&>(statistics) += worker->counters();
-  return finished;
+}
+
+bool is_single(const CompiledScene& scene, const RenderSettings& settings) {
+  return settings.precision == Precision::single_precision ||
+         (settings.precision == Precision::automatic && single_precision_suffices(scene));
+}
+
+/// All tiles of the part. @return false when it was stopped
+bool add_all_tiles(const TileWork& work, const RenderSettings& settings, const Execution& execution,
+                   RenderResult& result) {
+  Film& film = result.film;
+  std::vector<TileJob> jobs;
+  const Part& part = settings.part;
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    if (part_of_tile(tile, film.tiles_across(), part.count) == part.number - 1)
+      jobs.push_back({tile, 0});
+  std::size_t done = 0;
+  const TileDone tell = [&](const TileJob&, double) {
+    Progress progress;
+    progress.fraction = static_cast<double>(++done) / static_cast<double>(jobs.size());
+    if (execution.progress) execution.progress(progress);
+  };
+  if (settings.ranks && settings.ranks->size() > 1) {
+    const std::vector<PointRange> ranges{{0, 1, false}};
+    RankTiles ranks(*settings.ranks, settings, execution.stop);
+    ranks.begin_pass(ranges);
+    if (!ranks.run(work, ranges, jobs, execution, film, result.statistics, tell)) return false;
+    ranks.end_pass(result.statistics);
+    return true;
+  }
+  std::atomic<std::size_t> given = 0;
+  work(
+      [&]() -> std::optional<TileJob> {
+        const std::size_t i = given++;
+        return i < jobs.size() ? std::optional(jobs[i]) : std::nullopt;
+      },
+      execution, film, result.statistics, tell);
+  return done == jobs.size();
 }
 
 }  // namespace
+
+TileWork compiled_work(const CompiledScene& scene, const CompiledCamera& camera,
+                       const RenderSettings& settings, const std::string& name) {
+  const auto add = is_single(scene, settings) ? add_tiles<float> : add_tiles<double>;
+  return [&scene, &camera, &settings, name, add](const NextTile& next, const Execution& execution,
+                                                 Film& film, RenderStatistics& statistics,
+                                                 const TileDone& tile_done) {
+    add(scene, camera, settings, name, next, execution, film, statistics, tile_done);
+  };
+}
 
 RenderResult render_compiled(const CompiledScene& scene, const CompiledCamera& camera,
                              const RenderSettings& given, const Execution& execution,
@@ -247,14 +300,10 @@ RenderResult render_compiled(const CompiledScene& scene, const CompiledCamera& c
   check_part(settings.part, settings.window);
   RenderResult result;
   result.film = Film(settings.window, static_cast<int>(scene.scene.channels.size()), 2);
-  const bool single =
-      settings.precision == Precision::single_precision ||
-      (settings.precision == Precision::automatic && single_precision_suffices(scene));
   begin_statistics(scene, settings, execution, result.statistics);
-  result.statistics.precision = single ? "single" : "double";
-  const auto add = single ? add_tiles<float> : add_tiles<double>;
+  result.statistics.precision = is_single(scene, settings) ? "single" : "double";
   result.statistics.complete =
-      add(scene, camera, settings, execution, name, result.film, result.statistics);
+      add_all_tiles(compiled_work(scene, camera, settings, name), settings, execution, result);
   finish_picture(scene, settings, execution, result);
   result.light_field.estimator = "compiled";
   result.statistics.seconds = seconds_since(start);

@@ -351,6 +351,12 @@ bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execut
   return next.load() >= jobs.size();
 }
 
+TileWork BackwardPass::work() const {
+  return [this](const NextTile& next, const Execution& execution, Film& film,
+                RenderStatistics& statistics,
+                const TileDone& tile_done) { run(next, execution, film, statistics, tile_done); };
+}
+
 void BackwardPass::run(const NextTile& next, const Execution& execution, Film& film,
                        RenderStatistics& statistics, const TileDone& tile_done) const {
   statistics.precision = is_single_ ? "single" : "double";

@@ -50,6 +50,11 @@ using TileDone = std::function<void(const TileJob& job, double rays)>;
 /// Gives a thread its next tile; none: there is no more. Called from several threads.
 using NextTile = std::function<std::optional<TileJob>()>;
 
+/// Adds tiles to a film, from all threads of an execution, until there are no more; adds up
+/// statistics.
+using TileWork = std::function<void(const NextTile& next, const Execution& execution, Film& film,
+                                    RenderStatistics& statistics, const TileDone& tile_done)>;
+
 /// A pass makes what is the same for all tiles once, in the constructor. Keeps references to scene
 /// and settings.
 class BackwardPass {
@@ -72,6 +77,8 @@ class BackwardPass {
   /// The same for jobs that come one by one, in any number; none may come while it is worked on.
   void run(const NextTile& next, const Execution& execution, Film& film,
            RenderStatistics& statistics, const TileDone& tile_done) const;
+  /// The latter as a function, for as long as the pass lives.
+  TileWork work() const;
 
  private:
   template <class Real>

@@ -22,6 +22,7 @@ struct RankSettings {
   std::uint64_t seed;
   PixelWindow window;
   bool skip, control_variate;
+  bool compiled;  ///< by a compiled camera
   Precision precision;
   Isa isa;
 };

@@ -27,8 +27,8 @@ class RankTiles {
 
   /// The other ranks make the same pass.
   void begin_pass(const std::vector<PointRange>& ranges);
-  /// BackwardPass::run() with the other ranks' help. @throws Error when one of them fails
-  bool run(const BackwardPass& pass, const std::vector<PointRange>& ranges,
+  /// Does the work with the other ranks' help. @throws Error when one of them fails
+  bool run(const TileWork& work, const std::vector<PointRange>& ranges,
            const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
            RenderStatistics& statistics, const TileDone& tile_done);
   /// Adds what the other ranks counted, and how many they are.

@@ -105,8 +105,8 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
     const std::size_t count = std::min(batches.size(), jobs.size() - first);
     const std::vector<TileJob> part(begin, begin + static_cast<std::ptrdiff_t>(count));
     const auto start = std::chrono::steady_clock::now();
-    const bool finished = run.ranks ? run.ranks->run(pass, ranges, part, run.execution, run.film,
-                                                     run.statistics, tell)
+    const bool finished = run.ranks ? run.ranks->run(pass.work(), ranges, part, run.execution,
+                                                     run.film, run.statistics, tell)
                                     : pass.run(part, run.execution, run.film, run.statistics, tell);
     if (!finished) return false;
     batches.learn(count, seconds_since(start));

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/ranks.h"
+#include "render/compiled/compiled_work.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/check_settings.h"
 #include "render/estimators/rank_bytes.h"
@@ -18,9 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kWait = 500us;  ///< between two looks for messages
 
-RenderSettings settings_from(const RankMessage& begin) {
-  RankReader reader(std::string_view(begin.bytes).substr(1));
-  const auto sent = reader.get<RankSettings>();
+RenderSettings settings_from(const RankSettings& sent) {
   RenderSettings settings;
   settings.replicates = sent.replicates;
   settings.seed = sent.seed;
@@ -86,10 +86,7 @@ class Inbox {
 };
 
 /// @return first byte of the message that ended the pass
-char serve_pass(const CompiledScene& scene, const RenderSettings& settings,
-                std::vector<PointRange> ranges, const BackwardShared& shared, Film& film,
-                Communicator& ranks, const Execution& execution) {
-  const BackwardPass pass(scene, settings, std::move(ranges), shared, execution.threads);
+char serve_pass(const TileWork& work, Film& film, Communicator& ranks, const Execution& execution) {
   Inbox inbox(ranks, film, execution.stop);
   std::string ready(1, kPassReady);
   put(ready, execution.thread_count());
@@ -97,18 +94,18 @@ char serve_pass(const CompiledScene& scene, const RenderSettings& settings,
   RenderStatistics statistics;
   Execution working = execution;
   working.stop = {};  // the inbox ends it: rank 0 must hear of it
-  pass.run([&] { return inbox.next(); }, working, film, statistics,
-           [&](const TileJob& job, double rays) {
-             std::string bytes(1, kTileDone);
-             put(bytes, job);
-             put(bytes, rays);
-             std::vector<double> sums;
-             if (!std::as_const(film).tile_sums(job.tile).empty())
-               sums = std::move(film.tile_sums(job.tile));
-             film.tile_sums_taken(job.tile);
-             put_all(bytes, sums);
-             ranks.send(0, std::move(bytes));
-           });
+  work([&] { return inbox.next(); }, working, film, statistics,
+       [&](const TileJob& job, double rays) {
+         std::string bytes(1, kTileDone);
+         put(bytes, job);
+         put(bytes, rays);
+         std::vector<double> sums;
+         if (!std::as_const(film).tile_sums(job.tile).empty())
+           sums = std::move(film.tile_sums(job.tile));
+         film.tile_sums_taken(job.tile);
+         put_all(bytes, sums);
+         ranks.send(0, std::move(bytes));
+       });
   if (inbox.end() != kPassEnds) return inbox.end();
   std::string bytes(1, kPassEnded);
   put(bytes, static_cast<const WorkCounters&>(statistics));
@@ -123,14 +120,15 @@ RankMessage wait_for_message(Communicator& ranks) {
     if (std::optional<RankMessage> message = ranks.receive()) return std::move(*message);
 }
 
-bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
-                  const Execution& execution) {
+bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
+                  const RankMessage& begin, Communicator& ranks, const Execution& execution) {
   std::optional<RenderSettings> settings;
-  std::optional<BackwardShared> shared;
+  std::optional<BackwardShared> shared;  ///< not by a compiled camera
+  bool is_ready = false, by_camera = false;
   Film film;
   const auto fail = [&](const std::string& what) {
     ranks.send(0, std::string(1, rank_message::kFailed) + what);
-    shared.reset();
+    is_ready = false;
   };
   const auto guarded = [&](const auto& work) {
     try {
@@ -142,19 +140,32 @@ bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communic
     }
   };
   guarded([&] {
-    settings = settings_from(begin);
-    shared.emplace(scene, *settings, execution);
+    const auto sent = RankReader(std::string_view(begin.bytes).substr(1)).get<RankSettings>();
+    settings = settings_from(sent);
+    by_camera = sent.compiled;
+    if (by_camera && !camera) throw UsageError("the compiled camera is not there");
+    if (by_camera)
+      check_compiled(scene, *camera, "the compiled camera");
+    else
+      shared.emplace(scene, *settings, execution);
     film = Film(window_of(*settings, scene.scene.camera.sensor),
                 static_cast<int>(scene.scene.channels.size()), settings->replicates);
+    is_ready = true;
   });
   for (;;) {
     const RankMessage message = wait_for_message(ranks);
     char what = message.bytes.front();
-    if (what == kPassBegins && shared)
+    if (what == kPassBegins && is_ready)
       guarded([&] {
+        if (by_camera) {
+          what = serve_pass(compiled_work(scene, *camera, *settings, "the compiled camera"), film,
+                            ranks, execution);
+          return;
+        }
         RankReader reader(std::string_view(message.bytes).substr(1));
-        what = serve_pass(scene, *settings, reader.get_all<PointRange>(), *shared, film, ranks,
-                          execution);
+        const BackwardPass pass(scene, *settings, reader.get_all<PointRange>(), *shared,
+                                execution.threads);
+        what = serve_pass(pass.work(), film, ranks, execution);
       });
     if (what == kRenderEnds) return true;
     if (what == rank_message::kQuit) return false;

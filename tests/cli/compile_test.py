@@ -1,0 +1,79 @@
+"""Compiled cameras on the command line: what they make, and what a wrong bundle or option gets."""
+
+from command import CommandTest, main
+
+SCENE = """[camera]
+preset = "paper-plenoptic2"
+[[flames]]
+preset = "paper-layered"
+position = ["1 m", "0 m", "-29 mm"]
+"""
+WINDOW = ("--window", "1400,1400,48,48")
+ROUGH = ("--level", "1", "--samples", "16", "--quiet")
+
+
+class Compile(CommandTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a.toml", SCENE)
+
+    def compiled(self, *options, output="a.bundle"):
+        self.succeeds("compile", "a.toml", *WINDOW, *ROUGH, *options, "-o", output)
+
+    def refused(self, *options, mentions, status=1, scene="a.toml"):
+        self.fails(status, "render", scene, *options, "-o", "x.exr", "--quiet", mentions=mentions)
+        self.assertNotIn("x.exr", self.files())
+
+    def test_another_camera_window_or_region(self):
+        self.compiled()
+        one = ("--compiled", "a.bundle")
+        self.refused("--set", "camera.array.pitch=101 um", *one, mentions=["a.bundle", "another camera", "camera.array.pitch", "101 um"])
+        self.refused("--set", "camera.focus.object_distance=1.1 m", *one, mentions=["another camera", "object_distance"])
+        self.refused("--window", "1390,1400,20,20", *one, status=2, mentions=["a.bundle", "1400,1400,48,48"])
+        self.refused("--set", "flames[0].position=1 m, 0 m, -20 mm", *one, mentions=["a.bundle", "9 mm beyond the region", "--margin"])
+        self.refused(*one, scene="a.bundle", mentions=["a.bundle", "compiled camera", "--compiled"])
+        self.refused("--compiled", "a.toml", mentions=["a.toml", "not a compiled camera", "plenoflame compile"])
+        self.refused("--compiled", "none.bundle", mentions="none.bundle")
+        self.refused("--samples", "4", *one, status=2, mentions=["--samples", "--compiled"])
+        self.refused("--target-error", "1%", *one, status=2, mentions=["--target-error", "--compiled"])
+
+    def test_damaged_bundles(self):
+        self.compiled()
+        whole = self.read("a.bundle")
+        for size in (0, 40, 500, len(whole) // 2, len(whole) - 1):
+            self.write("b.bundle", whole[:size])
+            message = "is cut off; compile the camera again" if size else "not a compiled camera"
+            self.refused("--compiled", "b.bundle", mentions=["b.bundle", message])
+            self.fails(1, "info", "b.bundle", mentions="b.bundle")
+        changed = bytearray(whole)
+        changed[-100] ^= 1
+        self.write("b.bundle", bytes(changed))
+        self.refused("--compiled", "b.bundle", mentions=["b.bundle", "damaged; compile the camera again"])
+        self.write("b.bundle", whole.replace(b"plenoflame bundle 1\n", b"plenoflame bundle 9\n"))
+        self.refused("--compiled", "b.bundle", mentions=["b.bundle", "another version"])
+        # A set is refused before anything of it is made.
+        self.write("runs.csv", "flames[0].brightness\n1\n")
+        self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "--compiled", "b.bundle", "-o", "set", mentions="another version")
+        self.assertNotIn("set", self.files())
+
+    def test_no_room_leaves_what_was_there(self):
+        self.compiled()
+        whole = self.read("a.bundle")
+        self.fails(1, "compile", "a.toml", *WINDOW, *ROUGH, "--seed", "2", "-o", "a.bundle", largest_file=len(whole) // 2,
+                   mentions="a.bundle")
+        self.assertEqual(self.read("a.bundle"), whole)
+        self.assertEqual(self.files(), ["a.bundle", "a.toml"])
+
+    def test_bad_options(self):
+        for options, status, mentions in ((("--error", "0%"), 2, "--error"), (("--error", "soon"), 2, "--error"),
+                                          (("--level", "8"), 2, "--level"), (("--region", "1m,0m,0m"), 2, "--region"),
+                                          (("--margin", "-1mm"), 2, "--margin"), (("--window", "2990,0,20,20"), 2, "window"),
+                                          (("--set", "flames=[]"), 2, "flames")):
+            self.fails(status, "compile", "a.toml", *options, "-o", "x.bundle", "--quiet", mentions=mentions)
+        self.write("dark.toml", SCENE.split("[[flames]]", maxsplit=1)[0])
+        self.fails(1, "compile", "dark.toml", *WINDOW, *ROUGH, "-o", "x.bundle", mentions="--region")
+        self.assertNotIn("x.bundle", self.files())
+
+
+if __name__ == "__main__":
+    main()
