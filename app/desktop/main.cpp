@@ -64,7 +64,7 @@ bool asks_for_text(int argc, char** argv) {
   });
 }
 
-/// What a crash in any thread ends with: a word on where the work is, then the end that it would
+/// The last words of a crash in any thread: a word on where the work is, then the end that it would
 /// have been. Only what may be called in a signal handler.
 void say_goodbye(int signal) {
   constexpr std::string_view kText =
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
   QObject::connect(&poll, &QTimer::timeout, &window, [&] {
     const auto* const views = window.findChild<QDockWidget*>("lightFieldDock");
     auto& session = window.session();
-    // Where views are on display, and can be made, they are waited for.
+    // Views that are on display, and can be made, are waited for.
     const bool views_missing =
         views && views->isVisible() && !session.document().is_empty() &&
         session.document().camera().array.present && window.last_message().isEmpty() &&

@@ -14,7 +14,7 @@
 
 namespace plenoflame::desktop {
 
-/// What `plenoflame design` says about a camera.
+/// The report of `plenoflame design` about a camera.
 struct DesignResult {
   CameraDesign figures;
   std::vector<ResolutionPoint> resolution;

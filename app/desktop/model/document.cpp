@@ -199,7 +199,7 @@ void Document::recover(const RecoveredScene& recovered) {
 void Document::save(const std::string& path) {
   write_scene_file(path, moved_to(scene(), path));
   file_ = path;
-  // What is undone later names the same files, too.
+  // Edits that are undone later name the same files, too.
   history_.update_all([&](Scene& scene) { scene = moved_to(scene, path); });
   history_.set_saved();
   emit state_changed();

@@ -16,7 +16,7 @@
 
 namespace plenoflame::desktop {
 
-/// What the user points at. Every view shows it in its own way.
+/// The thing that the user points at. Every view shows it in its own way.
 struct Selection {
   enum class Kind { none, pixel, microlens, point };
   Kind kind = Kind::none;
@@ -53,7 +53,7 @@ struct RecoveredScene {
   std::string text;
 };
 
-/// What a file holds that can be opened.
+/// Contents of a file that can be opened.
 struct FileContent {
   enum class Kind { scene, flame, light_field };
   Kind kind = Kind::scene;
@@ -62,8 +62,8 @@ struct FileContent {
   std::shared_ptr<const LightField> image;  ///< of a light field
 };
 
-/// What the window is about: a scene with its history, the light field that belongs to it, and what
-/// is selected. Knows no widgets and computes nothing.
+/// The subject of the window: a scene with its history, the light field that belongs to it, and
+/// what is selected. Knows no widgets and computes nothing.
 ///
 /// A function that throws leaves the document as it was. The messages are those of the command
 /// line.
@@ -90,9 +90,9 @@ class Document : public QObject {
   static Scene at_moment(const SceneDocument& scene, const std::optional<double>& time);
   /// Chooses another one. It is no change of the scene.
   void choose_time(double seconds);
-  /// Where the scene is saved; empty: nowhere yet.
+  /// Path under which the scene is saved; empty: nowhere yet.
   const std::string& file() const { return file_; }
-  /// What to call it: the file's name without folder, or "untitled".
+  /// Name for people: the file's name without folder, or "untitled".
   std::string name() const;
   bool is_modified() const { return !empty_ && !history_.saved(); }
 
@@ -124,7 +124,7 @@ class Document : public QObject {
   /// Any other change. @param what for the menu  @param merge see UndoHistory::push
   void change(const Scene& scene, const std::string& what, const std::string& merge = {});
 
-  /// How the flame is drawn in 3-D. It is not part of the scene's file, but can be undone.
+  /// Look of the flame in 3-D. It is not part of the scene's file, but can be undone.
   const FlameLook& look() const { return history_.look(); }
   /// @param what for the menu  @param merge see UndoHistory::push
   void set_look(const FlameLook& look, const std::string& what, const std::string& merge = {});
@@ -148,7 +148,7 @@ class Document : public QObject {
 
   /// The raw light field that is shown; null: none yet.
   const std::shared_ptr<const LightField>& image() const { return image_; }
-  /// Whether it was made from the present scene.
+  /// True if the image was made from the present scene.
   bool image_is_current() const { return image_ && image_current_; }
   void set_image(std::shared_ptr<const LightField> image);
 

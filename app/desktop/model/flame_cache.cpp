@@ -9,7 +9,7 @@
 namespace plenoflame::desktop {
 namespace {
 
-/// What tells that a flame's file has changed; nothing for flames without one.
+/// Mark that changes with a flame's file; empty for flames without one.
 InputFile file_of(const FlameSpec& flame, const std::string& folder) {
   return flame.kind == FlameKind::vdb ? input_file(flame.file, folder) : InputFile{};
 }

@@ -8,7 +8,7 @@
 
 namespace plenoflame::desktop {
 
-/// What a medium emits at a point, all channels together [W/(m^3 sr)]. Where a flame is clear,
+/// Emission of a medium at a point, all channels together [W/(m^3 sr)]. Where a flame is clear,
 /// light of radicals and atoms alone, this is what there is to draw of it.
 double glow(const Medium& medium, Vec3 place);
 

@@ -22,7 +22,7 @@ enum class FlameDrawing {
   surfaces,    ///< of equal temperature
 };
 
-/// How the flame is drawn in three dimensions: colour and opacity over temperature. The light field
+/// Look of the flame in three dimensions: colour and opacity over temperature. The light field
 /// does not depend on it.
 struct FlameLook {
   ColourMap map = ColourMap::inferno;

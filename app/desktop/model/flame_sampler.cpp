@@ -65,7 +65,7 @@ Image FlameSamples::slice(int axis, double share, bool of_temperature) const {
            static_cast<std::size_t>(at[1])) *
               static_cast<std::size_t>(count[0]) +
           static_cast<std::size_t>(at[0]);
-      // Where nothing absorbs, temperature says nothing.
+      // Temperature says nothing where nothing absorbs.
       image.at(column, row) = !of_temperature         ? absorption[index]
                               : absorption[index] > 0 ? temperature[index]
                                                       : 0.0F;

@@ -15,7 +15,7 @@ enum class ToneScale {
   logarithmic,  ///< `decades` of them below white
 };
 
-/// How values become colours.
+/// Rule by which values become colours.
 struct ToneSettings {
   ToneScale scale = ToneScale::gamma;
   ColourMap map = ColourMap::grey;
@@ -25,7 +25,7 @@ struct ToneSettings {
   bool is_signed = false;  ///< from -white to white (linear)
 };
 
-/// Where a value stands on the scale, 0 to 1.
+/// Place of a value on the scale, 0 to 1.
 double tone(const ToneSettings& settings, double value);
 
 /// Colours of single-precision values by table: 0xffRRGGBB. The table knows 1/512 of a value, finer

@@ -43,7 +43,8 @@ bool LatestTask::busy() const {
 
 void LatestTask::run() {
 #ifdef __linux__
-  // Of this thread alone, and of those that it starts: the window stays quick while all cores work.
+  // The priority is of this thread alone, and of those that it starts: the window stays quick while
+  // all cores work.
   setpriority(PRIO_PROCESS, 0,
               urgency_ == Urgency::waited_for ? 1
               : urgency_ == Urgency::work     ? 8

@@ -33,7 +33,7 @@ class LatestTask {
   void request(Task task);
   /// Drops what waits and asks what runs to stop; does not wait.
   void cancel();
-  /// Whether something runs or waits.
+  /// True while something runs or waits.
   bool busy() const;
 
  private:

@@ -14,7 +14,7 @@ Image shift_and_add(const Views& views, const ViewGeometry& geometry, double dep
   const Image& first = views.views.front().image;
   Image sum(first.width, first.height), weight(first.width, first.height);
   for (const View& view : views.views) {
-    // What lies at the depth stands this much to the side of where the middle view has it. Points
+    // Things at the depth stand this much to the side of where the middle view has it. Points
     // nearer than the focus move against the viewpoint.
     const double x = -geometry.disparity(depth, view.offset.x),
                  y = -geometry.disparity(depth, view.offset.y);

@@ -55,7 +55,7 @@ class LightFieldJobs : public QObject {
   const std::shared_ptr<const Views>& views() const { return views_; }
   /// With their white light; null until views are wanted and they are there.
   const std::shared_ptr<const MicroImages>& micro_images() const { return micro_images_; }
-  /// Where they are, which is known much sooner; without white light.
+  /// Their places, which are known much sooner; without white light.
   const std::shared_ptr<const MicroImages>& outlines() const { return outlines_; }
   const std::optional<ViewGeometry>& geometry() const { return geometry_; }
 

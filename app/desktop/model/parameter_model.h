@@ -63,7 +63,7 @@ class ParameterModel : public QAbstractItemModel {
   };
   static Place place_of(const std::string& path);
 
-  /// Where a path stands; invalid when it does not. @param column of the result
+  /// Index of a path; invalid when there is none. @param column of the result
   QModelIndex find(const std::string& path, int column = kName) const;
 
  signals:

@@ -16,7 +16,7 @@ struct SelectedRays {
   Selection selection;
   std::shared_ptr<const CompiledScene> scene;
   RayPaths paths;
-  /// Where rays of a point arrive, or the pixels of a microlens, each once.
+  /// Pixels at which rays of a point arrive, or the pixels of a microlens, each once.
   std::vector<Pixel> pixels;
 };
 
@@ -51,13 +51,14 @@ QString status_text(const RayPaths& paths, const TraceStatus& status);
 /// ray from the middle of the pixel comes nearest to the middle of the stop.
 LensIndex microlens_of_pixel(const Camera& camera, int column, int row);
 
-/// What is at a place of the world: "1.01 m in front, 3 mm beside, 2 mm above; 1650 K, 8.1 1/m".
+/// Description of a place of the world: "1.01 m in front, 3 mm beside, 2 mm above; 1650 K, 8.1
+/// 1/m".
 QString place_text(const CompiledScene& scene, const Vec3& world);
 /// "microlens (3, -2), type1".
 QString microlens_text(const CompiledScene& scene, LensIndex lens);
 
-/// Where along a ray of the world a viewer sees the flame: the place that sends him most light per
-/// length, absorption on the way included. False: the ray meets none.
+/// Point of a ray of the world at which a viewer sees the flame: the place that sends him most
+/// light per length, absorption on the way included. False: the ray meets none.
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);
 
 /// Traces the rays of the document's selection in the background, anew when the scene changes.
@@ -72,7 +73,7 @@ class RaySelector : public QObject {
 
   /// Null: nothing is selected, or its rays are not there yet.
   const std::shared_ptr<const SelectedRays>& rays() const { return rays_; }
-  /// Whether nothing is being traced.
+  /// True when nothing is being traced.
   bool is_current() const { return done_ == newest_; }
 
  signals:

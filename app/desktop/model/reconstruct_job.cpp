@@ -97,7 +97,7 @@ Image ReconstructFields::slice(const std::vector<float>& values, int axis, doubl
 struct ReconstructJob::Run {
   std::vector<ReconstructSource> sources;
   Options options;
-  // Of the worker's thread.
+  // The following belong to the worker's thread.
   std::chrono::steady_clock::time_point told;
   QVector<QPointF> trials, solution;  ///< not told yet
   int iterations = 0;

@@ -57,7 +57,7 @@ class ReconstructJob : public QObject {
   void stop();
 
   State state() const { return state_; }
-  /// What is being done, or why it failed.
+  /// The step that is being done, or why it failed.
   const QString& text() const { return text_; }
   /// chi^2 per row, iteration by iteration; of strengths that are only tried, and of the solution.
   const QVector<QPointF>& trials() const { return trials_; }

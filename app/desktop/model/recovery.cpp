@@ -71,7 +71,7 @@ void Recovery::keep(const Document& document) {
     fs::remove(path_, error);
     return;
   }
-  // Where it is found again its own folder means nothing: the files that it names are given whole.
+  // Its own folder means nothing where it is found again: the files that it names are given whole.
   const Scene scene = moved_to(document.scene(), path_);
   write_file(path_, kFileMark + document.file() + "\n" + write_scene(scene));
 }

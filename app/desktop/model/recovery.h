@@ -24,7 +24,7 @@ class Recovery {
 
   /// Copies that programs left behind.
   std::vector<RecoveredScene> left_behind() const;
-  /// Whether a program that used the folder is gone without having ended as it should; says so
+  /// True if a program that used the folder is gone without having ended as it should; says so
   /// once.
   bool ended_badly();
   static void discard(const RecoveredScene& scene);

@@ -37,7 +37,7 @@ std::vector<int> pass_samples(int samples, int replicates) {
 
 namespace {
 
-/// What of the passes is left to do when a picture of the same scene is there already.
+/// The passes that are left to do when a picture of the same scene is there already.
 std::vector<int> passes_after(std::vector<int> passes, const LightField* shown) {
   if (!shown || shown->samples > passes.back()) return passes;
   const int last = passes.back();
@@ -51,7 +51,7 @@ bool has_errors(const LightField& field) {
 
 }  // namespace
 
-/// What the worker keeps from pause to resume.
+/// Everything that the worker keeps from pause to resume.
 struct RenderJob::Run {
   std::shared_ptr<const CompiledScene> scene;
   int threads = 0;
@@ -285,7 +285,7 @@ bool RenderJob::make_pass(const std::shared_ptr<Run>& run, const std::stop_token
     run->paused = std::move(result.film);
     run->seconds = run->elapsed();
     run->pass_seconds = run->spent_in_pass();
-    // What was done since the last picture is shown, too.
+    // The work since the last picture is shown, too.
     if (auto field = run->merged(*run->paused)) show(run, std::move(field), nullptr);
     return false;
   }

@@ -43,7 +43,7 @@ class RenderJob : public QObject {
   State state() const { return state_; }
   const Status& status() const { return status_; }
   const std::vector<CurvePoint>& curve() const { return curve_; }
-  /// Of the last pass that was completed.
+  /// Statistics of the last pass that was completed.
   const RenderStatistics& statistics() const { return statistics_; }
 
   /// Begins anew. @param threads 0: one per processor
@@ -71,7 +71,7 @@ class RenderJob : public QObject {
   void set_state(State state);
   void forget();
   void launch();
-  // Of the worker.
+  // These are called by the worker.
   void begin(const std::shared_ptr<Run>& run, const std::stop_token& stop);
   /// False: it was stopped.
   bool make_pass(const std::shared_ptr<Run>& run, const std::stop_token& stop);

@@ -3,7 +3,7 @@
 namespace plenoflame::desktop {
 namespace {
 
-/// What of a sensor decides about the light that its pixels get.
+/// The part of a sensor that decides about the light that its pixels get.
 SensorSpec optical(const SensorSpec& sensor) {
   SensorSpec part;
   part.columns = sensor.columns;

@@ -3,7 +3,7 @@
 
 namespace plenoflame::desktop {
 
-/// What differs between two scenes, sorted by what has to be computed anew for it.
+/// Differences between two scenes, sorted by what has to be computed anew for it.
 struct SceneChanges {
   bool camera = false;    ///< optics: rays, images, design
   bool flames = false;    ///< what a flame is or where it stands

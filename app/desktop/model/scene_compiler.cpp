@@ -25,7 +25,7 @@ SceneChanges both(SceneChanges a, const SceneChanges& b) {
   return a;
 }
 
-/// Where in the scene stands what a compilation failed for; empty: unknown.
+/// Path of the key for which a compilation failed; empty: unknown.
 /// @param flame number of the one that could not be loaded; -1: none
 std::string key_of_failure(const SceneDocument& state, int flame, const std::string& message) {
   if (flame >= 0) {

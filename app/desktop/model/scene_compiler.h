@@ -29,11 +29,11 @@ class SceneCompiler : public QObject {
   const FlameCache& flames() const { return flames_; }
   /// Compiles the scene as it is at another moment before anybody asks for it.
   void prepare(double time);
-  /// Whether what prepare() began is over.
+  /// True once the work that prepare() began is over.
   bool is_prepared() const { return !ahead_task_.busy(); }
 
  signals:
-  /// What was compiled before belongs to another document, and is gone.
+  /// The earlier compiled scene belongs to another document, and is gone.
   void cleared();
   /// @param changes since the scene that was compiled before
   void compiled_changed(const plenoflame::desktop::SceneChanges& changes);

@@ -5,11 +5,11 @@
 
 namespace plenoflame::desktop {
 
-/// What can be pointed at. Where the flame is not met, or there are no microlenses, it is the
-/// sensor.
+/// Things that can be pointed at. Where the flame is not met, or there are no microlenses, it is
+/// the sensor.
 enum class Targets { flame, microlenses, sensor };
 
-/// What a line of sight meets.
+/// The thing that a line of sight meets.
 /// @param sight in the world [m], its direction of unit length
 Selection target_of(const CompiledScene& scene, const Ray& sight, Targets targets);
 

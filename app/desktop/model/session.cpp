@@ -28,7 +28,7 @@ Session::Session(QObject* parent)
   connect(&render_, &RenderJob::failed, this,
           [this](const QString& message) { emit failed("render", message); });
   connect(&render_, &RenderJob::state_changed, this, [this] {
-    // What was broken off is seen in the views, too: nothing better comes by itself.
+    // A picture that was broken off is seen in the views, too: nothing better comes by itself.
     if (render_.state() != RenderJob::State::running && document_.image_is_current()) take_image();
   });
   connect(&rays_, &RaySelector::failed, this,

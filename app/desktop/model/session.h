@@ -28,15 +28,15 @@ class Session : public QObject {
   DesignJob& design() { return design_; }
   LensJob& lens() { return lens_; }
 
-  /// Whether the image follows every change by itself (default).
+  /// True if the image follows every change by itself (default).
   bool auto_render() const { return auto_render_; }
   void set_auto_render(bool on);
-  /// Whether it is wanted where micro-images are, and views, which cost much more time.
+  /// Asks for the places of micro-images, and for views, which cost much more time.
   void set_outlines_wanted(bool on);
   void set_views_wanted(bool on);
   /// Renders the present scene from the beginning.
   void start_render();
-  /// Whether the views are of the scene before the last change.
+  /// True if the views are of the scene before the last change.
   bool views_are_old() const { return views_are_old_ && light_field_.views(); }
   /// Threads for rendering; 0: one per processor.
   void set_threads(int threads) { threads_ = threads; }

@@ -32,7 +32,8 @@ class UndoHistory {
   bool can_redo() const { return at_ + 1 < states_.size(); }
   void undo();
   void redo();
-  /// What undo() takes back, and what redo() does again; empty when there is nothing.
+  /// Names of the edit that undo() takes back and of the one that redo() does again; empty when
+  /// there is nothing.
   std::string undo_text() const { return can_undo() ? states_[at_].what : std::string(); }
   std::string redo_text() const { return can_redo() ? states_[at_ + 1].what : std::string(); }
 

@@ -114,7 +114,7 @@ void BesideWindow::draw() {
   if (!fields_) return;
   const Fields::Field* const field = field_named(*fields_, field_->currentText().toStdString());
   if (!field) return;
-  // How visible a place is follows its emission, as for eyes.
+  // The opacity of a place follows its emission, as for eyes.
   const Fields::Field* const emission = field_named(*fields_, "emission");
   const bool is_temperature = field->name == "temperature";
   vtkNew<vtkColorTransferFunction> colours;

@@ -8,7 +8,8 @@ class QComboBox;
 
 namespace plenoflame::desktop {
 
-/// What was found and what the scene has, side by side in three dimensions, turned together.
+/// The flame that was found and that of the scene, side by side in three dimensions, turned
+/// together.
 class BesideWindow : public QDialog {
   Q_OBJECT
  public:

@@ -41,7 +41,7 @@ CompareWindow::CompareWindow(Session& mine, QWidget* parent)
             [this, side](const QString& message) { scenes_[side]->set_notice(message); });
     connect(&session.rays(), &RaySelector::rays_changed, this,
             [this, side] { scenes_[side]->set_rays(sessions_[side]->rays().rays()); });
-    // What is selected in one is in both.
+    // A selection in one is one in both.
     connect(images_[side], &ImageView::pixel_clicked, this, [this](int column_at, int row_at) {
       for (Session* each : sessions_)
         each->document().select(Selection::of_pixel(column_at, row_at));

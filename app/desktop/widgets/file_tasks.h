@@ -27,7 +27,7 @@ class FileTasks : public QWidget {
   /// @param after on the window's thread, when work came to its end
   void add(const QString& what, std::function<void(const Execution&)> work,
            std::function<void()> after);
-  /// Whether something is being done or waits.
+  /// True while something is being done or waits.
   bool busy() const { return !waiting_.empty(); }
   /// Asks the present one to stop; those that wait go on.
   void cancel();

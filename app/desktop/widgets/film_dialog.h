@@ -30,7 +30,7 @@ std::string between(const std::string& path, const std::string& from, const std:
 class FilmDialog : public QDialog {
   Q_OBJECT
  public:
-  /// What is filmed: name and a function that draws it.
+  /// Something that is filmed: its name and a function that draws it.
   struct View {
     QString name;
     std::function<QImage()> picture;

@@ -13,8 +13,8 @@ namespace plenoflame::desktop {
 
 class OpacityCurve;
 
-/// How the flame is drawn in 3-D: colours, their temperatures, density, opacity over temperature.
-/// Every change is a step that can be undone.
+/// Editor of the flame's look in 3-D: colours, their temperatures, density, opacity over
+/// temperature. Every change is a step that can be undone.
 class FlameLookEditor : public QWidget {
   Q_OBJECT
  public:

@@ -13,7 +13,7 @@ namespace plenoflame::desktop {
 /// @param volume from views::flame_volume: its points hold temperature and absorption
 void apply_opacity(const FlameLook& look, double cold, double hot, vtkVolume& volume);
 
-/// Of a flame that absorbs nowhere the light that it emits takes the place of absorption.
+/// The light that a flame emits takes the place of absorption where it absorbs nowhere.
 /// @param flame from pipeline::flame_image(), of this medium
 void show_glow(const Medium& medium, vtkImageData& flame, const Execution& execution);
 

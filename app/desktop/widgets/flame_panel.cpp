@@ -22,7 +22,7 @@ QString text_of(double value, Dimension dimension) {
   return QString::fromStdString(readable_quantity(value, dimension, 4));
 }
 
-/// How much of what absorbs lies in equal steps of temperature, from the coldest to the hottest.
+/// Shares of what absorbs in equal steps of temperature, from the coldest to the hottest.
 std::vector<double> shares_by_temperature(const FlameSamples& samples) {
   constexpr std::size_t kSteps = 200;
   std::vector<double> shares(kSteps, 0.0);

@@ -165,7 +165,7 @@ void ImagePanel::request() {
     const QSignalBlocker quiet(channel_);
     channel_->clear();
     channel_->addItems(names);
-    // Where the toolbar has no room for a name, the list has.
+    // The list has room for a name where the toolbar has none.
     channel_->view()->setMinimumWidth(channel_->view()->sizeHintForColumn(0) + 24);
   }
   channel_->setToolTip(tr("Channel (wavelengths) that is shown: %1").arg(channel_->currentText()));
@@ -193,7 +193,7 @@ void ImagePanel::request() {
                            : quantity == Quantity::relative_error
                                ? 1.0
                                : automatic_saturation(shown->level(0));
-      // Of a level that is quickly counted; means of pixels when the image is
+      // Counted of a level that takes little time; means of pixels when the image is
       // large.
       const Histogram counts =
           histogram(shown->level(shown->level_within(kCountedSide)), 80, true, 4);

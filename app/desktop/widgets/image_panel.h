@@ -27,15 +27,15 @@ class ImagePanel : public QWidget {
   /// Histogram and line profile, for a dock of their own.
   PlotWidget& histogram_plot() { return *histogram_plot_; }
   PlotWidget& profile_plot() { return *profile_plot_; }
-  /// Of what is shown now; null: nothing yet.
+  /// The picture that is shown now; null: none yet.
   const std::shared_ptr<const ImagePyramid>& pyramid() const { return pyramid_; }
   const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
-  /// Whether what is shown is the document's image, not an earlier one.
+  /// True if the document's image is shown, and not an earlier one.
   bool is_current() const { return shown_ == newest_; }
   /// The colours of the picture, which those of views follow.
   ColourMap map() const;
   QAction* outlines_action() { return outlines_; }
-  /// What is at a pixel, for the status bar: "flux 1.2 nW +- 0.1 nW".
+  /// Description of a pixel for the status bar: "flux 1.2 nW +- 0.1 nW".
   QString describe(int column, int row) const;
   /// The flux alone: "1.2 nW +- 0.1 nW"; empty: there is no such pixel.
   QString flux_text(int column, int row) const;

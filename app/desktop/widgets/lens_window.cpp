@@ -26,7 +26,7 @@ QString length_cell(double length) {
   return QString::fromStdString(readable_quantity(length, Dimension::length, 6));
 }
 
-/// Where the shown camera stands among the scene's keys.
+/// Path of the shown camera among the scene's keys.
 std::string camera_path(const Document& document) {
   const auto& cameras = document.scene().cameras;
   for (std::size_t i = 0; i < cameras.size(); ++i)

@@ -46,7 +46,7 @@ class AperturePad : public QWidget {
   int grid_, column_, row_;
 };
 
-/// What the light field is for: views from places of the aperture, pictures focused elsewhere, all
+/// The uses of a light field: views from places of the aperture, pictures focused elsewhere, all
 /// in focus, and epipolar slices. Follows the raw image.
 class LightFieldPanel : public QWidget {
   Q_OBJECT

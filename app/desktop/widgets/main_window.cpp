@@ -245,7 +245,7 @@ bool MainWindow::open(const QString& path, const std::function<void()>& then) {
         },
         [this, content, path, opened, discards, number = scenes_opened_,
          before = session_.document().scene()] {
-          // What was done while it was being read counts.
+          // Changes that were made while it was being read count.
           if (number != scenes_opened_) {
             last_message_ = tr("%1 was not opened: another scene was, while it was being read")
                                 .arg(QFileInfo(path).fileName());
@@ -408,7 +408,7 @@ void MainWindow::undo() {
   scene_->model().forget_refusal();
 }
 
-/// What is on display but was refused, and is therefore not in the file.
+/// Values that are on display but were refused, and are therefore not in the file.
 QString MainWindow::not_taken() const {
   QStringList parts;
   for (const auto& refusal : scene_->model().refusals())

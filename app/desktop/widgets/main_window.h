@@ -66,18 +66,18 @@ class MainWindow : public QMainWindow {
   /// Offers what was left behind by a program that ended without saving. @return whether it was
   /// taken, and is open now
   bool offer_recovery();
-  /// What the program begins with: what was left behind is offered first, and when it is taken the
+  /// Begins the program: what was left behind is offered first, and when it is taken the
   /// file, whose place it has, is not opened, which is said.
   /// @param file empty: none was given  @return whether something was opened, or begun to be
   bool begin(const QString& file, const std::function<void()>& then = {});
-  /// Whether files are being read or written.
+  /// True while files are being read or written.
   bool is_file_busy() const;
   /// Everything that was asked for is on display: nothing is being computed.
   bool is_settled() const;
   /// Questions are answered with yes and dialogs are not shown but kept: for tests and screenshots.
   void set_unattended(bool on) { unattended_ = on; }
   const QString& last_message() const { return last_message_; }
-  /// What the options of the command line ask for; empty ones are left alone. @return what is wrong
+  /// Does as the options of the command line ask; empty ones are left alone. @return what is wrong
   QString apply_options(const QString& pixel, const QString& part, const QString& panel, bool dark);
   /// Writes a picture of the window, its 3-D view included.
   bool save_screenshot(const QString& path);

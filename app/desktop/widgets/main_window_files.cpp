@@ -31,7 +31,7 @@
 #include "widgets/reconstruct_panel.h"
 #include "widgets/scene_view.h"
 
-// What the window reads and writes besides scenes: exports, generated and imported flames.
+// Files that the window reads and writes besides scenes: exports, generated and imported flames.
 namespace plenoflame::desktop {
 
 void MainWindow::say_written(const QString& name) {
@@ -165,7 +165,7 @@ void MainWindow::export_for_tool(int format) {
         staging.commit();
       },
       [this, result, folder] {
-        // What the command prints: where the tool cannot say all that is known.
+        // The command's notes: where the tool cannot say all that is known.
         QStringList lines{
             tr("%1 files written to %2").arg(result->files.size()).arg(QDir(folder).dirName())};
         for (const std::string& note : result->notes) lines << QString::fromStdString(note);

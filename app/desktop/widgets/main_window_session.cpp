@@ -17,13 +17,13 @@
 #include "widgets/scene_view.h"
 #include "widgets/section_view.h"
 
-// How the window follows the session, and the session what is selected in the window.
+// The window follows the session, and the session what is selected in the window.
 namespace plenoflame::desktop {
 
 void MainWindow::connect_session() {
   Document& document = session_.document();
   connect(&document, &Document::state_changed, this, &MainWindow::update_title);
-  // What was wrong with the scene before is none of this one's, and what is mended is over.
+  // Mistakes of the scene before are none of this one's, and what is mended is over.
   const auto forget_failure = [this] {
     if (!standing_failure_.isEmpty() && statusBar()->currentMessage() == standing_failure_)
       statusBar()->clearMessage();
@@ -91,7 +91,7 @@ void MainWindow::connect_session() {
   connect(&session_.light_field(), &LightFieldJobs::views_changed, this, show);
 }
 
-/// What is going on, and of every view whether it shows the scene as it is.
+/// Says what is going on, and of every view whether it shows the scene as it is.
 void MainWindow::show_state() {
   const RenderJob& job = session_.render();
   const bool running = job.state() == RenderJob::State::running;

@@ -17,7 +17,7 @@
 #include "widgets/section_view.h"
 #include "widgets/tour_dialog.h"
 
-// What a lecture needs: the guided tour, films, one type of microlens after the other.
+// Tools of a lecture: the guided tour, films, one type of microlens after the other.
 namespace plenoflame::desktop {
 namespace {
 

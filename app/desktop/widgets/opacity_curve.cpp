@@ -222,7 +222,7 @@ void OpacityCurve::paintEvent(QPaintEvent*) {
   }
   painter.fillRect(box, colours);
   painter.setRenderHint(QPainter::Antialiasing);
-  // What is not drawn of the flame is dimmed, so that the curve reads at a glance.
+  // Temperatures that are not drawn are dimmed, so that the curve reads at a glance.
   QPolygonF line;
   for (const OpacityPoint& p : look_.points) line << to_widget(p);
   QPolygonF above = line;

@@ -19,7 +19,7 @@ class OpacityCurve : public QWidget {
   void set_look(const FlameLook& look);
   /// Temperatures of the ends [K].
   void set_range(double cold, double hot);
-  /// How much of the flame has which temperature, drawn behind the curve.
+  /// Distribution of the flame over temperature, drawn behind the curve.
   /// @param shares of equal steps from `coldest` to `hottest` [K]
   void set_histogram(double coldest, double hottest, std::vector<double> shares);
   /// Height of the histogram at a temperature [K], as a share of the highest one.

@@ -29,7 +29,7 @@ class PlotWidget : public QWidget {
   /// Shown while there is nothing to draw.
   void set_empty_text(const QString& text);
 
-  /// Where curves are drawn [logical pixel]; empty before the first drawing.
+  /// Rectangle in which curves are drawn [logical pixel]; empty before the first drawing.
   const QRectF& area() const { return area_; }
 
   QSize sizeHint() const override { return {360, 220}; }

@@ -4,7 +4,7 @@
 
 namespace plenoflame::desktop {
 
-/// Where on the widget the pointer is [logical pixel], by the name that Qt of this version gives
+/// Place of the pointer on the widget [logical pixel], by the name that Qt of this version gives
 /// it.
 template <class Event>
 QPointF pointer_place(const Event* event) {

@@ -7,7 +7,7 @@ class QSpinBox;
 
 namespace plenoflame::desktop {
 
-/// What a user sets once, for all scenes.
+/// Settings that a user makes once, for all scenes.
 struct Preferences {
   bool dark = false;
   int font_points = 0;  ///< size of all texts; 0: that of the system

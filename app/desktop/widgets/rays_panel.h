@@ -15,7 +15,7 @@ class RaysPanel : public QWidget {
  public:
   explicit RaysPanel(RaySelector& rays, QWidget* parent = nullptr);
   QTableWidget& table() { return *table_; }
-  /// What the picture has for the selected pixel, to be said beside the rays' own sum; empty: it
+  /// Value of the picture at the selected pixel, to be said beside the rays' own sum; empty: it
   /// has none.
   void set_pixel_of_picture(const QString& text);
   /// Number of the ray that is chosen; -1: none.

@@ -12,7 +12,7 @@ namespace plenoflame::desktop {
 
 class PlotWidget;
 
-/// How far the image is, and what it can be told: pause, resume, stop, once more, finer.
+/// Progress of the image, and what it can be told: pause, resume, stop, once more, finer.
 class RenderPanel : public QWidget {
   Q_OBJECT
  public:

@@ -14,7 +14,7 @@ class vtkRenderer;
 
 namespace plenoflame::desktop {
 
-/// What is drawn of a scene in 3-D; made on any thread.
+/// All that is drawn of a scene in 3-D; made on any thread.
 struct SceneGeometry {
   vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
   vtkSmartPointer<vtkImageData> plate_texture, flame;

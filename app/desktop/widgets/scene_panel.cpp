@@ -211,7 +211,7 @@ void ScenePanel::reveal_unreadable() {
 }
 
 void ScenePanel::show_message() {
-  // What is wrong with the selected value, otherwise the first thing that is wrong at all.
+  // The selected value's mistake comes first, otherwise the first thing that is wrong at all.
   const QModelIndex current = tree_->currentIndex();
   QString text;
   bool is_error = false;

@@ -22,7 +22,7 @@ class ScenePanel : public QWidget {
   QTreeView& tree() { return *tree_; }
   /// Opens the tree at a value and selects it.
   void reveal(const QString& path);
-  /// What is being typed counts as typed.
+  /// Text that is being typed counts as typed.
   void finish_editing();
 
  signals:

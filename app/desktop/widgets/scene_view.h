@@ -59,10 +59,10 @@ class SceneView : public QWidget {
   /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
   /// called before the window is on the screen, but after its place on the screen was made.
   void warm_up();
-  /// What is seen now, without the window around it; as finely as it can be drawn, however long
-  /// that takes.
+  /// The view as it is now, without the window around it; as finely as it can be drawn, however
+  /// long that takes.
   QImage picture();
-  /// Whether everything that it was given is drawn.
+  /// True if everything that it was given is drawn.
   bool is_current() const;
   /// Temperatures [K] between which nearly all of the flame's emission lies, the ends of the
   /// colours; 0, 0: there is none.
@@ -70,11 +70,11 @@ class SceneView : public QWidget {
   /// Width and height of what the camera sees at its focus [m].
   double view_height() const;
   std::array<double, 2> clipping_range() const;
-  /// Where a point of the world [m] is seen, on the widget "scene3d" [logical pixel].
+  /// Place at which a point of the world [m] is seen, on the widget "scene3d" [logical pixel].
   QPointF to_widget(const Vec3& world) const;
   /// Distance between the two clicks of *Measure* [m]; 0: there are none yet.
   double measured() const;
-  /// How the whole scene is drawn now: with shortened gaps, or to scale.
+  /// Drawing of the whole scene as it is now: with shortened gaps, or to scale.
   const Schematic& schematic() const { return schematic_; }
   /// Places of the handles that move things [m] world; the last one is the camera's. None unless
   /// *Move* is on.
@@ -92,7 +92,7 @@ class SceneView : public QWidget {
   /// A handle is being dragged. @param flame its number; -1: the camera
   /// @param position [m] that it goes to  @param stroke the same for all of one drag
   void moved(int flame, const plenoflame::Vec3& position, int stroke);
-  /// What the pointer is over; of kind none: nothing.
+  /// The pointer is over this; of kind none: over nothing.
   void pointed(const plenoflame::desktop::Selection& target);
 
  protected:
@@ -126,7 +126,7 @@ class SceneView : public QWidget {
   std::vector<Vec3> drawn_subject(Vec3& from) const;
   void aim();
   void follow(const std::array<double, 6>& flame_before);
-  /// What a click there would select.
+  /// The selection that a click there would make.
   Selection target_at(const QPointF& place) const;
   void pick(const QPointF& place);
   void show_measured();

@@ -13,7 +13,7 @@
 #include "widgets/scene_geometry.h"
 #include "widgets/scene_view_parts.h"
 
-// Where the 3-D view looks, and what is pointed at in it.
+// Direction in which the 3-D view looks, and what is pointed at in it.
 namespace plenoflame::desktop {
 
 QPointF SceneView::to_widget(const Vec3& world) const {

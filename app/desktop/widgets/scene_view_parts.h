@@ -30,7 +30,7 @@ namespace plenoflame::desktop {
 /// Temperatures between which nearly all of the emission of a drawn flame lies [K].
 std::array<double, 2> span_of(vtkImageData& flame);
 
-/// What of VTK the 3-D view is made of; known to its own sources only.
+/// The parts of VTK that the 3-D view is made of; known to its own sources only.
 struct SceneView::View {
   QVTKOpenGLNativeWidget* widget = nullptr;
   vtkNew<vtkGenericOpenGLRenderWindow> window;

@@ -35,7 +35,7 @@
 #include "widgets/scene_geometry.h"
 #include "widgets/scene_view_parts.h"
 
-// How the flame is drawn in the 3-D view, and the buttons above it.
+// The look of the flame in the 3-D view, and the buttons above it.
 namespace plenoflame::desktop {
 namespace {
 
@@ -221,7 +221,7 @@ void SceneView::make_tools() {
   flow->addWidget(make_drawing_tools());
 }
 
-/// How the flame is drawn, what is cut away of it, and from where it is seen.
+/// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
 QWidget* SceneView::make_drawing_tools() {
   auto* const tools = new QWidget(tools_);
   drawing_ = new QComboBox(tools);
@@ -336,7 +336,7 @@ void SceneView::add_flame() {
           look_.drawing == FlameDrawing::emission ? shining(*flame) : vtkSmartPointer(flame);
       const auto volume = views::flame_volume(*drawn, colours);
       FlameLook look = look_;
-      // What shines is to be seen as such: thin hot sheets of it, too.
+      // Shining places are to be seen as such: thin hot sheets of it, too.
       if (look.drawing == FlameDrawing::emission) look.density *= kShine;
       apply_opacity(look, cold, hot, *volume);
       if (axis >= 0) cut_volume(*volume, axis, box[2 * static_cast<std::size_t>(axis) + 1]);

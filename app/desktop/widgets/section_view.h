@@ -33,7 +33,8 @@ class SectionView : public QWidget {
   /// The plane: up and down as the picture, or across.
   void set_horizontal(bool on);
 
-  /// Where a place of the plane is drawn. @param z of the camera  @param height above its axis [m]
+  /// Place on the widget at which a place of the plane is drawn. @param z of the camera  @param
+  /// height above its axis [m]
   QPointF to_widget(double z, double height) const;
 
   QSize sizeHint() const override { return {640, 220}; }
@@ -41,7 +42,7 @@ class SectionView : public QWidget {
  signals:
   void lens_clicked(const plenoflame::LensIndex& lens);
   void point_clicked(const plenoflame::Vec3& point);
-  /// What the pointer is over, for the status bar; empty: nothing.
+  /// The thing that the pointer is over, for the status bar; empty: nothing.
   void pointed(const QString& text);
 
  protected:

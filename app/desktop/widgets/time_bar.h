@@ -29,7 +29,7 @@ class TimeBar : public QWidget {
   void advance();
   /// [s] of a position of the slider.
   double time_of(int step) const;
-  /// Whether pictures have numbers; otherwise the slider divides the time evenly.
+  /// True if pictures have numbers; otherwise the slider divides the time evenly.
   bool has_frames() const { return timeline_ && timeline_->frame_rate() > 0; }
 
   Session& session_;

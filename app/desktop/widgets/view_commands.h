@@ -11,7 +11,7 @@ namespace plenoflame::desktop {
 
 class SceneView;
 
-/// What can be done with a whole view: shown alone, copied; and the layout as it was at first.
+/// Commands for a whole view: shown alone, copied; and the layout as it was at first.
 class ViewCommands : public QObject {
   Q_OBJECT
  public:

@@ -7,13 +7,13 @@ class QPushButton;
 
 namespace plenoflame::desktop {
 
-/// What one sees first: the paper's flame in one click, other examples, recent files.
+/// The first page: the paper's flame in one click, other examples, recent files.
 class WelcomePage : public QWidget {
   Q_OBJECT
  public:
   explicit WelcomePage(QWidget* parent = nullptr);
   void set_recent(const QStringList& files);
-  /// Whether a scene is open behind this page.
+  /// Tells that a scene is open behind this page.
   void set_open(bool open);
 
  signals:

@@ -42,7 +42,7 @@ class ProgressWatch {
     });
     algorithm.AddObserver(vtkCommand::ProgressEvent, callback_);
   }
-  /// What share of the whole begins and ends with the algorithm's next run.
+  /// Sets the share of the whole that the algorithm's next run is.
   void stand_for(double from, double to) {
     from_ = from;
     to_ = to;

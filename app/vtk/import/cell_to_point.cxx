@@ -25,7 +25,7 @@ struct Cell {
   bool solid = false;
 };
 
-/// What the linear fit needs to know of some cells.
+/// Sums over some cells from which the linear fit follows.
 struct Fit {
   Vec3 middle;         ///< mean of the cells' middles
   double spread2 = 0;  ///< mean square distance of the middles from the point

@@ -31,7 +31,7 @@ std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& 
 
 /// Values of one array at the points of `lattice` (in the mesh's units), NaN outside of the mesh;
 /// within a cell as VTK interpolates its points. Arrays of cells are first averaged to the points.
-/// Where parts overlap the first one in the list wins.
+/// The first one in the list wins where parts overlap.
 /// @throws InputError: no part has such an array (lists those present), more than one component, a
 ///         value that is not finite (names its place); Cancelled
 std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,

@@ -11,7 +11,7 @@ namespace plenoflame::pipeline {
 /// Polygons with cell data "surface", "type", "microlens", and normals or texture coordinates.
 vtkSmartPointer<vtkPolyData> polydata_of(const CameraMesh& mesh);
 
-/// What the plate's texture repeats: the smallest rectangle along the lattice's own axes after
+/// Tile that the plate's texture repeats: the smallest rectangle along the lattice's own axes after
 /// which positions and types are the same. RGB, one colour a type.
 vtkSmartPointer<vtkImageData> array_texture(const Camera& camera);
 

@@ -7,7 +7,7 @@
 class vtkAlgorithm;
 class vtkObject;
 
-/// What all algorithms of the module share: running core's functions under VTK's rules.
+/// Shared by all algorithms of the module: running core's functions under VTK's rules.
 namespace plenoflame::pipeline {
 
 /// Calls `task` on a thread of its own. Meanwhile the calling thread passes progress on to

@@ -55,7 +55,7 @@ void vtkPlenoflameRefocus::set_geometry(const plenoflame::RefocusedImage& pictur
 
 int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVector**,
                                              vtkInformationVector* outputs) {
-  // How large the picture becomes is known when it is made.
+  // The size of the picture is known when it is made.
   const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
   outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
                                         extent.data(), 6);

@@ -52,7 +52,7 @@ int vtkPlenoflameViews::FillOutputPortInformation(int port, vtkInformation* info
 
 int vtkPlenoflameViews::RequestInformation(vtkInformation*, vtkInformationVector**,
                                            vtkInformationVector* outputs) {
-  // How large the views become is known when they are made; a first guess keeps VTK content.
+  // The size of the views is known when they are made; a first guess keeps VTK content.
   const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
   outputs->GetInformationObject(1)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
                                         extent.data(), 6);

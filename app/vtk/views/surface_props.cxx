@@ -95,7 +95,7 @@ SolidSurfaces solid_surfaces(const Scene& scene, vtkBoundingBox others) {
     out.all.AddBounds(out.parts.back().data->GetBounds());
     if (spec.shape != SolidShape::plane) out.bodies.AddBounds(out.parts.back().data->GetBounds());
   }
-  // What has no end comes last: it is as large as all that has one.
+  // Planes without end come last: each is as large as all that has one.
   if (out.all.IsValid()) others.AddBox(out.all);
   SurfaceMeshSettings settings;
   if (others.IsValid()) {

@@ -110,7 +110,7 @@ Vec3 middle_of(const std::array<double, 6>& b) {
   return {0.5 * (b[0] + b[1]), 0.5 * (b[2] + b[3]), 0.5 * (b[4] + b[5])};
 }
 
-/// What the rays on the picture are, in their colours.
+/// Names of the rays on the picture, in their colours.
 std::vector<plenoflame::views::LegendEntry> legend_of(vtkPolyData& rays, bool by_status,
                                                       const plenoflame::Scene& scene) {
   std::vector<plenoflame::views::LegendEntry> entries;
@@ -279,7 +279,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
   if (view == WHOLE_SCENE || view == FLAME) windows = views::window_outlines(scene);
   views::add_windows(windows, *renderer);
 
-  // What has to be in the picture, and from where.
+  // All that has to be in the picture, and the side from which it is seen.
   std::vector<Vec3> points;
   Vec3 from{};  // from the middle towards the eye
   double far = 0;
