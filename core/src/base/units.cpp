@@ -14,8 +14,8 @@
 namespace plenoflame {
 namespace {
 
-/// How a number with this unit becomes SI. A power of ten is applied to the decimal text before it
-/// is rounded to a double, so that "0.1 mm", "100 um" and "1e-4 m" are the same double.
+/// Rule by which a number with this unit becomes SI. A power of ten is applied to the decimal text
+/// before it is rounded to a double, so that "0.1 mm", "100 um" and "1e-4 m" are the same double.
 struct Unit {
   std::string_view name;
   int power_of_ten = 0;

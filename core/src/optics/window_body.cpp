@@ -69,7 +69,7 @@ WindowSet::Body::Body(const WindowSpec& spec)
   }
 }
 
-/// How far a point lies on the air's side of a face [m]; on the glass' side: below 0.
+/// Distance of a point from a face on the air's side [m]; on the glass' side: below 0.
 double WindowSet::Body::beyond(const Face& face, Vec3 p) {
   if (face.kind == Kind::plane) return dot(face.normal, p) - face.offset;
   const double out = (face.kind == Kind::cylinder ? std::hypot(p.x, p.y) : length(p)) - face.radius;

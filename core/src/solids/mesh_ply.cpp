@@ -105,7 +105,7 @@ class Values {
   virtual ~Values() = default;
   virtual void begin_row() = 0;
   virtual double next(Type type) = 0;
-  /// How many more rows of these properties there can be at most.
+  /// The most rows of these properties that can still follow.
   virtual std::uint64_t most_rows(const std::vector<Property>& properties) const = 0;
 };
 

@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// Where in a text file something stands. Line and column count from 1; 0 means unknown.
+/// A place in a text file. Line and column count from 1; 0 means unknown.
 struct SourcePosition {
   std::string file;
   int line = 0;

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a long computation reports while it runs.
+/// The state that a long computation reports while it runs.
 struct Progress {
   double fraction = 0;         ///< of the work, 0 to 1
   double rays = 0;             ///< sent so far

@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// What a quantity in a file measures; decides which units it may carry.
+/// The dimension of a quantity in a file; decides which units it may carry.
 enum class Dimension {
   none,               ///< a pure number, written without a unit; "%" is accepted and divides by 100
   length,             ///< m

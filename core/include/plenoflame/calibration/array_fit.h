@@ -22,7 +22,7 @@ struct ArrayFit {
   Vec2 offset_error;          ///< [m]
   Vec2 tilt_error;            ///< [rad]
   bool tilted = false;        ///< the tilt was fitted
-  /// How well the blur of the types fits that of the camera's: the correlation of both; 0 without
+  /// Correlation of the blur of the types with that of the camera's: 0 without
   /// types that can be told apart.
   double type_match = 0;
 };

@@ -25,7 +25,7 @@ struct CountFrames {
   }
 };
 
-/// What is known of a pixel of an imported picture (layer "sensor.state").
+/// State of a pixel of an imported picture (layer "sensor.state").
 enum class PixelState : std::uint8_t { good = 0, defective = 1, saturated = 2 };
 
 /// Adds frame after frame; memory holds sums, not frames.
@@ -50,8 +50,8 @@ class FrameSums {
   std::vector<std::uint8_t> state_;
 };
 
-/// How the scatter of a sensor's counts depends on their mean: variance = floor + slope * mean,
-/// mean above the dark level; 1 / slope is the gain [electrons per count] (photon transfer;
+/// The dependence of the scatter of a sensor's counts on their mean: variance = floor + slope *
+/// mean, mean above the dark level; 1 / slope is the gain [electrons per count] (photon transfer;
 /// Janesick, Photon Transfer, SPIE 2007, chapter 5).
 struct PhotonTransfer {
   double floor = 0;        ///< [counts^2] of dark pixels: read noise and rounding

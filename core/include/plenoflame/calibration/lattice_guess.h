@@ -11,7 +11,7 @@ struct LatticeGuess {
   bool hexagonal = false;
   Vec2 origin;          ///< [pixel] of a micro-image near the middle
   Vec2 step_i, step_j;  ///< [pixel] to the right, and down (hexagonal: down and half to the right)
-  /// How much of the picture's variance repeats with the lattice, 0 to 1.
+  /// Share of the picture's variance that repeats with the lattice, 0 to 1.
   double contrast = 0;
   double radius = 0;  ///< [pixel] of a micro-image, roughly
 

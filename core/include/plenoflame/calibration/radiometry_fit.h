@@ -20,7 +20,7 @@ struct SourcePicture {
   double radiance_error = 0;  ///< relative standard error, of this picture alone
 };
 
-/// Of which pixels a channel is made, and how much light the camera's model gives them.
+/// The pixels that make a channel, and the light that the camera's model gives them.
 struct EvaluatedPixels {
   Image etendue;       ///< [m^2 sr] white_image() of the camera
   PixelWindow window;  ///< place of the pictures on the sensor
@@ -33,7 +33,7 @@ struct EvaluatedPixels {
 struct RadiometryFit {
   ChannelScale scale;
   std::size_t pixels = 0;
-  /// Of each picture: its mean counts above dark, and by how much its scale differs from the fit,
+  /// For each picture its mean counts above dark, and by how much its scale differs from the fit,
   /// relative, and in standard errors.
   struct Residual {
     double counts = 0, relative = 0, errors = 0;

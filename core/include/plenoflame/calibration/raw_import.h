@@ -17,10 +17,10 @@ enum class NoiseSource {
   pixel,   ///< each pixel's own scatter: 10 frames or more
 };
 
-/// What an imported picture holds.
+/// The unit of an imported picture.
 enum class ImportUnit { counts, electrons, watts };
 
-/// What corrects the counts of a sensor. All pictures have the size of the raw picture.
+/// Pictures that correct the counts of a sensor. All pictures have the size of the raw picture.
 struct RawCorrections {
   const CountFrames* dark = nullptr;  ///< exposed as long as the picture, without light
   /// Pixels evenly lit, without the camera's optics: evens out the pixels' own gains.
@@ -32,7 +32,7 @@ struct RawCorrections {
   std::vector<std::uint8_t> defects;  ///< not 0: the pixel says nothing; empty: none is known
 };
 
-/// How a sensor counts.
+/// Figures by which a sensor counts.
 struct SensorResponse {
   double gain = 0;           ///< [electrons per count]
   double read_noise = 0;     ///< [electrons] RMS
@@ -49,14 +49,14 @@ struct ImportSettings {
   SensorResponse response;
   PhotonTransfer transfer;  ///< noise `series`
   PixelWindow window;       ///< place of the picture on the sensor
-  /// Of each channel of the picture in turn; for a mosaic red, green, blue.
+  /// One for each channel of the picture in turn; for a mosaic red, green, blue.
   std::vector<std::string> names;
   std::vector<double> watts_per_count;  ///< the same [W]; for watts
   MosaicPattern mosaic = MosaicPattern::none;
   Image model_white;  ///< white_image() of the camera's model, for RawCorrections::white
 };
 
-/// What was done.
+/// Counts of the pixels that were treated.
 struct ImportSummary {
   std::size_t saturated = 0, defective = 0;
   std::size_t negative = 0;     ///< pixels below 0 by more than 5 standard errors

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// How one picture lies on another: measured(x) = gain * simulated(x - shift) + rest.
+/// The place of one picture on another: measured(x) = gain * simulated(x - shift) + rest.
 struct PictureFit {
   std::size_t pixels = 0;
   double gain = 0, gain_error = 0;

@@ -24,8 +24,8 @@ struct MicroImageFit {
   int type = 0;
 };
 
-/// Where micro-images lie: the plane of the array seen from the exit pupil (a homography, which a
-/// tilted array has), then distorted about the picture's middle.
+/// The places of micro-images: the plane of the array seen from the exit pupil (a homography, which
+/// a tilted array has), then distorted about the picture's middle.
 struct LatticeModel {
   bool hexagonal = false;
   /// x = (h0 u + h1 v + h2) / (1 + h6 u + h7 v), y = (h3 u + h4 v + h5) / (...), with (u, v) =
@@ -40,7 +40,7 @@ struct LatticeModel {
   Vec2 point(double i, double j) const;
 };
 
-/// How one type of microlens differs in its looks.
+/// The looks by which one type of microlens differs.
 struct TypeLooks {
   double radius = 0, blur = 0;              ///< [pixel] mean over its micro-images
   double radius_error = 0, blur_error = 0;  ///< standard errors of the means

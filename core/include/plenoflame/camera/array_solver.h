@@ -6,10 +6,10 @@
 
 namespace plenoflame {
 
-/// What of a microlens is free to give it another focal length. The radius scales both faces alike.
+/// The free figure of a microlens of another focal length. The radius scales both faces alike.
 enum class MicrolensFreedom { index, radius, thickness };
 
-/// What can be made.
+/// Limits of manufacture.
 struct MicrolensLimits {
   double greatest_index = 2.0;
   double least_radius = 0;                ///< [m] of a curved face; half the diameter bounds it too

@@ -73,8 +73,8 @@ class Camera {
   const RigidTransform& array_pose() const { return array_pose_; }
   bool lens_moved() const { return lens_moved_; }
   bool array_tilted() const { return array_tilted_; }
-  /// Whether microlenses at the same distance from the axis differ: a decentre, a tilt, or focal
-  /// jitter.
+  /// Tells whether microlenses at the same distance from the axis differ: a decentre, a tilt, or
+  /// focal jitter.
   bool misaligned() const { return lens_moved_ || array_tilted_ || spec_.array.focal_jitter != 0; }
   /// Distortion of the main lens, in its frame.
   const LensDistortion& distortion() const { return distortion_; }
@@ -85,8 +85,8 @@ class Camera {
   Camera aligned() const;
   /// The same camera with circles around its microlenses, which may overlap.
   Camera with_circles() const;
-  /// Where the light of the main lens falls straight on the array [m], camera x, y: below the exit
-  /// pupil; (0, 0) unless the main lens is moved.
+  /// The place at which the light of the main lens falls straight on the array [m], camera x, y:
+  /// below the exit pupil; (0, 0) unless the main lens is moved.
   Vec2 foot() const { return foot_; }
   double array_front() const { return array_front_; }  ///< z of the front vertices [m]
   double array_back() const { return array_back_; }    ///< z of the rear vertices [m]
@@ -119,13 +119,13 @@ class Camera {
   Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
              bool with_points = false) const;
 
-  /// Where the ray from a sensor point through the middle of a microlens meets the plane of the
-  /// stop, from its middle [m]; for an ideal main lens up to scale. None: it does not get there.
+  /// Place in the plane of the stop, from its middle [m], of the ray from a sensor point through
+  /// the middle of a microlens; for an ideal main lens up to scale. None: it does not get there.
   std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens) const;
   /// The same of the ray towards `aim` on the aim plane [m, camera x, y].
   std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim) const;
 
-  /// Where a ray from the scene ends.
+  /// The end of a ray from the scene.
   struct Arrival {
     std::optional<LensIndex> lens;  ///< through which it went; none: no array, or between lenses
     Vec2 sensor_point;              ///< [m] camera x, y
@@ -146,7 +146,7 @@ class Camera {
   TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals,
                                std::vector<Vec3>* points = nullptr) const;
 
-  /// Whether a straight line through the array's plane meets no microlens. @param ray camera frame
+  /// True if a straight line through the array's plane meets no microlens. @param ray camera frame
   bool passes_between(const Ray& ray) const;
 
   /// Sensor point of continuous upright image coordinates (pixel (0,0) has its centre at 0.5, 0.5).

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a camera is judged by. All merits are better when greater.
+/// Figures by which a camera is judged. All merits are better when greater.
 enum class MeritKind {
   /// Depth of field: minus the mean of (blur / pixel - 1)^2 where no type is sharp to a pixel, over
   /// equal steps of 1/a in `array_range`: 0 when the types' ranges cover it without a gap.

@@ -19,7 +19,7 @@ inline constexpr int kCutAzimuths = 9;  ///< equally spaced from 0 to pi
 inline constexpr double kCutBorders[kCutAzimuths - 1] = {
     0.98078528040323044,  0.83146961230254524,  0.55557023301960222,  0.19509032201612827,
     -0.19509032201612827, -0.55557023301960222, -0.83146961230254524, -0.98078528040323044};
-/// Of one step: pixels that look larger from the centre take the column for all azimuths.
+/// Sine of one step: pixels that look larger from the centre take the column for all azimuths.
 inline constexpr double kCutSine = 0.38268343236508977;
 
 }  // namespace plenoflame

@@ -16,8 +16,8 @@ struct SharpRange {
   double far = 0;    ///< a0+
 };
 
-/// Whether distances from near to far in array space pass through infinity: from in front of the
-/// array to behind it. Ranges of Galilean types lie behind it as a whole and do not.
+/// Tells whether distances from near to far in array space pass through infinity: from in front of
+/// the array to behind it. Ranges of Galilean types lie behind it as a whole and do not.
 bool passes_infinity(double near, double far);
 
 /// First-order properties of one microlens type. Perwass and Wietzke, Proc. SPIE 8291 (2012),
@@ -52,7 +52,7 @@ struct LatticeDesign {
   double used_share = 0;
 };
 
-/// What sub-aperture views, one pixel per microlens, show of the object in focus.
+/// The sub-aperture views, one pixel per microlens, of the object in focus.
 struct ViewDesign {
   double across = 0;             ///< views across: pixels in a micro-image's diameter (first type)
   double count = 0;              ///< pixels in its disc: views with different directions
@@ -63,7 +63,7 @@ struct ViewDesign {
   double disparity_rate = 0;
 };
 
-/// What is known about a camera before an image is rendered.
+/// The figures of a camera that are known before an image is rendered.
 struct CameraDesign {
   FirstOrder lens;
   double object_distance =
@@ -85,8 +85,8 @@ struct CameraDesign {
 SharpRange depth_of_field(double focal_length, double sensor_distance, double diameter,
                           double pixel_pitch);
 
-/// Where an object is imaged at `image_distance` behind the last vertex [m]: from the first vertex,
-/// negative past infinity. Inverse of paraxial_image_distance().
+/// Distance of the object that is imaged at `image_distance` behind the last vertex [m]: from the
+/// first vertex, negative past infinity. Inverse of paraxial_image_distance().
 double paraxial_object_distance(const FirstOrder& lens, double image_distance);
 
 /// Least RMS spot of the object point at `object_distance` in front of the first vertex (may be

@@ -12,8 +12,8 @@ struct FanPoint {
   double error = 0;  ///< [m] across the image plane
 };
 
-/// What a lens does to an object point in one direction, in the paraxial image plane moved by
-/// `LensDesign::focus`.
+/// The image that a lens makes of an object point in one direction, in the paraxial image plane
+/// moved by `LensDesign::focus`.
 struct LensFieldDesign {
   double field = 0;         ///< [rad] angle of the chief ray at the entrance pupil
   double image_height = 0;  ///< [m] of the chief ray

@@ -18,10 +18,10 @@ class MicrolensAperture {
   int pairs() const { return pairs_; }
   Vec2 normal(int pair) const { return normals_[static_cast<std::size_t>(pair)]; }
   double half_width(int pair) const { return half_widths_[static_cast<std::size_t>(pair)]; }
-  /// Of the circle around it [m]; of a circle its own.
+  /// Radius of the circle around it [m]; of a circle its own.
   double radius() const { return radius_; }
   double area() const { return area_; }  ///< [m^2]
-  /// Whether a point belongs to it, its edge included.
+  /// Tells whether a point belongs to it, its edge included.
   bool holds(Vec2 point) const;
 
  private:

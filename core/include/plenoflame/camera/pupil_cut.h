@@ -82,7 +82,7 @@ PupilCut cut_at(const CutColumn& column, float distance);
 /// The same cut at every distance.
 CutColumn constant_cut(const PupilCut& cut);
 
-/// What a pixel sees of a microlens' aperture.
+/// The part of a microlens' aperture that a pixel sees.
 struct PixelView {
   bool dark = false;                  ///< nothing gets from the pixel through the microlens
   bool open = false;                  ///< the stop cuts nothing

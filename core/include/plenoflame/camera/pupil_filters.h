@@ -30,9 +30,9 @@ class PupilFilters {
   std::vector<PupilFilterSpec> filters_;
 };
 
-/// Whether a point belongs to what a filter covers. @param margin so far inside, at least
+/// Tells whether a filter covers a point. @param margin so far inside, at least
 bool covers(const PupilFilterSpec& filter, Vec2 point, double margin = 0);
-/// Whether two filters cover something together: found on a raster of a 400th of the stop's radius.
+/// Tells whether two filters overlap, on a raster of a 400th of the stop's radius.
 bool overlap(const PupilFilterSpec& a, const PupilFilterSpec& b);
 
 /// Corners as a scene file has them: "0 0, 1 0, 1 1". @throws InputError

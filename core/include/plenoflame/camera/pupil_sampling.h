@@ -10,7 +10,7 @@
 
 namespace plenoflame {
 
-/// Where rays must be aimed so that they get through the camera, for a microlens at some distance
+/// Places at which rays must be aimed to get through the camera, for a microlens at some distance
 /// from the optical axis: derived from traced pupil edges (docs/theory.md, "Pupil sampling").
 ///
 /// Sensor points s and points u of the aim plane are relative to the microlens' centre, their first
@@ -37,7 +37,7 @@ struct PupilNode {
   bool dark() const { return image_radius <= 0; }
 };
 
-/// How much of a microlens' aperture pixels of half the side `half` [m] see open.
+/// Share of a microlens' aperture that pixels of half the side `half` [m] see open.
 class OpenShare {
  public:
   OpenShare(const PupilNode& node, double half);
@@ -66,7 +66,7 @@ struct ApertureDiscs {
   double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
-/// What lies between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
+/// The area between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
 /// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half,
 /// with the shifts of the discs of the circle around them. Of circles there are none.
 struct ApertureSides {
@@ -94,7 +94,7 @@ class PupilTable {
   /// Linear interpolation; h beyond the table takes the last node.
   PupilNode at(double h) const;
   void look_up(double h, PupilNode& node) const;  ///< the same in place, as it is large
-  /// Of that node only `centre` and `outer_radius`: all light is inside of this disc.
+  /// The numbers `centre` and `outer_radius` of that node alone: all light is inside of this disc.
   struct MicroImage {
     double centre, outer_radius;
   };

@@ -6,14 +6,14 @@
 
 namespace plenoflame {
 
-/// Where a ray that leaves the sensor through a microlens crosses a surface behind, counted from
+/// The place at which a ray from the sensor through a microlens crosses a surface behind, from
 /// the microlens' axis: of fifth order in sensor point and aim point, both from the microlens'
 /// centre (rotational symmetry leaves these terms: Welford, Aberrations of Optical Systems,
 /// 1986, 6.2).
 struct RayCrossing {
   static constexpr std::size_t kTerms = 10;
   double unit = 1;  ///< of sensor and aim points [m]
-  /// What the sensor point and the aim point count for: polynomials of second degree in s.s, s.u
+  /// Coefficients of the sensor point and the aim point: polynomials of second degree in s.s, s.u
   /// and u.u, in this order of terms: 1, ss, su, uu, ss ss, ss su, ss uu, su su, su uu, uu uu.
   std::array<double, kTerms> of_sensor{}, of_aim{};
 
@@ -22,7 +22,7 @@ struct RayCrossing {
   Vec2 at(Vec2 sensor, Vec2 aim) const;
 };
 
-/// Where rays that cross the plane of the exit pupil meet the aperture stop, in radii of the stop,
+/// The places at which rays across the plane of the exit pupil meet the stop, in radii of the stop,
 /// for microlenses at one distance from the optical axis: of third order, the first axis points
 /// away from the optical axis, which is in a mirror plane.
 struct StopMap {

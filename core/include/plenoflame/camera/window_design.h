@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// What windows do to the picture of a point on the optical axis, by traced rays near the axis.
+/// Effect of windows on the picture of a point on the optical axis, by traced rays near the axis.
 struct WindowDesign {
   bool crossed = false;  ///< whether rays between the point and the lens go through the windows
   /// [m] by which the point that is in focus lies farther away than without windows, from the rays

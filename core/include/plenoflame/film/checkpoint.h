@@ -10,7 +10,7 @@ namespace plenoflame {
 /// @throws FileError
 void write_checkpoint(const std::string& path, const Film& film, const std::string& key);
 
-/// What a kept film belongs to. @throws FileError (cannot be read, damaged, not such a file)
+/// The run of a kept film. @throws FileError (cannot be read, damaged, not such a file)
 std::string read_checkpoint_key(const std::string& path);
 
 /// @throws FileError (cannot be read, damaged), InputError (another scene, other settings or

@@ -8,12 +8,12 @@
 
 namespace plenoflame {
 
-/// How one image differs from a reference, over the pixels that both hold. A pixel is lit when the
-/// mean of both is above kLitShare (film.h) of its largest one; each image has the weight of the
-/// other's mean variance in that mean (equal weights without standard errors), so that noise does
-/// not choose pixels in which one of them is too bright. Sums marked * use the standard errors s of
-/// both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact), plus the
-/// rounding of the stored single precision; they take the errors of different pixels as
+/// The difference of one image from a reference, over the pixels that both hold. A pixel is lit
+/// when the mean of both is above kLitShare (film.h) of its largest one; each image has the weight
+/// of the other's mean variance in that mean (equal weights without standard errors), so that noise
+/// does not choose pixels in which one of them is too bright. Sums marked * use the standard errors
+/// s of both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact), plus
+/// the rounding of the stored single precision; they take the errors of different pixels as
 /// independent.
 struct Comparison {
   PixelWindow window;  ///< common part of both
@@ -50,10 +50,10 @@ struct Comparison {
   /// seed.
   double block_chi_square = 0;
   std::size_t blocks = 0;
-  /// How far that is above 1, in standard deviations of a normal distribution (Wilson and Hilferty,
-  /// PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
+  /// The excess of that over 1, in standard deviations of a normal distribution (Wilson and
+  /// Hilferty, PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
   double block_score = 0;
-  /// Of the pixels that are lit in one of the images, the share in which the other is exactly 0:
+  /// Share of the pixels lit in one of the images in which the other is exactly 0:
   /// where no ray has found light yet the error is not 0, as its estimate is. Unless these
   /// are dark in truth, all that is marked * means little above a hundredth.
   double dark_in_one_share = 0;
@@ -61,7 +61,7 @@ struct Comparison {
   static constexpr int kBlock = 16;
 };
 
-/// What a comparison says about the cause of the differences.
+/// The verdict of a comparison about the cause of the differences.
 enum class Verdict {
   unknown,         ///< no standard errors, or too few rays for them (dark_in_one_share)
   noise,           ///< nothing speaks against noise alone

@@ -15,7 +15,7 @@ struct FilmImages {
   friend bool operator==(const FilmImages&, const FilmImages&) = default;
 };
 
-/// What an estimator has gathered: per pixel and channel one sum for each independent
+/// The sums that an estimator has gathered: per pixel and channel one sum for each independent
 /// randomisation (replicate), in double precision (of up to 8 rays in theirs, at first). The mean
 /// over replicates is the estimate, their scatter its standard error. Tiles that receive nothing
 /// take no memory. Of tiles that are finished only the estimate and its standard error are kept,
@@ -78,9 +78,9 @@ class Film {
   void lend(int tile, std::vector<double> memory);
   bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
   bool has_finished_tiles() const;
-  /// Whether what was kept of finished tiles is gone (take_images()).
+  /// Tells whether the images of finished tiles have been taken away (take_images()).
   bool is_taken() const;
-  /// What is kept of a finished tile: of each channel the flux, row by row, then (with more than
+  /// The values kept of a finished tile: of each channel the flux, row by row, then (with more than
   /// one replicate) its standard error.
   /// @throws std::logic_error when it is gone (take_images())
   std::vector<float> finished_values(int tile) const;
@@ -131,7 +131,7 @@ double estimated_relative_rmse(const Image& flux, const Image& standard_error);
 
 inline constexpr double kLitShare = 0.01;
 
-/// What the standard errors say about the error of a whole image.
+/// The error of a whole image, by its standard errors.
 struct StatedError {
   double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
   /// The true relative RMSE is below this with a probability of kErrorConfidence (at least: dim

@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// What one channel of a light field holds: radiant flux per pixel and its standard error.
+/// One channel of a light field: radiant flux per pixel and its standard error.
 struct LightFieldChannel {
   std::string name;      ///< "total" or as named in the scene, e.g. "650nm"
   Image flux;            ///< [W]
@@ -42,7 +42,7 @@ struct LightField {
 const LightFieldChannel& find_channel(const LightField& light_field, const std::string& name,
                                       const std::string& what = "the light field");
 
-/// How the pixels of an EXR are packed; nothing is lost by any.
+/// Ways to pack the pixels of an EXR; nothing is lost by any.
 enum class ExrCompression {
   none,
   rle,  ///< runs of equal bytes: unlit pixels, most of a light field, take no space; quick

@@ -40,7 +40,7 @@ struct ZeroedAllocator {
 /// that hold light.
 struct PixelValues : std::vector<float, ZeroedAllocator<float>> {
   using vector::vector;
-  /// What is new is 0, also where the memory is not.
+  /// New values are 0, also where the memory is not.
   void resize(std::size_t count) { vector::resize(count, 0.0F); }
 };
 

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// How sample values relate to light.
+/// The relation of sample values to light.
 enum class Transfer {
   srgb,    ///< IEC 61966-2-1: for display (chunk sRGB)
   linear,  ///< proportional to light (chunk gAMA = 1)
@@ -20,7 +20,7 @@ struct PngImage {
   int height = 0;
   int channels = 1;  ///< 1: grey, 3: RGB
   int bits = 8;      ///< per sample: 8 or 16
-  /// How many of the bits carry information (chunk sBIT); 0: all. The value itself is
+  /// Number of the bits that carry information (chunk sBIT); 0: all. The value itself is
   /// sample >> (bits - significant_bits); the lower bits repeat the upper ones.
   int significant_bits = 0;
   Transfer transfer = Transfer::srgb;

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a camera's file holds: whole numbers, row by row from the top left, channels interleaved.
+/// Contents of a camera's file: whole numbers, row by row from the top left, channels interleaved.
 struct RawPicture {
   int width = 0;
   int height = 0;
@@ -23,7 +23,7 @@ struct RawPicture {
   }
 };
 
-/// How to read a file that does not say what it holds.
+/// The layout of a file that does not say what it holds.
 struct RawLayout {
   int width = 0, height = 0;  ///< 0: such files are refused
   int bits = 16;              ///< up to 8: one byte for a number, above: two

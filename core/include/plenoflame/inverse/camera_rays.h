@@ -16,7 +16,7 @@ struct CameraView {
   PixelWindow window;  ///< pixels that are wanted; width 0: the whole sensor
 };
 
-/// How rays are drawn and pixels are put together.
+/// Settings by which rays are drawn and pixels are put together.
 struct CameraRaySettings {
   int samples = 16;    ///< rays per pixel and microlens that covers it
   int replicates = 2;  ///< randomisations that these are made of

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a reconstruction says of the flame, one entry for each unknown; deviations are empty
+/// The flame as a reconstruction finds it, one entry for each unknown; deviations are empty
 /// without those of the reconstruction.
 struct FlameEstimate {
   std::vector<double> emission, emission_deviation;        ///< [W/(m^3 sr)]
@@ -21,7 +21,7 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);
 
-/// How far an estimate is from the truth.
+/// The differences of an estimate from the truth.
 struct EstimateErrors {
   double emission = 0;       ///< |j - j*| / |j*|, weighted by volume
   double temperature = 0;    ///< mean |T - T*| / T*, weighted by true emission

@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// What a solution is asked to have little of, beside the misfit.
+/// The property that a solution is asked to have little of, beside the misfit.
 enum class PenaltyKind {
   identity,            ///< the values themselves
   first_differences,   ///< slopes: neighbouring values alike

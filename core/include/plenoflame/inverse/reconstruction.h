@@ -16,7 +16,7 @@
 
 namespace plenoflame {
 
-/// What is minimised, and how (solvers.h). The values are never negative.
+/// The functional that is minimised, and how (solvers.h). The values are never negative.
 enum class ReconstructionSolver {
   fista,       ///< least squares without negative values, accelerated projected gradient
   active_set,  ///< the same exactly, for some hundred unknowns
@@ -29,9 +29,9 @@ enum class ReconstructionSolver {
   osem,        ///< in ordered subsets
   mart,        ///< multiplicative, row after row
 };
-/// Whether the solver has a penalty, whose strength can be chosen.
+/// Tells whether the solver has a penalty, whose strength can be chosen.
 bool is_penalised(ReconstructionSolver solver);
-/// Whether it goes through the rows of the stored matrix.
+/// Tells whether it goes through the rows of the stored matrix.
 bool wants_matrix(ReconstructionSolver solver);
 
 enum class ReconstructionPenalty { none, identity, gradient, curvature };
@@ -48,7 +48,7 @@ struct ReconstructionSettings {
   CameraRaySettings rays;
   ReconstructionSolver solver = ReconstructionSolver::fista;
   ReconstructionPenalty penalty = ReconstructionPenalty::gradient;
-  /// Of differences along each axis of the unknowns, relative to each other.
+  /// Weights of differences along each axis of the unknowns, relative to each other.
   std::array<double, 3> penalty_axes{1, 1, 1};
   /// Strength of the penalty, relative to trace(A^T W A) / trace(L^T L), so that a number means the
   /// same for every grid; negative: by the rule. Discrepancy takes the largest at which chi^2 is
@@ -83,7 +83,7 @@ struct ReconstructionInput {
   std::vector<std::vector<char>> parts = {};
 };
 
-/// What the reconstruction makes of a single unknown.
+/// The image that the reconstruction makes of a single unknown.
 struct PointSpread {
   std::size_t unknown = 0;
   Vec3 place;                      ///< [m] world
@@ -97,7 +97,7 @@ struct Reconstruction {
   /// Samples of each unknown: source function [W/(m^2 sr)] where the absorption is known, else
   /// emission [W/(m^3 sr)].
   std::vector<double> values;
-  /// Of the noise alone; empty: not asked for. Without noise draws by the covariance.
+  /// Deviation by noise alone; empty: not asked for. Without noise draws by the covariance.
   std::vector<double> deviation;
   /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
   std::vector<double> resolved;

@@ -7,8 +7,8 @@
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/measurement.h"
 
-/// How much a row of the linear problem may differ from its model: noise of the pictures, and the
-/// error of the row itself, whose rays are finite in number.
+/// The amount by which a row of the linear problem may differ from its model: noise of the
+/// pictures, and the error of the row itself, whose rays are finite in number.
 namespace plenoflame {
 
 /// Standard error of rows for the finite number of their rays, by how bright they are: dim rows,

@@ -48,7 +48,7 @@ struct SolverOptions {
   std::function<void(int iteration, double misfit, std::span<const double> x)> watch = {};
 };
 
-/// What an iteration arrived at.
+/// The result of an iteration.
 struct SolverStep {
   int iteration = 0;
   double misfit = 0;   ///< |W (A x - b)|^2

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// How the strength of a penalty is chosen.
+/// Rules by which the strength of a penalty is chosen.
 enum class StrengthRule {
   discrepancy,  ///< the misfit is what the noise lets expect: the number of rows with a weight
   gcv,          ///< least generalised cross-validation (Golub, Heath and Wahba 1979)

@@ -33,7 +33,7 @@ struct ThermalChannel {
   const CameraRays* rays = nullptr;
   SourceFunction source;        ///< S(T) [W/(m^2 sr)]
   double absorption_ratio = 1;  ///< its absorption over the one that is solved for
-  /// Of each view, thermal_parts(); empty: no camera has filters.
+  /// thermal_parts() of each view; empty: no camera has filters.
   std::vector<std::vector<ThermalPart>> parts = {};
 };
 

@@ -15,7 +15,7 @@ struct ThermalPictures {
   std::vector<Measurement> measurements;  ///< one for each view
   SourceFunction source;
   double absorption_ratio = 1;  ///< its absorption over that of the first of the channels
-  /// Of each view, thermal_parts(); empty: no camera has filters.
+  /// thermal_parts() of each view; empty: no camera has filters.
   std::vector<std::vector<ThermalPart>> parts = {};
 };
 
@@ -24,7 +24,7 @@ struct ThermalInput {
   std::vector<ThermalPictures> channels;
   const Unknowns* unknowns = nullptr;
   std::vector<double> absorption = {};  ///< [1/m] in the first channel; empty: it is solved for
-  /// What to go on from, e.g. an earlier result; empty: from linear reconstructions.
+  /// Values to go on from, e.g. an earlier result; empty: from linear reconstructions.
   std::vector<double> start_temperature = {}, start_absorption = {};
   /// [W/(m^3 sr)] of the first channel, what the linear reconstructions begin with.
   std::vector<double> start_emission = {};

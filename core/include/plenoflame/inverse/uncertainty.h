@@ -7,7 +7,7 @@
 
 #include "plenoflame/inverse/solvers.h"
 
-/// What a regularised solution is worth: how much of it comes from the data, and how uncertain it
+/// The worth of a regularised solution: how much of it comes from the data, and how uncertain it
 /// is. All of it holds for the linear problem without the constraint x >= 0. The bias of the
 /// penalty is not in the deviation: it is what the resolution tells.
 namespace plenoflame {
@@ -23,7 +23,7 @@ struct Uncertainty {
   double resolved_unknowns = 0;  ///< trace of the resolution matrix
 };
 
-/// How far the solutions of estimate_uncertainty() go, and which there are.
+/// The solutions of estimate_uncertainty(): how far they go, and which there are.
 struct ProbeAccuracy {
   int iterations = 2000;
   double relative_change = 1e-9;

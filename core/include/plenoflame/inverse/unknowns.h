@@ -8,7 +8,7 @@
 
 #include "plenoflame/media/lattice_walk.h"
 
-/// What a reconstruction solves for: a field as a sum of samples times basis functions.
+/// The unknowns of a reconstruction: a field as a sum of samples times basis functions.
 namespace plenoflame {
 
 class Unknowns {

@@ -27,7 +27,7 @@ struct MicroImageGrid {
 /// @throws InputError when there are fewer than three
 MicroImageGrid fit_grid(const MicroImages& micro_images, const PixelWindow& window);
 
-/// What each pixel of the window would get from a scene with a radiance of 1 W/(m^2 sr)
+/// The light that each pixel of the window would get from a scene with a radiance of 1 W/(m^2 sr)
 /// everywhere: the white image [W], all microlenses together.
 Image white_image(const MicroImages& micro_images, const PixelWindow& window,
                   const Execution& execution = {});
@@ -53,8 +53,8 @@ struct ViewGeometry {
 /// @throws InputError when hardly any light gets through the camera
 ViewGeometry fit_view_geometry(const MicroImages& micro_images, double lens_step);
 
-/// Whether the sensor stands in the focal plane of the microlenses (plenoptic 1.0, unfocused), to
-/// 5 % of the focal length.
+/// Tells whether the sensor stands in the focal plane of the microlenses (plenoptic 1.0,
+/// unfocused), to 5 % of the focal length.
 bool is_unfocused(const Camera& camera);
 
 }  // namespace plenoflame

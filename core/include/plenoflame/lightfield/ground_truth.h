@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// Where a micro-image lies, in pixels of the upright image: pixel (0, 0) has its centre at 0.5,
+/// The place of a micro-image, in pixels of the upright image: pixel (0, 0) has its centre at 0.5,
 /// 0.5.
 struct MicroImageTruth {
   LensIndex lens;

@@ -19,7 +19,7 @@ namespace plenoflame {
 void check_raw_image(const LightField& light_field, const CameraSpec& camera,
                      const std::string& what = "the light field");
 
-/// Where every micro-image lies on the sensor, which ray each of its points stands for, and how
+/// The place of every micro-image on the sensor, which ray each of its points stands for, and how
 /// much light falls there: traced with the exact optics at some distances from the axis,
 /// interpolated between. Nothing is rounded to whole pixels. Sensor points are camera x, y [m].
 class MicroImages {

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// What the scene looks like through one filter of the stop.
+/// The scene as it looks through one filter of the stop.
 struct PupilView {
   std::string filter;  ///< its name
   /// Radiance behind the filter [W/(m^2 sr)] and its standard error, a pixel for the area of a
@@ -28,7 +28,7 @@ std::vector<PupilView> extract_pupil_views(const LightField& light_field,
                                            const std::string& channel = {},
                                            const Execution& execution = {});
 
-/// How many radii of the stop lie between the places where rays of one pixel through different
+/// Number of radii of the stop between the places where rays of one pixel through different
 /// points of its microlens cross it: what a filter's part must be wider than to be seen alone.
 /// @param type of microlens, near the axis
 double blur_of_stop(const MicroImages& micro_images, int type);

@@ -40,7 +40,7 @@ struct RefocusedImage {
 RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
                        const RefocusSettings& settings, const Execution& execution = {});
 
-/// How much each type of microlens counts at a depth: 1 when its blur is at most a pixel of the
+/// The weight of each type of microlens at a depth: 1 when its blur is at most a pixel of the
 /// sensor, or what a pixel of the picture takes up on the sensor, or as small as any type's;
 /// falling with the fourth power of the blur beyond. In a coarse picture all types count, since the
 /// more there are the more evenly their samples lie. Blur as in depth_of_field() (camera/design.h),

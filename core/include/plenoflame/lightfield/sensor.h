@@ -23,7 +23,7 @@ struct SensorFrame {
   std::size_t saturated = 0;           ///< pixels at the full well or the largest number
 };
 
-/// How a frame is taken.
+/// Settings by which a frame is taken.
 struct FrameSettings {
   double exposure_time = 0;  ///< [s]; 0: automatic_exposure()
   bool light = true;         ///< false: a dark frame
@@ -40,7 +40,7 @@ struct SensorChannel {
 /// Electrons per joule of radiant flux on a pixel: QE times fill factor times lambda / (hc).
 double electrons_per_joule(const SensorSpec& sensor, double wavelength);
 
-/// Of the full well that automatic exposure fills.
+/// Share of the full well that automatic exposure fills.
 inline constexpr double kAutomaticFill = 0.95;
 
 /// Exposure [s] after which all but 0.1 % of the pixels with light hold at most kAutomaticFill of
@@ -58,7 +58,7 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
                    const SensorSpec& sensor, const FrameSettings& settings,
                    const Execution& execution = {});
 
-/// Of a light field that holds electrons: the exposure time [s] of a channel, 0 when it is not
+/// For a light field that holds electrons, the exposure time [s] of a channel, 0 when it is not
 /// known; and the electrons of dark current in it. The numbers are "sensor.exposure_time" and
 /// "sensor.dark_electrons", with ".CHANNEL" behind them where channels have exposures of their own.
 double channel_exposure(const LightField& electrons, const std::string& channel);

@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// How one sample per microlens becomes a picture with square pixels.
+/// Ways in which one sample per microlens becomes a picture with square pixels.
 enum class ViewResampling {
   nearest,      ///< the sample of the nearest microlens
   barycentric,  ///< linear over the triangles of a hexagonal array, bilinear over a square one
@@ -32,7 +32,7 @@ struct ViewSettings {
   std::string channel;  ///< empty: the first
 };
 
-/// What the scene looks like from one place on the main lens.
+/// The scene as it looks from one place on the main lens.
 struct View {
   int column = 0, row = 0;  ///< in the grid: to the right and down as the place on the main lens
   Vec2 offset;              ///< [pixel] from the micro-images' centres, upright: x right, y down

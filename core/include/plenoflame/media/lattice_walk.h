@@ -67,7 +67,7 @@ class LatticeWalk {
   std::array<int, 3> low_{}, high_{};  // cells
 };
 
-/// How the light of two nodes counts at the front of their interval.
+/// Weights of the light of two nodes at the front of their interval.
 struct IntervalTransfer {
   double transmittance = 1;
   double near = 0, far = 0;            ///< on source functions
@@ -83,7 +83,7 @@ struct TransferSlopes {
 };
 TransferSlopes transfer_slopes(double tau0, double tau1);
 
-/// What samples a row of the linear problem is for.
+/// The kind of samples that a row of the linear problem is for.
 enum class RowModel {
   emission,  ///< samples of emission [W/(m^3 sr)]: emission lines, or whatever glows
   source,    ///< samples of the source function [W/(m^2 sr)], emitted by the absorption

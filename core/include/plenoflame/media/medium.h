@@ -16,12 +16,12 @@ struct RadianceBatch {
   Real* radiance = nullptr;
   int stride = 0;
   Real* transmittance = nullptr;  ///< exp(-optical thickness) of the whole segment
-  /// That of channel c at transmittance + c * transmittance_stride. 0: one for all; of a medium
+  /// Channel c has its own at transmittance + c * transmittance_stride. 0: one for all; of a medium
   /// that is not grey, the first channel's.
   int transmittance_stride = 0;
 };
 
-/// What a participating medium is at a point.
+/// The state of a participating medium at a point.
 struct MediumSample {
   double temperature = 0;  ///< [K]
   double absorption = 0;   ///< [1/m]
@@ -44,7 +44,7 @@ struct MediumCounters {
   }
 };
 
-/// How a flame's own frame lies in the world: lengths times `scale`, then turned and moved.
+/// The place of a flame's own frame in the world: lengths times `scale`, then turned and moved.
 struct FlamePlacement {
   double scale = 1;
   RigidTransform frame = {};
@@ -69,10 +69,10 @@ class Medium {
   /// World boxes that together hold every place with absorption; some thousand at most. What no ray
   /// to them can show need not be looked for. The bounds, unless a medium knows better.
   virtual std::vector<Box> occupied() const { return {bounds()}; }
-  /// Whether integrating a ray takes so much longer than tracing it through a camera that a table
-  /// of radiance may pay.
+  /// Tells whether integrating a ray takes so much longer than tracing it through a camera that a
+  /// table of radiance may pay.
   virtual bool is_costly() const { return false; }
-  /// Whether absorption is the same in all channels.
+  /// Tells whether absorption is the same in all channels.
   virtual bool is_grey() const { return true; }
   /// Absorption in a channel is nowhere above this [1/m]; infinite: not known.
   virtual double largest_absorption(int channel) const;

@@ -17,7 +17,7 @@ struct MediumSamples {
   std::vector<float> absorption;   ///< [1/m]
 };
 
-/// Where the points lie in the medium's bounds.
+/// The places of the points in the medium's bounds.
 enum class SamplePlaces {
   /// On the rim as well, the same distance apart in all directions: `longest` of them along the
   /// longest side, at least 2 along the others. What the last step reaches beyond a side's end is

@@ -42,12 +42,12 @@ struct VoxelMediumOptions {
   double tolerance = 3e-4;
 };
 
-/// What a voxel medium may have besides temperature and absorption. Samples of all these fields lie
-/// where those of the absorption do, moved by whole spacings at most.
+/// Fields that a voxel medium may have besides temperature and absorption. Samples of all these
+/// fields lie where those of the absorption do, moved by whole spacings at most.
 struct VoxelExtras {
   /// Light of emission lines [W/(m^3 sr)], whatever the temperature; background 0.
   std::vector<VoxelField> lines = {};
-  /// What channel c counts of line l, at [c * lines + l].
+  /// The weight of line l in channel c, at [c * lines + l].
   std::vector<double> line_weights = {};
   /// Share of the extinction that is scattering, at least 0 and below 1. The medium's absorption()
   /// is then the extinction, absorption / (1 - albedo) at each sample, and its emission that of the

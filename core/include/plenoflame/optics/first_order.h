@@ -32,7 +32,7 @@ FirstOrder first_order(const MainLensSpec& lens);
 /// The same for one microlens (front surface towards the scene).
 FirstOrder first_order(const ArraySpec& array, const MicrolensSpec& type);
 
-/// Where an axial point at `object_distance` in front of the first vertex is imaged: distance
+/// Image of an axial point at `object_distance` in front of the first vertex: distance
 /// from the last vertex, positive towards the sensor, negative for a virtual image, infinite when
 /// the object is in the front focal plane. object_distance may be infinite.
 double paraxial_image_distance(const FirstOrder& lens, double object_distance);

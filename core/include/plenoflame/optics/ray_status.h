@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// How a ray through the camera ended.
+/// The end of a ray through the camera.
 enum class RayStatus {
   reached,                    ///< left the camera towards the scene (or arrived at the sensor)
   vignetted,                  ///< outside the clear aperture of `surface`

@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// Whether a surface is anything but a sphere or a plane.
+/// Tells whether a surface is anything but a sphere or a plane.
 bool is_aspheric(const SurfaceSpec& surface);
 
 /// Depth of a surface behind its vertex (towards the sensor) at a height [m]; NaN where a conic has

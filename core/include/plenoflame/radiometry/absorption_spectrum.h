@@ -20,7 +20,7 @@ std::complex<double> soot_refractive_index(SootIndex source, double wavelength);
 /// Absorption function E(m) = -Im((m^2 - 1)/(m^2 + 2)).
 double soot_absorption_function(std::complex<double> index);
 
-/// How an absorption coefficient depends on wavelength: kappa(lambda) = kappa(reference) *
+/// The dependence of an absorption coefficient on wavelength: kappa(lambda) = kappa(reference) *
 /// factor(lambda).
 class AbsorptionSpectrum {
  public:
@@ -38,7 +38,7 @@ class AbsorptionSpectrum {
   bool is_grey() const { return kind_ == Kind::grey; }
   /// kappa(wavelength) / kappa(reference). @throws InputError as soot_refractive_index
   double factor(double wavelength) const;
-  /// Where factor() is not smooth [m]: the points of a table, or of measurements.
+  /// Wavelengths at which factor() is not smooth [m]: the points of a table, or of measurements.
   std::vector<double> breakpoints() const;
   /// kappa(reference) [1/m] of a soot volume fraction of 1; 0 unless this is soot.
   double per_volume_fraction() const;

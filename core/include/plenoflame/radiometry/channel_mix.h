@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// How the light of a scene's channels adds up from that of nodes: what media, surfaces and lights
+/// The sums by which nodes make the light of a scene's channels: what media, surfaces and lights
 /// know as their channels, wavelengths or parts of a channel.
 class ChannelMix {
  public:

@@ -7,8 +7,8 @@
 
 namespace plenoflame {
 
-/// What a gas radiates at certain wavelengths only, out of thermal equilibrium: chemiluminescence
-/// of radicals, atomic lines. All of its light is within its components.
+/// Light that a gas radiates at certain wavelengths only, out of thermal equilibrium:
+/// chemiluminescence of radicals, atomic lines. All of its light is within its components.
 class EmissionLine {
  public:
   /// One of named_lines(); the words of the scene file. @param width as below
@@ -45,7 +45,7 @@ struct NamedLine {
 };
 std::vector<NamedLine> named_lines();
 
-/// What a unit of emission stands for [W/m^3, into all directions]: "W/m^3", "kW/m^3", "W/cm^3",
+/// The emission that a unit stands for [W/m^3, into all directions]: "W/m^3", "kW/m^3", "W/cm^3",
 /// "W/mm^3" into all directions, "W/(m^3 sr)", "W/(cm^3 sr)" into each, and "1/(m^3 s)",
 /// "1/(cm^3 s)", "mol/(m^3 s)" photons; regardless of case. Nothing for any other text.
 /// @param wavelength [m] of the photons

@@ -51,7 +51,7 @@ class SourceFunction {
     return source;
   }
 
-  /// How much of an emission line's light belongs to it.
+  /// Share of an emission line's light that belongs to it.
   struct LineShare {
     EmissionLine line;
     double share;
@@ -80,11 +80,11 @@ class SourceFunction {
   bool is_total() const { return nodes_.empty() && !shared_; }
   /// Empty for total(), and for what shares a whole.
   const std::vector<Node>& nodes() const { return nodes_; }
-  /// Where optical properties are taken [m]: the centroid of the response; 0 for total().
+  /// Wavelength of optical properties [m]: the centroid of the response; 0 for total().
   double wavelength() const { return wavelength_; }
-  /// Of the light of its channel, where that does not follow Planck's law.
+  /// Its share of its channel's light, where that does not follow Planck's law.
   double share() const { return share_; }
-  /// Of the light of an emission line; 0 of lines that it was not told of.
+  /// Its share of the light of an emission line; 0 of lines that it was not told of.
   double line_share(const EmissionLine& line) const;
   friend bool operator==(const SourceFunction&, const SourceFunction&) = default;
 

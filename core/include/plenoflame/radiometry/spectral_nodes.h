@@ -17,7 +17,7 @@ struct ChannelNodes {
   double error = 0;
 };
 
-/// Of that error.
+/// Limit of that error.
 inline constexpr double kSpectralTolerance = 5e-4;
 
 /// The fewest wavelengths that keep it below kSpectralTolerance: the Gauss rule of the channel's

@@ -26,7 +26,7 @@ std::string format_spectral_points(const std::vector<SpectralPoint>& points);
 /// in another unit than stated, naming the likely one
 std::vector<SpectralPoint> read_spectral_csv(const std::string& path);
 
-/// How much of the light of each wavelength a channel counts, R(lambda) >= 0: dimensionless, 1 in
+/// Share of the light of each wavelength that a channel counts, R(lambda) >= 0: dimensionless, 1 in
 /// the middle of an ideal filter.
 class SpectralResponse {
  public:

@@ -40,7 +40,7 @@ struct CompiledTile {
   std::uint32_t reserved = 0;
 };
 
-/// How closely a camera is to be compiled.
+/// The accuracy to which a camera is to be compiled.
 struct CompileSettings {
   PixelWindow window;  ///< width 0: the whole sensor
   /// World box outside of which later flames have no light. Empty: the flames of the scene.
@@ -50,7 +50,7 @@ struct CompileSettings {
   /// it is less.
   double error = 0.005;
   std::uint64_t seed = 1;
-  // What `error` chooses; 0: chosen.
+  // Figures that `error` chooses if they are 0.
   int samples = 0;  ///< rays per pixel and microlens of the bundles, both sets together
   int level = 0;    ///< 1 to kCompileLevels: how many rays are kept
   bool skip = true;
@@ -78,8 +78,8 @@ struct CompiledCamera {
   double lit_pixels() const;
 };
 
-/// What of a scene a compiled camera belongs to: camera, paths, wavelengths where they matter. Two
-/// scenes with the same key see the same rays.
+/// The part of a scene that a compiled camera belongs to: camera, paths, wavelengths where they
+/// matter. Two scenes with the same key see the same rays.
 std::string compiled_key(const CompiledScene& scene);
 
 /// Finds the rays. @throws InputError for scenes with what has no place in a compiled camera:

@@ -24,7 +24,7 @@ inline constexpr const char* kSurface = "truth.surface";
 inline constexpr const char* kSurfaceDistance = "truth.surface_distance";
 }  // namespace truth
 
-/// What a pixel's chief ray meets: the ray from the pixel's centre through the middle of the
+/// The truth along a pixel's chief ray, the ray from the pixel's centre through the middle of the
 /// microlens whose micro-image is nearest (without array: through the middle of the exit pupil). A
 /// pixel gathers a bundle of rays; this is its middle one. It ends on the first solid surface: of
 /// the flames only what stands in front counts. Distances are along the optical axis from the front

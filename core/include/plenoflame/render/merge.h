@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// How many files make up a picture, and in which ways.
+/// Numbers of files that make up a picture, and in which ways.
 struct MergeCounts {
   std::size_t parts = 1;    ///< of a window (`render --part`), at most
   std::size_t windows = 1;  ///< of the sensor

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// Where one point of a calibration pattern is imaged through one microlens, by exact rays.
+/// The image of one point of a calibration pattern through one microlens, by exact rays.
 struct PatternImage {
   PatternPoint point;
   Vec3 in_camera;  ///< [m] the point in the camera's frame

@@ -17,11 +17,11 @@ struct PointImage {
   double share = 0;  ///< of the point's light that reaches the sensor, that comes through this lens
 };
 
-/// Whether the light of a point towards the camera is stopped. @param direction [world], unit
+/// Tells whether the light of a point towards the camera is stopped. @param direction [world], unit
 /// @param length [m] to the front of the camera
 using LightStop = std::function<bool(Vec3 direction, double length)>;
 
-/// Where a point is imaged: rays over the camera's aperture, spread evenly, followed to the sensor
+/// The image of a point: rays over the camera's aperture, spread evenly, followed to the sensor
 /// and counted by their etendue. A microlens of which the light meets a part only has its image,
 /// too. Images whose centroid is off the sensor are left out. Ordered by q, then r.
 /// @param world [m]; a point that is not in front of the camera has no images

@@ -22,13 +22,13 @@ struct RayVertex {
 };
 
 inline constexpr int kSensorVertex = -1;  ///< where the ray starts
-/// Where the ray enters and leaves the bounds of the flames; a ray that misses them ends beside
-/// their middle.
+/// A place where the ray enters or leaves the bounds of the flames; a ray that misses them ends
+/// beside their middle.
 inline constexpr int kSceneVertex = -2;
 inline constexpr int kFlameVertex = -3;   ///< a sample between those two
 inline constexpr int kObjectVertex = -4;  ///< the object point that a ray starts from
 inline constexpr int kSolidVertex = -5;   ///< on a solid surface of the scene, where the ray ends
-/// Where the ray enters or leaves a window, or ends at its rim or by total reflection.
+/// A place where the ray enters or leaves a window, or ends at its rim or by total reflection.
 inline constexpr int kWindowVertex = -6;
 
 /// A ray from the sensor to the first solid surface of the scene, or through it, or to where it
@@ -108,7 +108,7 @@ std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint6
 struct RaySelection {
   std::vector<RayStatus> statuses;  ///< empty: any
   std::vector<int> types;           ///< of the microlens, -1: none; empty: any
-  /// Of those: at most so many, drawn evenly from all of them; 0: all. Their weights stay as they
+  /// At most so many of those, drawn evenly from all of them; 0: all. Their weights stay as they
   /// are, so that their sum is no flux any more.
   std::size_t most = 0;
   std::uint64_t seed = 1;

@@ -17,7 +17,7 @@ namespace plenoflame {
 ///
 /// A pixel's flux in a channel is the sum over all its rays of etendue * radiance.
 ///
-/// Where windows bend rays, each has a line for every straight stretch in air: blocks of all first
+/// If windows bend rays, each has a line for every straight stretch in air: blocks of all first
 /// ones, at the camera, are followed by blocks of all second ones, and so on. The etendue of a line
 /// is without what the windows before it keep, its radiance is that of its own stretch as the
 /// flames before it let it through, and the sum above holds.
@@ -55,7 +55,7 @@ struct RayBlock {
   /// [W/(m^2 sr)] of channel c of scene->scene.channels at [c * rays.size + i]: light of flames,
   /// solid surfaces and surroundings, also scattered. Empty for RayStreamContent::rays.
   std::span<const Real> radiance;
-  /// Of the flames from t_near to t_far, in the first channel. Empty as `radiance` is.
+  /// Flames from t_near to t_far let it through, first channel. Empty as `radiance` is.
   std::span<const Real> transmittance;
 
   /// Which channel of the whole scene a channel of this path's scene adds to.

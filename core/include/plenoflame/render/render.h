@@ -30,7 +30,7 @@ inline constexpr int kMostBundles = 1 << 30;  ///< the same, of bundles
 
 struct CompiledCamera;
 
-/// How to render. Figures that are 0 take their default.
+/// Settings of a rendering. Figures that are 0 take their default.
 struct RenderSettings {
   Estimator estimator = Estimator::backward;
   /// Backward: rays per pixel and microlens that covers it, all replicates together. Forward:
@@ -52,8 +52,8 @@ struct RenderSettings {
   /// unbiased; false: every ray is integrated.
   bool control_variate = true;
   bool standard_error = true;
-  /// Of a fixed number of samples: tiles that have theirs are finished (Film::finish()) as they
-  /// come, which takes less memory; true: their sums are kept instead.
+  /// false: of a fixed number of samples, tiles that have theirs are finished (Film::finish()) as
+  /// they come, which takes less memory; true: their sums are kept instead.
   bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
@@ -73,11 +73,11 @@ struct RenderSettings {
   double checkpoint_seconds = 60;
 };
 
-/// Whether every pixel gets a number of samples that is fixed, at one go: backward only, as forward
-/// samples are those of the whole image, and with neither a target nor a limit.
+/// Tells whether every pixel gets a number of samples that is fixed, at one go: backward only, as
+/// forward samples are those of the whole image, and with neither a target nor a limit.
 bool has_fixed_samples(const RenderSettings& settings);
 
-/// What was done, left out, and how long it took.
+/// Counts of the work done and left out, and the time it took.
 struct RenderStatistics : WorkCounters {
   double pixels = 0;          ///< in the window
   double lenses = 0;          ///< microlenses whose micro-images meet the window
@@ -101,7 +101,7 @@ struct RenderStatistics : WorkCounters {
 
 struct RenderResult {
   LightField light_field;
-  /// What light_field was made from; to continue it. Where all is done, without what was kept of
+  /// The sums that light_field was made from, to continue it; if all is done, without those of
   /// finished tiles.
   Film film;
   RenderStatistics statistics;

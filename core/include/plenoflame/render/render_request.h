@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What a caller asks for in place of what the scene says; what is not set is the scene's.
+/// Settings of a caller in place of those of the scene; those that are not set are the scene's.
 struct RenderRequest {
   std::optional<Estimator> estimator;
   std::optional<int> samples;          ///< with a target or a time limit: at most so many

@@ -12,7 +12,7 @@ namespace plenoflame {
 
 enum class Lattice { square, hexagonal };
 
-/// What light passes of a microlens. Sides are turned with the lattice: those of a square lie along
+/// The open aperture of a microlens. Sides are turned with the lattice: those of a square lie along
 /// its rows and columns, those of a hexagon face the six neighbours of a hexagonal lattice.
 enum class ApertureShape { circular, square, hexagonal };
 
@@ -52,7 +52,7 @@ struct ArraySpec {
   Vec2 offset;                       ///< [m]
   double sensor_distance = 0;        ///< [m] from `measured_from` to the sensor
   ArrayReference measured_from = ArrayReference::principal_plane;
-  // What manufacture and mounting add.
+  // Errors of manufacture and mounting.
   double spacing_error =
       0;  ///< [m] by which the sensor is farther from the array than it should be
   /// [m] every lens but (0, 0), whose place is `offset`, is displaced across the axis to a random

@@ -11,7 +11,7 @@
 /// A camera as plain values (scene.h).
 namespace plenoflame {
 
-/// How the distance between main lens and array (or sensor) is found.
+/// Ways to find the distance between main lens and array (or sensor).
 enum class FocusMode {
   distance,  ///< given by lens_distance
   paraxial,  ///< object_distance is imaged paraxially on the conjugate plane
@@ -23,14 +23,14 @@ struct FocusSpec {
   double lens_distance = 0;    ///< [m] mode distance: rear vertex of the main lens to the front
                                ///< vertices of the microlenses, or to the sensor without array
   double object_distance = 0;  ///< [m] from the front vertex of the main lens
-  /// What is conjugate to the object: "array" (plenoptic 1.0: the front principal plane of the
+  /// The plane conjugate to the object: "array" (plenoptic 1.0: the front principal plane of the
   /// first type), the name of a microlens type (2.0: the plane on which that type is sharp), or
   /// "sensor" (only without array).
   std::string conjugate = "array";
   friend bool operator==(const FocusSpec&, const FocusSpec&) = default;
 };
 
-/// What is lost of the light on its way through the camera.
+/// Losses of light on its way through the camera.
 struct TransmissionSpec {
   bool fresnel = false;  ///< reflection at every real surface
   /// A single layer of this index on the main lens' surfaces that border on air, a quarter of the

@@ -7,8 +7,8 @@
 
 namespace plenoflame {
 
-/// How a channel weighs wavelengths, without regard to whether it counts photons; nullopt for one
-/// that weighs all alike. @throws InputError for a response that does not exist
+/// The weight that a channel gives to wavelengths, without regard to whether it counts photons;
+/// nullopt for one that weighs all alike. @throws InputError for a response that does not exist
 std::optional<SpectralResponse> response_of_kind(const ChannelSpec& channel);
 
 /// The wavelength that stands for a channel where only one can [m, vacuum]: the centre of a band or
@@ -16,7 +16,7 @@ std::optional<SpectralResponse> response_of_kind(const ChannelSpec& channel);
 /// it.
 double own_wavelength(const ChannelSpec& channel);
 
-/// What a channel measures, for people: "10 nm around 650 nm".
+/// The band of a channel, for people: "10 nm around 650 nm".
 std::string describe_channel(const ChannelSpec& channel);
 
 }  // namespace plenoflame

@@ -51,23 +51,23 @@ struct CompiledScene {
   std::shared_ptr<const Medium> medium;               ///< all flames; nullptr when there is none
   std::shared_ptr<const SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
-  /// How the scene's channels add up from those of the medium, the surfaces and the lights.
+  /// Sums that make the scene's channels from those of the medium, the surfaces and the lights.
   ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
   double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
-  /// Where the camera disperses light: the scene of each wavelength, with a camera, pupils and
+  /// For a camera that disperses light, the scene of each wavelength, with a camera, pupils and
   /// media of its own; this one is then that of the design wavelength. Read through paths().
   std::vector<CompiledScene> dispersed = {};
   /// Bodies that refract on the way of the camera's rays; nullptr when there are none.
   std::unique_ptr<const WindowSet> windows = {};
   /// Channel of the whole scene to which each channel of this path adds. Empty: the same.
   std::vector<int> film_channel = {};
-  /// What media and surfaces were compiled from beside the scene, and each flame's own medium, so
-  /// that other scenes can share what is the same.
+  /// The sources that media and surfaces were compiled from beside the scene, and each flame's own
+  /// medium, so that other scenes can share what is the same.
   std::vector<SourceFunction> sources = {}, emitters = {};
   std::vector<std::shared_ptr<const Medium>> flames = {};
   std::vector<std::shared_ptr<const Medium>> loaded = {};  ///< these before FlameSpec::brightness
-  /// Where filters cover parts of the stop: the same for the rays through each of them
+  /// With filters over parts of the stop, the mix of the rays through each of them
   /// (PupilFilters::part_at()); `mix` is their mean over the stop. Empty: `mix` holds for all.
   std::vector<ChannelMix> part_mixes = {};
   /// The spectral paths through the camera, at least one. They are what is rendered; a scene that

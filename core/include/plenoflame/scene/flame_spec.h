@@ -8,7 +8,7 @@
 /// A flame as plain values (scene.h).
 namespace plenoflame {
 
-/// How a flame's absorption depends on wavelength.
+/// The dependence of a flame's absorption on wavelength.
 enum class SpectrumKind {
   grey,   ///< not at all
   power,  ///< (reference / wavelength)^exponent
@@ -34,7 +34,7 @@ enum class PhaseFunction {
   rayleigh,           ///< 3 (1 + cos^2) / (16 pi)
 };
 
-/// How much of the light that a flame takes out of a ray goes on in another direction.
+/// The share of the light taken out of a ray that goes on in another direction.
 struct ScatteringSpec {
   double albedo = 0;  ///< scattering over extinction; 0: none
   PhaseFunction phase = PhaseFunction::henyey_greenstein;
@@ -55,7 +55,7 @@ struct EllipsoidSpec {
   friend bool operator==(const EllipsoidSpec&, const EllipsoidSpec&) = default;
 };
 
-/// How a grid of a file becomes a physical quantity: value = scale * stored + offset, then `unit`.
+/// Scaling of a file's grid to a physical quantity: value = scale * stored + offset, then `unit`.
 struct GridSpec {
   std::string grid;       ///< name in the file; empty: the default name and its known aliases
   std::string unit = {};  ///< "K", "degC", "1/m", "1/mm", ...; empty: the file's metadata, else SI
@@ -80,7 +80,7 @@ struct LineSpec {
   LineKind kind = LineKind::custom;
   double wavelength = 0;  ///< [m] custom: vacuum
   double width = 0;       ///< [m] full, at half the maximum; 0: narrow
-  /// What a grid of the flame's file says of it: power per volume.
+  /// The grid of the flame's file that holds it: power per volume.
   GridSpec emission = {};
   friend bool operator==(const LineSpec&, const LineSpec&) = default;
 };

@@ -8,7 +8,7 @@
 /// The main lens as plain values (scene.h).
 namespace plenoflame {
 
-/// Whether an element refracts at its real surfaces or by its paraxial transform.
+/// Tells whether an element refracts at its real surfaces or by its paraxial transform.
 enum class LensModel {
   real,   ///< exact refraction at every surface
   ideal,  ///< the paraxial transform between the principal planes: no aberrations
@@ -21,8 +21,8 @@ struct SurfaceSpec {
   double index = 1;           ///< refractive index behind the surface (towards the sensor)
   double diameter = 0;        ///< [m] clear diameter
   bool stop = false;          ///< the aperture stop (exactly one surface)
-  /// What differs from a sphere: sag = c h^2 / (1 + sqrt(1 - (1 + conic) c^2 h^2)) + aspheric[i]
-  /// h^(4 + 2 i), towards the sensor.
+  /// The shape of a surface that is no sphere: sag = c h^2 / (1 + sqrt(1 - (1 + conic) c^2 h^2)) +
+  /// aspheric[i] h^(4 + 2 i), towards the sensor.
   double conic = 0;
   std::vector<double> aspheric = {};  ///< [1/m^3, 1/m^5, ...] from h^4 on, at most 7
   /// optics/glass.h; empty: `index` as it is. Otherwise set_indices() has put the index there.
@@ -46,7 +46,7 @@ struct MainLensSpec {
   std::vector<SurfaceSpec> surfaces;
   double focal_length = 0;  ///< [m] used when there are no surfaces: a thin ideal lens at z = 0
   double diameter = 0;      ///< [m] its stop, at the lens
-  // What mounting adds; array, sensor and the camera's position stay where they are.
+  // Errors of mounting; array, sensor and the camera's position stay where they are.
   Vec2 decentre;  ///< [m] camera x, y: by which the lens is moved across the axis
   Vec2 tilt;      ///< [rad] about camera x, then y, around its front vertex
   DistortionSpec distortion;

@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// What a preset may be started from in: "[camera] preset = ...", "[camera.lens] preset = ..." or
+/// The tables that a preset may stand in: "[camera] preset = ...", "[camera.lens] preset = ..." or
 /// "[[flames]] preset = ...".
 enum class PresetKind { camera, flame, lens };
 

@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// What part of the stop a filter covers.
+/// The part of the stop that a filter covers.
 enum class PupilPartShape {
   sector,   ///< between two angles and two radii: halves, sectors, rings
   polygon,  ///< convex, with its corners listed

@@ -18,7 +18,7 @@ struct RenderSpec {
 
 enum class ToneCurve { linear, display };
 
-/// How `develop` turns flux into digital numbers.
+/// Settings by which `develop` turns flux into digital numbers.
 struct DevelopSpec {
   double saturation = 0;  ///< [W] per pixel; 0: automatic exposure
   int bits = 14;

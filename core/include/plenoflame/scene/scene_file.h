@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// Where in its file each key of a scene stands, for messages about values that turn out to be
+/// The places of a scene's keys in its file, for messages about values that turn out to be
 /// impossible later on. A key that a preset gave is at "preset NAME:line:column".
 class PositionMap {
  public:

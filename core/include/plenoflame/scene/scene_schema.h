@@ -33,7 +33,7 @@ enum class ValueType {
 using SchemaValue =
     std::variant<bool, std::int64_t, std::uint64_t, double, std::string, Vec2, Vec3>;
 
-/// What a number may be, in SI units.
+/// The range of a number, in SI units.
 struct ValueRange {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
@@ -116,11 +116,11 @@ SchemaValue value_from_text(const SchemaKey& key, std::string_view text);
 void check_range(const SchemaKey& key, const SchemaValue& value);
 bool in_range(const SchemaKey& key, const SchemaValue& value);
 
-/// What the key has when a file does not give it; out of its range when it must be given.
+/// The value of a key that a file does not give; out of its range when it must be given.
 SchemaValue default_value(const SchemaKey& key);
 bool is_required(const SchemaKey& key);
 
-/// What is allowed, in words: "> 0 m, at most 1 m".
+/// The allowed range, in words: "> 0 m, at most 1 m".
 std::string range_text(const SchemaKey& key);
 
 /// The reference page docs/reference/scene.md.

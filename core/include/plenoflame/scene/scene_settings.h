@@ -7,8 +7,8 @@
 
 namespace plenoflame {
 
-/// What a scene is read with beside its text: values that replace those of the file, and what the
-/// text itself may ask for.
+/// Settings with which a scene is read beside its text: values that replace those of the file, and
+/// what the text itself may ask for.
 struct SceneSettings {
   /// "PATH=VALUE", in the order in which they apply: "camera.focus.object_distance=0.9 m". A path
   /// is a key of a scene file, `preset`, `file` and `f_number` included; items of a list are

@@ -15,7 +15,7 @@ struct SensorSpec {
   int rows = 0;
   double pixel_pitch = 0;    ///< [m] along a row; of square pixels along a column, too
   double pixel_pitch_y = 0;  ///< [m] along a column; 0: as pixel_pitch
-  // What turns light into numbers (lightfield/sensor.h); nothing here changes what is rendered.
+  // Figures of the readout (lightfield/sensor.h); nothing here changes what is rendered.
   MosaicPattern mosaic = MosaicPattern::none;
   double exposure_time = 0;       ///< [s]; 0: until the brightest pixels are nearly full
   double quantum_efficiency = 1;  ///< electrons per photon

@@ -7,7 +7,7 @@
 /// Solid surfaces as plain values (scene.h).
 namespace plenoflame {
 
-/// What a solid surface is, in its own frame: bodies stand on the plane z = 0, a sphere is centred.
+/// Shapes in their own frame: bodies stand on the plane z = 0, a sphere is centred.
 enum class SolidShape {
   sphere,    ///< around the origin
   cylinder,  ///< around z, from z = 0 to the height
@@ -30,7 +30,7 @@ enum class MaterialSides { both, front };
 
 enum class TextureKind { none, checkerboard, dots, siemens_star, bars, image };
 
-/// How the reflectivity varies over a surface (docs/surfaces.md has pictures). Coordinates u, v of
+/// Patterns of the reflectivity over a surface (docs/surfaces.md has pictures). Coordinates u, v of
 /// the shapes are lengths on the surface [m]; those of a mesh are its texture coordinates times
 /// `size`.
 struct TextureSpec {

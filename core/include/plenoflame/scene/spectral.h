@@ -31,7 +31,7 @@ SourceFunction source_function(const ChannelSpec& channel);
 /// file; empty: the current one @throws FileError, InputError with the place of the file's name
 void read_curves(Scene& scene, const std::string& folder, const PositionMap& positions = {});
 
-/// How a flame's absorption depends on wavelength. @throws InputError
+/// The dependence of a flame's absorption on wavelength. @throws InputError
 AbsorptionSpectrum absorption_spectrum(const SpectrumSpec& spec);
 
 /// On a flame's absorption in each channel of its medium; empty when it is grey.
@@ -45,7 +45,7 @@ std::string_view line_word(LineKind kind);
 /// @throws InputError for a custom line without a wavelength, or one that is too wide
 EmissionLine emission_line(const LineSpec& spec);
 
-/// What each channel of a flame's medium counts of each of its emission lines, channel c and line l
+/// The weight of each emission line in each channel of a flame's medium, channel c and line l
 /// at [c * lines + l]. @throws InputError as emission_line
 std::vector<double> line_weights(const FlameSpec& flame,
                                  const std::vector<SourceFunction>& channels);
@@ -53,26 +53,26 @@ std::vector<double> line_weights(const FlameSpec& flame,
 /// Absorption of a layer [1/m], from its soot where it is given by that.
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 
-/// Whether what the camera does to light depends on the wavelength: a glass of it, or of a window,
+/// Tells whether the camera's optics depend on the wavelength: a glass of it, or of a window,
 /// disperses (by more than 1e-9 between the channels), or its surfaces are coated.
 bool is_dispersive(const Scene& scene);
 
 /// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
 /// it otherwise. Emission lines of the flames belong to a channel's only node, or, where
 /// wavelengths differ in absorption or in their way through the camera, to nodes of their own.
-/// Where there is nothing but flames without lines, channels share wavelengths if that makes fewer.
+/// If there is nothing but flames without lines, channels share wavelengths if that makes fewer.
 struct SpectralNodes {
   std::vector<SourceFunction> sources;
-  /// What surfaces and lights emit into them: exact for every channel as a whole, at any
+  /// The light of surfaces and lights in them: exact for every channel as a whole, at any
   /// temperature (SourceFunction::sharing).
   std::vector<SourceFunction> emitters;
   ChannelMix mix;    ///< empty: the nodes are the channels
   double error = 0;  ///< stated error of the quadrature (radiometry/spectral_nodes.h)
-  /// Where filters cover parts of the pupil: the mix of each of PupilFilters::parts(); `mix` is
+  /// With filters over parts of the pupil, the mix of each of PupilFilters::parts(); `mix` is
   /// their mean over the stop.
   std::vector<ChannelMix> part_mixes = {};
 };
-/// Where filters cover parts of the pupil, each part has nodes of its own.
+/// If filters cover parts of the pupil, each part has nodes of its own.
 /// @throws InputError naming the channel
 SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions = {});
 

@@ -27,8 +27,8 @@ inline constexpr int kMostRuns = 10'000'000;
 /// @param name of the file, for messages @throws InputError with line and column
 std::vector<SweepRun> read_sweep_table(std::string_view text, const std::string& name);
 
-/// How the values of a sweep are drawn at random. TOML: `runs` (how many, unless the caller says),
-/// and a [[random]] table for each key, with `key` and one of
+/// Distributions from which the values of a sweep are drawn. TOML: `runs` (how many, unless the
+/// caller says), and a [[random]] table for each key, with `key` and one of
 ///   uniform = [LEAST, GREATEST]        any number between
 ///   log_uniform = [LEAST, GREATEST]    its logarithm is uniform
 ///   normal = [MEAN, DEVIATION]         with `limits = [LEAST, GREATEST]`: drawn again outside

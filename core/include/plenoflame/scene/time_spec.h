@@ -3,7 +3,7 @@
 
 namespace plenoflame {
 
-/// How a flame changes with time. Times count from the begin of the first frame; SceneTimeline in
+/// The change of a flame with time. Times count from the begin of the first frame; SceneTimeline in
 /// timeline.h makes of a scene and a time a scene in which nothing changes any more.
 struct FlameTimeSpec {
   /// [1/s] vdb: FlameSpec::file stands for a series of files, with # for the digits of their

@@ -10,7 +10,7 @@
 /// functions give the scene as it is then.
 namespace plenoflame {
 
-/// Whether a flame of the scene is a series of files, or changes by a table.
+/// Tells whether a flame of the scene is a series of files, or changes by a table.
 bool changes_with_time(const Scene& scene);
 
 /// A scene in which nothing changes any more, and its share of an exposure.
@@ -19,7 +19,7 @@ struct SceneMoment {
   double share = 1;
 };
 
-/// What a scene's flames are at which time [s]; time 0 is the begin of each series' first file.
+/// The flames of a scene over the time [s]; time 0 is the begin of each series' first file.
 /// Folders and tables are read once. Immutable.
 ///
 /// Pictures have numbers, too: that of the first is the number of the first file of the first flame
@@ -60,7 +60,7 @@ class SceneTimeline {
   std::vector<SceneMoment> exposure(double begin) const;
   std::vector<SceneMoment> exposure_of_frame(int frame) const { return exposure(begin_of(frame)); }
 
-  /// What is known of one flame, for reports.
+  /// The times of one flame, for reports.
   struct FlameTime {
     std::size_t flame = 0;  ///< which of the scene's
     std::string files;      ///< pattern of a series; empty: none

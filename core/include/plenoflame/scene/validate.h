@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What an issue is about, for callers that treat some of them otherwise than others.
+/// The subject of an issue, for callers that treat some of them otherwise than others.
 enum class IssueCode {
   other,
   no_flame,        ///< nothing emits light

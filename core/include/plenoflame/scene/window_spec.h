@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// What a window is, in its own frame.
+/// Shapes of windows in their own frame.
 enum class WindowShape {
   plate,  ///< plane-parallel, from z = 0 to the thickness, centred in x and y
   wedge,  ///< the same, but for the face at the thickness, which rises towards +y by the angle

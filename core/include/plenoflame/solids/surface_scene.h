@@ -18,7 +18,7 @@ struct SurfacePart {
   friend bool operator==(const SurfacePart&, const SurfacePart&) = default;
 };
 
-/// What a ray meets.
+/// The place where a ray meets a surface.
 struct SurfaceHit {
   double t = 0;  ///< [m] along the ray
   SurfacePart where;
@@ -53,7 +53,7 @@ class SurfaceScene {
   /// starts from again, whatever rounding did to its origin.
   virtual bool intersect(const Ray& ray, double t_near, double t_far, SurfacePart from,
                          SurfaceHit& hit) const = 0;
-  /// Whether there is any.
+  /// Tells whether there is any.
   virtual bool occluded(const Ray& ray, double t_near, double t_far, SurfacePart from) const = 0;
 
   virtual int surface_count() const = 0;

@@ -83,7 +83,7 @@ std::optional<BlurTracer::Zone> BlurTracer::zone_blur(double object_distance, do
   const auto outer = at_array(object_distance, {height + step, 0});
   const auto aside = at_array(object_distance, {height, step});
   if (!middle || !outer || !aside) return std::nullopt;
-  // How the beam of the zone maps the pupil onto the array: aimed at one microlens with it.
+  // The map of the pupil onto the array by the beam of the zone: aimed at one microlens with it.
   const Vec2 across = outer->place - middle->place, across_slope = outer->slope - middle->slope;
   const double scale_x = across.x / step, scale_y = aside->place.y / step;
   // Neighbouring rays meet where the zone focuses: across the zone and along it.

@@ -21,8 +21,8 @@ struct RayCrossings {
   RayCrossing far_face;  ///< of the microlens' face towards the scene, in radii of its aperture
 };
 
-/// How the rays of a type of microlens cross them, for sensor points out to `sensor_reach` [m] and
-/// microlenses out to `field` [m]: least squares over traced rays.
+/// The places where the rays of a type of microlens cross them, for sensor points out to
+/// `sensor_reach` [m] and microlenses out to `field` [m]: least squares over traced rays.
 RayCrossings fit_crossings(const Camera& camera, int type, double sensor_reach, double field);
 
 /// From the plane to the stop, for microlenses at `place` [m]: least squares over traced rays.

@@ -77,7 +77,7 @@ class Opening {
         low_diameter_(static_cast<double>(cut[2]) - low_),
         high_diameter_(high_ + static_cast<double>(cut[3])) {}
 
-  /// How far it reaches across: the common part of two circles centred on the line.
+  /// The farthest that it reaches across: the common part of two circles centred on the line.
   double half_width() const {
     const double a = 0.5 * low_diameter_, b = 0.5 * high_diameter_;
     if (!(a > 0 && b > 0)) return 0;

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// How far from their middles the series of a table find the farthest ray that gets through
+/// The distances from their middles at which a table's series find the farthest ray that passes
 /// [radii]; 0 where they are not known.
 struct Crossed {
   double stop = 0, far_face = 0;

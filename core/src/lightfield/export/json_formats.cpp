@@ -33,7 +33,7 @@ Json rotation3(const Mat3& turn) {
   return columns;
 }
 
-/// How far behind the lens the plane is imaged that stays sharp [mm].
+/// Distance behind the lens at which the plane is imaged that stays sharp [mm].
 double distortion_plane(const Camera& camera) {
   const double f = camera.lens_first_order().focal_length,
                distance = camera.spec().lens.distortion.distance;

@@ -1,4 +1,4 @@
-// How the light of an interval's two Gauss nodes counts at its front (docs/theory/emission.md).
+// Weights of the light of an interval's two Gauss nodes at its front (docs/theory/emission.md).
 // Included once per instruction set, and by the scalar walk (lattice_walk.cpp).
 #pragma once
 

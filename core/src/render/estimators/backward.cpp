@@ -31,7 +31,7 @@ Execution alone() {
   return execution;
 }
 
-/// How far from its microlens' centre any micro-image reaches [m].
+/// The farthest that any micro-image reaches from its microlens' centre [m].
 double micro_image_reach(const PupilSampling& pupils) {
   double reach = 0;
   for (const PupilTable& table : pupils.tables())
@@ -40,7 +40,7 @@ double micro_image_reach(const PupilSampling& pupils) {
   return reach;
 }
 
-/// How far, at most, a tilt moves the places of microlenses over the sensor [m].
+/// The farthest that a tilt moves the places of microlenses over the sensor [m].
 double shift_by_tilt(const Camera& camera) {
   const double corner = camera.spec().sensor.corner();
   const double tilt = length(camera.spec().array.tilt);

@@ -15,8 +15,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// How long rank 0 waits between two looks for messages, at most: a tile takes far longer, and the
-/// others have the next one already.
+/// The longest time that rank 0 waits between two looks for messages: a tile takes far longer, and
+/// the others have the next one already.
 constexpr auto kLongestPause = 1000us;
 constexpr auto kShortestPause = 50us;
 

@@ -25,7 +25,7 @@ PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Re
          uu * (q[3] + ss * q[6] + uu * q[9]);
 }
 
-/// How those factors change with u along v.
+/// Changes of those factors with u along v.
 template <class Real>
 PLENOFLAME_INLINE void crossing_changes(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux,
                                         Real uy, Real vx, Real vy, Real& of_s, Real& of_u) {
@@ -125,7 +125,7 @@ PLENOFLAME_INLINE Real across_field(const StopEdge<Real>& e, Real a, Real b, Rea
   return b * (e.m0 + e.m1 * a + e.m2 * aa + e.m3 * bb);
 }
 
-/// How far beyond the stop's edge a ray gets there: the difference of the squares.
+/// Distance of a ray beyond the stop's edge there, as the difference of the squares.
 template <class Real>
 PLENOFLAME_INLINE Real beyond_stop(const StopEdge<Real>& e, Real sx, Real sy, Real ux, Real uy) {
   Real of_s, of_u;

@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// How many tiles are traced between two moments at which the state can be kept.
+/// The number of tiles traced between two moments at which the state can be kept.
 class Batches {
  public:
   Batches(const RenderSettings& settings, std::size_t jobs, int threads)
@@ -16,7 +16,7 @@ class Batches {
     most_ = std::max(kLeast * threads_, jobs / kBatches);
     size_ = most_;
     wanted_ = kShare * settings.checkpoint_seconds;
-    // How long a tile takes is not known yet.
+    // The time that a tile takes is not known yet.
     if (wanted_ > 0) size_ = std::min(most_, kFirst * threads_);
   }
   std::size_t size() const { return size_; }

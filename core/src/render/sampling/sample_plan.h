@@ -16,7 +16,7 @@ struct TileNeed {
 /// rim less, the others more (docs/benchmarks.md). A wrong value costs time, not accuracy.
 inline constexpr double kErrorSlope = 0.86;
 
-/// How many samples per replicate each tile shall have, so that the error over all lit pixels comes
+/// The number of samples per replicate for each tile, so that the error over all lit pixels comes
 /// down to a goal with the fewest rays in all, and never fewer than it has. Samples are doubled, as
 /// nets of points have small errors only when they are whole (a quarter more points than 2^k gave 2
 /// % less error, not 16): that of the tile first which gains most for each sample, which is

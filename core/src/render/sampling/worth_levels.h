@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// How far out pixels of a micro-image are worth how many rays.
+/// Distances out to which pixels of a micro-image are worth so many rays.
 ///
 /// A pixel's worth is the share of the microlens' aperture that it sees open. Of all points it gets
 /// the part (worth / kWorthOfFew)^(2/3), rounded up to a power of two: level k, of 2^-k of the

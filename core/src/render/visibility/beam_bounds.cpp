@@ -104,7 +104,7 @@ bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) cons
   for (int k = 0; k < 2; ++k) {
     const Footprint &a = field.nodes[i], &b = field.nodes[i + 1];
     centre[k] = ((a.centre[k] + t * (b.centre[k] - a.centre[k])) / h) * middle;
-    // How fast the beam moves away from the axis with its place, and around it.
+    // Rates at which the beam moves away from the axis with its place, and around it.
     double widest = 0, moves = 0;
     for (std::size_t node = first; node <= end; ++node) {
       const double at = field.nodes[node].centre[k];

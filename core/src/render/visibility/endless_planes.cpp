@@ -218,7 +218,7 @@ double EndlessPlanes::before(const Ray& line, double t) const {
   double first = t;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     double at = 0;
-    // How far before does not matter: nothing else is there.
+    // The distance before does not matter: nothing else is there.
     if (crossing(i, line, at)) first = std::min(first, at - 0.01 * std::fabs(at) - 1);
   }
   return first;

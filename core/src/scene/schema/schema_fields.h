@@ -128,7 +128,7 @@ constexpr bool leads_to_list(Member Object::*) {
   return is_list<Member>;
 }
 
-/// How many lists a chain goes through on its way; its end is not counted.
+/// Number of lists that a chain goes through on its way; its end is not counted.
 template <auto First, auto... Rest>
 constexpr std::size_t lists_on_the_way() {
   if constexpr (sizeof...(Rest) == 0) {

@@ -63,8 +63,8 @@ class Issues {
 void check_camera(const CameraSpec& camera, Issues& issues);
 /// Shape of the microlenses, and whether they overlap.
 void check_microlens_shape(const ArraySpec& array, Issues& issues);
-/// How far every microlens could be displaced before it met a neighbour [m]; negative: they
-/// overlap.
+/// Distance by which every microlens could be displaced before it met a neighbour [m]; negative:
+/// they overlap.
 double room_of_microlenses(const ArraySpec& array);
 /// Filters over parts of the stop, each by itself, all together, and what they leave of channels.
 void check_pupil_filters(const Scene& scene, Issues& issues);

@@ -319,8 +319,8 @@ void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
                              short_length(focus.object_distance), short_length(focal_point)));
 }
 
-/// How many microlenses, in a row, light one pixel: the width of a micro-image over the pitch. What
-/// a pixel costs grows with its square.
+/// Number of microlenses, in a row, that light one pixel: the width of a micro-image over the
+/// pitch. What a pixel costs grows with its square.
 void check_overlap(const Camera& camera, Issues& issues) {
   if (!camera.has_array()) return;
   const FirstOrder& lens = camera.lens_first_order();

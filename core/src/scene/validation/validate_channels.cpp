@@ -68,7 +68,7 @@ void check_spectrum(const FlameSpec& flame, const std::string& path, Issues& iss
   }
 }
 
-/// How much of a response lies between two wavelengths: the dim ends of a sensor's do not count.
+/// Share of a response that lies between two wavelengths: the dim ends of a sensor's do not count.
 double share_within(const SpectralResponse& response, double shortest, double longest) {
   if (response.shortest() >= shortest && response.longest() <= longest) return 1;
   if (response.longest() <= shortest || response.shortest() >= longest) return 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSuspiciousMaximum = 200;  // [K] no flame is that cold
 
-/// How far the camera reaches in front of its front vertex: the rim of a concave front surface [m].
+/// Reach of the camera in front of its front vertex: the rim of a concave front surface [m].
 double camera_front(const CameraSpec& camera) {
   if (camera.lens.surfaces.empty()) return 0;
   const SurfaceSpec& first = camera.lens.surfaces.front();
