@@ -64,7 +64,7 @@ struct SweepPlan {
   RenderOptions options_of(int run) const;
 };
 
-/// Whether plan_sweep() looks at the runs: another rank may have done that.
+/// The state in which plan_sweep() finds the runs: rank 0 has checked those of the others.
 enum class RunsAre { unchecked, checked };
 
 /// Reads table or rules, and checks every run of the part: all errors come before any work.
