@@ -12,6 +12,7 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/scene/compile.h"
 #include "plenoflame/scene/scene_schema.h"
+#include "plenoflame/scene/scene_settings.h"
 #include "plenoflame/scene/validate.h"
 #include "scene_samples.h"
 
@@ -148,6 +149,49 @@ TEST(Cameras, LikeStartsFromAnEarlierOne) {
             "s.toml:13:8: cameras[2].like: there is no camera \"righ\" before it; did you mean "
             "\"right\"?");
   EXPECT_NE(error_of(with(kThree, "like = \"left\"", "like = \"left\"\npreset = \"r12\"")), "");
+}
+
+// The reference is the same value written into the first camera's item.
+TEST(Cameras, LikeTakesValuesThatAreSetAsThoseOfTheFile) {
+  const auto set = [](const std::vector<std::string>& values) {
+    SceneSettings settings;
+    settings.values = values;
+    return parse_scene(kThree, "three.toml", settings);
+  };
+  const auto in_file = [](const std::string& lines) {
+    const std::string head = "preset = \"paper-previous-60x60\"\n";
+    return parse_scene(with(kThree, head, head + lines), "three.toml").scene;
+  };
+  const Scene noisy = in_file("[cameras.sensor]\nfill_factor = 0.5\n");
+  EXPECT_EQ(noisy.cameras[2].sensor.fill_factor, 0.5);
+  EXPECT_EQ(set({"cameras[0].sensor.fill_factor=0.5"}).scene, noisy);
+  EXPECT_EQ(set({"cameras.left.sensor.fill_factor=0.5"}).scene, noisy);
+  // Stops and presets, which are no keys; a camera's own values stay.
+  EXPECT_EQ(set({"cameras[0].lens.f_number=20"}).scene, in_file("[cameras.lens]\nf_number = 20\n"));
+  const Scene other = set({"cameras[left].preset=r12"}).scene;
+  EXPECT_EQ(other.cameras[1].sensor.columns, 4080);
+  EXPECT_EQ(other.cameras[1].array, other.cameras[0].array);
+  EXPECT_EQ(set({"cameras.left.position=0m,0m,1m"}).scene.cameras[2].position, (Vec3{1, -1, 0}));
+  // One in the middle reaches the cameras behind it only; the later of two values counts, and one
+  // for the camera itself comes before neither.
+  const SceneDocument middle =
+      set({"cameras.plain.sensor.fill_factor=0.7", "cameras.right.sensor.fill_factor=0.6",
+           "cameras.right.sensor.fill_factor=0.5"});
+  EXPECT_NE(middle.scene.cameras[0].sensor.fill_factor, 0.5);
+  EXPECT_EQ(middle.scene.cameras[1].sensor.fill_factor, 0.5);
+  EXPECT_EQ(middle.scene.cameras[2].sensor.fill_factor, 0.7);
+  EXPECT_EQ(to_string(set({"cameras[0].sensor.fill_factor=0.5"})
+                          .positions.find("cameras[2].sensor.fill_factor")),
+            "--set cameras[0].sensor.fill_factor");
+  // Names are those that cameras have when their own turn comes.
+  EXPECT_EQ(
+      message_of([&] { set({"cameras.left.name=west"}); }),
+      "three.toml:7:8: cameras[1].like: there is no camera \"left\" before it; known are west");
+  EXPECT_EQ(message_of([&] { set({"cameras.lefft.sensor.rows=3"}); }).substr(0, 100),
+            "--set cameras.lefft.sensor.rows: cameras is a list, and none of its items is named "
+            "\"lefft\"; did you ");
+  EXPECT_NE(message_of([&] { set({"cameras[3].sensor.rows=3"}); }).find("there is no number 3"),
+            std::string::npos);
 }
 
 TEST(Cameras, OneIsChosenByItsName) {

@@ -13,7 +13,8 @@ struct SceneSettings {
   /// "PATH=VALUE", in the order in which they apply: "camera.focus.object_distance=0.9 m". A path
   /// is a key of a scene file, `preset`, `file` and `f_number` included; items of a list are
   /// meant by number from 0, "flames[0].position", or by their name, "flames.candle.position" or
-  /// "flames[candle].position". Files are relative to the scene file, as in it.
+  /// "flames[candle].position". Files are relative to the scene file, as in it. One of several
+  /// cameras gets its values before those that are `like` it start from it.
   std::vector<std::string> values = {};
   std::string option = "--set";  ///< what messages call each of them
   /// The text stands inside of another file, a light field: it opens no file by itself.

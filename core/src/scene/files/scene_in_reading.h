@@ -21,8 +21,10 @@ struct SceneInReading {
   SceneDocument document;
   /// By the path of the lens; its stop is set when the glasses are known.
   std::map<std::string, FNumber> f_numbers;
-  std::set<std::string> set_paths;  ///< what settings gave, not the file
-  bool closed = false;              ///< opens no file
+  std::set<std::string> set_paths;         ///< what settings gave, not the file
+  bool closed = false;                     ///< opens no file
+  std::vector<std::string> settings = {};  ///< "PATH=VALUE", those that are not applied yet
+  std::string option = {};                 ///< what messages call each of them
 };
 
 /// Reads what is no key of the schema: `preset`, `file` and `f_number` of a table.
@@ -31,7 +33,12 @@ void read_instruction(SceneInReading& reading, const std::string& table, const s
                       const std::vector<std::size_t>& indices, const std::string& name,
                       const std::string& value, const std::string& origin);
 
-/// Applies "PATH=VALUE". @param option for messages @throws InputError
-void apply_setting(const std::string& setting, const std::string& option, SceneInReading& reading);
+/// Applies the settings that are not applied yet, in their order. What they name is asked for, so
+/// that it is opened where the text itself opens no file. @throws InputError
+void apply_settings(SceneInReading& reading);
+
+/// The same for those of one camera of several, once its item is read: cameras that are like it are
+/// like it with these.
+void apply_settings_of_camera(SceneInReading& reading, std::size_t number);
 
 }  // namespace plenoflame

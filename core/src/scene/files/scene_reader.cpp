@@ -319,6 +319,7 @@ class Reader {
       std::vector<std::size_t> deeper = indices;
       deeper.push_back(i);
       read_table(*item.as_table(), std::string(list.path) + "[]", here, deeper);
+      if (list.path == schema::kCameraList) apply_settings_of_camera(reading_, i);
     }
   }
 
@@ -469,13 +470,13 @@ SceneDocument parse_scene(std::string_view text, const std::string& name,
                           const SceneSettings& settings) {
   SceneInReading reading;
   reading.closed = settings.embedded;
+  reading.settings = settings.values;
+  reading.option = settings.option;
   reading.document.scene.file = settings.embedded ? settings.embedded_in : name;
   const toml::table parsed = parse_toml(text, name);
   check_one_way_to_give_cameras(parsed, name);
   Reader(reading, name, 0).read_table(parsed, "", "", {});
-  reading.closed = false;  // what a setting names is asked for
-  for (const std::string& setting : settings.values)
-    apply_setting(setting, settings.option, reading);
+  apply_settings(reading);
   Scene& scene = reading.document.scene;
   const PositionMap& positions = reading.document.positions;
   if (scene.cameras.empty()) focus_on_sensor(scene.camera, parsed["camera"], "camera", reading);

@@ -1,6 +1,7 @@
 #include "plenoflame/scene/scene_settings.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/files/nearest.h"
@@ -182,25 +183,69 @@ void set(SceneInReading& reading, std::string_view path, const std::string& valu
   reading.set_paths.insert(place.path);
 }
 
-}  // namespace
+/// The path of "PATH=VALUE"; empty: there is none.
+std::string path_of(const std::string& setting) {
+  std::string path = setting.substr(0, std::min(setting.find('='), setting.size()));
+  path.erase(path.find_last_not_of(" \t") + 1);
+  path.erase(0, path.find_first_not_of(" \t"));
+  return path;
+}
 
-void apply_setting(const std::string& setting, const std::string& option, SceneInReading& reading) {
+void apply_setting(const std::string& setting, SceneInReading& reading) {
   const auto equals = setting.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InputError(
-        SourcePosition{option},
+        SourcePosition{reading.option},
         quote_for_message(setting) +
             " is not of the form KEY=VALUE, such as camera.focus.object_distance=0.9m");
-  std::string path = setting.substr(0, equals);
-  path.erase(path.find_last_not_of(" \t") + 1);
-  path.erase(0, path.find_first_not_of(" \t"));
-  const std::string origin = option + " " + path;
+  const std::string path = path_of(setting);
+  const std::string origin = reading.option + " " + path;
   try {
     set(reading, path, setting.substr(equals + 1), origin);
   } catch (const InputError& error) {
     if (error.position().file.starts_with(origin)) throw;
     throw InputError(SourcePosition{origin}, error.what());
   }
+}
+
+/// Tells whether a setting is about a key of this camera. One whose path cannot be taken apart is
+/// about none, and is reported when the rest is applied.
+bool is_about_camera(const std::string& setting, const Scene& scene, std::size_t number) {
+  try {
+    const std::vector<Step> steps = steps_of(path_of(setting));
+    if (steps.front().name != schema::kCameraList || steps.size() < 2) return false;
+    const std::string item = steps.front().has_item ? steps.front().item : steps[1].name;
+    return is_number(item) ? item == std::to_string(number)
+                           : !item.empty() && item == scene.cameras.at(number).name;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// Applies some of the settings, and takes them off the list.
+template <class Chosen>
+void apply_chosen(SceneInReading& reading, const Chosen& chosen) {
+  const bool closed = std::exchange(reading.closed, false);
+  std::vector<std::string> left;
+  for (const std::string& setting : std::exchange(reading.settings, {}))
+    if (chosen(setting))
+      apply_setting(setting, reading);
+    else
+      left.push_back(setting);
+  reading.settings = std::move(left);
+  reading.closed = closed;
+}
+
+}  // namespace
+
+void apply_settings(SceneInReading& reading) {
+  apply_chosen(reading, [](const std::string&) { return true; });
+}
+
+void apply_settings_of_camera(SceneInReading& reading, std::size_t number) {
+  apply_chosen(reading, [&](const std::string& setting) {
+    return is_about_camera(setting, reading.document.scene, number);
+  });
 }
 
 SceneDocument parse_embedded_scene(std::string_view text, const std::string& file,

@@ -9,6 +9,7 @@
 namespace plenoflame::schema {
 
 inline constexpr std::string_view kOneCamera = "camera";
+inline constexpr std::string_view kCameraList = "cameras";
 inline constexpr std::string_view kEachCamera = "cameras[]";
 
 constexpr bool is_of_camera(std::string_view path) {
