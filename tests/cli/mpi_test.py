@@ -79,6 +79,29 @@ class Ranks(CommandTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertEqual(self.read("all.exr"), self.read("one.exr"))
 
+    def test_moments_of_cameras(self):
+        # Scenes come back: with the other camera, and in the passes of a target error.
+        self.write("move.csv", "time [ms],y [mm]\n0,-4\n2,4\n")
+        self.write("a.toml", """[[cameras]]
+name = "front"
+preset = "paper-previous-60x60"
+[cameras.sensor]
+frame_rate = "1 kHz"
+exposure_time = "1 ms"
+exposure_steps = 3
+[[cameras]]
+name = "side"
+like = "front"
+position = ["1 m", "-1 m", "0 m"]
+look_direction = [0, 1, 0]
+""" + SCENE[SCENE.index("[[flames]]"):] + 'time_table = "move.csv"\n')
+        options = ("--frames", "0:1", "--target-error", "5%", "--quiet")
+        self.succeeds("render", "a.toml", *options, "-o", "one.exr")
+        result = self.shared(3, "render", "a.toml", *options, "--threads", "1", "-o", "all.exr")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        for name in ("front.0000", "side.0000", "front.0001", "side.0001"):
+            self.assertEqual(self.read(f"all-{name}.exr"), self.read(f"one-{name}.exr"), name)
+
     def test_a_rank_that_dies_costs_no_more_than_the_state(self):
         options = (*WINDOW, "--samples", "4096", "--quiet")
         process = subprocess.Popen([*MPIRUN, "-n", "3", command.COMMAND, "render", "a.toml", *options, "--threads", "1", "-o", "part.exr",

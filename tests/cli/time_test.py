@@ -45,6 +45,8 @@ class Time(CommandTest):
         for number, flame in self.flames.items():
             self.write(f"run_{number:04d}.vdb", flame)
         self.scene("film.toml")
+        made = os.stat(self.path("run_0002.vdb"))
+        self.made = (made.st_atime_ns, made.st_mtime_ns)
 
     def scene(self, name, flame=SERIES, sensor=""):
         self.write(name, CAMERA.format(sensor=sensor) + FLAME.format(flame=flame))
@@ -113,6 +115,7 @@ class Time(CommandTest):
         self.assertLess(abs(float(attributes["plenoflame.number.exposure.energy"][1]) / figures["energy"] - 1), 1e-6)
         self.assertRegex(self.succeeds("info", "m.0001.exr"), r"exposure\.energy: +[0-9.e-]+ J\n")
         self.fails(1, "render", "--resume", "m.0001.exr", "--samples", "800", mentions="mean of several moments")
+        self.assertEqual(figures["flames_loaded"], 2)
         self.fails(2, "render", "film.toml", "--frames", "1", "-o", "x.exr", "--truth", mentions="exposure_time=0s")
         self.fails(1, "render", "film.toml", "--frames", "1:3", "-o", "x.exr",
                    mentions=["there is no frame 3", "for frames 1 to 2"])
@@ -158,6 +161,75 @@ class Time(CommandTest):
         for number in (1, 2, 3):
             self.assertEqual(read_exr(self.path(f"s.000{number}.exr"))[1], read_exr(self.path(f"w.000{number}.exr"))[1])
         self.assertFalse([name for name in self.files() if name.endswith(".state")])
+
+    def exposure(self, name="film.toml"):
+        """A scene whose frame 1 is half of file 1 and half of file 2."""
+        self.scene(name, sensor='exposure_begin = "0.5 ms"\nexposure_time = "1 ms"\n')
+
+    def stopped(self, arguments, signal_number, state):
+        """Starts a run, sends a signal as soon as its state is there, and returns what it said; None: it ended before."""
+        process = subprocess.Popen([command.COMMAND, *arguments, "--checkpoint", "0.05s"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        limit = time.monotonic() + 100
+        while process.poll() is None and not os.path.exists(self.path(state)) and time.monotonic() < limit:
+            time.sleep(0.005)
+        if process.poll() is None:
+            process.send_signal(signal_number)
+        _, stderr = process.communicate(timeout=100)
+        return None if process.returncode == 0 else stderr
+
+    def test_a_stopped_exposure_goes_on(self):
+        self.exposure()
+        for options in (("--samples", "256"), ("--target-error", "1.5%")):
+            whole = ("render", "film.toml", "--frames", "1", *options, *WINDOW)
+            self.succeeds(*whole, "-o", "w.exr", "--quiet")
+            for number in (signal.SIGKILL, signal.SIGINT):
+                said = self.stopped((*whole, "-o", "s.exr", "--threads", "1"), number, "s.0001.exr.state")
+                if said is None:
+                    self.skipTest("the exposure was done before the signal came")
+                self.assertNotIn("s.0001.exr", self.files())
+                if number == signal.SIGINT:
+                    self.assertIn("its state is kept; go on with the same frames and --resume s.exr", said)
+                self.succeeds(*whole, "--resume", "s.exr", "--quiet")
+                self.assertEqual(self.read("s.0001.exr"), self.read("w.0001.exr"))
+                self.assertNotIn("s.0001.exr.state", self.files())
+                os.remove(self.path("s.0001.exr"))
+
+    def test_a_stopped_exposure_goes_on_by_its_state_alone(self):
+        self.exposure()
+        arguments = ("render", "film.toml", "--time", "0.5ms", "--samples", "256", *WINDOW, "--threads", "1")
+        self.succeeds(*arguments, "-o", "w.exr", "--quiet")
+        if self.stopped((*arguments, "-o", "s.exr"), signal.SIGKILL, "s.exr.state") is None:
+            self.skipTest("the exposure was done before the signal came")
+        for options, mentions in ((("--samples", "512"), ["--samples", "some of which are done", "256"]),
+                                  (("--target-error", "1%"), ["--target-error", "none"]),
+                                  (("--truth",), ["--truth", "exposure_time=0s"])):
+            self.fails(2, "render", "--resume", "s.exr", *options, mentions=mentions)
+        self.fails(1, "render", "film.toml", "--time", "0.25ms", "--resume", "s.exr",
+                   mentions=["begin of the exposure was 500 us and is 250 us"])
+        self.fails(1, "render", "film.toml", "--time", "0.5ms", "--resume", "s.exr", "--set",
+                   "camera.sensor.exposure_time=1.5ms", mentions='exposure_time was "1 ms" and is "1.5 ms"')
+        os.utime(self.path("run_0002.vdb"), (time.time() + 10, time.time() + 10))
+        self.fails(1, "render", "--resume", "s.exr", mentions="file 'run_0002.vdb' was of")
+        self.assertIn("s.exr.state", self.files())
+        self.write("run_0002.vdb", self.flames[2])
+        os.utime(self.path("run_0002.vdb"), ns=self.made)
+        self.succeeds("render", "--resume", "s.exr", "--quiet")
+        self.assertEqual(self.read("s.exr"), self.read("w.exr"))
+
+    def test_moments_are_read_once(self):
+        cameras = ('[[cameras]]\nname = "left"\npreset = "paper-previous-60x60"\n[cameras.sensor]\n'
+                   'exposure_begin = "0.5 ms"\nexposure_time = "1 ms"\n')
+        cameras += '[[cameras]]\nname = "right"\nlike = "left"\nposition = ["1 m", "-1 m", "0 m"]\nlook_direction = [0, 1, 0]\n'
+        self.write("two.toml", cameras + FLAME.format(flame=SERIES))
+        self.succeeds("render", "two.toml", "--frames", "1", "-o", "t.exr", *WINDOW, "--quiet", "--target-error", "3%",
+                      "--stats", "s.json")
+        loaded = {name: json.loads(self.read(f"s-{name}.0001.json"))["flames_loaded"] for name in ("left", "right")}
+        self.assertEqual(loaded, {"left": 2, "right": 0})
+        for name in ("left", "right"):
+            self.succeeds("render", "two.toml", "--camera", name, "--frames", "1", "-o", f"{name}.exr", *WINDOW, "--quiet",
+                          "--target-error", "3%")
+            self.assertEqual(self.read(f"t-{name}.0001.exr"), self.read(f"{name}.0001.exr"))
 
     def test_a_table(self):
         self.write("slide.csv", "time [ms],y [mm],scale,brightness\n0,0,1,1\n4,8,1.5,3\n")

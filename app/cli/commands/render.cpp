@@ -8,13 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "commands/commands.h"
+#include "commands/compiled_scenes.h"
 #include "commands/render_options.h"
 #include "commands/render_pictures.h"
 #include "commands/render_ranks.h"
@@ -145,13 +145,16 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
 }
 
 /// The record that is kept with the state of this run.
-RunRecord record_of(const RenderOptions& options, const Scene& scene,
+RunRecord record_of(const Picture& picture, const std::vector<SceneMoment>& moments,
                     const RenderSettings& settings) {
+  const RenderOptions& options = picture.options;
+  const Scene& scene = moments.size() > 1 ? picture.document.scene : moments.front().scene;
   RunRecord record;
   record.version = version();
   record.scene_text = write_scene(scene);
   record.scene_file = std::filesystem::absolute(scene.file).string();
-  record.files = input_files(scene);
+  record.files = files_of(moments);
+  record.moments = moments.size();
   record.settings = settings;
   record.white = options.white;
   record.truth = options.truth;
@@ -165,16 +168,24 @@ class StateKeeper {
  public:
   StateKeeper(std::string path, RunRecord record, const Execution& execution)
       : path_(std::move(path)), record_(std::move(record)), execution_(execution) {}
-  /// @throws FileError
-  void write(const Film& film) {
+  /// That there is no room for it is no reason to lose what has been rendered.
+  void offer(const Film& film) { offer({&film}, {}); }
+  void offer(const ExposureState& state, const Film& current) {
+    std::vector<const Film*> films{&state.sums};
+    for (std::size_t i = 0; i < state.films.size(); ++i)
+      films.push_back(i == state.progress.done ? &current : &state.films[i]);
+    offer(films, state.progress);
+  }
+  bool has_kept() const { return kept_; }
+
+ private:
+  void offer(const std::vector<const Film*>& films, const ExposureProgress& exposure) {
     RunRecord now = record_;
     now.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    write_checkpoint(path_, film, to_text(now));
-  }
-  /// That there is no room for it is no reason to lose what has been rendered.
-  void offer(const Film& film) {
+    now.exposure = exposure;
     try {
-      write(film);
+      write_checkpoint(path_, films, to_text(now));
+      kept_ = true;
     } catch (const FileError& error) {
       if (!warned_)
         execution_.warn(std::string("the state of the run cannot be kept: ") + error.what());
@@ -182,12 +193,11 @@ class StateKeeper {
     }
   }
 
- private:
   std::string path_;
   RunRecord record_;
   const Execution& execution_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  bool warned_ = false;
+  bool warned_ = false, kept_ = false;
 };
 
 /// Adds time and energy to the report of a flame that changes, or of an exposure.
@@ -248,11 +258,9 @@ std::string how_to_go_on(const RenderOptions& options, const CameraSpec& camera)
 
 /// Values that go from one picture of a run to the next.
 struct RenderRun {
-  /// The last scene of each view, and the newest of all: what the next has in common with these is
-  /// not made again.
-  std::map<std::size_t, std::unique_ptr<CompiledScene>> last;
-  const CompiledScene* newest = nullptr;
-  std::set<std::string> said;  ///< warnings of compiling
+  CompiledScenes scenes;
+  const CompiledScene* newest = nullptr;  ///< of the scenes
+  std::set<std::string> said;             ///< warnings of compiling
   SeriesCheck check_lattice = series_check();
   JobCommunicator* ranks = nullptr;  ///< that share the work; nullptr: there are none
   double begin = 0, end = 1;         ///< share of all the pictures' work that this one is
@@ -262,7 +270,7 @@ struct RenderRun {
 /// @return the exit status
 int conclude(const RenderOptions& options, const CameraSpec& camera,
              const RenderStatistics& statistics, const Execution& execution, bool rendering_stopped,
-             bool truth_missing) {
+             bool truth_missing, bool goes_on) {
   const bool stopped = execution.stop.stop_requested();
   const char* const missing = truth_missing ? ", without its layers of ground truth" : "";
   if (stopped && statistics.complete)
@@ -273,8 +281,9 @@ int conclude(const RenderOptions& options, const CameraSpec& camera,
                     options.output, missing, how_to_go_on(options, camera)));
   if (!stopped && !statistics.complete)
     execution.warn("the time limit ended before every part of the picture had a ray; " +
-                   options.output + " is marked partial; go on with " +
-                   how_to_go_on(options, camera));
+                   options.output + " is marked partial; " +
+                   (goes_on ? "go on with " + how_to_go_on(options, camera)
+                            : std::string("give it more time")));
   if (!stopped && !statistics.target_reached)
     say("error: the target error was not reached within the limit of samples or time: " +
         (statistics.flux > 0
@@ -285,9 +294,9 @@ int conclude(const RenderOptions& options, const CameraSpec& camera,
 
 /// Files of a series that have another lattice than the first are refused, with their place.
 void check_series(const Picture& picture, const Scene& now, const SeriesCheck& check) {
-  if (!picture.time) return;
+  if (!picture.timeline) return;
   const std::string folder = std::filesystem::path(now.file).parent_path().string();
-  for (const SceneTimeline::FlameTime& flame : picture.time->timeline->flames()) {
+  for (const SceneTimeline::FlameTime& flame : picture.timeline->flames()) {
     if (flame.files.empty()) continue;
     FlameSpec first = now.flames[flame.flame];
     first.file = flame.first_file;
@@ -321,20 +330,26 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   std::vector<IssueCode> unsaid;
   if (options.white) unsaid.push_back(IssueCode::no_flame);  // its light comes from everywhere
   double compile_seconds = 0;
+  int flames_loaded = 0;
+  const MediumLoader loader = [&, load = medium_loader()](const auto&... arguments) {
+    ++flames_loaded;
+    return load(arguments...);
+  };
+  // Only frames come back to a view.
+  const SceneUse use{options.frames ? picture.view : 0, picture.begin};
   const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
     const auto start = std::chrono::steady_clock::now();
-    check_series(picture, scene, run.check_lattice);
     if (run.ranks)
-      announce_scene(scene, options.white, options.compiled, options.threads, *run.ranks);
-    // Only frames come back to a view.
-    std::unique_ptr<CompiledScene>& own = run.last[options.frames ? picture.view : 0];
-    own = std::make_unique<CompiledScene>(compile(
-        scene, medium_loader(), compiling, document.positions, {own.get(), run.newest}, unsaid));
-    run.newest = own.get();
-    if (options.white) fill_with_light(*own);
+      announce_scene(scene, use, options.white, options.compiled, options.threads, *run.ranks);
+    run.newest = &run.scenes.of(scene, use, [&](const EarlierScenes& known) {
+      check_series(picture, scene, run.check_lattice);
+      CompiledScene made = compile(scene, loader, compiling, document.positions, known, unsaid);
+      if (options.white) fill_with_light(made);
+      return made;
+    });
     compile_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return *own;
+    return *run.newest;
   };
   const std::vector<SceneMoment> moments = picture.moments();
   RenderSettings settings =
@@ -343,7 +358,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   if (run.ranks && settings.estimator == Estimator::forward)
     execution.warn("bundles of the forward estimator are traced by rank 0 alone");
   if (options.checkpoint) settings.checkpoint_seconds = *options.checkpoint;
-  RunRecord record = record_of(options, moments.front().scene, settings);
+  RunRecord record = record_of(picture, moments, settings);
   add_exposure(picture, settings, record);
   if (earlier) {
     record.seconds = earlier->record.seconds;
@@ -351,21 +366,31 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     for (const auto& [key, text] : earlier->record.texts) record.texts[key] = text;
     settings.resume = &earlier->film;
     // All of the limit, as far as it is the run's and not only its rest's.
-    if (settings.time_limit > 0) record.settings.time_limit += record.seconds;
+    if (settings.time_limit > 0 && !earlier->exposure) record.settings.time_limit += record.seconds;
   }
   const std::string state = state_path(options.output);
   StateKeeper keeper(state, record, execution);
   settings.checkpoint = [&](const Film& film) { keeper.offer(film); };
   const double share = rendering_share(options.truth, settings);
-  RenderResult result = render_exposure(moments, compiled, settings, share_of(execution, 0, share));
+  ExposureKeeping keeping;
+  if (earlier && earlier->exposure) keeping.resume = &*earlier->exposure;
+  // What goes on with a state does not know the rays of a compiled camera.
+  if (!settings.compiled)
+    keeping.keep = [&](const ExposureState& exposure, const Film& current) {
+      keeper.offer(exposure, current);
+    };
+  RenderResult result =
+      render_exposure(moments, compiled, settings, share_of(execution, 0, share), keeping);
   const bool rendering_stopped = stop.stop_requested();
   if (rendering_stopped &&
       (result.light_field.channels.empty() || (!(result.statistics.rays > 0) && !earlier))) {
     bar.finish();
-    say(fmt::format("stopped before {} was rendered; {}",
+    const bool goes_on = options.frames || keeper.has_kept();
+    say(fmt::format("stopped before {} was rendered; {}{}",
                     moments.size() > 1 ? "every moment of " + options.output : "anything",
-                    options.frames ? "go on with " + how_to_go_on(options, document.scene.camera)
-                                   : "nothing was written"));
+                    keeper.has_kept() ? "its state is kept; " : "",
+                    goes_on ? "go on with " + how_to_go_on(options, document.scene.camera)
+                            : "nothing was written"));
     return 1;
   }
   describe(*run.newest, result.light_field);
@@ -388,6 +413,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   bar.finish();
   save();
   Report report = report_of(result.statistics, compile_seconds);
+  report.add_json("flames_loaded", flames_loaded);
   add_exposure(result.light_field, report);
   if (truth_seconds >= 0)
     report.add("ground truth", fmt::format("{:.4g} s, one ray a pixel", truth_seconds),
@@ -397,9 +423,17 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     std::cout << frame_line(options.output, result.statistics, compile_seconds) << std::endl;
   else if (options.json || !options.quiet)
     report.print(options.json);
-  if (options.white) run.last.clear(), run.newest = nullptr;  // its light is not the scene's
+  if (options.white) run.scenes.clear(), run.newest = nullptr;  // its light is not the scene's
   return conclude(options, document.scene.camera, result.statistics, execution, rendering_stopped,
-                  options.truth && truth_seconds < 0);
+                  options.truth && truth_seconds < 0, moments.size() == 1);
+}
+
+/// Ground truth is of one moment. @throws UsageError
+void check_truth(const RenderOptions& options, const SceneInTime& scene) {
+  if (options.truth && scene.timeline && scene.moments().size() > 1)
+    throw UsageError(
+        "--truth: the exposure covers several moments of the flames, and ground truth is of one; "
+        "take one with --set camera.sensor.exposure_time=0s");
 }
 
 /// Goes on with a run, as its record and the options say.
@@ -408,6 +442,7 @@ int go_on(Picture picture, const Continuation& earlier, RenderRun& run,
   RenderOptions& options = picture.options;
   options.white = earlier.record.white;
   options.truth = options.truth || earlier.record.truth;
+  check_truth(options, picture);
   if (options.stats.empty()) options.stats = earlier.record.stats;
   if (options.compression.empty()) options.compression = earlier.record.compression;
   return render_one(picture, run, stop, &earlier);
@@ -418,7 +453,7 @@ int resume(const RenderOptions& options, JobCommunicator* ranks, const std::stop
   const Continuation earlier = read_continuation(options);
   RenderRun run;
   run.ranks = ranks;
-  return go_on({options, earlier.document}, earlier, run, stop);
+  return go_on({earlier.scene, options}, earlier, run, stop);
 }
 
 /// A frame of several: one that was begun is gone on with, one that is done is left as it is.
@@ -427,11 +462,9 @@ int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& 
   if (options.resume.empty()) return render_one(picture, run, stop);
   options.resume = options.output;
   if (std::filesystem::exists(state_path(options.output))) {
-    SceneDocument now = picture.document;
-    now.scene = picture.moments().front().scene;
     Picture same = picture;
     same.options = options;
-    return go_on(same, read_continuation(options, &now), run, stop);
+    return go_on(same, read_continuation(options, &picture), run, stop);
   }
   if (!frame_is_done(picture, render_settings_of(options, picture.document.scene)))
     return render_one(picture, run, stop);
@@ -456,12 +489,9 @@ int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
       throw UsageError(
           "--part: bundles of the forward estimator are not those of a part of the picture; render "
           "pictures of several --seed and merge them");
-    if (asked.truth && picture.time && picture.moments().size() > 1)
-      throw UsageError(
-          "--truth: the exposure covers several moments of the flames, and ground truth is of one; "
-          "take one with --set camera.sensor.exposure_time=0s");
+    check_truth(picture.options, picture);
   }
-  if (pictures.front().time && !asked.frames && !asked.time && !asked.quiet)
+  if (pictures.front().timeline && !asked.frames && !asked.time && !asked.quiet)
     say("the scene changes with time, and this is its first frame; --frames and --time choose");
   int status = 0;
   RenderRun run;

@@ -82,11 +82,9 @@ std::vector<Picture> with_frames(const Picture& picture) {
   const auto timeline = std::make_shared<const SceneTimeline>(picture.document);
   if (!options.frames) {
     Picture one = picture;
-    one.time = PictureTime{timeline, {}, options.time.value_or(timeline->first_time())};
-    if (!options.time && timeline->frame_rate() > 0) {
-      one.time->frame = timeline->first_frame();
-      one.time->begin = timeline->begin_of(*one.time->frame);
-    }
+    one.timeline = timeline;
+    one.begin = begin_of(*timeline, options.time);
+    if (!options.time && timeline->frame_rate() > 0) one.frame = timeline->first_frame();
     return {one};
   }
   check_frames(*timeline, *options.frames, picture.document);
@@ -95,7 +93,9 @@ std::vector<Picture> with_frames(const Picture& picture) {
   for (int i = 0; i <= (frames.last - frames.first) / frames.step; ++i) {
     Picture one = picture;
     const int frame = frames.first + i * frames.step;
-    one.time = PictureTime{timeline, frame, timeline->begin_of(frame)};
+    one.timeline = timeline;
+    one.frame = frame;
+    one.begin = timeline->begin_of(frame);
     one.options.all_frames = options.output;
     one.options.output = with_frame(options.output, frame);
     if (!options.stats.empty()) one.options.stats = with_frame(options.stats, frame);
@@ -149,11 +149,6 @@ std::string differences(const std::string& then, const std::string& now) {
 
 }  // namespace
 
-std::vector<SceneMoment> Picture::moments() const {
-  if (!time) return {{document.scene, 1}};
-  return time->timeline->exposure(time->begin);
-}
-
 std::vector<Picture> pictures_of(const RenderOptions& options) {
   SceneDocument document = read_valid_scene(options.scene, options.set);
   if (options.white) document.scene.flames.clear();
@@ -162,7 +157,7 @@ std::vector<Picture> pictures_of(const RenderOptions& options) {
   const bool named = several && !(options.output_given && options.cameras.size() == 1);
   std::vector<std::vector<Picture>> views;  // each in the order of its frames
   for (const CameraScene& camera : cameras) {
-    Picture one{options, camera.document};
+    Picture one{{camera.document}, options};
     if (named) one = with_ending(one, camera.document.scene.camera.name);
     for (const Picture& stopped : with_f_numbers(one)) {
       views.push_back(with_frames(stopped));
@@ -181,9 +176,9 @@ std::vector<Picture> pictures_of(const RenderOptions& options) {
 void add_exposure(const Picture& picture, const RenderSettings& settings, RunRecord& record) {
   const double exposure = picture.document.scene.camera.sensor.exposure_time;
   if (exposure > 0 && !picture.options.white) record.numbers["exposure.time"] = exposure;
-  if (!picture.time) return;
-  record.numbers["exposure.begin"] = picture.time->begin;
-  if (picture.time->frame) record.numbers["frame.number"] = *picture.time->frame;
+  if (!picture.timeline) return;
+  record.numbers["exposure.begin"] = picture.begin;
+  if (picture.frame) record.numbers["frame.number"] = *picture.frame;
   if (picture.options.frames) record.texts[kFrameRun] = run_text(picture, settings);
 }
 

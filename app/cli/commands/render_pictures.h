@@ -1,33 +1,21 @@
 #pragma once
-#include <memory>
+#include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "commands/render_options.h"
 #include "commands/run_record.h"
+#include "plenoflame/image/light_field.h"
 #include "plenoflame/render/render.h"
-#include "plenoflame/scene/scene_file.h"
-#include "plenoflame/scene/timeline.h"
 
 namespace plenoflame::cli {
 
-/// When a picture of flames that change with time is taken.
-struct PictureTime {
-  std::shared_ptr<const SceneTimeline> timeline;
-  std::optional<int> frame;  ///< nothing: of --time
-  double begin = 0;          ///< [s] of the exposure
-};
-
-/// A picture to be made: the options with its own names of files, and the scene of its camera.
-struct Picture {
+/// A picture to be made: the scene of its camera, and the options with its own names of files.
+struct Picture : SceneInTime {
   RenderOptions options;
-  SceneDocument document;
-  std::optional<PictureTime> time = {};  ///< nothing: the scene does not change
+  std::optional<int> frame = {};  ///< of a scene that changes; nothing: of --time
   /// Number of the camera (with its f-number) whose frames follow each other in time.
   std::size_t view = 0;
-  /// The moments of which the picture is the mean.
-  std::vector<SceneMoment> moments() const;
 };
 
 /// All pictures of a run: of each frame, each camera, each f-number, so that what burns in a frame

@@ -1,5 +1,6 @@
 #include "commands/render_ranks.h"
 
+#include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -37,11 +38,13 @@ void fill_with_light(CompiledScene& compiled) {
   }
 }
 
-void announce_scene(const Scene& scene, bool white, const std::string& compiled, int threads,
-                    Communicator& ranks) {
+void announce_scene(const Scene& scene, const SceneUse& use, bool white,
+                    const std::string& compiled, int threads, Communicator& ranks) {
   const nlohmann::json json{
       {"scene", write_scene(scene)},
       {"file", std::filesystem::absolute(scene.file).string()},
+      {"view", use.view},
+      {"begin", use.begin},
       {"white", white},
       {"compiled", compiled.empty() ? "" : std::filesystem::absolute(compiled).string()},
       {"threads", threads}};
@@ -53,7 +56,8 @@ void announce_scene(const Scene& scene, bool white, const std::string& compiled,
 void serve_renderings(Communicator& ranks, int threads, const std::stop_token& stop) {
   Execution execution;
   execution.stop = stop;
-  std::optional<CompiledScene> compiled;
+  CompiledScenes scenes;
+  const CompiledScene* compiled = nullptr;
   std::optional<CompiledCamera> camera;
   std::string camera_file;
   bool white = false;
@@ -69,11 +73,16 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
         SceneDocument document =
             parse_scene(json.at("scene").get<std::string>(), json.at("file").get<std::string>());
         static_cast<void>(validate(document));
-        if (white) compiled.reset();  // its light was not the scene's
+        if (white) scenes.clear();  // its light was not the scene's
         white = json.at("white").get<bool>();
-        compiled = compile(document.scene, medium_loader(), execution, document.positions,
-                           {compiled ? &*compiled : nullptr});
-        if (white) fill_with_light(*compiled);
+        const SceneUse use{json.at("view").get<std::size_t>(), json.at("begin").get<double>()};
+        compiled = nullptr;
+        compiled = &scenes.of(document.scene, use, [&](const EarlierScenes& earlier) {
+          CompiledScene made =
+              compile(document.scene, medium_loader(), execution, document.positions, earlier);
+          if (white) fill_with_light(made);
+          return made;
+        });
         const auto file = json.at("compiled").get<std::string>();
         if (file != camera_file) camera.reset();
         if (!file.empty() && !camera) camera = read_bundle(file);
@@ -84,7 +93,7 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
           !serve_render(*compiled, camera ? &*camera : nullptr, message, ranks, execution))
         return;
     } catch (const std::exception& error) {
-      compiled.reset();
+      compiled = nullptr;
       ranks.send(0, rank_message::kFailed + std::string(error.what()));
     }
   }

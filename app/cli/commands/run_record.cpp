@@ -14,10 +14,21 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/film/reopened.h"
 #include "plenoflame/scene/scene_differences.h"
-#include "plenoflame/scene/timeline.h"
 #include "plenoflame/scene/validate.h"
+#include "readable.h"
 
 namespace plenoflame::cli {
+
+std::vector<InputFile> files_of(const std::vector<SceneMoment>& moments) {
+  std::vector<InputFile> files;
+  for (const SceneMoment& moment : moments)
+    for (InputFile& file : input_files(moment.scene))
+      if (std::none_of(files.begin(), files.end(),
+                       [&](const InputFile& other) { return other.name == file.name; }))
+        files.push_back(std::move(file));
+  return files;
+}
+
 namespace {
 
 constexpr std::size_t kMostDifferences = 6;  ///< differences in one message
@@ -71,12 +82,16 @@ void compare_options(const RenderOptions& options, const RunRecord& record, Diff
     found.add("--no-control-variate", yes_or_no(!then.control_variate), "yes");
 }
 
-void compare_machines(const RunRecord& record, const Scene& scene, Differences& found) {
+void compare_machines(const RunRecord& record, const std::vector<SceneMoment>& moments,
+                      Differences& found) {
   found.add("Plenoflame's version", record.version, std::string(version()));
   if (!is_supported(record.settings.isa))
     found.add("the instruction set", std::string(name(record.settings.isa)),
               std::string(name(best_isa())));
-  const std::vector<InputFile> now = input_files(scene);
+  if (moments.size() != record.moments)
+    found.add("the number of moments of the exposure", std::to_string(record.moments),
+              std::to_string(moments.size()));
+  const std::vector<InputFile> now = files_of(moments);
   for (const InputFile& file : record.files) {
     const auto same = std::find_if(now.begin(), now.end(),
                                    [&](const InputFile& other) { return other.name == file.name; });
@@ -89,29 +104,44 @@ void compare_machines(const RunRecord& record, const Scene& scene, Differences& 
   }
 }
 
-/// The scene of the only camera that the options choose, as it is at the moment that they choose.
-SceneDocument asked_scene(const RenderOptions& options) {
-  SceneDocument now =
+SceneInTime in_time(SceneDocument document) {
+  SceneInTime scene{std::move(document)};
+  if (changes_with_time(scene.document.scene))
+    scene.timeline = std::make_shared<const SceneTimeline>(scene.document);
+  return scene;
+}
+
+/// The scene of the only camera that the options choose, and when they ask for it.
+SceneInTime asked_scene(const RenderOptions& options) {
+  SceneInTime now = in_time(
       choose_cameras(read_valid_scene(options.scene, options.set), options.scene, options.cameras)
           .front()
-          .document;
-  if (!changes_with_time(now.scene)) return now;
-  const SceneTimeline timeline(now);
-  // The begin of an exposure is within its first moment; so is what it is rendered at.
-  now.scene = options.time ? timeline.at_time(*options.time) : first_moment(now.scene);
+          .document);
+  if (now.timeline) now.begin = begin_of(*now.timeline, options.time);
   return now;
 }
 
-SceneDocument scene_of(const RenderOptions& options, const RunRecord& record,
-                       const SceneDocument* asked, Differences& found) {
-  SceneDocument then = parse_scene(record.scene_text, record.scene_file);
+SceneInTime scene_of(const RenderOptions& options, const RunRecord& record,
+                     const SceneInTime* asked, Differences& found) {
+  SceneInTime then = in_time(parse_scene(record.scene_text, record.scene_file));
+  if (const auto begin = record.numbers.find("exposure.begin"); begin != record.numbers.end())
+    then.begin = begin->second;
   if (options.scene.empty()) {
-    static_cast<void>(validate(then));
+    static_cast<void>(validate(then.document));
     return then;
   }
-  SceneDocument now = asked ? *asked : asked_scene(options);
-  if (record.white) now.scene.flames.clear();
-  for (const SceneDifference& difference : scene_differences(then.scene, now.scene))
+  SceneInTime now = asked ? *asked : asked_scene(options);
+  if (!then.timeline && now.timeline) {
+    // The begin of an exposure is within its first moment; so is what it is rendered at.
+    now.document.scene = now.timeline->at_time(now.begin);
+    now.timeline = nullptr;
+  } else if (then.timeline && then.begin != now.begin) {
+    found.add("the begin of the exposure", readable(then.begin, Dimension::time),
+              readable(now.begin, Dimension::time));
+  }
+  if (record.white) now.document.scene.flames.clear();
+  for (const SceneDifference& difference :
+       scene_differences(then.document.scene, now.document.scene))
     found.add(difference.path, difference.before, difference.after);
   return now;
 }
@@ -150,7 +180,46 @@ std::vector<double> samples_of_part(const Continuation& run) {
   return samples;
 }
 
+/// Moments of an exposure that are done have their samples: none can be added any more.
+void check_same_goal(const RenderOptions& options, const RenderSettings& settings) {
+  const auto refuse = [](const char* name, const std::string& then) {
+    throw UsageError(fmt::format(
+        "{}: the run is the mean of several moments, some of which are done; it goes on with {} "
+        "as it was begun, or anew without --resume",
+        name, then));
+  };
+  if (options.samples && *options.samples != settings.samples)
+    refuse("--samples", std::to_string(settings.samples));
+  if (options.target_error && *options.target_error != settings.target_error)
+    refuse("--target-error",
+           settings.target_error > 0 ? fmt::format("{:g} %", 100 * settings.target_error) : "none");
+}
+
+/// The parts of an exposure's state, from the films that are kept of it.
+ExposureState exposure_of(const RunRecord& record, std::vector<Film> films,
+                          const std::string& path) {
+  if (films.size() != record.moments + 1 || record.exposure.done >= record.moments)
+    throw FileError(path + ": is damaged; start the run again without it");
+  ExposureState state;
+  state.progress = record.exposure;
+  state.sums = std::move(films.front());
+  films.erase(films.begin());
+  state.films = std::move(films);
+  return state;
+}
+
 }  // namespace
+
+std::vector<SceneMoment> SceneInTime::moments() const {
+  if (!timeline) return {{document.scene, 1}};
+  return timeline->exposure(begin);
+}
+
+double begin_of(const SceneTimeline& timeline, std::optional<double> time) {
+  if (time) return *time;
+  return timeline.frame_rate() > 0 ? timeline.begin_of(timeline.first_frame())
+                                   : timeline.first_time();
+}
 
 std::string to_text(const RunRecord& record) {
   const RenderSettings& s = record.settings;
@@ -179,6 +248,12 @@ std::string to_text(const RunRecord& record) {
   json["seconds"] = record.seconds;
   json["numbers"] = record.numbers;
   json["texts"] = record.texts;
+  json["moments"] = record.moments;
+  const ExposureProgress& exposure = record.exposure;
+  json["exposure"] = {{"pass", exposure.pass},       {"target", exposure.target},
+                      {"done", exposure.done},       {"samples", exposure.samples},
+                      {"reached", exposure.reached}, {"complete", exposure.complete},
+                      {"seconds", exposure.seconds}};
   // Names of files need not be UTF-8.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -215,6 +290,12 @@ RunRecord record_from(const std::string& text, const std::string& path) {
     record.seconds = json.at("seconds").get<double>();
     record.numbers = json.at("numbers").get<std::map<std::string, double>>();
     record.texts = json.at("texts").get<std::map<std::string, std::string>>();
+    record.moments = json.at("moments").get<std::size_t>();
+    const auto& exposure = json.at("exposure");
+    record.exposure = {exposure.at("pass").get<int>(),         exposure.at("target").get<double>(),
+                       exposure.at("done").get<std::size_t>(), exposure.at("samples").get<double>(),
+                       exposure.at("reached").get<bool>(),     exposure.at("complete").get<bool>(),
+                       exposure.at("seconds").get<double>()};
     return record;
   } catch (const std::exception&) {
     throw FileError(path +
@@ -223,7 +304,7 @@ RunRecord record_from(const std::string& text, const std::string& path) {
   }
 }
 
-Continuation read_continuation(const RenderOptions& options, const SceneDocument* now) {
+Continuation read_continuation(const RenderOptions& options, const SceneInTime* now) {
   if (!now && !options.scene.empty() &&
       choose_cameras(read_valid_scene(options.scene, options.set), options.scene, options.cameras)
               .size() > 1)
@@ -238,10 +319,13 @@ Continuation read_continuation(const RenderOptions& options, const SceneDocument
     const std::string key = read_checkpoint_key(state);
     run.record = record_from(key, state);
     compare_options(options, run.record, found);
-    run.document = scene_of(options, run.record, now, found);
-    compare_machines(run.record, run.document.scene, found);
+    run.scene = scene_of(options, run.record, now, found);
+    compare_machines(run.record, run.scene.moments(), found);
     found.refuse(state);
-    run.film = read_checkpoint(state, key);
+    if (run.record.moments > 1)
+      run.exposure = exposure_of(run.record, read_checkpoint_films(state, key), state);
+    else
+      run.film = read_checkpoint(state, key);
     return run;
   }
   if (!std::filesystem::exists(options.resume))
@@ -262,7 +346,7 @@ Continuation read_continuation(const RenderOptions& options, const SceneDocument
         "another --seed, and merge it with them");
   run.record = record_of(*run.picture, options.resume);
   compare_options(options, run.record, found);
-  run.document = scene_of(options, run.record, now, found);
+  run.scene = scene_of(options, run.record, now, found);
   found.refuse(options.resume);
   run.film = film_of(*run.picture);
   run.record.settings.replicates = run.film.replicates();
@@ -276,6 +360,11 @@ RenderSettings continued_settings(const RenderOptions& options, const Continuati
   RenderSettings settings = run.record.settings;
   const bool forward = settings.estimator == Estimator::forward;
   settings.skip = settings.skip && options.skip;
+  if (run.exposure) {
+    check_same_goal(options, settings);
+    if (options.time_limit) settings.time_limit = *options.time_limit;
+    return settings;
+  }
   const std::vector<double> tiles = samples_of_part(run);
   const auto [least, most] = std::minmax_element(tiles.begin(), tiles.end());
   if (options.target_error) settings.target_error = *options.target_error;

@@ -13,6 +13,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/medium_samples.h"
 #include "plenoflame/render/describe.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/exposure.h"
 #include "plenoflame/render/ground_truth.h"
 #include "plenoflame/render/render_request.h"

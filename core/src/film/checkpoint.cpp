@@ -1,5 +1,6 @@
 #include "plenoflame/film/checkpoint.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -7,6 +8,7 @@
 #include <fstream>
 #include <new>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/fnv.h"
@@ -16,7 +18,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 5\n";
+constexpr std::string_view kMagic = "plenoflame film 6\n";
 
 template <class T>
 std::string_view bytes_of(const T* data, std::size_t count) {
@@ -66,14 +68,10 @@ void for_tiles(const Film& film, const Take& take) {
   }
 }
 
-}  // namespace
-
-void write_checkpoint(const std::string& path, const Film& film, const std::string& key) {
-  AtomicFile file(path);
+void write_film(const Film& film, AtomicFile& file) {
   const PixelWindow& w = film.window();
   const std::array<std::int32_t, 6> shape{
       w.x, w.y, w.width, w.height, film.channels(), film.replicates()};
-  const std::uint64_t key_size = key.size();
   const std::string_view tiles =
       bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
   // The tiles' states come first: only tiles with anything in them follow.
@@ -86,9 +84,6 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   for (const std::string_view part : {std::string_view(tiles), goals, std::string_view(present)})
     sum.add(part);
   for_tiles(film, [&](std::string_view bytes) { sum.add(bytes); });
-  file.write(kMagic);
-  file.write(bytes_of(&key_size, 1));
-  file.write(key);
   file.write(bytes_of(shape.data(), shape.size()));
   const std::uint64_t checksum = sum.value();
   file.write(bytes_of(&checksum, 1));
@@ -97,6 +92,78 @@ void write_checkpoint(const std::string& path, const Film& film, const std::stri
   file.write(goals);
   file.write(present);
   for_tiles(film, [&](std::string_view bytes) { file.write(bytes); });
+}
+
+FileError damaged_state(const std::string& path) {
+  return FileError(path + ": is damaged; start the run again without it");
+}
+
+Film read_film(Reader& reader, const std::string& path) {
+  std::array<std::int32_t, 6> shape{};
+  for (auto& value : shape) value = reader.number<std::int32_t>();
+  const auto sum = reader.number<std::uint64_t>();
+  // A damaged shape must not ask for memory that the file cannot fill.
+  constexpr std::int32_t kMost = 1 << 24;
+  const bool is_empty =
+      std::all_of(shape.begin(), shape.end(), [](auto value) { return value == 0; });
+  for (std::size_t i = 2; i < 6; ++i)
+    if (!is_empty && (shape[i] < 1 || shape[i] > kMost)) throw damaged_state(path);
+  const double tile_area = static_cast<double>(Film::kTile) * Film::kTile;
+  if (static_cast<double>(shape[2]) * shape[3] / tile_area > static_cast<double>(reader.left()))
+    throw damaged_state(path);
+  Film film;
+  if (!is_empty) film = Film({shape[0], shape[1], shape[2], shape[3]}, shape[4], shape[5]);
+  const std::size_t count = film.all_tile_samples().size();
+  const std::string_view tiles = reader.take(count * sizeof(double));
+  const auto goal_count = reader.number<std::uint64_t>();
+  if (goal_count != 0 && goal_count != count) throw damaged_state(path);
+  const std::string_view goals = reader.take(static_cast<std::size_t>(goal_count) * sizeof(double));
+  const std::string_view present = reader.take(count);
+  Fnv found;
+  found.add(bytes_of(shape.data(), shape.size()));
+  for (const std::string_view part : {tiles, goals, present}) found.add(part);
+  film.tile_goals().resize(static_cast<std::size_t>(goal_count));
+  if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
+  if (!tiles.empty()) std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const int tile = static_cast<int>(i);
+    if (present[i] == kNothing) continue;
+    if (present[i] == kFinished) {
+      const std::string_view bytes = reader.take(film.finished_count(tile) * sizeof(float));
+      std::vector<float> values(bytes.size() / sizeof(float));
+      found.add(bytes);
+      std::memcpy(values.data(), bytes.data(), bytes.size());
+      try {
+        film.set_finished(tile, values);
+      } catch (const std::bad_alloc&) {  // a window that there is no memory for
+        throw damaged_state(path);
+      }
+      continue;
+    }
+    if (present[i] != kSums) throw damaged_state(path);
+    const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
+    found.add(sums);
+    std::memcpy(film.tile_sums(tile).data(), sums.data(), sums.size());
+  }
+  if (found.value() != sum) throw damaged_state(path);
+  return film;
+}
+
+}  // namespace
+
+void write_checkpoint(const std::string& path, const Film& film, const std::string& key) {
+  write_checkpoint(path, std::vector{&film}, key);
+}
+
+void write_checkpoint(const std::string& path, const std::vector<const Film*>& films,
+                      const std::string& key) {
+  AtomicFile file(path);
+  const std::uint64_t key_size = key.size(), count = films.size();
+  file.write(kMagic);
+  file.write(bytes_of(&key_size, 1));
+  file.write(key);
+  file.write(bytes_of(&count, 1));
+  for (const Film* film : films) write_film(*film, file);
   file.commit();
 }
 
@@ -121,7 +188,7 @@ std::string read_checkpoint_key(const std::string& path) {
   return key;
 }
 
-Film read_checkpoint(const std::string& path, const std::string& key) {
+std::vector<Film> read_checkpoint_films(const std::string& path, const std::string& key) {
   const std::string text = read_file(path);
   Reader reader(path, text);
   if (text.size() < kMagic.size() || reader.take(kMagic.size()) != kMagic)
@@ -131,54 +198,18 @@ Film read_checkpoint(const std::string& path, const std::string& key) {
     throw InputError(path +
                      ": belongs to another scene, to other settings or to another version; "
                      "give the same as for the run that was stopped");
-  std::array<std::int32_t, 6> shape{};
-  for (auto& value : shape) value = reader.number<std::int32_t>();
-  const auto sum = reader.number<std::uint64_t>();
-  const auto damaged = [&] {
-    return FileError(path + ": is damaged; start the run again without it");
-  };
-  // A damaged shape must not ask for memory that the file cannot fill.
-  constexpr std::int32_t kMost = 1 << 24;
-  for (std::size_t i = 2; i < 6; ++i)
-    if (shape[i] < 1 || shape[i] > kMost) throw damaged();
-  const double tile_area = static_cast<double>(Film::kTile) * Film::kTile;
-  if (static_cast<double>(shape[2]) * shape[3] / tile_area > static_cast<double>(reader.left()))
-    throw damaged();
-  Film film({shape[0], shape[1], shape[2], shape[3]}, shape[4], shape[5]);
-  const std::size_t count = film.all_tile_samples().size();
-  const std::string_view tiles = reader.take(count * sizeof(double));
-  const auto goal_count = reader.number<std::uint64_t>();
-  if (goal_count != 0 && goal_count != count) throw damaged();
-  const std::string_view goals = reader.take(static_cast<std::size_t>(goal_count) * sizeof(double));
-  const std::string_view present = reader.take(count);
-  Fnv found;
-  found.add(bytes_of(shape.data(), shape.size()));
-  for (const std::string_view part : {tiles, goals, present}) found.add(part);
-  film.tile_goals().resize(static_cast<std::size_t>(goal_count));
-  if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
-  std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const int tile = static_cast<int>(i);
-    if (present[i] == kNothing) continue;
-    if (present[i] == kFinished) {
-      const std::string_view bytes = reader.take(film.finished_count(tile) * sizeof(float));
-      std::vector<float> values(bytes.size() / sizeof(float));
-      found.add(bytes);
-      std::memcpy(values.data(), bytes.data(), bytes.size());
-      try {
-        film.set_finished(tile, values);
-      } catch (const std::bad_alloc&) {  // a window that there is no memory for
-        throw damaged();
-      }
-      continue;
-    }
-    if (present[i] != kSums) throw damaged();
-    const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
-    found.add(sums);
-    std::memcpy(film.tile_sums(tile).data(), sums.data(), sums.size());
-  }
-  if (reader.left() != 0 || found.value() != sum) throw damaged();
-  return film;
+  const auto count = reader.number<std::uint64_t>();
+  std::vector<Film> films;
+  // A damaged count ends where the file does.
+  for (std::uint64_t i = 0; i < count; ++i) films.push_back(read_film(reader, path));
+  if (reader.left() != 0) throw damaged_state(path);
+  return films;
+}
+
+Film read_checkpoint(const std::string& path, const std::string& key) {
+  std::vector<Film> films = read_checkpoint_films(path, key);
+  if (films.size() != 1) throw damaged_state(path);
+  return std::move(films.front());
 }
 
 }  // namespace plenoflame

@@ -8,12 +8,18 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "plenoflame/base/error.h"
+#include "plenoflame/film/checkpoint.h"
 #include "plenoflame/media/brightened_medium.h"
 #include "plenoflame/media/layered_medium.h"
 #include "support/approx.h"
 #include "support/small_scene.h"
+#include "support/temporary_folder.h"
 
 namespace plenoflame::exposure_test {
 namespace {
@@ -26,7 +32,8 @@ Scene flame_at(double y, double brightness = 1) {
   return scene;
 }
 
-RenderResult expose(const std::vector<SceneMoment>& moments, const RenderSettings& settings) {
+RenderResult expose(const std::vector<SceneMoment>& moments, const RenderSettings& settings,
+                    const ExposureKeeping& keeping = {}, const Execution& execution = {}) {
   std::optional<CompiledScene> compiled;
   return render_exposure(
       moments,
@@ -34,7 +41,53 @@ RenderResult expose(const std::vector<SceneMoment>& moments, const RenderSetting
         compiled = compile(scene);
         return *compiled;
       },
-      settings);
+      settings, execution, keeping);
+}
+
+/// Three moments on a sensor of 3 x 2 tiles.
+std::vector<SceneMoment> three_moments() {
+  std::vector<SceneMoment> moments{
+      {flame_at(0.001), 0.25}, {flame_at(0.003, 0.1), 0.5}, {flame_at(-0.002, 3), 0.25}};
+  for (SceneMoment& moment : moments) {
+    moment.scene.camera.sensor.columns = 160;
+    moment.scene.camera.sensor.rows = 100;
+  }
+  return moments;
+}
+
+/// Stops a run at a number of times that its state was kept; the state goes through a file.
+struct StoppedRun {
+  ExposureState state;
+  int kept = 0;
+  RenderResult result;
+};
+StoppedRun stop_at(int time, const std::vector<SceneMoment>& moments, RenderSettings settings,
+                   const ExposureState* resume = nullptr) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.file("state");
+  settings.checkpoint_seconds = 1e-9;  // a tile at a time
+  StoppedRun run;
+  std::stop_source stop;
+  Execution execution;
+  execution.threads = 1;
+  execution.stop = stop.get_token();
+  ExposureKeeping keeping;
+  keeping.resume = resume;
+  keeping.keep = [&](const ExposureState& state, const Film& current) {
+    run.state.progress = state.progress;
+    std::vector<const Film*> films{&state.sums};
+    for (const Film& film : state.films) films.push_back(&film);
+    films[1 + state.progress.done] = &current;
+    write_checkpoint(path, films, "key");
+    if (++run.kept == time) stop.request_stop();
+  };
+  run.result = expose(moments, settings, keeping, execution);
+  if (run.kept > 0) {
+    run.state.films = read_checkpoint_films(path, "key");
+    run.state.sums = std::move(run.state.films.front());
+    run.state.films.erase(run.state.films.begin());
+  }
+  return run;
 }
 
 RenderSettings settings_of(int samples, std::uint64_t seed) {
@@ -106,6 +159,90 @@ TEST(Exposure, TheTargetIsThatOfTheMean) {
   EXPECT_TRUE(result.statistics.target_reached);
   EXPECT_LE(result.statistics.relative_error_bound, 0.02);
   EXPECT_GT(result.statistics.relative_error_bound, 0.005);  // no more work than that asks for
+}
+
+/// Each `step`-th of the stops that there are, gone on with to the end, and once one after the
+/// other.
+void check_stops(const std::vector<SceneMoment>& moments, const RenderSettings& settings, int stops,
+                 int step = 1) {
+  const RenderResult whole = expose(moments, settings);
+  ASSERT_TRUE(whole.statistics.complete);
+  const auto is_whole = [&](const RenderResult& result) {
+    return result.statistics.complete && flux_of(result) == flux_of(whole) &&
+           error_of(result) == error_of(whole) &&
+           result.light_field.samples == whole.light_field.samples &&
+           result.light_field.texts == whole.light_field.texts &&
+           result.light_field.numbers == whole.light_field.numbers &&
+           result.statistics.relative_error_bound == whole.statistics.relative_error_bound;
+  };
+  int stopped = 0, inside = 0;
+  for (int time = 1;; time += step) {
+    const StoppedRun run = stop_at(time, moments, settings);
+    if (run.kept < time) break;
+    if (run.result.statistics.complete) continue;  // it was the last
+    EXPECT_TRUE(run.result.light_field.channels.empty());
+    ++stopped;
+    const Film& current = run.state.films[run.state.progress.done];
+    inside += current.channels() > 0 && current.all_tile_samples().back() > 0 ? 1 : 0;
+    ExposureKeeping keeping;
+    keeping.resume = &run.state;
+    const RenderResult rest = expose(moments, settings, keeping);
+    EXPECT_TRUE(is_whole(rest)) << time;
+    EXPECT_LT(rest.statistics.rays, whole.statistics.rays);
+  }
+  EXPECT_GE(stopped, stops);
+  EXPECT_GT(inside, 0);
+  std::optional<ExposureState> state;
+  for (int runs = 0; runs < 1000; ++runs) {
+    StoppedRun run = stop_at(3, moments, settings, state ? &*state : nullptr);
+    if (!run.result.statistics.complete) {
+      state = std::move(run.state);
+      continue;
+    }
+    EXPECT_TRUE(is_whole(run.result));
+    EXPECT_GT(runs, 2);
+    return;
+  }
+  FAIL() << "it does not end";
+}
+
+TEST(Exposure, GoesOnWhereverItWasStopped) {
+  RenderSettings settings = settings_of(8, 5);
+  check_stops(three_moments(), settings, 6, 2);
+  settings.replicates = 1;  // without standard errors
+  check_stops(three_moments(), settings, 3, 5);
+  settings = settings_of(3000, 2);
+  settings.estimator = Estimator::forward;
+  check_stops(three_moments(), settings, 3, 2);
+}
+
+TEST(Exposure, GoesOnInEveryPassOfATarget) {
+  RenderSettings settings = settings_of(kMostSamples, 1);
+  settings.target_error = 0.1;
+  check_stops(three_moments(), settings, 4, 9);
+  // One of the stops was beyond the first pass.
+  int pass = 0;
+  for (int time = 10; pass == 0; time += 10) {
+    const StoppedRun run = stop_at(time, three_moments(), settings);
+    ASSERT_GE(run.kept, time);
+    pass = run.state.progress.pass;
+  }
+}
+
+TEST(Exposure, AStateOfAnotherExposureIsRefused) {
+  const std::vector<SceneMoment> moments = three_moments();
+  const RenderSettings settings = settings_of(16, 5);
+  ExposureState state = stop_at(9, moments, settings).state;
+  ASSERT_GT(state.progress.done, 0U);
+  ExposureKeeping keeping;
+  keeping.resume = &state;
+  EXPECT_THROW(expose({moments[0], moments[1]}, settings, keeping), UsageError);
+  RenderSettings other = settings;
+  other.window = {10, 10, 70, 70};
+  EXPECT_THROW(expose(moments, other, keeping), UsageError);
+  other = settings;
+  other.standard_error = false;
+  EXPECT_THROW(expose(moments, other, keeping), UsageError);
 }
 
 // Closed form: along the diameter of a sphere b (1 - exp(-2 kappa R)) S.

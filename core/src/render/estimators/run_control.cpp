@@ -18,12 +18,19 @@ Deadline::Deadline(std::stop_token outer, double seconds)
   });
 }
 
-void Checkpoints::offer(const Film& film) {
-  const double interval = std::min(interval_, settings_.checkpoint_seconds);
-  if (!settings_.checkpoint || seconds_since(last_) < interval) return;
-  settings_.checkpoint(film);
+bool Checkpoints::is_due() const {
+  return seconds_since(last_) >= std::min(interval_, settings_.checkpoint_seconds);
+}
+
+void Checkpoints::was_kept() {
   interval_ *= 2;
   last_ = std::chrono::steady_clock::now();
+}
+
+void Checkpoints::offer(const Film& film) {
+  if (!settings_.checkpoint || !is_due()) return;
+  settings_.checkpoint(film);
+  was_kept();
 }
 
 }  // namespace plenoflame

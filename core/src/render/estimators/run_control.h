@@ -40,6 +40,8 @@ class Checkpoints {
  public:
   explicit Checkpoints(const RenderSettings& settings) : settings_(settings) {}
   void offer(const Film& film);
+  bool is_due() const;
+  void was_kept();  ///< by the caller, just now
 
  private:
   static constexpr double kFirstCheckpoint = 5;  ///< [s]
