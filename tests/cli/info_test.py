@@ -50,6 +50,29 @@ class Info(CommandTest):
         self.assertRegex(text, r"complete: +no: ")
         self.assertEqual(self.succeeds("info", "a.exr", "--scene"), scene)
 
+    def test_windows(self):
+        self.write("a.toml", """[camera]
+preset = "paper-previous-60x60"
+[[windows]]
+name = "tube"
+shape = "tube"
+position = ["1 m", "0 m", "-40 mm"]
+radius = "15 mm"
+thickness = "2 mm"
+height = "80 mm"
+glass = "FUSED-SILICA"
+[[windows]]
+position = ["0.4 m", "0 m", "0 m"]
+rotation = ["0 deg", "90 deg", "0 deg"]
+extent = ["80 mm", "60 mm"]
+thickness = "6 mm"
+index = 1.46
+""")
+        text = self.run_command("info", "a.toml").stdout
+        self.assertRegex(text, r"window tube: +tube, radius 15 mm, wall 2 mm, height 80 mm, of FUSED-SILICA, at 1 m, 0 m, -0\.04 m\n")
+        self.assertRegex(text, r"window 2: +plate, 80 mm by 60 mm, 6 mm thick, of index 1\.46, at 400 mm, 0 mm, 0 mm\n")
+        self.assertEqual([w["shape"] for w in json.loads(self.run_command("info", "a.toml", "--json").stdout)["windows"]], ["tube", "plate"])
+
     def test_scene(self):
         scene = "[camera]\npreset = \"paper-plenoptic2\"\n[[flames]]\npreset = \"paper-layered\"\n" \
             "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n"

@@ -123,7 +123,15 @@ class Surfaces(CommandTest):
 
     def test_inside_of_an_object(self):
         ball = "[[surfaces]]\nname = \"ball\"\nshape = \"sphere\"\nradius = \"20 cm\"\n"
-        self.assertIn("the camera is inside of surface \"ball\"", self.warning_of(ball + LAMP))
+        self.assertRegex(self.warning_of(ball + LAMP),
+                         r"warning: a\.toml:\d+:\d+: the camera is inside of surface \"ball\", which hides everything else")
+        # Where there is a flame outside of it there would be no picture; a room around both is none of that.
+        flame = '[[flames]]\npreset = "paper-layered"\nposition = ["1 m", "0 m", "-29 mm"]\n'
+        self.write("a.toml", CAMERA + ball + flame)
+        self.fails(1, "render", "a.toml", "-o", "b.exr", "--samples", "2",
+                   mentions=["a.toml:", 'the camera is inside of surface "ball", which hides flame "paper-layered"'])
+        self.assertNotIn("b.exr", self.files())
+        self.assertNotIn("inside", self.warning_of(ball.replace("20 cm", "2 m") + flame))
         ball += "position = [\"0 m\", \"1.1 m\", \"0 m\"]\n"
         text = self.warning_of(ball + LAMP)
         self.assertIn("light \"lamp\" is inside of surface \"ball\"", text)

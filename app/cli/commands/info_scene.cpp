@@ -86,6 +86,37 @@ std::string flame_text(const FlameSpec& flame) {
   return text + " at " + readable_point(flame.position);
 }
 
+/// "tube, radius 15 mm, wall 2 mm, height 80 mm, of FUSED-SILICA, at 0.75 m, 0 m, -0.04 m".
+std::string window_text(const WindowSpec& window, const std::string& shape) {
+  const auto length = [](double value) { return readable(value, Dimension::length); };
+  const bool flat = window.shape == WindowShape::plate || window.shape == WindowShape::wedge;
+  std::string text = shape;
+  if (!flat)
+    text += ", radius " + length(window.radius) + ", wall " + length(window.thickness) +
+            ", height " + length(window.height);
+  else
+    text +=
+        (window.diameter > 0 ? ", diameter " + length(window.diameter)
+                             : ", " + length(window.extent.x) + " by " + length(window.extent.y)) +
+        ", " + length(window.thickness) + " thick";
+  text +=
+      window.glass.empty() ? ", of index " + readable_number(window.index) : ", of " + window.glass;
+  return text + ", at " + readable_point(window.position);
+}
+
+void add_windows(const Scene& scene, Report& report) {
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < scene.windows.size(); ++i) {
+    const WindowSpec& window = scene.windows[i];
+    const std::string shape = get_text(scene, "windows[" + std::to_string(i) + "].shape");
+    const std::string name = window.name.empty() ? std::to_string(i + 1) : window.name;
+    report.add_text("window " + name, window_text(window, shape));
+    const Vec3 p = window.position;
+    list.push_back({{"name", window.name}, {"shape", shape}, {"position_m", {p.x, p.y, p.z}}});
+  }
+  report.add_json("windows", list);
+}
+
 /// An emission line, and what each channel sees of it; filters of cameras are a camera's own.
 std::string line_text(const Scene& scene, const LineSpec& spec) {
   const EmissionLine line = emission_line(spec);
@@ -235,6 +266,7 @@ void describe_scene(const std::string& path, const std::vector<std::string>& set
          {"position_m", {surface.position.x, surface.position.y, surface.position.z}}});
   }
   report.add_json("surfaces", surfaces);
+  add_windows(scene, report);
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const LightSpec& light = scene.lights[i];
     const std::string kind = get_text(scene, "lights[" + std::to_string(i) + "].kind");

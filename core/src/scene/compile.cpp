@@ -19,20 +19,46 @@
 namespace plenoflame {
 namespace {
 
-void warn_of_what_is_inside(const Scene& scene, const SurfaceScene& surfaces,
-                            const Execution& execution) {
-  const auto check = [&](Vec3 place, const std::string& what) {
-    const int around = surfaces.inside_of(place);
-    if (around >= 0)
-      execution.warn(what + " is inside of " + surface_name(scene.surfaces, around) +
-                     ", which hides everything else; move one of them");
-  };
-  check(scene.camera.position, camera_in_words(scene.camera));
+std::string flame_in_words(const Scene& scene, std::size_t index) {
+  const std::string& name = scene.flames[index].name;
+  return "flame " + (name.empty() ? std::to_string(index) : "\"" + name + "\"");
+}
+
+/// A solid surface around the camera is a room where the flames are in it, too; otherwise it hides
+/// them, which is no picture that anybody wants.
+void check_camera_outside(const CompiledScene& compiled, const PositionMap& positions,
+                          const Execution& execution) {
+  const Scene& scene = compiled.scene;
+  const int around = compiled.surfaces->inside_of(scene.camera.position);
+  if (around < 0) return;
+  const std::string text = camera_in_words(scene.camera) + " is inside of " +
+                           surface_name(scene.surfaces, around) + ", which hides ";
+  const SourcePosition place = positions.find(fmt::format("surfaces[{}].position", around));
+  for (std::size_t i = 0; i < compiled.flames.size(); ++i) {
+    if (!compiled.flames[i]) continue;
+    const Box box = compiled.flames[i]->bounds();
+    if (compiled.surfaces->inside_of(0.5 * (box.lower + box.upper)) == around) continue;
+    throw InputError(place, text + flame_in_words(scene, i) + "; move one of them");
+  }
+  if (compiled.flames.empty())
+    execution.warn(InputError(place, text + "everything else; move one of them").what());
+}
+
+void warn_of_lights_inside(const CompiledScene& compiled, const PositionMap& positions,
+                           const Execution& execution) {
+  const Scene& scene = compiled.scene;
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     const LightSpec& light = scene.lights[i];
-    if (light.kind == LightKind::point)
-      check(light.position,
-            light.name.empty() ? "light " + std::to_string(i) : "light \"" + light.name + "\"");
+    if (light.kind != LightKind::point) continue;
+    const int around = compiled.surfaces->inside_of(light.position);
+    if (around < 0) continue;
+    const std::string name =
+        light.name.empty() ? "light " + std::to_string(i) : "light \"" + light.name + "\"";
+    execution.warn(InputError(positions.find(fmt::format("lights[{}].position", i)),
+                              fmt::format("{} is inside of {}, which hides everything else; move "
+                                          "one of them",
+                                          name, surface_name(scene.surfaces, around)))
+                       .what());
   }
 }
 
@@ -251,11 +277,8 @@ void check_flames_beside_windows(const Scene& scene, const Media& flames,
         const double absorption = flames[f]->coefficients(point, emission.data());
         if (!(absorption > 0) && !(*std::max_element(emission.begin(), emission.end()) > 0))
           continue;
-        const FlameSpec& flame = scene.flames[f];
         throw InputError(positions.find("windows[" + std::to_string(w) + "].position"),
-                         window_name(scene.windows, w) + " stands in " +
-                             (flame.name.empty() ? "flame " + std::to_string(f)
-                                                 : "flame \"" + flame.name + "\"") +
+                         window_name(scene.windows, w) + " stands in " + flame_in_words(scene, f) +
                              ", whose light must not start within its glass; move one of them");
       }
     }
@@ -411,7 +434,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   CompiledScene compiled =
       compile_content(scene, std::move(camera), std::move(pupils), flames, nodes.sources,
                       nodes.emitters, execution, positions, earlier);
-  if (compiled.surfaces) warn_of_what_is_inside(scene, *compiled.surfaces, execution);
+  if (compiled.surfaces) {
+    check_camera_outside(compiled, positions, execution);
+    warn_of_lights_inside(compiled, positions, execution);
+  }
   check_surfaces_beside_windows(compiled, positions);
   compiled.mix = nodes.mix;
   compiled.part_mixes = nodes.part_mixes;

@@ -5,7 +5,9 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/optics/first_order.h"
 #include "plenoflame/optics/window_set.h"
+#include "plenoflame/scene/cameras.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {
@@ -59,7 +61,8 @@ bool check_shape(const WindowSpec& window, const std::string& path, const std::s
   return issues.errors() == before;
 }
 
-/// The main lens as the cylinder that holds it, in the world.
+/// The main lens as the cylinder that holds it, and as much of the camera behind it as there is at
+/// least, in the world: no image of what lies in front is nearer than a focal length.
 struct Barrel {
   explicit Barrel(const CameraSpec& camera) : vertex(camera.position) {
     axis = normalize(camera.look_direction);
@@ -72,14 +75,18 @@ struct Barrel {
       radius = i > 0 ? std::max(radius, half) : half;
       if (i + 1 < surfaces.size()) back += surfaces[i].thickness;
     }
+    const double behind = first_order(camera.lens).back_focal_distance;
+    body = back + (std::isfinite(behind) ? std::max(0.0, behind) : 0.0);
     if (!surfaces.empty())
       front = std::max(0.0, -sag(surfaces[0].radius, 0.5 * surfaces[0].diameter));
   }
   bool contains(Vec3 p) const {
     const Vec3 from = p - vertex;
     const double along = dot(from, axis);
-    return along <= front && along >= -back && length(from - along * axis) <= radius;
+    return along <= front && along >= -body && length(from - along * axis) <= radius;
   }
+  /// Whether a place in it is behind the lens.
+  bool is_behind(Vec3 p) const { return dot(p - vertex, axis) < -back; }
   std::vector<Vec3> points() const {
     constexpr int kRings = 24, kAround = 48, kAlong = 24;
     std::vector<Vec3> points;
@@ -89,32 +96,34 @@ struct Barrel {
         const Vec3 across = r * std::cos(turn) * right + r * std::sin(turn) * down;
         for (int i = 0; i <= kAlong; ++i) {
           if (ring < kRings && i > 0 && i < kAlong) continue;  // the cylinder's inside
-          points.push_back(vertex + (front - (front + back) * i / kAlong) * axis + across);
+          points.push_back(vertex + (front - (front + body) * i / kAlong) * axis + across);
         }
       }
     return points;
   }
 
   Vec3 vertex, axis, right, down;
-  double radius = 0, front = 0, back = 0;
+  double radius = 0, front = 0, back = 0, body = 0;
 };
 
 void check_camera_beside(const Scene& scene, const WindowSet& windows, Issues& issues) {
   const Barrel barrel(scene.camera);
   std::vector<bool> said(scene.windows.size());
-  const auto say = [&](std::size_t w) {
+  const auto say = [&](std::size_t w, Vec3 p) {
     if (said[w]) return;
     said[w] = true;
     issues.error(fmt::format("windows[{}].position", w),
-                 fmt::format("{} reaches into the camera's main lens; move one of them",
-                             window_name(scene.windows, w)));
+                 fmt::format("{} reaches into {}{}; move one of them",
+                             window_name(scene.windows, w), camera_in_words(scene.camera),
+                             barrel.is_behind(p) ? ", behind its main lens" : "'s main lens"));
   };
   for (const Vec3 p : barrel.points())
-    if (const int w = windows.glass_at(p); w >= 0) say(static_cast<std::size_t>(w));
+    if (const int w = windows.glass_at(p); w >= 0) say(static_cast<std::size_t>(w), p);
   for (std::size_t w = 0; w < scene.windows.size(); ++w) {
     const std::vector<Vec3> points = windows.points_of(static_cast<int>(w));
-    if (std::any_of(points.begin(), points.end(), [&](Vec3 p) { return barrel.contains(p); }))
-      say(w);
+    const auto inside =
+        std::find_if(points.begin(), points.end(), [&](Vec3 p) { return barrel.contains(p); });
+    if (inside != points.end()) say(w, *inside);
   }
 }
 
