@@ -8,7 +8,7 @@
 
 namespace plenoflame::cli {
 
-/// What a scene is rendered for.
+/// The picture that a scene is rendered for.
 struct SceneUse {
   std::size_t view = 0;  ///< number of the camera whose pictures follow each other
   double begin = 0;      ///< [s] of the exposure
@@ -32,7 +32,7 @@ class CompiledScenes {
     SceneUse use;
     std::unique_ptr<const CompiledScene> compiled;
   };
-  /// Whether it is the newest of its view.
+  /// True for the newest of its view.
   bool is_last(std::size_t index) const;
   void drop();
 

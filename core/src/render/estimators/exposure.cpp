@@ -78,7 +78,7 @@ void add(const LightField& picture, double share, bool together, Film& sums) {
   }
 }
 
-/// Where the sums hold nothing no moment does.
+/// Tiles that the sums do not hold are dark in every moment.
 void put_mean(const Film& sums, LightField& picture) {
   const std::size_t channels = picture.channels.size();
   for (int t = 0; t < sums.tile_count(); ++t) {

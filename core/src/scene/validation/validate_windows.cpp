@@ -85,7 +85,7 @@ struct Barrel {
     const double along = dot(from, axis);
     return along <= front && along >= -body && length(from - along * axis) <= radius;
   }
-  /// Whether a place in it is behind the lens.
+  /// True for a place behind the lens.
   bool is_behind(Vec3 p) const { return dot(p - vertex, axis) < -back; }
   std::vector<Vec3> points() const {
     constexpr int kRings = 24, kAround = 48, kAlong = 24;
