@@ -125,7 +125,7 @@ class Surfaces(CommandTest):
         ball = "[[surfaces]]\nname = \"ball\"\nshape = \"sphere\"\nradius = \"20 cm\"\n"
         self.assertRegex(self.warning_of(ball + LAMP),
                          r"warning: a\.toml:\d+:\d+: the camera is inside of surface \"ball\", which hides everything else")
-        # Where there is a flame outside of it there would be no picture; a room around both is none of that.
+        # A flame outside of it would be hidden; a room around both hides nothing.
         flame = '[[flames]]\npreset = "paper-layered"\nposition = ["1 m", "0 m", "-29 mm"]\n'
         self.write("a.toml", CAMERA + ball + flame)
         self.fails(1, "render", "a.toml", "-o", "b.exr", "--samples", "2",

@@ -374,7 +374,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const double share = rendering_share(options.truth, settings);
   ExposureKeeping keeping;
   if (earlier && earlier->exposure) keeping.resume = &*earlier->exposure;
-  // What goes on with a state does not know the rays of a compiled camera.
+  // A state does not know the rays of a compiled camera.
   if (!settings.compiled)
     keeping.keep = [&](const ExposureState& exposure, const Film& current) {
       keeper.offer(exposure, current);

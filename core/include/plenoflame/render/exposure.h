@@ -10,7 +10,7 @@ namespace plenoflame {
 /// Compiles a scene of one moment; the result is wanted until the next call.
 using MomentCompiler = std::function<const CompiledScene&(const Scene&)>;
 
-/// How far an exposure of several moments has come, in figures.
+/// The figures of an exposure of several moments that is under way.
 struct ExposureProgress {
   int pass = 0;          ///< from 0: a target error may take several over all moments
   double target = 0;     ///< error of each moment in this pass; 0: a number of samples
@@ -26,20 +26,20 @@ struct ExposureProgress {
 /// An exposure that was stopped, to go on with as if there had been no break.
 struct ExposureState {
   ExposureProgress progress;
-  /// Of the moments that are done: for each channel the sum of share x flux [W], and with standard
-  /// errors, behind all of these, for each channel the variance [W^2]. One replicate.
+  /// Sums over the moments that are done: for each channel that of share x flux [W], and with
+  /// standard errors, behind all of these, for each channel the variance [W^2]. One replicate.
   Film sums;
-  /// Of each moment, what it is gone on with; without a window: nothing. With a target these are
+  /// The film with which each moment is gone on; without a window: none. With a target these are
   /// of this pass up to the moment in progress, of the pass before behind it.
   std::vector<Film> films;
 };
 
-/// How the state of an exposure of several moments is kept, and gone on with.
+/// Ways to keep the state of an exposure of several moments, and to go on with it.
 struct ExposureKeeping {
   /// Called as RenderSettings::checkpoint is, between moments too, and when the run is stopped.
   /// @param current stands for the film of the moment in progress in `state.films`
   std::function<void(const ExposureState& state, const Film& current)> keep = {};
-  /// Of the same moments and settings, but for a time limit. nullptr: from the beginning.
+  /// A state of the same moments and settings, but for a time limit. nullptr: from the beginning.
   const ExposureState* resume = nullptr;
 };
 
