@@ -59,18 +59,19 @@ double student_tail(double t, double freedom) {
   return regularised_beta(0.5 * freedom, 0.5, freedom / sum, t2 / sum);
 }
 
-double effective_pixels(double squares, double fourth, double pixels, double freedom) {
-  constexpr double kMost = 1e6;   // more change bounds by less than 0.2 %
-  constexpr double kCaution = 4;  // by trial
+double effective_pixels(double squares, double fourth, double eighth, double pixels,
+                        double freedom) {
+  constexpr double kMost = 1e6;  // more change bounds by less than 0.2 %
   // The ratio of unbiased estimates of (sum v)^2 and of sum v^2.
   const double estimate =
       std::clamp(squares * squares * (freedom + 2) / (freedom * fourth) - 2 / freedom, 1.0,
                  std::min(kMost, pixels));
-  // Relative variance of the squares of variances that were estimated from normal errors (moments
-  // of chi^2), over their degrees of freedom.
-  const double scatter = 8 * (freedom + 3) / (freedom * freedom * (freedom + 2));
-  const double unequal = std::max(0.0, 1 / estimate - 1 / pixels);
-  return std::max(1.0, estimate / (1 + kCaution * scatter * unequal));
+  // Squared standard error of sum v^2 over its square, as its terms show it, less the same for
+  // pixels alike with normal errors (moments of chi^2).
+  const double alike = (freedom + 4) * (freedom + 6) / (freedom * (freedom + 2) * pixels);
+  const double scatter = std::max(0.0, eighth / (fourth * fourth) - alike);
+  const double errors = 1 + 3 / freedom;  // by trial
+  return std::max(1.0, estimate / (1 + errors * std::sqrt(scatter)));
 }
 
 }  // namespace plenoflame

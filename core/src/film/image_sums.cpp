@@ -34,10 +34,10 @@ double total(const Lanes& lanes) {
 
 /// Over the pixels that are lit.
 struct LitSums {
-  Lanes squares{}, fourth{};  ///< of the standard errors
-  Lanes total{};              ///< of the flux
-  Lanes pixels{};             ///< that are lit
-  Lanes may_be{};             ///< that may be lit
+  Lanes squares{}, fourth{}, eighth{};  ///< of the standard errors
+  Lanes total{};                        ///< of the flux
+  Lanes pixels{};                       ///< that are lit
+  Lanes may_be{};                       ///< that may be lit
 };
 
 /// Pixels above `limit` are lit, those within two standard errors of it may be.
@@ -46,7 +46,9 @@ void add_lit(double flux, double error, double limit, std::size_t lane, LitSums&
   if (!(flux > limit)) return;
   const double square = error * error;
   sums.squares[lane] += square;
-  sums.fourth[lane] += square * square;
+  const double fourth = square * square;
+  sums.fourth[lane] += fourth;
+  sums.eighth[lane] += fourth * fourth;
   sums.total[lane] += flux;
   sums.pixels[lane] += 1;
 }
@@ -102,21 +104,26 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
     stated.bound = std::numeric_limits<double>::infinity();
     return stated;
   }
-  const double limit = kLitShare * static_cast<double>(largest_of(flux, parts, execution));
+  const auto largest = static_cast<double>(largest_of(flux, parts, execution));
+  if (!(largest > 0)) return stated;
+  // Eighth powers of the smallest errors would be 0. A power of two, so that no digit is lost.
+  const double unit = std::isfinite(largest) ? std::ldexp(1.0, -std::ilogb(largest)) : 1.0;
+  const double limit = unit * kLitShare * largest;
   struct {
-    double squares = 0, fourth = 0, total = 0, pixels = 0, may_be = 0;
+    double squares = 0, fourth = 0, eighth = 0, total = 0, pixels = 0, may_be = 0;
   } sums;
   for (const LitSums& part : of_parts<LitSums>(parts, execution, [&](const PixelWindow& window) {
          LitSums of_part{};
          // There is no scatter without flux.
          for_pixels(flux, window, [&](std::size_t lane, std::size_t i) {
-           add_lit(static_cast<double>(flux.pixels[i]),
-                   static_cast<double>(standard_error.pixels[i]), limit, lane, of_part);
+           add_lit(unit * static_cast<double>(flux.pixels[i]),
+                   unit * static_cast<double>(standard_error.pixels[i]), limit, lane, of_part);
          });
          return of_part;
        })) {
     sums.squares += total(part.squares);
     sums.fourth += total(part.fourth);
+    sums.eighth += total(part.eighth);
     sums.total += total(part.total);
     sums.pixels += total(part.pixels);
     sums.may_be += total(part.may_be);
@@ -129,7 +136,8 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
   // freedom (Welch-Satterthwaite).
   const double r = replicates;
-  const double freedom = effective_pixels(sums.squares, sums.fourth, sums.pixels, r - 1);
+  const double freedom =
+      effective_pixels(sums.squares, sums.fourth, sums.eighth, sums.pixels, r - 1);
   stated.bound = std::sqrt(sums.squares * sums.may_be *
                            f_quantile(kErrorConfidence, freedom, freedom * (r - 1))) /
                  sums.total;

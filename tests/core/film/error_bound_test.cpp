@@ -143,6 +143,39 @@ TEST(ErrorBound, OfPixelsWhoseErrorsAreUnequal) {
   }
 }
 
+// Errors of pictures differ from pixel to pixel by factors, with a long tail: logarithms that are
+// normal.
+TEST(ErrorBound, OfPixelsWithALongTailOfErrors) {
+  constexpr int kPixels = 600, kFewerRuns = 3000;
+  std::vector<double> logs(kPixels);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  for (double& log : logs) log = normal(random);
+  for (const double spread : {0.5, 1.0})
+    for (const int replicates : {2, 4, 8}) {
+      std::vector<double> sigmas;
+      for (const double log : logs) sigmas.push_back(std::exp(spread * log));
+      const Bounds bounds = bounds_of(sigmas, replicates, kFewerRuns);
+      EXPECT_GT(bounds.share_below, 0.93) << spread << ", " << replicates << " replicates";
+      EXPECT_LT(bounds.width, 1.6) << spread << ", " << replicates << " replicates";
+    }
+}
+
+TEST(ErrorBound, DoesNotDependOnTheUnit) {
+  const auto stated = [](float unit) {
+    Image flux(8, 8, 50 * unit), error(8, 8, 0.5f * unit);
+    flux.at(3, 4) = 100 * unit;
+    error.at(3, 4) = 3 * unit;
+    error.at(5, 1) = 4 * unit;
+    return stated_error(flux, error, 2);
+  };
+  const StatedError expected = stated(1);
+  for (const float unit : {0x1p-140f, 0x1p-60f, 0x1p120f}) {
+    EXPECT_EQ(stated(unit).relative_rmse, expected.relative_rmse) << unit;
+    EXPECT_EQ(stated(unit).bound, expected.bound) << unit;
+  }
+}
+
 TEST(ErrorBound, WhatIsNotKnown) {
   Image flux(2, 1);
   EXPECT_EQ(stated_error(flux, Image(2, 1), 2).bound, 0);  // nothing lit
