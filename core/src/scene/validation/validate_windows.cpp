@@ -5,6 +5,7 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/optics/window_set.h"
 #include "scene/validation/issues.h"
 
@@ -72,8 +73,7 @@ struct Barrel {
       radius = i > 0 ? std::max(radius, half) : half;
       if (i + 1 < surfaces.size()) back += surfaces[i].thickness;
     }
-    if (!surfaces.empty())
-      front = std::max(0.0, -sag(surfaces[0].radius, 0.5 * surfaces[0].diameter));
+    if (!surfaces.empty()) front = reach_to_scene(surfaces[0]);
   }
   bool contains(Vec3 p) const {
     const Vec3 from = p - vertex;
