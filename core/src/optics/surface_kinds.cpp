@@ -113,9 +113,72 @@ KernelShape<Real> even_asphere_shape(const SurfaceSpec& surface, bool to_scene) 
   return shape;
 }
 
+// ---- biconics: cylinders, and surfaces of two radii ---------------------------------------------
+
+bool is_biconic(const SurfaceSpec& surface) {
+  return surface.radius_x != 0 || surface.radius_y != 0;
+}
+
+double biconic_sag(const SurfaceSpec& surface, Vec2 place) {
+  const double ax = place.x / surface.radius_x, ay = place.y / surface.radius_y;
+  const double inside =
+      held_inside(1 - (1 + surface.conic_x) * ax * ax - (1 + surface.conic_y) * ay * ay);
+  return (ax * place.x + ay * place.y) / (1 + std::sqrt(inside));
+}
+
+double section_height(double radius, double conic) {
+  return conic > -1 ? std::fabs(radius) / std::sqrt(1 + conic) : kInfinity;
+}
+
+double biconic_height(const SurfaceSpec& surface) {
+  return std::min(section_height(surface.radius_x, surface.conic_x),
+                  section_height(surface.radius_y, surface.conic_y));
+}
+
+double mean_radius(const SurfaceSpec& surface) {
+  return 2 / (1 / surface.radius_x + 1 / surface.radius_y);
+}
+
+Fault biconic_fault(const SurfaceSpec& surface) {
+  for (const char axis : {'x', 'y'})
+    if ((axis == 'x' ? surface.radius_x : surface.radius_y) == 0)
+      return SurfaceFault{
+          fmt::format("radius_{}", axis),
+          fmt::format("is biconic, but has no radius_{}; a cylinder has radius_{} = inf there",
+                      axis, axis)};
+  if (std::isfinite(surface.radius) || surface.conic != 0 || !surface.aspheric.empty())
+    return SurfaceFault{std::isfinite(surface.radius) ? "radius"
+                        : surface.conic != 0          ? "conic"
+                                                      : "aspheric",
+                        "is biconic: radius, conic and aspheric are of round surfaces; leave them "
+                        "out, or radius_x and radius_y"};
+  if (surface.diameter > 2 * biconic_height(surface))
+    return SurfaceFault{"diameter", fmt::format("has a diameter of {}, but its biconic ends at {}",
+                                                length_in_words(surface.diameter),
+                                                length_in_words(2 * biconic_height(surface)))};
+  return std::nullopt;
+}
+
+std::string biconic_radii(const SurfaceSpec& surface) {
+  return "x " + length_in_words(surface.radius_x) + ", y " + length_in_words(surface.radius_y);
+}
+
+template <class Real>
+KernelShape<Real> biconic_shape(const SurfaceSpec& surface, bool to_scene) {
+  const double sign = to_scene ? -1 : 1;
+  KernelShape<Real> shape{};
+  shape.kind = ShapeKind::biconic;
+  shape.biconic = {static_cast<Real>(sign / surface.radius_x),
+                   static_cast<Real>(sign / surface.radius_y), static_cast<Real>(surface.conic_x),
+                   static_cast<Real>(surface.conic_y), static_cast<Real>(1 / rim_square(surface))};
+  return shape;
+}
+
 // ---- the rows: a surface is of the first kind that it is one of ---------------------------------
 
 constexpr SurfaceKind kKinds[]{
+    {false, is_biconic, biconic_sag, biconic_height, mean_radius, biconic_fault, biconic_radii,
+     biconic_shape<float>, biconic_shape<double>},
     {true, is_even_asphere, round_sag, conic_height, own_radius, round_fault, no_words,
      even_asphere_shape<float>, even_asphere_shape<double>},
     {true, always, round_sag, conic_height, own_radius, round_fault, no_words, sphere_shape<float>,

@@ -9,6 +9,7 @@ namespace plenoflame {
 enum class ShapeKind : int {
   sphere,  ///< or a plane: met in closed form, without any of this
   even_asphere,
+  biconic,
 };
 
 inline constexpr int kAsphericTerms = 7;  ///< h^4 to h^16
@@ -25,12 +26,21 @@ struct KernelEvenAsphere {
   Real terms[kAsphericTerms];
 };
 
+/// A conic with curvatures of its own along x and y.
+template <class Real>
+struct KernelBiconic {
+  Real curvature_x, curvature_y;  ///< signs as that of KernelSurface
+  Real conic_x, conic_y;
+  Real inverse_height2;  ///< 1 / (height of the rim)^2
+};
+
 /// The shape of one surface. A union: kernels hold many of them, and each has one kind.
 template <class Real>
 struct KernelShape {
   ShapeKind kind;
   union {
     KernelEvenAsphere<Real> even_asphere;
+    KernelBiconic<Real> biconic;
   };
 };
 
@@ -67,6 +77,31 @@ PLENOFLAME_INLINE RoundPlace<Real> place_on(const KernelEvenAsphere<Real>& shape
   return {x, y, sag, slope, inside};
 }
 
+/// A place of a surface of any shape.
+template <class Real>
+struct SlopedPlace {
+  Real sag;
+  Real along_x, along_y;  ///< slopes of the sag
+  Real inside;            ///< under the root: above 0 where the surface is
+  Real rise(Real dx, Real dy) const { return along_x * dx + along_y * dy; }
+  Real slope_x() const { return along_x; }
+  Real slope_y() const { return along_y; }
+};
+
+/// sag = N / (1 + W), N = c_x x^2 + c_y y^2, W^2 = 1 - (1 + k_x) c_x^2 x^2 - (1 + k_y) c_y^2 y^2
+template <class Real>
+PLENOFLAME_INLINE SlopedPlace<Real> place_on(const KernelBiconic<Real>& shape, Real x, Real y) {
+  const Real ax = shape.curvature_x * x, ay = shape.curvature_y * y;
+  const Real bx = (Real(1) + shape.conic_x) * shape.curvature_x * ax,
+             by = (Real(1) + shape.conic_y) * shape.curvature_y * ay;
+  const Real inside = Real(1) - (bx * x + by * y);
+  const Real root = square_root(greatest(inside, Real(1e-6)));
+  const Real inverse = Real(1) / (Real(1) + root);
+  const Real sag = (ax * x + ay * y) * inverse, per_root = sag / root;
+  return {sag, (Real(2) * ax + per_root * bx) * inverse, (Real(2) * ay + per_root * by) * inverse,
+          inside};
+}
+
 /// Calls a function with the numbers of the shape's own kind.
 template <class Real, class Function>
 PLENOFLAME_INLINE void with_shape(const KernelShape<Real>& shape, Function function) {
@@ -75,6 +110,9 @@ PLENOFLAME_INLINE void with_shape(const KernelShape<Real>& shape, Function funct
       break;
     case ShapeKind::even_asphere:
       function(shape.even_asphere);
+      break;
+    case ShapeKind::biconic:
+      function(shape.biconic);
       break;
   }
 }

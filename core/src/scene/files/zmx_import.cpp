@@ -76,7 +76,21 @@ std::string even_shape(const Block& block, double unit, SurfaceSpec& surface) {
   return conic_shape(block, unit, surface);
 }
 
-constexpr Type kTypes[]{{"STANDARD", standard_shape}, {"EVENASPH", even_shape}};
+/// CURV and CONI are of y, PARM 1 and 2 radius and conic of x, 0 a plane; a plane has no conic.
+std::string biconic_shape(const Block& block, double unit, SurfaceSpec& surface) {
+  for (std::size_t i = 2; i < block.parameters.size(); ++i)
+    if (block.parameters[i] != 0)
+      return "PARM " + std::to_string(i + 1) + " on a biconic surface is not supported";
+  const bool curved_x = block.parameters[0] != 0, curved_y = block.curvature != 0;
+  surface.radius_x = curved_x ? unit * block.parameters[0] : kInfinity;
+  surface.radius_y = curved_y ? unit / block.curvature : kInfinity;
+  surface.conic_x = curved_x ? block.parameters[1] : 0;
+  surface.conic_y = curved_y ? block.conic : 0;
+  return {};
+}
+
+constexpr Type kTypes[]{
+    {"STANDARD", standard_shape}, {"EVENASPH", even_shape}, {"BICONICX", biconic_shape}};
 
 const Type* type_of(const std::string& name) {
   const auto type = std::find_if(std::begin(kTypes), std::end(kTypes),
