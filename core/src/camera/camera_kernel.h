@@ -3,7 +3,7 @@
 #pragma once
 
 #include "optics/kernel_types.h"
-#include "optics/surface_shapes.h"
+#include "optics/shape_kernel.h"
 
 namespace plenoflame {
 

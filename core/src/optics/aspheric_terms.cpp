@@ -1,7 +1,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "optics/surface_shapes.h"
+#include "optics/shape_kernel.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/surface_shape.h"
 

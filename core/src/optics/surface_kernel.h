@@ -4,7 +4,7 @@
 #pragma once
 #include "math/kernel_math.h"
 #include "optics/kernel_types.h"
-#include "optics/surface_shapes.h"
+#include "optics/shape_kernel.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "optics/surface_shapes.h"
+#include "optics/shape_kernel.h"
 #include "plenoflame/scene/main_lens_spec.h"
 
 namespace plenoflame {

@@ -64,13 +64,13 @@ Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
   return outline;
 }
 
-constexpr int kTurns = 12;
+constexpr int kBareTurns = 12;
 
 /// The azimuths at which a camera is looked at that is not alike all around.
 template <class Function>
 void for_turns(double offset, const Function& function) {
-  for (int k = 0; k < kTurns; ++k) {
-    const double angle = 2 * constants::pi * (k + offset) / kTurns;
+  for (int k = 0; k < kBareTurns; ++k) {
+    const double angle = 2 * constants::pi * (k + offset) / kBareTurns;
     function(Vec2{std::cos(angle), std::sin(angle)});
   }
 }

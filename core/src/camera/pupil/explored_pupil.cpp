@@ -12,15 +12,15 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kBlocks = 128;        ///< of rays between two nodes, all over where light may be
-constexpr int kEdgeBlocks = 64;     ///< the same in a round that looks for the edge
-constexpr int kRaysTogether = 256;  ///< of one of these blocks: they share an azimuth
-constexpr int kMostRounds = 30;     ///< that look for the edge
-constexpr double kStill = 1.002;    ///< a round that finds no more than this is the last one
-constexpr double kEdgeRoom = 1.04;  ///< for rays that were not traced
-constexpr double kAngleRoom = 1.1;  ///< the same, of directions
-constexpr double kSteepest = 3;     ///< slope behind a microlens that is looked at
-constexpr double kFarther = 1.3;    ///< than paraxial optics says
+constexpr int kAllBlocks = 128;         ///< of rays between two nodes, all over where light may be
+constexpr int kRimBlocks = 64;          ///< the same in a round that looks for the edge
+constexpr int kExploredTogether = 256;  ///< of one of these blocks: they share an azimuth
+constexpr int kMostRounds = 30;         ///< that look for the edge
+constexpr double kStill = 1.002;        ///< a round that finds no more than this is the last one
+constexpr double kEdgeRoom = 1.04;      ///< for rays that were not traced
+constexpr double kAngleRoom = 1.1;      ///< the same, of directions
+constexpr double kSteepest = 3;         ///< slope behind a microlens that is looked at
+constexpr double kFarther = 1.3;        ///< than paraxial optics says
 
 /// The camera as seen from the microlenses of one type.
 class Explorer {
@@ -52,13 +52,13 @@ class Explorer {
   void explore(std::size_t i) {
     MisalignedPupilTracer tracer(camera_, type_);
     Found found;
-    SpreadPoints spread(i * (kBlocks + kMostRounds * kEdgeBlocks) * kRaysTogether);
-    for (int block = 0; block < kBlocks; ++block)
-      trace(tracer, spread, i, (block + 0.5) / kBlocks, 0, farthest_, block % 2 == 0, found);
+    SpreadPoints spread(i * (kAllBlocks + kMostRounds * kRimBlocks) * kExploredTogether);
+    for (int block = 0; block < kAllBlocks; ++block)
+      trace(tracer, spread, i, (block + 0.5) / kAllBlocks, 0, farthest_, block % 2 == 0, found);
     for (int round = 0; round < kMostRounds && found.reach > 0; ++round) {
       const double before = found.reach;
-      for (int block = 0; block < kEdgeBlocks; ++block)
-        trace(tracer, spread, i, (block + 0.5) / kEdgeBlocks, 0.8 * before, 1.25 * before, false,
+      for (int block = 0; block < kRimBlocks; ++block)
+        trace(tracer, spread, i, (block + 0.5) / kRimBlocks, 0.8 * before, 1.25 * before, false,
               found);
       if (found.reach <= kStill * before) break;
     }
@@ -108,7 +108,7 @@ class Explorer {
              double outer, bool dense, Found& found) {
     const double h = (static_cast<double>(i) + t) * table_.field_step;
     const Vec2 centre{outwards_ * h, 0};
-    requests_.resize(kRaysTogether);
+    requests_.resize(kExploredTogether);
     for (PupilTracer::Request& request : requests_) {
       spread.step();
       const double part = dense ? spread[0] * spread[0] : std::sqrt(spread[0]);

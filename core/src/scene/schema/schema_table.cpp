@@ -92,12 +92,7 @@ constexpr SchemaKey kRows[] = {
                                         kPure, within(1e6)),
     key<SURFACE, &SurfaceSpec::conic_y>("camera.lens.surfaces[].conic_y",
                                         "The same along camera y.", kPure, within(1e6)),
-    key<SURFACE, &SurfaceSpec::glass>(
-        "camera.lens.surfaces[].glass",
-        "Glass behind the surface, in place of `index`: a name of the catalogue (`N-BK7`), "
-        "`sellmeier B1 B2 B3 C1 C2 C3` (C in um^2), `abbe nd vd` or `constant n`. The index is "
-        "taken "
-        "at the centre of the first channel's band, or at the d line (587.6 nm)."),
+    kGlass,
 
     key<ARRAY, &ArraySpec::present>(
         "camera.array.present",
