@@ -70,9 +70,9 @@ class Lens(CommandTest):
         figures = self.json_of("design", "a.zmx", "-o", "b.toml", "--wavelength", "587.5618 nm")
         self.near(figures["focal_length_m"], 2 * 0.05 / 0.5168, 1e-6)
         lens = self.read("b.toml").decode()
-        self.assertIn('radius_x = "inf', lens)
+        self.assertIn('radius_x = "inf"', lens)
         self.assertIn('radius_y = "50 mm"', lens)
-        self.write("c.toml", lens.replace('radius_x = "inf', 'radius_x = "0'))
+        self.write("c.toml", lens.replace('radius_x = "inf"', 'radius_x = "0 m"'))
         self.fails(1, "design", "c.toml", mentions=["c.toml:", "radius_x", "inf"])
 
     def test_plots(self):
