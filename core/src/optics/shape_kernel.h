@@ -53,7 +53,7 @@ struct RoundPlace {
   Real sag;
   Real slope;   ///< d sag / d(h^2)
   Real inside;  ///< under the conic's root: above 0 where the conic is
-  /// Of the sag along a direction, per length.
+  /// Slope of the sag along a direction.
   Real rise(Real dx, Real dy) const { return Real(2) * slope * (x * dx + y * dy); }
   Real slope_x() const { return Real(2) * slope * x; }
   Real slope_y() const { return Real(2) * slope * y; }

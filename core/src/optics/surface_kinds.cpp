@@ -39,7 +39,7 @@ double rim_square(const SurfaceSpec& surface) {
   return bounded ? 0.25 * surface.diameter * surface.diameter : 1;
 }
 
-/// What is under the root of a sag; rounding may put the rim of a hemisphere beyond its edge.
+/// The number under the root of a sag; rounding may put the rim of a hemisphere beyond its edge.
 double held_inside(double inside) {
   return inside < 0 && inside > -1e-12 ? 0 : inside;
 }

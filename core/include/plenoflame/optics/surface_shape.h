@@ -31,7 +31,7 @@ double greatest_height(const SurfaceSpec& surface);
 /// the axis on, but for the height itself; of what is not round along many radii, with their ends.
 std::vector<Vec2> places_on(bool round, double height, int steps);
 
-/// How far the surface reaches in front of its vertex (towards the scene) within its clear diameter
+/// Reach of the surface in front of its vertex (towards the scene) within its clear diameter
 /// [m], at least 0.
 double reach_to_scene(const SurfaceSpec& surface);
 
