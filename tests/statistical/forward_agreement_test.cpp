@@ -61,6 +61,45 @@ TEST(ForwardAgreement, AsphericLens) {
   expect_agreement(small_scene(lens, large_array(Lattice::hexagonal, LensModel::real)));
 }
 
+/// The small scene's lens with a front of two radii, whose focal lengths differ by a third.
+MainLensSpec anamorphic() {
+  MainLensSpec lens = singlet();
+  SurfaceSpec& front = lens.surfaces[0];
+  front.radius = kInfinity;
+  front.radius_x = 0.24, front.radius_y = 0.45;
+  front.conic_x = -0.6;
+  return lens;
+}
+
+// Nothing is round, and pupils are not tabulated: with arrays of every kind, without, and where it
+// is mounted askew on top of that.
+TEST(ForwardAgreement, LensThatIsNotRound) {
+  expect_agreement(small_scene(anamorphic(), large_array(Lattice::hexagonal, LensModel::real)));
+  expect_agreement(small_scene(anamorphic(), large_array(Lattice::square, LensModel::ideal)));
+  expect_agreement(small_scene(anamorphic(), {}));
+  ArraySpec array = large_array(Lattice::square, LensModel::real);
+  array.aperture = ApertureShape::square;
+  array.diameter *= 0.7;
+  array.opaque_between = false;
+  array.tilt = {0.05, -0.03};
+  array.focal_jitter = 0.08;
+  Scene scene = small_scene(anamorphic(), array);
+  scene.camera.lens.decentre = {0.6e-3, -0.9e-3};
+  scene.camera.lens.tilt = {0.004, 0.006};
+  expect_agreement(scene);
+}
+
+// A cylinder alone behind the stop, which is in front: rays of one section go straight on.
+TEST(ForwardAgreement, Cylinder) {
+  MainLensSpec lens = singlet();
+  lens.surfaces = {{kInfinity, 0.01, 1, 0.06, true},
+                   {kInfinity, 0.02426, 1.5, 0.12, false},
+                   {-0.3, 0, 1, 0.12, false}};
+  lens.surfaces[1].radius_x = kInfinity;
+  lens.surfaces[1].radius_y = 0.3;
+  expect_agreement(small_scene(lens, large_array(Lattice::square, LensModel::real)));
+}
+
 TEST(ForwardAgreement, SquareArray) {
   expect_agreement(small_scene(singlet(), large_array(Lattice::square, LensModel::real)));
 }

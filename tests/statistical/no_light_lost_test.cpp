@@ -94,6 +94,16 @@ CameraSpec with_oblong_pixels(CameraSpec camera, double width, double height) {
   return camera;
 }
 
+/// The camera with a front surface that is no more round, nor any longer a sphere: of 0.85 and 1.25
+/// times its radius along x and y.
+CameraSpec with_anamorphic_front(CameraSpec camera) {
+  SurfaceSpec& front = camera.lens.surfaces.front();
+  front.radius_x = 0.85 * front.radius, front.radius_y = 1.25 * front.radius;
+  front.conic_x = -0.5;
+  front.radius = std::numeric_limits<double>::infinity();
+  return camera;
+}
+
 std::vector<Case> cases() {
   std::vector<Case> all;
   for (const double field : kFields) {
@@ -105,6 +115,11 @@ std::vector<Case> cases() {
     all.push_back({"ideal lens", with_models(paper, LensModel::ideal, LensModel::real), field});
     all.push_back({"no array", bare_camera(), field});
     all.push_back({"thick microlenses", thick_microlenses(), field});
+    all.push_back({"anamorphic", with_anamorphic_front(paper), field});
+    all.push_back({"anamorphic, ideal array",
+                   with_models(with_anamorphic_front(paper), LensModel::real, LensModel::ideal),
+                   field});
+    all.push_back({"anamorphic, no array", with_anamorphic_front(bare_camera()), field});
     all.push_back({"hexagonal microlenses", hexagonal_microlenses(), field});
     all.push_back({"rectangular microlenses", rectangular_microlenses(), field});
     all.push_back({"high pixels", with_oblong_pixels(paper, 0.9, 1.8), field});

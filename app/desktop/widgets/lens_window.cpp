@@ -12,6 +12,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "widgets/plot_widget.h"
 
@@ -77,12 +78,18 @@ void LensTable::fill() {
       if (!editable) item->setFlags(item->flags() & ~Qt::ItemIsEditable);
       table_->setItem(static_cast<int>(i), column, item);
     };
-    set(kRadius, std::isinf(s.radius) ? QString("inf") : length_cell(s.radius), true);
+    const QString radii = QString::fromStdString(radii_in_words(s));  // of what is not round
+    const bool round = radii.isEmpty();
+    set(kRadius,
+        !round                 ? radii
+        : std::isinf(s.radius) ? QString("inf")
+                               : length_cell(s.radius),
+        round);
     set(kThickness, length_cell(s.thickness), true);
     set(kGlass,
         s.glass.empty() ? QString::number(s.index, 'g', 7) : QString::fromStdString(s.glass), true);
     set(kSemiDiameter, length_cell(0.5 * s.diameter), true);
-    set(kConic, QString::number(s.conic, 'g', 6), true);
+    set(kConic, round ? QString::number(s.conic, 'g', 6) : QString(), round);
     set(kStop, s.stop ? tr("stop") : QString(), false);
   }
   filling_ = false;

@@ -240,12 +240,13 @@ void SectionView::draw_lens(QPainter& painter) {
     draw_stop(0, lens.diameter);
     return;
   }
-  const auto profile = [](const SurfaceSpec& surface, double z) {
+  const auto profile = [this](const SurfaceSpec& surface, double z) {
     std::vector<QPointF> points;
     const double half = std::min(0.5 * surface.diameter, greatest_height(surface));
     for (int i = -kArcPoints; i <= kArcPoints; ++i) {
       const double h = half * i / kArcPoints;
-      points.emplace_back(z - surface_sag(surface, std::fabs(h)), h);
+      const Vec2 place = horizontal_ ? Vec2{h, 0} : Vec2{0, -h};
+      points.emplace_back(z - surface_sag(surface, place), h);
     }
     return points;
   };

@@ -4,10 +4,9 @@
 #include <string>
 
 #include "base/isa_dispatch.h"
-#include "optics/asphere.h"
 #include "optics/reflection.h"
+#include "optics/surface_kinds.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -78,8 +77,7 @@ void set_main_lens(const Camera& camera, double reference, double anchor_z,
     const double curvature = -1.0 / surfaces[i].radius;
     out.surfaces[k] =
         kernel_surface<Real>(vertex - z, curvature, surfaces[i].diameter, before, behind);
-    out.aspheric[k] = is_aspheric(surfaces[i]);
-    if (out.aspheric[k]) out.aspheres[k] = kernel_asphere<Real>(surfaces[i], true);
+    out.shapes[k] = kernel_shape<Real>(surfaces[i], true);
     out.refracts[k] = curvature != 0 || before != behind;
     out.surface_number[k] = static_cast<int>(i);
     if (surfaces[i].stop) {

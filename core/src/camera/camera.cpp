@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "optics/reflection.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -108,6 +110,7 @@ Camera Camera::aligned() const {
   CameraSpec spec = spec_;
   spec.lens.distortion = {};
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
+  spec.lens = round_counterpart(std::move(spec.lens));
   spec.array.focal_jitter = 0;
   spec.focus.mode = FocusMode::distance;
   spec.focus.lens_distance = lens_distance_;
@@ -275,6 +278,7 @@ void Camera::place_lens() {
     throw InputError("camera.lens has no aperture stop; mark one surface with stop = true");
   if (lens.model == LensModel::real) {
     lens_ = LensSystem(lens.surfaces);
+    lens_is_round_ = is_round(lens);
     return;
   }
   ideal_.focal_length = f.focal_length;

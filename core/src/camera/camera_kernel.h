@@ -3,6 +3,7 @@
 #pragma once
 
 #include "optics/kernel_types.h"
+#include "optics/shape_kernel.h"
 
 namespace plenoflame {
 
@@ -30,8 +31,7 @@ struct KernelCamera {
   KernelIdealLens<Real> ideal;
   int surface_count;  ///< main lens, in the order of rays from the sensor
   KernelSurface<Real> surfaces[kMaxLensSurfaces];
-  KernelAsphere<Real> aspheres[kMaxLensSurfaces];
-  bool aspheric[kMaxLensSurfaces];       ///< whether the surface is one of these
+  KernelShape<Real> shapes[kMaxLensSurfaces];
   bool refracts[kMaxLensSurfaces];       ///< false: a plane without index step
   int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
   bool fresnel;                          ///< weights fall by what surfaces reflect

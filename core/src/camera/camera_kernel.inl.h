@@ -256,11 +256,10 @@ PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_
   turn_rays(lens.turn, true, lens_x, lens_y, lens.depth, padded, block, first);
 }
 
-/// The same for an asphere: all rays take one step of Newton's method after the other.
-template <class Real>
-PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
-                                    const KernelAsphere<Real>& asphere, int number, int count,
-                                    const KernelBlock<Real>& block) {
+/// Through a surface that is no sphere: all rays take one step of Newton's method after the other.
+template <class Shape, class Real>
+PLENOFLAME_INLINE void pass_shape(const KernelSurface<Real>& surface, const Shape& shape,
+                                  int number, int count, const KernelBlock<Real>& block) {
   Real* __restrict x = block.x;
   Real* __restrict y = block.y;
   Real* __restrict z = block.z;
@@ -269,14 +268,14 @@ PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
   Real* __restrict dz = block.dz;
   int* __restrict code = block.code;
   const KernelSurface<Real> c = surface;
-  const KernelAsphere<Real> a = asphere;
+  const Shape s = shape;
 #pragma omp simd
   for (int i = 0; i < count; ++i) go_to_vertex(c.gap, x[i], y[i], z[i], dx[i], dy[i], dz[i]);
-  for (int step = 0; step < kAsphereSteps; ++step) {
+  for (int step = 0; step < kShapeSteps; ++step) {
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
       Real px = x[i], py = y[i], pz = z[i];
-      approach_asphere(c.curvature, a, px, py, pz, dx[i], dy[i], dz[i]);
+      approach_shape(s, px, py, pz, dx[i], dy[i], dz[i]);
       x[i] = px;
       y[i] = py;
       z[i] = pz;
@@ -287,7 +286,7 @@ PLENOFLAME_INLINE void pass_asphere(const KernelSurface<Real>& surface,
   for (int i = 0; i < count; ++i) {
     Real vx = dx[i], vy = dy[i], vz = dz[i];
     int status = code[i];
-    leave_asphere(c, a, base, x[i], y[i], z[i], vx, vy, vz, status);
+    leave_shape(c, s, base, x[i], y[i], z[i], vx, vy, vz, status);
     dx[i] = vx;
     dy[i] = vy;
     dz[i] = vz;
@@ -400,9 +399,10 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
     Directions<Real> before;
     for (int s = 0; s < camera.surface_count; ++s) {
       if (camera.fresnel) before.keep(0, count, block);
-      if (camera.aspheric[s])
-        pass_asphere(camera.surfaces[s], camera.aspheres[s], camera.surface_number[s], count,
-                     block);
+      if (camera.shapes[s].kind != ShapeKind::sphere)
+        with_shape(camera.shapes[s], [&](const auto& shape) {
+          pass_shape(camera.surfaces[s], shape, camera.surface_number[s], count, block);
+        });
       else if (camera.refracts[s])
         pass_sphere(camera.surfaces[s], camera.surface_number[s], 0, count, block);
       else

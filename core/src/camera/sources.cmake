@@ -1,5 +1,5 @@
 list(APPEND core_kernels src/camera/camera_kernel.inl.h)
-list(APPEND core_sources src/camera/pupil/aperture_sides.cpp src/camera/microlens_aperture.cpp src/camera/pupil/pupil_filters.cpp src/camera/microlens_lattice.cpp src/camera/camera.cpp src/camera/trace_from_scene.cpp src/camera/lens_distortion.cpp
+list(APPEND core_sources src/camera/pupil/aperture_discs.cpp src/camera/pupil/aperture_sides.cpp src/camera/pupil/explored_pupil.cpp src/camera/microlens_aperture.cpp src/camera/pupil/pupil_filters.cpp src/camera/microlens_lattice.cpp src/camera/camera.cpp src/camera/trace_from_scene.cpp src/camera/lens_distortion.cpp
   src/camera/design/design.cpp src/camera/design/focus.cpp src/camera/pupil/pupil_sampling.cpp src/camera/pupil/pupil_field.cpp
   src/camera/pupil/bare_pupil.cpp src/camera/pupil/passing_edge.cpp src/camera/design/resolution.cpp
   src/camera/design/array_solver.cpp src/camera/block_tracing.cpp src/camera/pupil/pupil_cut.cpp

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/design.h"
 #include "plenoflame/camera/pupil_sampling.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -41,11 +43,21 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
   return total;
 }
 
+/// Array and sensor stand where those of the camera do, whatever the lens.
+CameraSpec in_place(CameraSpec spec, const Camera& camera) {
+  spec.focus.mode = FocusMode::distance;
+  spec.focus.lens_distance = camera.lens_distance();
+  spec.array.sensor_distance = camera.array_back() - camera.sensor();
+  spec.array.measured_from = ArrayReference::vertex;
+  return spec;
+}
+
 /// The camera with a single microlens of one type that stands at (h, 0), everything else in place.
 CameraSpec single_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
   spec.lens.distortion = {};
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
+  spec.lens = round_counterpart(std::move(spec.lens));
   spec.array.focal_jitter = 0;
   spec.array.types = {spec.array.types[type]};
   // The white image is taken to be alike all around the axis: that of a circle of the same area.
@@ -54,11 +66,7 @@ CameraSpec single_type(const Camera& camera, std::size_t type) {
     spec.array.diameter = 2 * std::sqrt(aperture.area() / constants::pi);
   }
   spec.array.rotation = 0;
-  spec.focus.mode = FocusMode::distance;
-  spec.focus.lens_distance = camera.lens_distance();
-  spec.array.sensor_distance = camera.array_back() - camera.sensor();
-  spec.array.measured_from = ArrayReference::vertex;
-  return spec;
+  return in_place(std::move(spec), camera);
 }
 
 /// The same with wider apertures of the main lens, so that the rays at the rim of the stop get
@@ -67,7 +75,9 @@ CameraSpec opened(CameraSpec spec) {
   spec.lens.diameter *= 1.1;
   for (SurfaceSpec& surface : spec.lens.surfaces) {
     surface.diameter *= surface.stop ? 1.1 : 1.4;
-    if (std::isfinite(surface.radius))
+    if (!is_round(surface))
+      surface.diameter = std::min(surface.diameter, 1.99 * greatest_height(surface));
+    else if (std::isfinite(surface.radius))
       surface.diameter = std::min(surface.diameter, 1.99 * std::fabs(surface.radius));
   }
   return spec;
@@ -100,7 +110,12 @@ void check_raw_image(const LightField& light_field, const CameraSpec& camera,
 MicroImages::MicroImages(const Camera& camera, bool white, const Execution& execution)
     : camera_(camera) {
   if (!camera.has_array()) throw InputError("a camera without microlens array has no micro-images");
-  const PupilSampling pupils(camera, execution);
+  const PupilSampling pupils(camera.lens_is_round() ? camera : camera.aligned(), execution);
+  if (!camera.lens_is_round()) {
+    CameraSpec spec = in_place(opened(camera.spec()), camera);
+    spec.lens.distortion = {};
+    open_ = std::make_shared<const Camera>(spec);
+  }
   const std::size_t types = pupils.tables().size();
   nodes_.resize(types);
   step_.resize(types);
@@ -118,7 +133,11 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
       node.radius = pupil.image_radius;
       const double h = static_cast<double>(i) * table.field_step;
       const Camera wide = at_distance(open, h);
-      fit_lines(wide, node);
+      const Vec2 lens = wide.lattice().centre({0, 0});
+      const auto lines =
+          fit_lines(wide, {0, 0}, lens, {lens.x + node.centre, 0}, node.radius, {1, 0});
+      node.dark = !lines;
+      if (lines) node.line = *lines;
       if (const auto stop = wide.at_stop({h + node.centre, 0}, LensIndex{})) node.stop = stop->x;
       if (white && !node.dark) fill_white(at_distance(own, h), node, pupil.outer_radius);
     });
@@ -131,8 +150,12 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
   spacing_ = std::min(length(place({1, 0}).centre - here), length(place({0, 1}).centre - here));
 }
 
-void MicroImages::fit_lines(const Camera& open, Node& node) const {
-  const Vec2 lens = open.lattice().centre({0, 0});
+/// The lines of the chief rays of a micro-image, in the frame of the main lens, along and across
+/// `outwards`. @param aim the middle of the microlens @return none where too little gets through
+std::optional<MicroImages::Lines> MicroImages::fit_lines(const Camera& open, LensIndex lens,
+                                                         Vec2 aim, Vec2 centre, double radius,
+                                                         Vec2 outwards) {
+  const RigidTransform to_lens = open.lens_pose().inverse();
   std::vector<std::array<double, kTerms>> rows;
   std::vector<std::array<double, 4>> values;
   for (int ring = 0; ring <= 5; ++ring) {
@@ -140,19 +163,19 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
     for (int k = 0; k < count; ++k) {
       const double angle = 2 * constants::pi * (k + 0.5 * (ring % 2)) / count;
       const Vec2 p{0.2 * ring * std::cos(angle), 0.2 * ring * std::sin(angle)};
-      const Vec2 s{lens.x + node.centre + node.radius * p.x, node.radius * p.y};
-      const Camera::Path path = open.trace(s, LensIndex{0, 0}, lens);
+      const Camera::Path path = open.trace(centre + to_camera(radius * p, outwards), lens, aim);
       if (path.status.status != RayStatus::reached) continue;
-      const Vec3 d = path.exit.direction, o = path.exit.origin;
+      const bool moved = open.lens_moved();
+      const Vec3 d = moved ? to_lens.direction(path.exit.direction) : path.exit.direction,
+                 o = moved ? to_lens.point(path.exit.origin) : path.exit.origin;
       const Vec2 slope{d.x / d.z, d.y / d.z};
+      const Vec2 start = to_local({o.x - o.z * slope.x, o.y - o.z * slope.y}, outwards),
+                 turned = to_local(slope, outwards);
       rows.push_back(monomials(p));
-      values.push_back({o.x - o.z * slope.x, o.y - o.z * slope.y, slope.x, slope.y});
+      values.push_back({start.x, start.y, turned.x, turned.y});
     }
   }
-  if (rows.size() < 2 * kTerms) {  // too little of the stop is left to say where rays go
-    node.dark = true;
-    return;
-  }
+  if (rows.size() < 2 * kTerms) return std::nullopt;  // too little to say where rays go
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::MatrixXd a(n, static_cast<Eigen::Index>(kTerms)), b(n, 4);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -162,9 +185,11 @@ void MicroImages::fit_lines(const Camera& open, Node& node) const {
       b(i, static_cast<Eigen::Index>(k)) = values[static_cast<std::size_t>(i)][k];
   }
   const Eigen::MatrixXd x = a.colPivHouseholderQr().solve(b);
+  Lines lines{};
   for (std::size_t k = 0; k < 4; ++k)
     for (std::size_t t = 0; t < kTerms; ++t)
-      node.line[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
+      lines[k][t] = x(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k));
+  return lines;
 }
 
 /// Finds every centre by itself, for microlenses that differ at one distance from the axis.
@@ -267,14 +292,23 @@ MicroImages::Place MicroImages::aligned_place(LensIndex lens) const {
   return place;
 }
 
-std::array<double, 21> MicroImages::mixed(const Place& place, std::size_t which) const {
+/// Mixed between the tables' nodes; of a main lens that is not round, where no two micro-images
+/// need be alike, those of this one itself.
+MicroImages::Lines MicroImages::lines_of(const Place& place) const {
+  if (open_) {
+    const Vec3 middle = open_->lens_place(place.lens);
+    if (const auto lines = fit_lines(*open_, place.lens, {middle.x, middle.y}, place.centre,
+                                     place.radius, place.outwards))
+      return *lines;
+  }
   const std::vector<Node>& nodes = nodes_[static_cast<std::size_t>(place.type)];
   const auto i = static_cast<std::size_t>(place.node);
   const double t = place.node - static_cast<double>(i);
-  std::array<double, kTerms> c{};
-  for (std::size_t k = 0; k < kTerms; ++k)
-    c[k] = (1 - t) * nodes[i].line[which][k] + t * nodes[i + 1].line[which][k];
-  return c;
+  Lines lines{};
+  for (std::size_t which = 0; which < lines.size(); ++which)
+    for (std::size_t k = 0; k < kTerms; ++k)
+      lines[which][k] = (1 - t) * nodes[i].line[which][k] + t * nodes[i + 1].line[which][k];
+  return lines;
 }
 
 void MicroImages::look_through(const std::vector<WindowSpec>& windows) {
@@ -293,16 +327,17 @@ MicroImages::ToPlane MicroImages::to_plane(const Place& place, double depth) con
     plane.depth_ = depth;
     ToPlane& second = plane.second_.emplace_back();
     second.place_ = place;
-    set_plane(place, 0, plane);
-    set_plane(place, 1, second);
+    const Lines lines = lines_of(place);
+    set_plane(place, lines, 0, plane);
+    set_plane(place, lines, 1, second);
     return plane;
   }
-  set_plane(place, depth, plane);
+  set_plane(place, lines_of(place), depth, plane);
   return plane;
 }
 
-void MicroImages::set_plane(const Place& place, double depth, ToPlane& plane) const {
-  const auto x0 = mixed(place, 0), y0 = mixed(place, 1), x1 = mixed(place, 2), y1 = mixed(place, 3);
+void MicroImages::set_plane(const Place& place, const Lines& lines, double depth, ToPlane& plane) {
+  const auto& [x0, y0, x1, y1] = lines;
   for (std::size_t k = 0; k < kTerms; ++k) {
     const double along = x0[k] + depth * x1[k], across = y0[k] + depth * y1[k];
     const Vec2 c = to_camera({along, across}, place.outwards);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "plenoflame/optics/surface_shape.h"
+
 namespace plenoflame {
 namespace {
 
@@ -28,7 +30,7 @@ Abcd matrix(const std::vector<SurfaceSpec>& surfaces, std::size_t first, std::si
   Abcd m;
   for (std::size_t i = first; i <= last; ++i) {
     const double before = i > 0 ? surfaces[i - 1].index : 1.0;
-    m = after(m, refraction(before, surfaces[i].index, surfaces[i].radius));
+    m = after(m, refraction(before, surfaces[i].index, paraxial_radius(surfaces[i])));
     if (i < last) m = after(m, transfer(surfaces[i].thickness, surfaces[i].index));
   }
   return m;

@@ -15,19 +15,6 @@ struct KernelSurface {
   Real one_minus_mu2;  ///< (n' - n)(n' + n) / n'^2: exact for the smallest index steps
 };
 
-inline constexpr int kAsphericTerms = 7;  ///< h^4 to h^16
-
-/// The difference of a surface from the sphere of its curvature. Heights count in units of the
-/// rim's height: coefficients per metre to the 15th would leave the range of single precision.
-template <class Real>
-struct KernelAsphere {
-  Real conic;            ///< 0: sphere, -1: paraboloid
-  Real inverse_height2;  ///< 1 / (height of the rim)^2
-  /// Sag along the direction of propagation [m]: terms[i] * (h / rim)^(4 + 2 i).
-  Real terms[kAsphericTerms];
-};
-inline constexpr int kAsphereSteps = 8;  ///< of Newton's method
-
 /// The coating by which a surface reflects: a single layer between the two media.
 template <class Real>
 struct KernelCoating {

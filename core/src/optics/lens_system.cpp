@@ -4,10 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "optics/asphere.h"
 #include "optics/reflection.h"
 #include "optics/surface_kernel.h"
-#include "plenoflame/optics/surface_shape.h"
+#include "optics/surface_kinds.h"
 
 namespace plenoflame {
 
@@ -66,9 +65,9 @@ TraceStatus LensSystem::trace(Ray& ray, bool to_scene, std::vector<Vec3>* path,
     double z = sign * (p.z - vertex);
     int code = 0;
     const Vec3 d_before = d;
-    if (is_aspheric(surface))
-      scalar::refract_at_asphere(kernel, kernel_asphere<double>(surface, to_scene), 4 * i, p.x, p.y,
-                                 z, d.x, d.y, d.z, code);
+    const KernelShape<double> shape = kernel_shape<double>(surface, to_scene);
+    if (shape.kind != ShapeKind::sphere)
+      scalar::refract_at_shape(kernel, shape, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
     else
       scalar::refract_at(kernel, 4 * i, p.x, p.y, z, d.x, d.y, d.z, code);
     p.z = vertex + sign * z;

@@ -1,9 +1,10 @@
-// Intersection with, and refraction at, one spherical or plane surface: shared by the vector
-// kernels and the double path. Coordinates are relative to the surface's vertex, z along the
-// propagation.
+// Intersection with, and refraction at, one surface: shared by the vector kernels and the double
+// path. Spheres and planes are met in closed form, other shapes by Newton's method. Coordinates are
+// relative to the surface's vertex, z along the propagation.
 #pragma once
 #include "math/kernel_math.h"
 #include "optics/kernel_types.h"
+#include "optics/shape_kernel.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
 
@@ -62,26 +63,6 @@ PLENOFLAME_INLINE void refract_at(const KernelSurface<Real>& surface, int code_b
   refract(surface, code_base, x, y, z, cos_in, dx, dy, dz, code);
 }
 
-/// Sag of a conic with even aspheric terms at the height sqrt(h2), rotationally symmetric, along
-/// the direction of propagation:
-///     sag(h^2) = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2)) + sum of terms[i] (h / rim)^(4 + 2 i)
-/// @param slope d sag / d(h^2) @param inside what is under the root: above 0 where the conic is
-template <class Real>
-PLENOFLAME_INLINE void asphere_sag(Real c, const KernelAsphere<Real>& asphere, Real h2, Real& sag,
-                                   Real& slope, Real& inside) {
-  inside = Real(1) - (Real(1) + asphere.conic) * c * c * h2;
-  const Real root = square_root(greatest(inside, Real(1e-6)));
-  const Real v = h2 * asphere.inverse_height2;
-  Real sum = Real(0), derivative = Real(0);
-#pragma GCC unroll 7
-  for (int i = kAsphericTerms - 1; i >= 0; --i) {
-    derivative = derivative * v + Real(i + 2) * asphere.terms[i];
-    sum = sum * v + asphere.terms[i];
-  }
-  slope = derivative * v * asphere.inverse_height2 + Real(0.5) * c / root;
-  sag = sum * v * v + c / (Real(1) + root) * h2;
-}
-
 /// Moves the ray from the previous reference plane to the vertex plane.
 template <class Real>
 PLENOFLAME_INLINE void go_to_vertex(Real gap, Real& x, Real& y, Real& z, Real dx, Real dy,
@@ -93,25 +74,23 @@ PLENOFLAME_INLINE void go_to_vertex(Real gap, Real& x, Real& y, Real& z, Real dx
 }
 
 /// A step of Newton's method along the ray towards the surface.
-template <class Real>
-PLENOFLAME_INLINE void approach_asphere(Real c, const KernelAsphere<Real>& asphere, Real& x,
-                                        Real& y, Real& z, Real dx, Real dy, Real dz) {
-  Real sag, slope, inside;
-  asphere_sag(c, asphere, x * x + y * y, sag, slope, inside);
-  const Real t = (sag - z) / (dz - Real(2) * slope * (x * dx + y * dy));
+template <class Shape, class Real>
+PLENOFLAME_INLINE void approach_shape(const Shape& shape, Real& x, Real& y, Real& z, Real dx,
+                                      Real dy, Real dz) {
+  const auto place = place_on(shape, x, y);
+  const Real t = (place.sag - z) / (dz - place.rise(dx, dy));
   x += t * dx;
   y += t * dy;
   z += t * dz;
 }
 
 /// Tests aperture and refracts a ray that has arrived.
-template <class Real>
-PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
-                                     const KernelAsphere<Real>& asphere, int code_base, Real x,
-                                     Real y, Real z, Real& dx, Real& dy, Real& dz, int& code) {
-  Real sag, slope, inside;
-  asphere_sag(surface.curvature, asphere, x * x + y * y, sag, slope, inside);
-  const Real nx = Real(-2) * slope * x, ny = Real(-2) * slope * y;
+template <class Shape, class Real>
+PLENOFLAME_INLINE void leave_shape(const KernelSurface<Real>& surface, const Shape& shape,
+                                   int code_base, Real x, Real y, Real z, Real& dx, Real& dy,
+                                   Real& dz, int& code) {
+  const auto place = place_on(shape, x, y);
+  const Real nx = -place.slope_x(), ny = -place.slope_y();
   const Real normal = Real(1) / square_root(nx * nx + ny * ny + Real(1));
   const Real cos_in = (nx * dx + ny * dy + dz) * normal;
   const Real cos_out2 = surface.one_minus_mu2 + surface.mu * surface.mu * (cos_in * cos_in);
@@ -123,25 +102,25 @@ PLENOFLAME_INLINE void leave_asphere(const KernelSurface<Real>& surface,
   int failure = cos_out2 > Real(0) ? 0 : code_base + kCauseTotalReflection;
   failure = x * x + y * y <= surface.aperture2 ? failure : code_base + kCauseVignetted;
   // Without a crossing, the steps have led anywhere.
-  const Real off2 = (sag - z) * (sag - z) * asphere.inverse_height2;
-  failure = (inside > Real(1e-6)) & (cos_in > Real(0)) & (off2 < Real(1e-8))
+  const Real off2 = (place.sag - z) * (place.sag - z) * shape.inverse_height2;
+  failure = (place.inside > Real(1e-6)) & (cos_in > Real(0)) & (off2 < Real(1e-8))
                 ? failure
                 : code_base + kCauseMissed;
   code = code != 0 ? code : failure;
 }
 
-/// refract_at() for an asphere. The intersection is found by Newton's method along the ray from the
-/// vertex plane, with a fixed number of steps: the error squares with each, so that a surface whose
-/// slope at the ray is below one reaches the rounding of `double` in six.
+/// refract_at() for another shape than a sphere. The intersection is found by Newton's method along
+/// the ray from the vertex plane, with a fixed number of steps: the error squares with each, so
+/// that a surface whose slope at the ray is below one reaches the rounding of `double` in six.
 template <class Real>
-PLENOFLAME_INLINE void refract_at_asphere(const KernelSurface<Real>& surface,
-                                          const KernelAsphere<Real>& asphere, int code_base,
-                                          Real& x, Real& y, Real& z, Real& dx, Real& dy, Real& dz,
-                                          int& code) {
-  go_to_vertex(surface.gap, x, y, z, dx, dy, dz);
-  for (int step = 0; step < kAsphereSteps; ++step)
-    approach_asphere(surface.curvature, asphere, x, y, z, dx, dy, dz);
-  leave_asphere(surface, asphere, code_base, x, y, z, dx, dy, dz, code);
+PLENOFLAME_INLINE void refract_at_shape(const KernelSurface<Real>& surface,
+                                        const KernelShape<Real>& any_shape, int code_base, Real& x,
+                                        Real& y, Real& z, Real& dx, Real& dy, Real& dz, int& code) {
+  with_shape(any_shape, [&](const auto& shape) {
+    go_to_vertex(surface.gap, x, y, z, dx, dy, dz);
+    for (int step = 0; step < kShapeSteps; ++step) approach_shape(shape, x, y, z, dx, dy, dz);
+    leave_shape(surface, shape, code_base, x, y, z, dx, dy, dz, code);
+  });
 }
 
 /// A plane without refraction (the stop): only the aperture is tested.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -264,6 +265,19 @@ TEST(Misalignment, AsphericKernelsFollowTheDoublePath) {
   spec.lens.surfaces[0].conic = -0.8;
   spec.lens.surfaces[1].conic = 0.5;
   spec.lens.surfaces[1].aspheric = {1.2, 0, -900, 0, 0, 0, 1e9};
+  follow<double>(spec, 1e-12, 1e-12);
+  follow<float>(spec, 1e-5, 2e-6);
+}
+
+TEST(Misalignment, BiconicKernelsFollowTheDoublePath) {
+  CameraSpec spec = hexagonal();
+  SurfaceSpec& surface = spec.lens.surfaces[0];
+  surface.radius = std::numeric_limits<double>::infinity();
+  surface.radius_x = 0.25, surface.radius_y = 0.4;
+  surface.conic_x = -1.5, surface.conic_y = 0.7;
+  ASSERT_FALSE(Camera(spec).lens_is_round());
+  ASSERT_TRUE(Camera(spec).misaligned());
+  ASSERT_FALSE(Camera(spec).aligned().misaligned());
   follow<double>(spec, 1e-12, 1e-12);
   follow<float>(spec, 1e-5, 2e-6);
 }

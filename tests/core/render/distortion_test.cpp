@@ -2,11 +2,11 @@
 // out is seen.
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "core/render/estimators_agree.h"
+#include "core/render/left_out.h"
 #include "core/render/stream_picture.h"
-#include "support/approx.h"
 #include "support/small_scene.h"
 
 namespace plenoflame::test::distortion_test {
@@ -42,36 +42,12 @@ TEST_P(LensesWithDistortion, ThePictureIsAnother) {
 TEST_P(LensesWithDistortion, WhatIsLeftOutSeesNothing) {
   Scene scene = scene_with(GetParam());
   scene.flames[0].scale = 0.4;
-  const CompiledScene compiled = compile(scene);
-  RenderSettings settings;
-  settings.samples = 64;
-  settings.precision = Precision::double_precision;
-  const RenderResult left_out = render(compiled, settings);
-  settings.skip = false;
-  const RenderResult all = render(compiled, settings);
-  EXPECT_GT(left_out.statistics.flux, 0);
-  EXPECT_LT(left_out.statistics.rays, all.statistics.rays);
-  const auto& few = left_out.light_field.channels[0].flux.pixels;
-  const auto& every = all.light_field.channels[0].flux.pixels;
-  const auto largest = static_cast<double>(*std::max_element(every.begin(), every.end()));
-  for (std::size_t i = 0; i < every.size(); ++i)
-    EXPECT_TRUE(within(static_cast<double>(few[i]), static_cast<double>(every[i]), 1e-6, largest))
-        << i;
+  EXPECT_LT(expect_left_out_sees_nothing(compile(scene)), 1);
 }
 
 TEST_P(LensesWithDistortion, TheStreamOfRaysMakesThePicture) {
-  const CompiledScene scene = compile(scene_with(GetParam()));
-  RenderSettings settings;
-  settings.samples = 32;
-  settings.window = {0, 0, 60, 60};
-  const RenderResult picture = render(scene, settings);
-  const StreamPicture<double> stream(scene, settings, {}, RayStreamContent::radiance);
-  double apart = 0;
-  for (std::size_t i = 0; i < stream.flux(0).size(); ++i)
-    apart += std::fabs(stream.flux(0)[i] -
-                       static_cast<double>(picture.light_field.channels[0].flux.pixels[i]));
-  EXPECT_GT(picture.statistics.flux, 0);
-  EXPECT_LT(apart, 1e-5 * picture.statistics.flux);
+  expect_stream_makes_picture(compile(scene_with(GetParam())), {0, 0, 60, 60},
+                              {RayStreamContent::radiance});
 }
 
 INSTANTIATE_TEST_SUITE_P(Distortion, LensesWithDistortion, ::testing::Values(kBarrel, kCushion));

@@ -1,12 +1,14 @@
 #pragma once
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "plenoflame/render/ray_stream.h"
+#include "plenoflame/render/render.h"
 
 namespace plenoflame::test {
 
@@ -84,5 +86,25 @@ class StreamPicture {
   std::vector<std::vector<double>> sums_;          ///< of each channel, of each replicate
   std::vector<std::vector<double>> flux_, error_;  ///< of each channel
 };
+
+/// The streamed rays of a window make its picture, with radiance or without.
+inline void expect_stream_makes_picture(const CompiledScene& scene, const PixelWindow& window,
+                                        std::initializer_list<RayStreamContent> contents) {
+  RenderSettings settings;
+  settings.samples = 32;
+  settings.window = window;
+  const RenderResult picture = render(scene, settings);
+  for (const RayStreamContent content : contents) {
+    const StreamPicture<double> stream(scene, settings, {}, content);
+    double sum = 0, apart = 0;
+    for (std::size_t i = 0; i < stream.flux(0).size(); ++i) {
+      const auto flux = static_cast<double>(picture.light_field.channels[0].flux.pixels[i]);
+      sum += flux;
+      apart += std::fabs(stream.flux(0)[i] - flux);
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_LT(apart, 1e-5 * sum);
+  }
+}
 
 }  // namespace plenoflame::test

@@ -152,6 +152,40 @@ TEST(LensImport, Zemax) {
   EXPECT_TRUE(relative(first_order(file.lens).focal_length, 100.0009 * kMm, 1e-6));
 }
 
+// Zemax has y in CURV and CONI, x in PARM; 0 is a plane.
+TEST(LensImport, ZemaxBiconics) {
+  std::string text = kZmx;
+  const std::string from = "TYPE EVENASPH", parm = "PARM 2 1.5E-7\n  PARM 4 -2e-13";
+  text.replace(text.find(from), from.size(), "TYPE BICONICX");
+  text.replace(text.find("PARM 1 0\n"), 9, "PARM 1 -31.5\n");
+  text.replace(text.find(parm), parm.size(), "PARM 2 -1.25");
+  const SurfaceSpec biconic = import_zmx(text, "a.zmx").lens.surfaces[1];
+  EXPECT_TRUE(relative(biconic.radius_x, -31.5 * kMm, 1e-15));
+  EXPECT_EQ(biconic.conic_x, -1.25);
+  EXPECT_TRUE(relative(biconic.radius_y, kMm / -2.233289411974898E-02, 1e-15));
+  EXPECT_EQ(biconic.conic_y, -0.4);
+  EXPECT_TRUE(std::isinf(biconic.radius));
+  EXPECT_EQ(biconic.conic, 0);
+  EXPECT_FALSE(surface_fault(biconic).has_value());
+  // A cylinder: PARM 1 is 0, and so is no radius.
+  text.replace(text.find("PARM 1 -31.5\n"), 13, "PARM 1 0\n");
+  const SurfaceSpec cylinder = import_zmx(text, "a.zmx").lens.surfaces[1];
+  EXPECT_TRUE(std::isinf(cylinder.radius_x));
+  EXPECT_EQ(cylinder.conic_x, 0);
+  EXPECT_FALSE(surface_fault(cylinder).has_value());
+  // A flat one is the plane, in a round lens or not.
+  text.replace(text.find("CURV -2.233289411974898E-02"), 27, "CURV 0");
+  EXPECT_EQ(surface_sag(import_zmx(text, "a.zmx").lens.surfaces[1], {3 * kMm, 5 * kMm}), 0);
+  text.replace(text.find("PARM 2 -1.25"), 12, "PARM 3 0.5");
+  try {
+    import_zmx(text, "a.zmx");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("a.zmx:18: PARM 3 on a biconic"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(LensImport, ZemaxInUtf16) {
   std::string wide("\xFF\xFE", 2);
   for (const char* c = kZmx; *c; ++c) wide.append(1, *c).append(1, '\0');

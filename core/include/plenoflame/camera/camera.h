@@ -72,16 +72,20 @@ class Camera {
   const RigidTransform& lens_pose() const { return lens_pose_; }
   const RigidTransform& array_pose() const { return array_pose_; }
   bool lens_moved() const { return lens_moved_; }
+  /// Tells whether the main lens is rotationally symmetric about its axis.
+  bool lens_is_round() const { return lens_is_round_; }
   bool array_tilted() const { return array_tilted_; }
-  /// Tells whether microlenses at the same distance from the axis differ: a decentre, a tilt, or
-  /// focal jitter.
-  bool misaligned() const { return lens_moved_ || array_tilted_ || spec_.array.focal_jitter != 0; }
+  /// Tells whether microlenses at the same distance from the axis differ: a decentre, a tilt, focal
+  /// jitter, or a main lens that is not round.
+  bool misaligned() const {
+    return lens_moved_ || array_tilted_ || !lens_is_round_ || spec_.array.focal_jitter != 0;
+  }
   /// Distortion of the main lens, in its frame.
   const LensDistortion& distortion() const { return distortion_; }
   /// The same camera without distortion: light takes the same ways within it.
   Camera undistorted() const;
-  /// The same camera, mounted and made perfectly in this respect; rotation, offset, spacing and
-  /// centre jitter stay.
+  /// The same camera, mounted and made perfectly in this respect, with the round counterpart of its
+  /// main lens (surface_shape.h); rotation, offset, spacing and centre jitter stay.
   Camera aligned() const;
   /// The same camera with circles around its microlenses, which may overlap.
   Camera with_circles() const;
@@ -203,7 +207,7 @@ class Camera {
   PupilFilters pupil_filters_;
   LensDistortion distortion_;
   RigidTransform lens_pose_, array_pose_;
-  bool lens_moved_ = false, array_tilted_ = false;
+  bool lens_moved_ = false, array_tilted_ = false, lens_is_round_ = true;
   Vec2 foot_;
 };
 

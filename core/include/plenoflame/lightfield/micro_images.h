@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -161,13 +162,14 @@ class MicroImages {
   };
 
  private:
+  using Lines = std::array<std::array<double, 21>, 4>;
   struct Node {
     bool dark = true;
     double centre = 0, radius = 0;  ///< [m]
     double stop = 0;  ///< [m] from its middle, where the ray of the centre meets the stop
     /// Coefficients of the chief ray's x and y at z = 0 and its slopes, over the monomials of
     /// degree up to 5 in (s - centre) / radius.
-    std::array<std::array<double, 21>, 4> line{};
+    Lines line{};
     double white_half = 0;  ///< [m] half the side of the tables
     double reach = 0;       ///< [m] no light farther from the centre
     /// kWhiteSide x kWhiteSide, first axis fastest; one, or one for each angle of the pixels'
@@ -191,12 +193,15 @@ class MicroImages {
   void find_centres(const Execution& execution);
   Vec2 find_centre(LensIndex lens, double accuracy) const;
   Place aligned_place(LensIndex lens) const;
-  void set_plane(const Place& place, double depth, ToPlane& plane) const;
-  void fit_lines(const Camera& open, Node& node) const;
+  static void set_plane(const Place& place, const Lines& lines, double depth, ToPlane& plane);
+  static std::optional<Lines> fit_lines(const Camera& open, LensIndex lens, Vec2 aim, Vec2 centre,
+                                        double radius, Vec2 outwards);
+  Lines lines_of(const Place& place) const;
   void fill_white(const Camera& own, Node& node, double outer_radius) const;
-  std::array<double, 21> mixed(const Place& place, std::size_t which) const;
 
   Camera camera_;
+  /// With wider apertures, where its main lens is not round; nullptr: it is.
+  std::shared_ptr<const Camera> open_;
   std::shared_ptr<const WindowSet> windows_;  ///< nullptr: none
   Centres centres_;
   double spacing_ = 0, reach_ = 0;

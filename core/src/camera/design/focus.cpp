@@ -5,6 +5,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
+#include "plenoflame/optics/surface_shape.h"
 
 namespace plenoflame {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 constexpr int kFocusRays = 1000;
 constexpr double kWidestPupil = 0.65;  // of the paraxial diameter: no real pupil is wider
 constexpr int kEdgeHalvings = 50;
+constexpr double kGoldenAngle = 2.39996322972865332;  ///< [rad] Vogel's spiral: even over a disc
 
 }  // namespace
 
@@ -21,36 +23,50 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
   const LensSystem system(lens.surfaces);
 
   struct Behind {
-    double height, slope;  ///< at the last vertex, per distance towards the sensor
+    Vec2 place, slope;  ///< at the last vertex, per distance towards the sensor
   };
-  /// The axial object's ray through that height of the entrance pupil; none when it is stopped.
-  const auto through = [&](double height) -> std::optional<Behind> {
+  /// The axial object's ray through that place of the entrance pupil; none when it is stopped.
+  const auto through = [&](Vec2 place) -> std::optional<Behind> {
     Ray ray;
-    const Vec3 target{height, 0, -paraxial.entrance_pupil};
+    const Vec3 target{place.x, place.y, -paraxial.entrance_pupil};
     if (std::isinf(object_distance)) {
-      ray = {{height, 0, 1e-3 * paraxial.focal_length}, {0, 0, -1}};
+      ray = {{place.x, place.y, 1e-3 * paraxial.focal_length}, {0, 0, -1}};
     } else {
       const Vec3 object{0, 0, object_distance};
       ray = {object, normalize(target - object)};
       if (ray.direction.z >= 0) return std::nullopt;
     }
     if (system.trace_to_sensor(ray).status != RayStatus::reached) return std::nullopt;
-    const double slope = -ray.direction.x / ray.direction.z;
-    return Behind{ray.origin.x + slope * (ray.origin.z - system.vertices().back()), slope};
+    const Vec2 slope{-ray.direction.x / ray.direction.z, -ray.direction.y / ray.direction.z};
+    const double way = ray.origin.z - system.vertices().back();
+    return Behind{{ray.origin.x + slope.x * way, ray.origin.y + slope.y * way}, slope};
   };
 
-  // Real pupils differ from the paraxial one, so the edge is looked for.
-  double edge = 0, outside = kWidestPupil * paraxial.entrance_pupil_diameter;
-  for (int i = 0; i < kEdgeHalvings; ++i) {
-    const double middle = 0.5 * (edge + outside);
-    (through(middle) ? edge : outside) = middle;
-  }
+  // Real pupils differ from the paraxial one, so the edge is looked for: along x, which stands for
+  // all directions where the lens is round.
+  const bool round = is_round(lens);
+  const auto edge_along = [&](Vec2 direction) {
+    double edge = 0, outside = kWidestPupil * paraxial.entrance_pupil_diameter;
+    for (int i = 0; i < kEdgeHalvings; ++i) {
+      const double middle = 0.5 * (edge + outside);
+      (through(middle * direction) ? edge : outside) = middle;
+    }
+    return edge;
+  };
+  double edge = edge_along({1, 0});
+  if (!round) edge = std::max(edge, edge_along({0, 1}));
   double sum_hs = 0, sum_ss = 0;
   for (int i = 0; i < kFocusRays; ++i) {
-    const auto ray = through(edge * std::sqrt((i + 0.5) / kFocusRays));  // equal areas
+    const double height = edge * std::sqrt((i + 0.5) / kFocusRays);  // equal areas
+    const double turn = round ? 0 : i * kGoldenAngle;
+    const auto ray =
+        through(round ? Vec2{height, 0} : Vec2{height * std::cos(turn), height * std::sin(turn)});
     if (!ray) continue;
-    sum_hs += ray->height * ray->slope;
-    sum_ss += ray->slope * ray->slope;
+    sum_hs += ray->place.x * ray->slope.x;
+    sum_ss += ray->slope.x * ray->slope.x;
+    if (round) continue;
+    sum_hs += ray->place.y * ray->slope.y;
+    sum_ss += ray->slope.y * ray->slope.y;
   }
   if (!(sum_ss > 0))
     throw InputError(

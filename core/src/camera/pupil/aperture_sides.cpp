@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera/pupil/aperture_discs.h"
 #include "camera/pupil/passing_edge.h"
 #include "plenoflame/base/constants.h"
 
@@ -14,21 +15,6 @@ constexpr double kMeasuredSafety = 2e-3;  ///< the same where they were measured
 constexpr int kDistances = 5;             ///< of sensor points
 constexpr int kTurns = 16;                ///< around the axis
 constexpr double kOfTurn = 0.618034;      ///< by which the next distance's turns are moved on
-
-/// The type alone, its lens (0, 0) on the axis, upright.
-Camera of_type(const Camera& camera, int type) {
-  CameraSpec spec = camera.spec();
-  spec.array.types = {spec.array.types[static_cast<std::size_t>(type)]};
-  spec.array.offset = {0, 0};
-  spec.array.tilt = {};
-  spec.array.focal_jitter = 0;
-  spec.lens.decentre = spec.lens.tilt = {};
-  spec.focus.mode = FocusMode::distance;
-  spec.focus.lens_distance = camera.lens_distance();
-  spec.array.sensor_distance = camera.array_back() - camera.sensor();
-  spec.array.measured_from = ArrayReference::vertex;
-  return Camera(spec);
-}
 
 }  // namespace
 
@@ -52,7 +38,7 @@ ApertureSides fit_sides(const Camera& camera, int type, const PupilTable& table)
   double s_max = 0;
   for (const PupilNode& node : table.nodes)
     if (!node.dark()) s_max = std::max(s_max, std::fabs(node.centre) + 1.02 * node.outer_radius);
-  const Camera alone = of_type(camera, type);
+  const Camera alone = alone_on_axis(camera, type);
   const int far_face = alone.surface_count() - 2;
   std::array<double, MicrolensAperture::kMostPairs> near{}, far{};
   for (int distance = 0; distance <= kDistances; ++distance)

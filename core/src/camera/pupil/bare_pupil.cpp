@@ -52,21 +52,49 @@ Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
     outline.node.aim_radius =
         std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
     outline.edge.push_back(u);
-    if (camera.misaligned()) continue;
+    if (camera.misaligned() && camera.lens_is_round()) continue;  // only its edge is asked for
     // Zones of a lens focus at different distances: the edge's rays need not be the outermost.
     for (const double share : kZones) {
       const Vec2 within = inside + share * (u - inside);
-      const Camera::Path path = camera.trace({h, 0}, std::nullopt, within);
+      const Camera::Path path = camera.trace(camera.foot() + turned({h, 0}), std::nullopt,
+                                             camera.foot() + turned(within));
       if (path.status.status == RayStatus::reached) outline.rays.push_back(path.exit);
     }
   }
   return outline;
 }
 
+constexpr int kBareTurns = 12;
+
+/// The azimuths at which a camera is looked at that is not alike all around.
+template <class Function>
+void for_turns(double offset, const Function& function) {
+  for (int k = 0; k < kBareTurns; ++k) {
+    const double angle = 2 * constants::pi * (k + offset) / kBareTurns;
+    function(Vec2{std::cos(angle), std::sin(angle)});
+  }
+}
+
+/// One disc around the outlines at all azimuths.
+Outline trace_all_around(const Camera& camera, double h) {
+  Outline all{};
+  for_turns(0, [&](Vec2 turn) {
+    Outline outline = trace_bare_outline(camera, h, turn);
+    if (outline.node.dark()) return;
+    all.node.image_radius = kInfinity;
+    all.edge.insert(all.edge.end(), outline.edge.begin(), outline.edge.end());
+    all.rays.insert(all.rays.end(), outline.rays.begin(), outline.rays.end());
+  });
+  if (all.node.dark()) return all;
+  all.node.aim_centre = middle(all.edge).x;
+  for (const Vec2 u : all.edge)
+    all.node.aim_radius = std::max(all.node.aim_radius, length(u - Vec2{all.node.aim_centre, 0}));
+  return all;
+}
+
 }  // namespace
 
 PupilTable bare_table(const Camera& given) {
-  constexpr int kTurns = 12;
   const Camera camera = given.misaligned() ? given.aligned() : given;
   PupilTable table;
   const Vec2 pixel = camera.spec().sensor.pixel();
@@ -74,7 +102,9 @@ PupilTable bare_table(const Camera& given) {
   const auto nodes = static_cast<int>(field_nodes(camera, field));
   table.field_step = field / (nodes - 1);
   for (int i = 0; i < nodes; ++i) {
-    Outline outline = trace_bare_outline(camera, i * table.field_step);
+    const double h = i * table.field_step;
+    Outline outline =
+        given.lens_is_round() ? trace_bare_outline(camera, h) : trace_all_around(given, h);
     table.nodes.push_back(outline.node);
     table.edges.push_back(std::move(outline.rays));
   }
@@ -88,12 +118,9 @@ PupilTable bare_table(const Camera& given) {
       for (const Vec2 u : outline.edge)
         margin = std::max(margin, length(u - Vec2{node.aim_centre, 0}) - node.aim_radius);
     };
-    hold(trace_bare_outline(camera, h));
+    if (given.lens_is_round()) hold(trace_bare_outline(camera, h));
     if (!given.misaligned()) continue;
-    for (int k = 0; k < kTurns; ++k) {
-      const double angle = 2 * constants::pi * (k + 0.5 * (i % 2)) / kTurns;
-      hold(trace_bare_outline(given, h, {std::cos(angle), std::sin(angle)}));
-    }
+    for_turns(0.5 * (i % 2), [&](Vec2 turn) { hold(trace_bare_outline(given, h, turn)); });
   }
   for (PupilNode& node : table.nodes)
     if (node.aim_radius > 0) node.aim_radius += 1.5 * margin + kBareSafety * node.aim_radius;

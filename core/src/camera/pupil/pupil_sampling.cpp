@@ -8,8 +8,10 @@
 #include <tuple>
 #include <utility>
 
+#include "camera/pupil/aperture_discs.h"
 #include "camera/pupil/aperture_sides.h"
 #include "camera/pupil/bare_pupil.h"
+#include "camera/pupil/explored_pupil.h"
 #include "camera/pupil/passing_edge.h"
 #include "camera/pupil/pupil_field.h"
 #include "camera/pupil/pupil_outline.h"
@@ -21,17 +23,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kSafety = 0.001;       ///< of a radius, over the measured margin
-constexpr double kDiscSafety = 1.2e-3;  ///< the same for the microlens' far aperture
-constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is known exactly
-constexpr double kReach = 1.02;         ///< micro-images may still grow by less
-constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
-constexpr int kFitSteps = 4;            ///< of the fit of the far one
-constexpr double kTracedRoom = 1.3;     ///< what lacks at traced edges lacks more between them
-constexpr double kRimRoom = 0.5;        ///< of what traced rays exceed a rim by, for the others
-constexpr double kRimSafety = 2e-4;     ///< of the rim's radius, over that
-constexpr double kMostReach = 1.01;     ///< a series that is so far out is of no use
-constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
+constexpr double kSafety = 0.001;    ///< of a radius, over the measured margin
+constexpr double kReach = 1.02;      ///< micro-images may still grow by less
+constexpr double kRimRoom = 0.5;     ///< of what traced rays exceed a rim by, for the others
+constexpr double kRimSafety = 2e-4;  ///< of the rim's radius, over that
+constexpr double kMostReach = 1.01;  ///< a series that is so far out is of no use
 
 /// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
 class MicrolensTracer {
@@ -104,114 +100,11 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   return {};
 }
 
-/// The aim points that the microlens itself lets through, as seen from sensor points out to
-/// `s_max`; independent of the field.
-ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
-  ApertureDiscs discs;
-  const double own = 0.5 * camera.spec().array.diameter;
-  if (camera.ideal_array()) {
-    discs.radius = discs.near_radius = discs.bound = own * (1 + kDiscRounding);
-    return discs;
-  }
-  const int far_face = camera.surface_count() - 2;
-  /// The surface at which a ray ends; -1: it ends nowhere.
-  const auto last_surface = [&](double s, Vec2 u) {
-    const TraceStatus status = camera.trace({s, 0}, LensIndex{}, u).status;
-    return status.status == RayStatus::reached ? -1 : status.surface;
-  };
-  struct Edge {
-    double s;
-    Vec2 u;
-  };
-  std::vector<Edge> near, far, open;  // of the near face, of the far one, of what both leave
-  double ss = 0, us = 0, on_axis = 0;
-  for (int step = 0; step <= kDiscSteps; ++step) {
-    const double s = s_max * step / kDiscSteps;
-    const Passes passes_near = [&](Vec2 u) { return last_surface(s, u) <= far_face; };
-    const Passes passes_both = [&](Vec2 u) { return last_surface(s, u) < far_face; };
-    Vec2 inside{0, 0};
-    if ((step == 0 || step == kDiscSteps) && find_inside(passes_near, own, inside)) {
-      const std::vector<Vec2> edge = find_edge(passes_near, inside, 2.2 * own);
-      for (const Vec2 u : edge) near.push_back({s, u});
-      if (step == kDiscSteps) discs.near_shift = middle(edge).x / s;
-    }
-    if (!find_inside(passes_both, own, inside)) continue;
-    // Seen from the side, the edge turned away from s is the far face's, the other one the near
-    // face's. Light that only just passes the stop comes over the former.
-    double turned_away = kInfinity;
-    for (const Vec2 u : find_edge(passes_both, inside, 2.2 * own)) {
-      discs.bound = std::max(discs.bound, length(u));
-      turned_away = std::min(turned_away, u.x);
-      open.push_back({s, u});
-      if (passes_near(u + kBeyond * (u - inside))) far.push_back({s, u});
-    }
-    if (s == 0) on_axis = turned_away;
-    ss += s * s;
-    us += s * (turned_away - on_axis);
-  }
-  for (const Edge& edge : near)
-    discs.near_radius =
-        std::max(discs.near_radius, length(edge.u - Vec2{discs.near_shift * edge.s, 0}));
-  // Least squares over the edges, by Gauss and Newton's method.
-  discs.shift = ss > 0 ? us / ss : 0;
-  discs.radius = own;
-  for (int step = 0; step < kFitSteps && !far.empty(); ++step) {
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
-    for (const auto& [s, u] : far) {
-      const double part = s / s_max;
-      const Vec2 from = u - discs.far_centre({s, 0});
-      const double distance = length(from), cosine = from.x / distance;
-      const Eigen::Vector4d row{1, part * part, cosine * part, cosine * part * part * part};
-      normal += row * row.transpose();
-      right += (distance - discs.radius_at({s, 0})) * row;
-    }
-    const Eigen::Vector4d change = normal.completeOrthogonalDecomposition().solve(right);
-    discs.radius += change[0];
-    discs.growth += change[1] / (s_max * s_max);
-    discs.shift += change[2] / s_max;
-    discs.bend += change[3] / (s_max * s_max * s_max);
-  }
-  if (far.empty()) {
-    discs.radius = discs.near_radius;
-    discs.shift = discs.near_shift;
-  }
-  // Also where the near face is the limit: there the fit is a guess.
-  double lacking = 0;
-  for (const auto& [s, u] : open)
-    lacking = std::max(lacking, length(u - discs.far_centre({s, 0})) - discs.radius_at({s, 0}));
-  discs.radius += kTracedRoom * lacking;
-  discs.near_radius *= 1 + kDiscRounding;
-  discs.radius *= 1 + kDiscSafety;
-  discs.bound *= 1 + 2 * kDiscSafety;
-  return discs;
-}
-
 /// Fills in what the cuts say of a whole micro-image.
 void summarise(const PupilCuts& cuts, PupilNode& node) {
   node.outer_radius = 0;
   for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j)
     node.outer_radius = std::max(node.outer_radius, static_cast<double>(cuts.columns[j].closes));
-}
-
-/// Makes room in the discs of the apertures for what a tilt of the array and another focal length
-/// do to them: both move the far face's disc, as seen from s, like another s would; and a lens that
-/// stands nearer to the sensor, or farther from it, sees all of its points under another angle.
-void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
-  const ArraySpec& array = camera.spec().array;
-  const double tilt = std::tan(length(array.tilt));
-  const double gap = camera.aim_plane(0) - camera.sensor();
-  const double slope = std::fabs(discs.shift) + 3 * std::fabs(discs.bend) * s_max * s_max;
-  // Not nearer than a tenth of the gap: what goes through the sensor is refused (validate.h).
-  const double fall = std::min(tilt * (field_radius(camera) + field_shift(camera)), 0.9 * gap);
-  const double room =
-      1.2 * (slope * (tilt * gap + array.focal_jitter * s_max) + tilt * array.thickness +
-             (slope + std::fabs(discs.near_shift)) * s_max * fall / (gap - fall)) +
-      tilt * tilt * discs.bound;
-  discs.radius += room;
-  discs.near_radius += room;
-  discs.bound += room;
-  discs.room = room;
 }
 
 /// Widens the table of the aligned camera to hold the rays of the misaligned one, until it does.
@@ -359,6 +252,7 @@ class TableMaker {
 };
 
 std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& execution) {
+  if (!camera.lens_is_round()) return explored_tables(camera, execution);
   const Execution threads = execution.threads_only();
   std::vector<std::unique_ptr<TableMaker>> makers;
   for (std::size_t type = 0; type < camera.microlenses().size(); ++type)

@@ -18,19 +18,16 @@ ApertureCone::ApertureCone(const Camera& camera) {
   if (!camera.ideal_lens()) {
     const SurfaceSpec& first = camera.spec().lens.surfaces.front();
     const double height = 0.5 * first.diameter;
-    const double depth = surface_sag(first, height);  // of the rim behind the vertex
+    const double depth = surface_sag(first, {height, 0});  // of the rim behind the vertex
     // A cap up to a hemisphere lies within the sphere around the middle of its rim. Whether one of
-    // an asphere does is looked at.
+    // another shape does is looked at.
     centre_ = {0, 0, -depth};
     radius_ = std::max(height, std::fabs(depth));
-    front_ = std::max(0.0, -depth);
+    front_ = reach_to_scene(first);
     if (is_aspheric(first)) {
       constexpr int kSteps = 256;
-      for (int i = 0; i < kSteps; ++i) {
-        const double h = height * i / kSteps, sag = surface_sag(first, h);
-        radius_ = std::max(radius_, std::hypot(h, sag - depth));
-        front_ = std::max(front_, -sag);
-      }
+      for (const Vec2 place : places_on(is_round(first), height, kSteps))
+        radius_ = std::max(radius_, std::hypot(length(place), surface_sag(first, place) - depth));
       radius_ += height / kSteps;  // the slope is below one where rays get in
     }
     radius_ *= kSphereMargin;

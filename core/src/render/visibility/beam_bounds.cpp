@@ -20,7 +20,9 @@ constexpr int kAcross = 8;       ///< microlenses, or pixels without array, acro
 BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables,
                        const OccupiedRegion& region)
     : region_(&region) {
-  if (!region.bounded()) return;
+  // Edges in the tables are those of a lens that is alike all around.
+  everywhere_ = !region.bounded() || !camera.lens_is_round();
+  if (everywhere_) return;
   // Without array a beam belongs to a whole pixel, not to its centre.
   half_diagonal_ = camera.has_array() ? 0 : camera.spec().sensor.pixel_reach();
   misaligned_ = camera.misaligned();
@@ -119,7 +121,7 @@ bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) cons
 }
 
 Visibility BeamBounds::look(int table, Vec3 place) const {
-  if (!region_->bounded()) return Visibility::full;
+  if (everywhere_) return Visibility::full;
   if (!misaligned_) return look(table, {place.x, place.y}, 0);
   if (!std::isfinite(pupil_)) return Visibility::full;
   const Vec3 p = to_lens_.point(place);

@@ -21,7 +21,8 @@ enum class Visibility {
 /// A beam is what goes through a microlens' aperture and the main lens: its focal length does not
 /// matter. In a camera that is not aligned it is looked at in the frame of the main lens, from the
 /// place where the line to the middle of the exit pupil crosses the plane that the aperture would
-/// lie in; how far the aperture is out of that plane widens it.
+/// lie in; how far the aperture is out of that plane widens it. Behind a main lens that is not
+/// round nothing is known of beams: all may meet something.
 class BeamBounds {
  public:
   /// @param region kept, must live as long; @param tables of the camera's pupils
@@ -56,6 +57,7 @@ class BeamBounds {
   std::vector<FieldTable> fields_;
   Neighbourhoods around_;
   double half_diagonal_ = 0;  ///< [m] of a pixel, without array
+  bool everywhere_ = false;  ///< nothing is known, or no region bounded: all beams are looked along
   bool misaligned_ = false;
   RigidTransform to_lens_;   ///< from the camera's frame to that of the main lens
   double plane_ = 0;         ///< z of microlenses or sensor in the aligned camera [m]

@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "plenoflame/base/error.h"
@@ -45,6 +46,67 @@ struct Block {
   int glass_line = 0;
   bool stop = false;
 };
+
+/// A type of surface: fills in the shape. @return what cannot be read of it; empty: nothing
+struct Type {
+  const char* name;
+  std::string (*shape)(const Block&, double unit, SurfaceSpec&);
+};
+
+std::string conic_shape(const Block& block, double unit, SurfaceSpec& surface) {
+  surface.radius = block.curvature == 0 ? kInfinity : unit / block.curvature;
+  surface.conic = block.conic;
+  return {};
+}
+
+std::string standard_shape(const Block& block, double unit, SurfaceSpec& surface) {
+  for (const double value : block.parameters)
+    if (value != 0) return "PARM on a standard surface is not supported";
+  return conic_shape(block, unit, surface);
+}
+
+std::string even_shape(const Block& block, double unit, SurfaceSpec& surface) {
+  if (block.parameters[0] != 0)
+    return "the aspheric term of h^2 is not supported; put it into CURV";
+  for (std::size_t i = 1; i < block.parameters.size(); ++i) {
+    if (block.parameters[i] == 0) continue;
+    surface.aspheric.resize(i, 0);
+    surface.aspheric[i - 1] = block.parameters[i] / std::pow(unit, 2 * static_cast<double>(i) + 1);
+  }
+  return conic_shape(block, unit, surface);
+}
+
+/// CURV and CONI are of y, PARM 1 and 2 radius and conic of x, 0 a plane; a plane has no conic.
+std::string biconic_shape(const Block& block, double unit, SurfaceSpec& surface) {
+  for (std::size_t i = 2; i < block.parameters.size(); ++i)
+    if (block.parameters[i] != 0)
+      return "PARM " + std::to_string(i + 1) + " on a biconic surface is not supported";
+  const bool curved_x = block.parameters[0] != 0, curved_y = block.curvature != 0;
+  surface.radius_x = curved_x ? unit * block.parameters[0] : kInfinity;
+  surface.radius_y = curved_y ? unit / block.curvature : kInfinity;
+  surface.conic_x = curved_x ? block.parameters[1] : 0;
+  surface.conic_y = curved_y ? block.conic : 0;
+  return {};
+}
+
+constexpr Type kTypes[]{
+    {"STANDARD", standard_shape}, {"EVENASPH", even_shape}, {"BICONICX", biconic_shape}};
+
+const Type* type_of(const std::string& name) {
+  const auto type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                 [&](const Type& known) { return name == known.name; });
+  return type == std::end(kTypes) ? nullptr : type;
+}
+
+/// "STANDARD, EVENASPH and X".
+std::string known_types() {
+  std::string text;
+  for (const Type& type : kTypes) {
+    const bool last = &type == std::end(kTypes) - 1;
+    text.append(text.empty() ? "" : last ? " and " : ", ").append(type.name);
+  }
+  return text;
+}
 
 class Importer {
  public:
@@ -142,9 +204,9 @@ class Importer {
     const std::string& key = words[0];
     if (key == "TYPE") {
       block.type = words.size() > 1 ? words[1] : "";
-      if (block.type != "STANDARD" && block.type != "EVENASPH")
-        fail(line.number, "surface type " + quote_for_message(block.type) +
-                              " is not supported; STANDARD and EVENASPH are");
+      if (!type_of(block.type))
+        fail(line.number, "surface type " + quote_for_message(block.type) + " is not supported; " +
+                              known_types() + " are");
     } else if (key == "CURV") {
       block.curvature = number(line, 1);
     } else if (key == "DISZ") {
@@ -195,7 +257,6 @@ class Importer {
 
   void add(const Block& block, bool last) {
     SurfaceSpec surface;
-    surface.radius = block.curvature == 0 ? kInfinity : unit_ / block.curvature;
     if (!std::isfinite(block.thickness)) fail(block.line, "an infinite thickness within the lens");
     surface.thickness = last ? 0 : unit_ * block.thickness;
     if (last) file_.image_distance = unit_ * block.thickness;
@@ -204,18 +265,10 @@ class Importer {
     if (!(surface.diameter > 0))
       fail(block.line, "this surface has no clear aperture (DIAM or CLAP)");
     surface.stop = block.stop;
-    surface.conic = block.conic;
+    const std::string fault = type_of(block.type)->shape(block, unit_, surface);
     if (surface.diameter > 2 * greatest_height(surface))
       fail(block.line, "this surface is curved too much for its clear aperture");
-    const bool even = block.type == "EVENASPH";
-    for (std::size_t i = 0; i < block.parameters.size(); ++i) {
-      const double value = block.parameters[i];
-      if (value == 0) continue;
-      if (!even) fail(block.line, "PARM on a standard surface is not supported");
-      if (i == 0) fail(block.line, "the aspheric term of h^2 is not supported; put it into CURV");
-      surface.aspheric.resize(i, 0);
-      surface.aspheric[i - 1] = value / std::pow(unit_, 2 * static_cast<double>(i) + 1);
-    }
+    if (!fault.empty()) fail(block.line, fault);
     set_glass(block, surface);
     file_.lens.surfaces.push_back(std::move(surface));
   }

@@ -26,6 +26,12 @@ inline constexpr SchemaKey kAspheric{
           parse_aspheric(std::get<std::string>(value));
     }};
 
+inline constexpr SchemaKey kGlass = key<SURFACE, &SurfaceSpec::glass>(
+    "camera.lens.surfaces[].glass",
+    "Glass behind the surface, in place of `index`: a name of the catalogue (`N-BK7`), "
+    "`sellmeier B1 B2 B3 C1 C2 C3` (C in um^2), `abbe nd vd` or `constant n`. The index is taken "
+    "at the centre of the first channel's band, or at the d line (587.6 nm).");
+
 inline constexpr double kMostDistortion = 1e6;
 inline constexpr SchemaKey kDistortionK1 = key<DISTORTION, &DistortionSpec::k1>(
     "camera.lens.distortion.k1",

@@ -80,12 +80,19 @@ constexpr SchemaKey kRows[] = {
                                       "hyperboloid.",
                                       kPure, within(1e6)),
     kAspheric,
-    key<SURFACE, &SurfaceSpec::glass>(
-        "camera.lens.surfaces[].glass",
-        "Glass behind the surface, in place of `index`: a name of the catalogue (`N-BK7`), "
-        "`sellmeier B1 B2 B3 C1 C2 C3` (C in um^2), `abbe nd vd` or `constant n`. The index is "
-        "taken "
-        "at the centre of the first channel's band, or at the d line (587.6 nm)."),
+    key<SURFACE, &SurfaceSpec::radius_x>(
+        "camera.lens.surfaces[].radius_x",
+        "Of a biconic surface, in place of `radius`: that of its section along camera x. Given "
+        "with `radius_y`; `inf` in one of them makes a cylinder. 0 m: it is round.",
+        kLength),
+    key<SURFACE, &SurfaceSpec::radius_y>("camera.lens.surfaces[].radius_y",
+                                         "The same along camera y.", kLength),
+    key<SURFACE, &SurfaceSpec::conic_x>("camera.lens.surfaces[].conic_x",
+                                        "Conic constant along camera x of a biconic surface.",
+                                        kPure, within(1e6)),
+    key<SURFACE, &SurfaceSpec::conic_y>("camera.lens.surfaces[].conic_y",
+                                        "The same along camera y.", kPure, within(1e6)),
+    kGlass,
 
     key<ARRAY, &ArraySpec::present>(
         "camera.array.present",

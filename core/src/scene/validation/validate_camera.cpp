@@ -47,20 +47,20 @@ void check_orientation(const CameraSpec& camera, Issues& issues) {
 }
 
 /// Two surfaces that follow each other must not cross within the clear diameter of both. Between
-/// spheres the gap changes monotonically with the height, so its ends are enough; aspheric ones are
-/// looked at between them too.
+/// spheres the gap changes monotonically with the height, so its ends are enough; other surfaces
+/// are looked at between them too.
 void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& issues) {
   const SurfaceSpec& a = surfaces[i];
   const SurfaceSpec& b = surfaces[i + 1];
   double height = 0.5 * std::min(a.diameter, b.diameter);
-  const auto gap_at = [&](double h) { return a.thickness + surface_sag(b, h) - surface_sag(a, h); };
-  double gap = gap_at(height);
+  const auto gap_at = [&](Vec2 place) {
+    return a.thickness + surface_sag(b, place) - surface_sag(a, place);
+  };
+  double gap = gap_at({height, 0});
   if (is_aspheric(a) || is_aspheric(b)) {
     constexpr int kSteps = 32;
-    const double rim = height;
-    for (int k = 1; k < kSteps; ++k)
-      if (const double here = gap_at(rim * k / kSteps); here < gap)
-        gap = here, height = rim * k / kSteps;
+    for (const Vec2 place : places_on(is_round(a) && is_round(b), height, kSteps))
+      if (const double here = gap_at(place); here < gap) gap = here, height = length(place);
   }
   if (gap >= -kTouch * (a.thickness + height)) return;
   issues.error(fmt::format("camera.lens.surfaces[{}].thickness", i),
@@ -108,19 +108,16 @@ void check_lens(const MainLensSpec& lens, Issues& issues) {
   for (std::size_t i = 0; i < lens.surfaces.size(); ++i) {
     const SurfaceSpec& surface = lens.surfaces[i];
     if (surface.stop) stops.push_back(i);
-    if (surface.conic != 0 && surface.diameter > 2 * greatest_height(surface))
+    const std::string path = fmt::format("camera.lens.surfaces[{}].", i);
+    if (const auto fault = surface_fault(surface))
+      issues.error(path + fault->key,
+                   fmt::format("surface {} of the main lens {}", i, fault->text));
+    if (lens.model == LensModel::ideal && !is_round(surface))
       issues.error(
-          fmt::format("camera.lens.surfaces[{}].diameter", i),
-          fmt::format("surface {} of the main lens has a diameter of {}, but its conic ends at {}",
-                      i, short_length(surface.diameter),
-                      short_length(2 * greatest_height(surface))));
-    else if (surface.conic == 0 && surface.diameter > 2 * std::fabs(surface.radius))
-      issues.error(
-          fmt::format("camera.lens.surfaces[{}].diameter", i),
-          fmt::format("surface {} of the main lens has a diameter of {}, but a sphere of radius {} "
-                      "allows at most {}",
-                      i, short_length(surface.diameter), short_length(std::fabs(surface.radius)),
-                      short_length(2 * std::fabs(surface.radius))));
+          "camera.lens.model",
+          fmt::format("surface {} of the main lens is not round, and an ideal lens has one "
+                      "focal length; set camera.lens.model = \"real\"",
+                      i));
   }
   if (stops.empty())
     issues.error("camera.lens.surfaces",

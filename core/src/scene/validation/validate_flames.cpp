@@ -5,6 +5,7 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/first_order.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/cameras.h"
 #include "scene/files/nearest.h"
 #include "scene/validation/issues.h"
@@ -17,8 +18,7 @@ constexpr double kSuspiciousMaximum = 200;  // [K] no flame is that cold
 /// Reach of the camera in front of its front vertex: the rim of a concave front surface [m].
 double camera_front(const CameraSpec& camera) {
   if (camera.lens.surfaces.empty()) return 0;
-  const SurfaceSpec& first = camera.lens.surfaces.front();
-  return std::max(0.0, -sag(first.radius, 0.5 * first.diameter));
+  return reach_to_scene(camera.lens.surfaces.front());
 }
 
 /// @param nearest, farthest distance of the flame from the front vertex along the optical axis [m]

@@ -6,6 +6,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/first_order.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/optics/window_set.h"
 #include "plenoflame/scene/cameras.h"
 #include "scene/validation/issues.h"
@@ -77,8 +78,7 @@ struct Barrel {
     }
     const double behind = first_order(camera.lens).back_focal_distance;
     body = back + (std::isfinite(behind) ? std::max(0.0, behind) : 0.0);
-    if (!surfaces.empty())
-      front = std::max(0.0, -sag(surfaces[0].radius, 0.5 * surfaces[0].diameter));
+    if (!surfaces.empty()) front = reach_to_scene(surfaces[0]);
   }
   bool contains(Vec3 p) const {
     const Vec3 from = p - vertex;

@@ -1,9 +1,7 @@
-#include "optics/asphere.h"
-
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 
+#include "optics/shape_kernel.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/surface_shape.h"
 
@@ -51,28 +49,6 @@ double parse_term(std::string_view term, int power) {
 }
 
 }  // namespace
-
-bool is_aspheric(const SurfaceSpec& surface) {
-  return (surface.conic != 0 && std::isfinite(surface.radius)) ||
-         std::any_of(surface.aspheric.begin(), surface.aspheric.end(),
-                     [](double term) { return term != 0; });
-}
-
-double surface_sag(const SurfaceSpec& surface, double height) {
-  const double h2 = height * height;
-  double sag = 0;
-  for (std::size_t i = surface.aspheric.size(); i-- > 0;) sag = sag * h2 + surface.aspheric[i];
-  const double c = 1 / surface.radius;
-  // Rounding may put the rim of a hemisphere beyond its edge.
-  double inside = 1 - (1 + surface.conic) * c * c * h2;
-  if (inside < 0 && inside > -1e-12) inside = 0;
-  return sag * h2 * h2 + c * h2 / (1 + std::sqrt(inside));
-}
-
-double greatest_height(const SurfaceSpec& surface) {
-  if (!(surface.conic > -1)) return kInfinity;
-  return std::fabs(surface.radius) / std::sqrt(1 + surface.conic);
-}
 
 std::vector<double> parse_aspheric(std::string_view text) {
   std::vector<double> terms;
