@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "available_memory.h"
 #include "field.h"
 #include "openvdb_support.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/interop.h"
@@ -97,11 +97,10 @@ void fill(const Tree& tree, VoxelField& field) {
 
   // Its values, those of a second grid, and what is made of them.
   const double needed = 3.0 * static_cast<double>(bricks) * kBrickValues * sizeof(float);
-  if (const double available = available_memory(); needed > available)
-    throw InputError(fmt::format(
-        "its {:.3g} million voxels would take some {:.2g} GB of memory, and {:.2g} GB "
-        "are to be had: clip or resample it",
-        static_cast<double>(bricks) * kBrickValues / 1e6, needed / 1e9, available / 1e9));
+  require_memory(
+      needed,
+      fmt::format("its {:.3g} million voxels", static_cast<double>(bricks) * kBrickValues / 1e6),
+      "clip or resample it");
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) check_origin(leaf->origin());
   // All is known that could be wrong with it: now it may take memory.
   field.brick_origins.reserve(bricks);

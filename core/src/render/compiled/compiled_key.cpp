@@ -87,18 +87,20 @@ void check_compiled(const CompiledScene& scene, const CompiledCamera& camera,
         fmt::format("{}: belongs to another camera ({}); compile this one", name, where));
   }
   if (!scene.medium) return;
+  for (const Box& part : scene.medium->occupied())
+    if (!part.empty()) check_region(camera, part, "the flame", name);
+}
+
+void check_region(const CompiledCamera& camera, const Box& box, const std::string& what,
+                  const std::string& name) {
   const Box& region = camera.region;
-  const double slack = 1e-6 * length(region.upper - region.lower);
-  for (const Box& part : scene.medium->occupied()) {
-    if (part.empty()) continue;
-    const Vec3 below = region.lower - part.lower, above = part.upper - region.upper;
-    const double beyond = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
-    if (beyond > slack)
-      throw InputError(fmt::format(
-          "{}: the flame reaches {:.3g} mm beyond the region that it was compiled for; compile the "
-          "camera with a larger one (--region, --margin)",
-          name, 1e3 * beyond));
-  }
+  const Vec3 below = region.lower - box.lower, above = box.upper - region.upper;
+  const double beyond = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
+  if (beyond > 1e-6 * length(region.upper - region.lower))
+    throw InputError(fmt::format(
+        "{}: {} reaches {:.3g} mm beyond the region that it was compiled for; compile the "
+        "camera with a larger one (--region, --margin)",
+        name, what, 1e3 * beyond));
 }
 
 }  // namespace plenoflame

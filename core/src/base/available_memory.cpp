@@ -1,5 +1,6 @@
-#include "available_memory.h"
+#include "plenoflame/base/available_memory.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -8,7 +9,9 @@
 #include <limits>
 #include <string>
 
-namespace plenoflame::detail {
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
 
 double available_memory() {
   double available = std::numeric_limits<double>::infinity();
@@ -28,4 +31,14 @@ double available_memory() {
   return available;
 }
 
-}  // namespace plenoflame::detail
+void require_memory(double bytes, const std::string& what, const std::string& advice) {
+  const double available = available_memory();
+  if (bytes <= available) return;
+  const auto gigabytes = [](double value) {
+    return value < 1e11 ? fmt::format("{:.2g}", value / 1e9) : fmt::format("{:.0f}", value / 1e9);
+  };
+  throw InputError(fmt::format("{} would take some {} GB of memory, and {} GB are to be had: {}",
+                               what, gigabytes(bytes), gigabytes(available), advice));
+}
+
+}  // namespace plenoflame
