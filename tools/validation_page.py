@@ -11,6 +11,8 @@ import pathlib
 import subprocess
 import tempfile
 
+from reconstruction_views import TITLE
+
 INTRODUCTION = """# Validation of the reconstruction
 
 Cases of inverse problems with the numbers that were published, or computed by another program, beside ours. The numbers come from
@@ -81,7 +83,13 @@ def main():
         page += f"\n## {title}\n{text}\n\n| case | expected | ours |\n|---|---|---|\n"
         for key, (expected, found) in rows[suite].items():
             page += f"| {key} | {number(expected)} | {number(found)} |\n"
-    pathlib.Path(arguments.output).write_text(page)
+    # The section of tools/reconstruction_views.py takes minutes and stays as it was.
+    output = pathlib.Path(arguments.output)
+    if output.exists():
+        _, title, after = output.read_text().partition("\n" + TITLE)
+        if title:
+            page += title + after.partition("\n## ")[0].rstrip("\n") + "\n"
+    output.write_text(page)
 
 
 if __name__ == "__main__":

@@ -113,7 +113,7 @@ void bind_operator(py::module_& module) {
            [](const Run& r) { return r.problem ? r.problem->rays.rays.size() : 0; })
       .def("GetMatrixBytes",
            [](const Run& r) {
-             return 8.0 * static_cast<double>(estimated_entries(r.problem->problem));
+             return kBytesOfEntry * static_cast<double>(estimated_entries(r.problem->problem));
            })
       .def("IsOfSource", [](const Run& r) { return r.problem->problem.model == RowModel::source; })
       .def("GetShape",

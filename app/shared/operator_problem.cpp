@@ -1,13 +1,56 @@
 #include "operator_problem.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <numeric>
 
 #include "options.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
+#include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
+
+namespace {
+
+/// Leaves the views' lines of pixels that belong to a part, counted through all of them: parts that
+/// follow each other have rows that do. Returns the numbers of the views that are left.
+std::vector<int> restrict_to(const Part& part, int bin, std::vector<CameraView>& views) {
+  // Rays are drawn in tiles. Blocks of pixels may lie in two, and are to lie in the same ones.
+  const int step = bin == 1 ? 1 : std::lcm(bin, Film::kTile);
+  std::vector<int> strips;
+  for (CameraView& view : views) {
+    view.window = window_of(view);
+    strips.push_back((view.window.height + step - 1) / step);
+  }
+  const std::int64_t all = std::accumulate(strips.begin(), strips.end(), std::int64_t{0});
+  const std::int64_t begin = all * (part.number - 1) / part.count,
+                     end = all * part.number / part.count;
+  std::vector<CameraView> left;
+  std::vector<int> numbers;
+  std::int64_t before = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto own = [&](std::int64_t strip) {
+      return static_cast<int>(std::clamp<std::int64_t>(strip - before, 0, strips[v]));
+    };
+    const int first = own(begin) * step, last = std::min(own(end) * step, views[v].window.height);
+    before += strips[v];
+    if (last <= first) continue;
+    left.push_back(views[v]);
+    left.back().window.y += first;
+    left.back().window.height = last - first;
+    numbers.push_back(static_cast<int>(v));
+  }
+  views = std::move(left);
+  return numbers;
+}
+
+}  // namespace
 
 void set_option(OperatorRequest& request, const std::string& name, const std::string& text) {
   UnknownsRequest& unknowns = request.unknowns;
@@ -34,7 +77,8 @@ void check_operator(const OperatorRequest& request) {
 
 std::unique_ptr<OperatorProblem> make_operator_problem(
     const OperatorRequest& request, const std::vector<const CompiledScene*>& scenes,
-    const std::string& what, const Execution& execution) {
+    const std::string& what, const Execution& execution, const NamedBundles& compiled,
+    const Part& part) {
   check_operator(request);
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
@@ -54,17 +98,45 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   how.channel = static_cast<int>(channel);
   auto result = std::make_unique<OperatorProblem>();
   result->unknowns = unknowns_of(request.unknowns, scene);
+  // Each thread gathers the entries of a row by unknown.
+  require_memory((sizeof(double) + 1.0) * static_cast<double>(result->unknowns->size()) *
+                     (execution.thread_count() + 1),
+                 fmt::format("rows of {} unknowns", result->unknowns->size()),
+                 "take a coarser --grid, or fewer --threads");
   EmissionProblem& problem = result->problem;
   problem.unknowns = result->unknowns.get();
   problem.absorption = absorption_of(request.unknowns, scene, channel, *result->unknowns);
   problem.model = problem.absorption.empty() ? RowModel::emission : RowModel::source;
   std::vector<CameraView> views;
-  for (const CompiledScene* one : scenes) views.push_back({one, {}});
+  for (std::size_t v = 0; v < scenes.size(); ++v) {
+    views.push_back({scenes[v], {}});
+    if (compiled.empty()) continue;
+    views[v].compiled_name = compiled[v].first;
+    views[v].compiled = compiled[v].second.get();
+  }
+  const std::vector<int> numbers = restrict_to(part, how.bin, views);
   result->rays = draw_camera_rays(views, result->unknowns->bounds(), how, execution);
-  if (result->rays.rows.empty())
+  for (CameraRays::Row& row : result->rays.rows)
+    row.view = numbers[static_cast<std::size_t>(row.view)];
+  if (result->rays.rows.empty() && part.is_whole())
     throw InputError("no ray of the camera meets the grid: it lies outside of the picture");
   problem.rays = &result->rays;
   return result;
+}
+
+std::string operator_work(const OperatorRequest& request,
+                          const std::vector<const CompiledScene*>& scenes,
+                          const NamedBundles& compiled) {
+  const UnknownsRequest& unknowns = request.unknowns;
+  std::string text;
+  for (const std::string* word : {&unknowns.kind, &unknowns.grid, &unknowns.centre, &unknowns.size,
+                                  &unknowns.axis, &unknowns.basis, &unknowns.absorption,
+                                  &request.channel, &request.rays, &request.bin, &request.seed})
+    text += *word + '\n';
+  for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
+  for (const auto& [name, camera] : compiled)
+    text += fmt::format("{}{} {} {}\n", camera->key, camera->samples, camera->level, camera->seed);
+  return text;
 }
 
 }  // namespace plenoflame

@@ -184,7 +184,8 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
 
 std::vector<CameraView> ReconstructCameras::views() const {
   std::vector<CameraView> result;
-  for (const ReconstructCamera& camera : cameras) result.push_back({camera.scene.get(), {}});
+  for (const ReconstructCamera& camera : cameras)
+    result.push_back({camera.scene.get(), {}, camera.compiled.get(), camera.compiled_name});
   return result;
 }
 
@@ -272,6 +273,8 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
     request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
   }
   unknowns_ = unknowns_of(request_.unknowns, scene);
+  const std::size_t quantities = request_.sought() == Sought::both ? 2 : 1;
+  require_vector_memory(settings_, *unknowns_, quantities * unknowns_->size(), 0);
   absorption_ = absorption_of(request_.unknowns, scene, cameras.channels[0], *unknowns_);
   if (!request_.support.empty()) support_ = read_support(request_.support, *unknowns_);
   for (const std::string& spread : request_.spreads) {

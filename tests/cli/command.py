@@ -36,12 +36,14 @@ class CommandTest(unittest.TestCase):
         """Names in the folder, hidden ones included, sorted."""
         return sorted(os.listdir(self.folder))
 
-    def run_command(self, *arguments, largest_file=None, stdout=subprocess.PIPE, environment=None):
-        """Runs to the end. largest_file: limit in bytes on the files that it writes."""
+    def run_command(self, *arguments, largest_file=None, address_space=None, stdout=subprocess.PIPE, environment=None):
+        """Runs to the end. largest_file: limit in bytes on the files that it writes; address_space: on its memory."""
         def limit():
             if largest_file is not None:
                 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
                 resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
+            if address_space is not None:
+                resource.setrlimit(resource.RLIMIT_AS, (address_space, address_space))
         return subprocess.run([COMMAND, *arguments], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=stdout,
                               stderr=subprocess.PIPE, text=True, timeout=120, preexec_fn=limit, check=False,
                               env=environment)

@@ -204,6 +204,52 @@ class Reconstruct(CommandTest):
         self.assertTrue(self.read("A.mtx").startswith(b"%%MatrixMarket matrix coordinate real general"))
         self.fails(2, "operator", "front.toml", "--grid", "4", "-o", "A.txt", mentions=".npz")
 
+    def test_parts_of_the_operator_are_the_whole(self):
+        """The same bits for any split, in any order; with blocks that lie across tiles, and lines that see nothing."""
+        shutil.copy(EXAMPLES / "ring-of-six.toml", self.path("six.toml"))
+        common = ("six.toml", "--camera", "at0", "--camera", "at60", "--grid", "6", "--rays", "4", "--quiet")
+        for ending, count, extra in ((".npz", 5, ()), (".h5", 3, ("--bin", "3"))):
+            whole = self.json_of("operator", *common, *extra, "-o", "whole.npz", "--pixels", "whole.csv")
+            names = []
+            pixels = []
+            for k in range(1, count + 1):
+                names.append(f"part{k}{ending}")
+                self.succeeds("operator", *common, *extra, "--part", f"{k}/{count}", "-o", names[-1], "--pixels", "part.csv")
+                pixels += [line.split(",", 1)[1] for line in self.read("part.csv").decode().splitlines()[1:]]
+            self.assertEqual(self.json_of("merge", *reversed(names), "-o", "merged.npz")["rows"], whole["rows"])
+            self.assertEqual(self.read("merged.npz"), self.read("whole.npz"))
+            self.assertEqual(pixels, [line.split(",", 1)[1] for line in self.read("whole.csv").decode().splitlines()[1:]])
+            self.fails(1, "merge", *names[1:], "-o", "x.npz", mentions=f"part 1/{count} is missing")
+            self.fails(1, "merge", *names, names[0], "-o", "x.npz", mentions="are the same part")
+            self.fails(1, "merge", names[0], "whole.npz", "-o", "x.npz", mentions="is no part")
+        self.succeeds("operator", *common, "--part", "2/5", "--seed", "9", "-o", "other.npz")
+        self.fails(1, "merge", "part1.npz", "other.npz", "-o", "x.npz", mentions="belongs to another matrix")
+        self.fails(2, "operator", *common, "--part", "2/5", "-o", "x.mtx", mentions="--part")
+        self.fails(2, "operator", *common, "--part", "6/5", "-o", "x.npz", mentions="6/5")
+        self.fails(2, "merge", "part1.npz", "part2.npz", "-o", "x.exr", mentions=".npz")
+
+    def test_compiled_cameras(self):
+        """Rows are the rays of the bundle: the picture that it renders, explained by noise; and what does not belong."""
+        self.succeeds("compile", "front.toml", "--margin", "2 mm", "--error", "2%", "-o", "front.bundle", "--quiet")
+        common = ("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "12,24", "--absorption", "scene")
+        compiled, _ = self.reconstruct(*common, "--compiled", "front.bundle", "--truth", "--draws", "0", "--probes", "0", "-o", "a.vdb")
+        drawn, _ = self.reconstruct(*common, "--truth", "--draws", "0", "--probes", "0", "-o", "b.vdb")
+        self.assertLess(abs(compiled["rows"] / drawn["rows"] - 1), 0.15)  # more rays find more of the dim ones
+        self.assertLess(abs(compiled["truth_emission_error"] - drawn["truth_emission_error"]), 0.02)
+        made = self.json_of("operator", "front.toml", "--unknowns", "rings", "--grid", "12,24", "--compiled", "front.bundle",
+                            "--quiet", "-o", "A.npz")
+        self.assertEqual(made["rays"], compiled["rays"])
+        refused = ("front.toml", "--images", "front-electrons.exr", "-o", "x.vdb", "--quiet")
+        self.fails(2, "reconstruct", *refused, "--compiled", "front.bundle", "front.bundle", mentions="2 files for 1 cameras")
+        self.fails(2, "reconstruct", *refused, "--compiled", "front.bundle", "--rays", "8", mentions="--rays")
+        self.fails(1, "reconstruct", *refused, "--compiled", "candle.vdb", mentions="candle.vdb")
+        outside = self.run_command("reconstruct", *refused, "--compiled", "front.bundle", "--size", "9 cm, 9 cm, 9 cm")
+        self.assertEqual(outside.returncode, 1)
+        self.assertRegex(outside.stderr.splitlines()[-1], r"the grid of the unknowns reaches .* --margin")  # after a warning
+        self.fails(1, "reconstruct", "side.toml", "--images", "side-electrons.exr", "-o", "x.vdb", "--quiet", "--compiled",
+                   "front.bundle", mentions=["belongs to another camera", "camera."])
+        self.assertNotIn("x.vdb", self.files())
+
     def test_options_that_mean_nothing_to_each_other(self):
         """One line, before scenes and pictures are read: those here do not exist."""
         none = ("nowhere.toml", "--images", "nowhere.exr", "-o", "x.vdb")
@@ -285,6 +331,22 @@ class Reconstruct(CommandTest):
         found, warnings = self.reconstruct(*self.RINGS[:1], "--images", "long.exr", *self.RINGS[3:], "-o", "long.vdb")
         self.assertRegex(warnings, r"long\.exr: \d+ saturated pixels are left out")
         self.assertGreater(found["rows_left_out"], 100)
+
+    def test_vectors_that_memory_does_not_hold(self):
+        """Refused with the numbers before they are taken: the system would end the process when it runs out of memory."""
+        limit = 8 << 30  # whatever the machine has; sanitizers take more than that for themselves
+        if self.run_command("--version", address_space=limit).returncode != 0:
+            limit = None
+        for command in (("reconstruct", "front.toml", "--images", "front.exr", *FAST),
+                        ("reconstruct", "front.toml", "--images", "front.exr", "--absorption", "scene", "--find", "temperature", *FAST),
+                        ("reconstruct", "two-colours.toml", "--images", "two.exr", "--find", "both", *FAST),
+                        ("operator", "front.toml", "--quiet")):
+            if "two.exr" in command and "two.exr" not in self.files():
+                self.succeeds("render", "two-colours.toml", "-o", "two.exr", "--samples", "2", "--quiet")
+            output = "x.npz" if command[0] == "operator" else "x.vdb"
+            self.fails(1, *command, "--grid", "1000,1000,1000", "-o", output, address_space=limit,
+                       mentions=["1000000000 unknowns", "GB of memory", "are to be had", "coarser"])
+            self.assertNotIn(output, self.files())
 
     def test_a_matrix_that_does_not_fit_is_not_stored(self):
         """Rays are followed again in each iteration, to the same result; solvers that need its rows refuse."""

@@ -16,6 +16,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/inverse/csr_matrix.h"
 #include "report.h"
 #include "run.h"
 
@@ -67,6 +68,24 @@ void merge_pictures(const MergeArguments& arguments, const std::stop_token& stop
   report.print(arguments.json);
 }
 
+bool is_matrix(const std::string& file) {
+  return file.ends_with(".npz") || file.ends_with(".h5");
+}
+
+void merge_matrices(const MergeArguments& arguments) {
+  if (!is_matrix(arguments.output) && !arguments.output.ends_with(".mtx"))
+    throw UsageError("-o: '" + arguments.output + "' must end in .npz, .h5 or .mtx");
+  const CsrMatrix<float> all = merge_csr(arguments.files);
+  write_csr(arguments.output, all);
+  Report report;
+  report.add("merged", fmt::format("{} parts of a matrix", arguments.files.size()), "files",
+             arguments.files.size());
+  report.add("rows", std::to_string(all.rows()), "rows", all.rows());
+  report.add("entries", std::to_string(all.entries()), "entries", all.entries());
+  report.add("written", arguments.output, "output", arguments.output);
+  report.print(arguments.json);
+}
+
 int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
   std::error_code error;
   if (std::filesystem::is_directory(arguments.files.front(), error)) {
@@ -83,6 +102,10 @@ int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
   for (const std::string& file : arguments.files)
     check_not_overwritten("-o", arguments.output, file);
   check_writable(arguments.output);
+  if (is_matrix(arguments.files.front())) {
+    merge_matrices(arguments);
+    return kSuccess;
+  }
   if (!arguments.output.ends_with(".exr"))
     throw UsageError("-o: '" + arguments.output + "' must end in .exr");
   merge_pictures(arguments, stop);
@@ -100,7 +123,7 @@ void register_merge(const Registry& registry) {
       .add_option("FILES", arguments->files,
                   "Light fields (.exr) of one scene: all parts of 'render --part', windows side by "
                   "side, pictures of different seeds, or these together; or the folders of all "
-                  "parts of a 'sweep'")
+                  "parts of a 'sweep'; or all parts of 'operator --part' (.npz, .h5)")
       ->required();
   command.add_option("-o,--output", arguments->output, "The whole (.exr)")
       ->required()

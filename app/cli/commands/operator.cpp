@@ -6,13 +6,16 @@
 #include <memory>
 #include <sstream>
 
+#include "commands/bundles_option.h"
 #include "commands/commands.h"
+#include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "commands/unknowns_options.h"
 #include "file_set.h"
 #include "medium_loader.h"
 #include "operator_problem.h"
 #include "options.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "progress_bar.h"
@@ -23,8 +26,8 @@ namespace plenoflame::cli {
 namespace {
 
 struct OperatorArguments : OperatorRequest {
-  std::string scene, output, pixels, places;
-  std::vector<std::string> set, cameras;
+  std::string scene, output, pixels, places, part;
+  std::vector<std::string> set, cameras, compiled;
   int threads = 0;
   bool json = false, quiet = false;
 };
@@ -62,11 +65,17 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   for (const std::string& path : {settings.output, settings.pixels, settings.places})
     if (!path.empty()) {
       check_not_overwritten("an output", path, settings.scene);
+      for (const std::string& bundle : settings.compiled)
+        check_not_overwritten("an output", path, bundle);
       check_writable(path);
     }
   check_operator(settings);
+  const Part part = settings.part.empty() ? Part{} : part_option("--part", settings.part);
+  if (!part.is_whole() && settings.output.ends_with(".mtx"))
+    throw UsageError("--part: parts of a matrix are written as .npz or .h5, which merge reads");
   const std::vector<CameraScene> views =
       read_camera_scenes({settings.scene}, settings.set, settings.cameras);
+  const NamedBundles bundles = read_bundles(settings.compiled, views.size());
   ProgressBar bar(settings.quiet);
   Execution execution;
   execution.threads = settings.threads;
@@ -83,13 +92,20 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
     if (views.size() > 1) names.push_back(view.document.scene.camera.name);
   }
   const std::unique_ptr<OperatorProblem> made =
-      make_operator_problem(settings, cameras, settings.scene, execution);
+      make_operator_problem(settings, cameras, settings.scene, execution, bundles, part);
   const EmissionProblem& problem = made->problem;
   const CameraRays& rays = made->rays;
+  const std::size_t entries = estimated_entries(problem);
+  // The matrix, its arrays, and the file.
+  require_memory(3 * kBytesOfEntry * static_cast<double>(entries),
+                 fmt::format("a matrix of {:.3g} entries", static_cast<double>(entries)),
+                 "take a coarser --grid, larger blocks of pixels (--bin), or fewer --rays");
   const CsrMatrix<float> matrix = make_emission_matrix(problem, execution);
   bar.finish();
+  CsrPart own{part, 0};
+  if (!part.is_whole()) own.work = csr_work(operator_work(settings, cameras, bundles));
   FileSet files;
-  files.write(settings.output, [&](const std::string& name) { write_csr(name, matrix); });
+  files.write(settings.output, [&](const std::string& name) { write_csr(name, matrix, own); });
   if (!settings.pixels.empty())
     files.write(settings.pixels,
                 [&](const std::string& name) { write_file(name, pixels_csv(rays, names)); });
@@ -145,6 +161,10 @@ void register_operator(const Registry& registry) {
   command.add_option("--bin", settings->bin, "Put N x N pixels together (1)")->option_text("N");
   command.add_option("--seed", settings->seed, "Seed of the rays (default: the scene's)")
       ->option_text("N");
+  add_bundles_option(command, settings->compiled);
+  add_part_option(
+      command, settings->part,
+      "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5)");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))
       ->option_text("N");

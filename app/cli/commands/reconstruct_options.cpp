@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "choice.h"
+#include "commands/bundles_option.h"
 #include "commands/scene_input.h"
 #include "commands/unknowns_options.h"
 #include "number_range.h"
@@ -170,6 +171,7 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
       ->option_text("N");
   command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's + 1000)")
       ->option_text("N");
+  add_bundles_option(command, arguments.compiled);
   command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
   command.add_flag("--json", arguments.json, "Print the figures as JSON");
 }
@@ -209,7 +211,7 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
       outputs.push_back(frame_name(report, f, frames));
   }
   for (const std::string& output : outputs) {
-    for (const auto* inputs : {&arguments.scenes, &arguments.images})
+    for (const auto* inputs : {&arguments.scenes, &arguments.images, &arguments.compiled})
       for (const std::string& input : *inputs) check_not_overwritten("an output", output, input);
     check_writable(output);
   }

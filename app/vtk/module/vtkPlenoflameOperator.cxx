@@ -127,7 +127,8 @@ vtkTypeInt64 vtkPlenoflameOperator::GetNumberOfRays() {
 
 double vtkPlenoflameOperator::GetMatrixBytes() {
   const Internals& in = *this->Internal;
-  return in.Problem ? 8.0 * static_cast<double>(estimated_entries(in.Problem->problem)) : 0;
+  return in.Problem ? kBytesOfEntry * static_cast<double>(estimated_entries(in.Problem->problem))
+                    : 0;
 }
 
 bool vtkPlenoflameOperator::IsOfSource() {

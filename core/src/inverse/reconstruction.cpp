@@ -271,6 +271,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   check_settings(settings, *input.unknowns);
   std::vector<CameraView> views = input.views;
   for (std::size_t v = 0; v < views.size(); ++v) views[v].window = input.measurements[v].window;
+  require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0);
   const CameraRays rays = draw_camera_rays(views, input.unknowns->bounds(), settings.rays,
                                            part_of_progress(execution, 0, kDrawingShare));
   if (rays.rows.empty())
@@ -283,8 +284,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.model = input.absorption.empty() ? RowModel::emission : RowModel::source;
   result.rows = rays.rows.size();
   result.rays = rays.rays.size();
+  const std::size_t unknowns = input.unknowns->size();
+  require_vector_memory(settings, *input.unknowns, unknowns, result.rows);
   const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
-  result.matrix_bytes = 8.0 * static_cast<double>(estimated_entries(problem));
+  result.matrix_bytes = kBytesOfEntry * static_cast<double>(estimated_entries(problem));
   result.stored = result.matrix_bytes <= settings.memory;
   if (wants_matrix(settings.solver) && !result.stored)
     throw InputError(
@@ -292,6 +295,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
         megabytes(result.matrix_bytes) + " of the " + megabytes(settings.memory) +
         " that it may: give it more, take larger blocks of pixels, or another solver, which "
         "follows the rays again");
+  ReconstructionSettings held = settings;
+  if (!result.stored) held.memory = 0;
+  require_vector_memory(held, *input.unknowns, unknowns, result.rows,
+                        result.stored ? result.matrix_bytes : 0);
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
   CsrMatrix<float> matrix;

@@ -34,7 +34,7 @@ class ScaledDerivative final : public LinearOperator {
  public:
   ScaledDerivative(const ThermalModel& model, std::span<const double> x,
                    const std::vector<double>& scale, double memory, const Execution& execution) {
-    if (8.0 * static_cast<double>(estimated_entries(model, x)) <= memory) {
+    if (kBytesOfEntry * static_cast<double>(estimated_entries(model, x)) <= memory) {
       matrix_ = make_thermal_matrix(model, x, execution);
       plain_ = make_csr_operator(matrix_, execution);
     } else {
@@ -124,7 +124,7 @@ class ThermalSolver {
     set_up_data(start);
     set_up_variables(start);
     result_.figures.matrix_bytes =
-        8.0 * static_cast<double>(estimated_entries(model_, physical(x_)));
+        kBytesOfEntry * static_cast<double>(estimated_entries(model_, physical(x_)));
     result_.figures.stored = result_.figures.matrix_bytes <= settings_.linear.memory;
     try {
       const auto derivative = derivative_at(x_);

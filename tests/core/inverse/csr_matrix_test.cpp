@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "core/inverse/dense.h"
+#include "inverse/operators/followed_rows.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "support/approx.h"
@@ -43,6 +45,43 @@ TEST(CsrMatrix, GivesTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(transposed_times(*one, y), transposed_times(*many, y));
   }
   EXPECT_LT(distance(transposed_times(*one, y), a.dense.transpose() * dense(y)), 1e-14);
+}
+
+/// Rows of a formula: contributions of 1, 2 or 3 to columns that some of them meet twice.
+struct FormulaRows {
+  std::size_t count;
+  std::size_t rows() const { return count; }
+  std::size_t columns() const { return 37; }
+  struct Walk {
+    template <class Use>
+    void follow(std::size_t row, const Use& use) {
+      for (std::size_t k = 0; k < row % 7; ++k)
+        use((row * row + 11 * k * k) % 37, static_cast<double>(1 + (row + k) % 3));
+    }
+  };
+  Walk walk() const { return {}; }
+};
+
+// More rows than are gathered at once, and a last batch that is not full.
+TEST(CsrMatrix, StoredRowsAreThoseOfTheFormula) {
+  const FormulaRows rows{2 * kRowsOfBatch + 3 * kFollowedRows + 5};
+  const CsrMatrix<float> matrix = store_rows(rows, threads(3));
+  ASSERT_EQ(matrix.rows(), rows.count);
+  std::size_t k = 0;
+  for (std::size_t row = 0; row < rows.count; ++row) {
+    std::map<std::int32_t, float> expected;
+    for (std::size_t n = 0; n < row % 7; ++n)
+      expected[static_cast<std::int32_t>((row * row + 11 * n * n) % 37)] +=
+          static_cast<float>(1 + (row + n) % 3);
+    ASSERT_EQ(matrix.row_starts()[row], static_cast<std::int64_t>(k)) << row;
+    for (const auto& [column, value] : expected) {
+      ASSERT_LT(k, matrix.entries());
+      ASSERT_EQ(matrix.column_indices()[k], column) << row;
+      ASSERT_EQ(matrix.values()[k], value) << row;
+      ++k;
+    }
+  }
+  EXPECT_EQ(k, matrix.entries());
 }
 
 TEST(CsrMatrix, LargestSingularValueIsThatOfTheDenseMatrix) {

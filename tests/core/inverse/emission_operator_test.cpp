@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
-#include "core/media_voxel/voxel_fixture.h"
+#include "core/inverse/glowing_grid.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/render.h"
-#include "plenoflame/scene/spectral.h"
 #include "support/approx.h"
 #include "support/small_scene.h"
 
@@ -23,15 +23,11 @@ AffineTransform lattice_map() {
   return scaled(1.5e-3, {1 - 6e-3, -6.5e-3, -9e-3});
 }
 
-struct Grids {
-  std::vector<double> emission, absorption;
-};
-
 /// Samples that single precision holds exactly.
-Grids grids(float thickest) {
+GlowingGrid grids(float thickest) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> share(0, 1);
-  Grids g;
+  GlowingGrid g{kCount, lattice_map(), {}, {}};
   for (int n = 0; n < kCount[0] * kCount[1] * kCount[2]; ++n) {
     g.emission.push_back(static_cast<double>(100 * share(random)));
     g.absorption.push_back(static_cast<double>(thickest * (0.05F + share(random))));
@@ -39,38 +35,12 @@ Grids grids(float thickest) {
   return g;
 }
 
-MediumLoader loader(const Grids& g) {
-  return [g](const FlameSpec& flame, const std::string&,
-             const std::vector<SourceFunction>& channels, const Execution&) {
-    const auto field = [&](const std::vector<double>& samples) {
-      return make_field(
-          {0, 0, 0}, kCount,
-          [&](int i, int j, int k) {
-            return static_cast<float>(
-                samples[static_cast<std::size_t>((i * kCount[1] + j) * kCount[2] + k)]);
-          },
-          lattice_map());
-    };
-    VoxelExtras extras;
-    extras.lines = {field(g.emission)};
-    extras.line_weights = line_weights(flame, channels);
-    VoxelField cold = field(std::vector<double>(g.emission.size(), 0.0));
-    cold.background = 1;
-    return make_voxel_medium(cold, field(g.absorption), VoxelInterpolation::trilinear, channels, {},
-                             {}, std::move(extras));
-  };
-}
-
 Scene glowing_scene(bool with_array) {
   ArraySpec array;
   if (with_array) array = large_array(Lattice::hexagonal, LensModel::real);
   Scene scene = small_scene(singlet(), array);
   scene.camera.sensor = {24, 24, 0.4e-3};
-  FlameSpec flame;
-  flame.kind = FlameKind::vdb;
-  flame.file = "glow.vdb";
-  flame.lines = {{LineKind::custom, 431e-9, 0, {"glow"}}};
-  scene.flames = {flame};
+  scene.flames = {glowing_flame()};
   scene.channels = {{"430nm", ChannelKind::band, 430e-9, 20e-9}};
   return scene;
 }
@@ -79,15 +49,15 @@ struct Problem {
   CompiledScene scene;
   std::unique_ptr<Unknowns> unknowns;
   CameraRays rays;
-  Grids g;
+  GlowingGrid g;
   EmissionProblem problem() const {
     return {&rays, unknowns.get(), RowModel::emission, g.absorption};
   }
 };
 
 Problem problem_of(const Scene& scene, float thickest, int threads = 2, int bin = 1) {
-  const Grids g = grids(thickest);
-  Problem p{compile(scene, loader(g)), nullptr, {}, g};
+  const GlowingGrid g = grids(thickest);
+  Problem p{compile(scene, glowing_loader(g)), nullptr, {}, g};
   p.unknowns = make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
   Execution execution;
   execution.threads = threads;
@@ -116,14 +86,17 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
+RenderSettings exact_settings() {
+  RenderSettings settings;
+  settings.samples = 8;
+  settings.skip = false;
+  settings.control_variate = false;
+  settings.precision = Precision::double_precision;
+  return settings;
+}
+
 /// Every pixel of the picture: the same rays and the same quadrature, added up in another order.
-void expect_picture(const Problem& p) {
-  RenderSettings render_settings;
-  render_settings.samples = 8;
-  render_settings.skip = false;
-  render_settings.control_variate = false;
-  render_settings.precision = Precision::double_precision;
-  const RenderResult picture = render(p.scene, render_settings);
+void expect_picture(const Problem& p, const RenderResult& picture) {
   const Image& flux = picture.light_field.channels[0].flux;
   const auto a = make_emission_operator(p.problem(), {});
   std::vector<double> b(a->rows());
@@ -138,6 +111,9 @@ void expect_picture(const Problem& p) {
   }
   EXPECT_GT(lit, 50);
   EXPECT_TRUE(relative(sum, picture.statistics.flux, 1e-6));
+}
+void expect_picture(const Problem& p) {
+  expect_picture(p, render(p.scene, exact_settings()));
 }
 
 // Clear and absorbing, with and without microlenses. Fails when rays lose the lens' etendue, or
@@ -162,6 +138,73 @@ Scene filtered_scene() {
 
 TEST(EmissionOperator, FiltersInThePupilWeighTheRays) {
   expect_picture(problem_of(filtered_scene(), 150));
+}
+
+CompiledCamera compiled_by(const CompiledScene& scene, double margin) {
+  CompileSettings settings;
+  settings.samples = 64;
+  settings.level = 2;
+  settings.margin = margin;
+  return compile_camera(scene, settings);
+}
+
+// The rays that a compiled camera keeps, with their weights: with microlenses, and through filters.
+// Fails when either set counts whole, or filters are forgotten.
+TEST(EmissionOperator, RowsOfACompiledCameraAreItsPicture) {
+  for (const Scene& scene : {glowing_scene(true), filtered_scene()}) {
+    Problem p = problem_of(scene, 150);
+    const CompiledCamera camera = compiled_by(p.scene, 1e-3);
+    p.rays = draw_camera_rays({{&p.scene, {}, &camera, "a.bundle"}}, p.unknowns->bounds(), {});
+    expect_picture(p, render_compiled(p.scene, camera, exact_settings()));
+  }
+}
+
+TEST(EmissionOperator, CompiledCamerasBelongToSceneGridAndWindow) {
+  const Problem p = problem_of(glowing_scene(true), 0);
+  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
+  const auto message = [&](const CompiledScene& scene, const PixelWindow& window, Box box) {
+    try {
+      draw_camera_rays({{&scene, window, &camera, "a.bundle"}}, box, {});
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const Box box = p.unknowns->bounds();
+  EXPECT_EQ(message(p.scene, {}, box), "");
+  EXPECT_EQ(message(p.scene, {4, 4, 8, 8}, box), "");
+  EXPECT_NE(message(p.scene, {4, 4, 40, 8}, box).find("a.bundle: holds the window 0,0,24,24"),
+            std::string::npos);
+  const Box larger{box.lower, box.upper + Vec3{3e-3, 0, 0}};
+  EXPECT_NE(message(p.scene, {}, larger).find("the grid of the unknowns reaches"),
+            std::string::npos);
+  Scene other = glowing_scene(true);
+  other.camera.position.x = -0.01;
+  EXPECT_NE(message(compile(other, glowing_loader(p.g)), {}, box).find("camera.position"),
+            std::string::npos);
+}
+
+// A part of the window has the whole's rays.
+TEST(EmissionOperator, CompiledRaysDoNotDependOnTheWindow) {
+  const Problem p = problem_of(glowing_scene(true), 0);
+  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
+  const Box box = p.unknowns->bounds();
+  const CameraRays whole = draw_camera_rays({{&p.scene, {}, &camera, ""}}, box, {});
+  const PixelWindow window{5, 6, 9, 10};
+  const CameraRays part = draw_camera_rays({{&p.scene, window, &camera, ""}}, box, {});
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < whole.rows.size(); ++i) {
+    const CameraRays::Row& row = whole.rows[i];
+    if (row.column < 5 || row.column >= 14 || row.row < 6 || row.row >= 16) continue;
+    ASSERT_LT(k, part.rows.size());
+    ASSERT_EQ(part.rows[k].column, row.column);
+    ASSERT_EQ(part.end_of(k) - part.rows[k].begin, whole.end_of(i) - row.begin);
+    for (std::size_t r = row.begin, s = part.rows[k].begin; r < whole.end_of(i); ++r, ++s)
+      ASSERT_EQ(part.rays[s].weight, whole.rays[r].weight);
+    ++k;
+  }
+  EXPECT_EQ(k, part.rows.size());
+  EXPECT_GT(k, 20U);
 }
 
 // With glasses that disperse the line has rays of its own in the picture, while the matrix takes

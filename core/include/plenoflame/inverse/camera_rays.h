@@ -1,11 +1,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/math/vector.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/compile.h"
 
 namespace plenoflame {
@@ -13,8 +15,14 @@ namespace plenoflame {
 /// A camera whose pixels are rows of the linear problem.
 struct CameraView {
   const CompiledScene* scene = nullptr;
-  PixelWindow window;  ///< pixels that are wanted; width 0: the whole sensor
+  PixelWindow window;  ///< pixels that are wanted; width 0: the whole sensor, or all compiled ones
+  /// The rays that it keeps take the place of drawn ones; its two sets are replicates.
+  const CompiledCamera* compiled = nullptr;
+  std::string compiled_name = {};  ///< for messages
 };
+
+/// The pixels that are meant.
+PixelWindow window_of(const CameraView& view);
 
 /// Settings by which rays are drawn and pixels are put together.
 struct CameraRaySettings {
@@ -51,9 +59,11 @@ struct CameraRays {
 };
 
 /// Draws the rays that the backward estimator draws with these samples and this seed, and keeps
-/// those that meet the box. Blocks of pixels that reach beyond the window are left out. The same
-/// for any number of threads.
-/// @throws UsageError for settings that render() refuses, a bin below 1
+/// those that meet the box; of a compiled camera all of its own that do. Blocks of pixels that
+/// reach beyond the window are left out. The same for any number of threads.
+/// @throws UsageError for settings that render() refuses, a bin below 1, a window that a compiled
+///         camera does not hold
+/// @throws InputError as check_compiled(), and where the box reaches beyond its region
 /// @throws Cancelled
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution = {});

@@ -7,9 +7,13 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/part.h"
 #include "plenoflame/inverse/linear_operator.h"
 
 namespace plenoflame {
+
+/// [byte] that an entry of a stored matrix takes: a float and a column.
+inline constexpr double kBytesOfEntry = sizeof(float) + sizeof(std::int32_t);
 
 /// Some rows of a sparse matrix, one after the other.
 template <class Value>
@@ -44,6 +48,16 @@ class CsrMatrix {
   std::vector<Value> values_;
 };
 
+/// Appends rows to those of a matrix that comes about. @param starts begins with 0
+template <class Value>
+void append_rows(const CsrRows<Value>& rows, std::vector<std::int64_t>& starts,
+                 std::vector<std::int32_t>& columns, std::vector<Value>& values) {
+  for (const std::size_t count : rows.counts)
+    starts.push_back(starts.back() + static_cast<std::int64_t>(count));
+  columns.insert(columns.end(), rows.columns.begin(), rows.columns.end());
+  values.insert(values.end(), rows.values.begin(), rows.values.end());
+}
+
 /// Joins rows that were made in parts. @throws InputError as CsrMatrix
 template <class Value>
 CsrMatrix<Value> join_rows(std::vector<CsrRows<Value>> parts, std::size_t columns);
@@ -61,10 +75,23 @@ template <class Value>
 CsrMatrix<Value> interleaved_rows(const CsrMatrix<Value>& matrix, std::size_t first,
                                   std::size_t step);
 
+/// The rows of a larger matrix that a file holds.
+struct CsrPart {
+  Part part;
+  std::int64_t work = 0;  ///< csr_work() of what all parts are made of
+};
+/// A number that tells descriptions of work apart (FNV-1a).
+std::int64_t csr_work(const std::string& description);
+
 /// Writes or reads a matrix as the name ends: .npz (scipy.sparse.save_npz, compressed or not), .h5
 /// (datasets data, indices, indptr and shape), .mtx (MatrixMarket coordinate real general).
+/// @param part of .npz and .h5: an array "part" of its number, the number of parts, and the work
 /// @throws FileError, UsageError for another ending, InputError for what is no such matrix
-void write_csr(const std::string& path, const CsrMatrix<float>& matrix);
-CsrMatrix<float> read_csr(const std::string& path);
+void write_csr(const std::string& path, const CsrMatrix<float>& matrix, const CsrPart& part = {});
+CsrMatrix<float> read_csr(const std::string& path, CsrPart* part = nullptr);
+
+/// Puts parts together, in any order: the same bits as the whole.
+/// @throws InputError: a part is missing or there twice, or they are parts of different matrices
+CsrMatrix<float> merge_csr(const std::vector<std::string>& paths);
 
 }  // namespace plenoflame

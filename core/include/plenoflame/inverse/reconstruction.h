@@ -131,6 +131,16 @@ struct Reconstruction {
   std::vector<Image> explained, residual;
 };
 
+/// [byte] that the vectors of a reconstruction take at their most, beside rays and matrix: those of
+/// the strengths that are tried, of the solver, and of the result.
+/// @param variables unknowns, each as often as it has a quantity of its own
+double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                     std::size_t variables, std::size_t rows);
+/// The same, before any of it is taken. @param more [byte] beside them
+/// @throws InputError where there is not so much
+void require_vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                           std::size_t variables, std::size_t rows, double more = 0);
+
 /// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
 /// start,
 ///         prior or support of another size, a solver that wants the stored matrix where memory

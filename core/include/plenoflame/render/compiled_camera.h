@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
@@ -98,6 +99,29 @@ CompiledCamera read_bundle(const std::string& path);
 /// messages @throws InputError
 void check_compiled(const CompiledScene& scene, const CompiledCamera& camera,
                     const std::string& name);
+
+/// That a box lies in the region that a camera was compiled for. @param what lies in the box
+/// @throws InputError
+void check_region(const CompiledCamera& camera, const Box& box, const std::string& what,
+                  const std::string& name);
+
+/// That a camera holds the pixels of a window. @throws UsageError
+void check_compiled_window(const CompiledCamera& camera, const PixelWindow& window,
+                           const std::string& name);
+
+/// A ray that a compiled camera keeps, in the world.
+struct CompiledRay {
+  int column = 0, row = 0;  ///< of its pixel, on the whole sensor
+  int path = 0;             ///< number of the spectral path
+  int part = 0;             ///< of the stop
+  int set = 0;              ///< 0 or 1
+  Vec3 place;               ///< [m] where it passes the plane through the middle of the region
+  Vec3 direction;           ///< unit vector, away from the camera
+  double weight = 0;        ///< [m^2 sr] of the flux by both sets together
+};
+/// The rays of one of its tiles. @throws FileError for a damaged one
+std::vector<CompiledRay> rays_of_tile(const CompiledScene& scene, const CompiledCamera& camera,
+                                      std::size_t tile, const std::string& name);
 
 /// Renders the flames of a scene by a compiled camera: the picture, and its standard error from
 /// the two sets. Of the settings window, skip, precision and instruction set hold. The result does

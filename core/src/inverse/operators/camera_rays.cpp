@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "plenoflame/base/error.h"
@@ -79,6 +80,42 @@ struct Blocks {
   }
 };
 
+/// The rays that a compiled camera keeps, tile by tile.
+std::vector<std::vector<DrawnRay>> unpack(const CameraView& view, const Blocks& blocks,
+                                          const Box& box, int channel, const Execution& execution) {
+  const CompiledCamera& camera = *view.compiled;
+  const RayShares shares(*view.scene, static_cast<std::size_t>(channel));
+  const Vec3 middle = 0.5 * (box.lower + box.upper);
+  const double reach = length(box.upper - box.lower);
+  std::vector<std::vector<DrawnRay>> tiles(camera.tiles.size());
+  const auto task = [&](std::size_t t, int) {
+    for (const CompiledRay& kept : rays_of_tile(*view.scene, camera, t, view.compiled_name)) {
+      if (kept.column < blocks.window.x || kept.row < blocks.window.y) continue;
+      const std::size_t block = blocks.of(kept.column, kept.row);
+      const double share = shares.of(kept.path, kept.part);
+      if (!(share * kept.weight > 0) || block >= blocks.count()) continue;
+      CameraRay ray;
+      ray.direction = kept.direction;
+      // Lines begin in front of the box: compiled cameras see nothing else.
+      ray.origin = kept.place - (dot(kept.place - middle, kept.direction) + reach) * kept.direction;
+      ray.weight = share * kept.weight;
+      ray.end = std::numeric_limits<double>::infinity();
+      ray.replicate = kept.set;
+      ray.part = kept.part;
+      if (meets(box, ray)) tiles[t].push_back({block, ray});
+    }
+  };
+  if (!parallel_for(execution, camera.tiles.size(), task)) throw Cancelled();
+  return tiles;
+}
+
+/// That a compiled camera belongs to the scene, and sees all of the box and of the window.
+void check_view(const CameraView& view, const PixelWindow& window, const Box& box) {
+  check_compiled(*view.scene, *view.compiled, view.compiled_name);
+  check_compiled_window(*view.compiled, window, view.compiled_name);
+  check_region(*view.compiled, box, "the grid of the unknowns", view.compiled_name);
+}
+
 /// Rays of one camera, tile by tile: an order that does not depend on threads.
 std::vector<std::vector<DrawnRay>> draw(const CompiledScene& scene, const Blocks& blocks,
                                         const Box& box, const CameraRaySettings& settings,
@@ -118,17 +155,25 @@ std::vector<std::vector<DrawnRay>> draw(const CompiledScene& scene, const Blocks
 
 }  // namespace
 
+PixelWindow window_of(const CameraView& view) {
+  if (view.window.width != 0) return view.window;
+  if (view.compiled) return view.compiled->window;
+  const SensorSpec& sensor = view.scene->scene.camera.sensor;
+  return {0, 0, sensor.columns, sensor.rows};
+}
+
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution) {
   if (settings.bin < 1) throw UsageError("blocks of pixels must be at least one pixel wide");
   CameraRays result;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const SensorSpec& sensor = views[v].scene->scene.camera.sensor;
-    PixelWindow window = views[v].window;
-    if (window.width == 0) window = {0, 0, sensor.columns, sensor.rows};
+    const PixelWindow window = window_of(views[v]);
+    const CompiledCamera* const compiled = views[v].compiled;
+    if (compiled) check_view(views[v], window, box);
     const Blocks blocks{window, settings.bin, window.width / settings.bin,
                         window.height / settings.bin};
-    const auto groups = draw(*views[v].scene, blocks, box, settings, execution);
+    auto groups = compiled ? unpack(views[v], blocks, box, settings.channel, execution)
+                           : draw(*views[v].scene, blocks, box, settings, execution);
     // By block, and within a block in the order of the groups.
     std::vector<std::size_t> begin(blocks.count() + 1, 0);
     for (const auto& group : groups)
@@ -144,8 +189,11 @@ CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box
     }
     const std::size_t first = result.rays.size();
     result.rays.resize(first + begin.back());
-    for (const auto& group : groups)
+    // Each group gives back its memory as soon as it is copied.
+    for (auto& group : groups) {
       for (const DrawnRay& drawn : group) result.rays[first + begin[drawn.block]++] = drawn.ray;
+      group = {};
+    }
   }
   return result;
 }

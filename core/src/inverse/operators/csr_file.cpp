@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 
+#include "base/fnv.h"
 #include "lightfield/export/array_files.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -20,12 +21,19 @@ namespace {
 
 /// The parts of a matrix as files hold them.
 struct Parts {
-  std::vector<std::int64_t> shape, starts, columns;
+  std::vector<std::int64_t> shape, starts, columns, part;
   std::vector<double> values;
 };
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
   throw FileError(path + ": " + reason);
+}
+
+CsrPart part_of(const std::string& path, const std::vector<std::int64_t>& numbers) {
+  if (numbers.empty()) return {};
+  if (numbers.size() != 3 || numbers[0] < 1 || numbers[0] > numbers[1] || numbers[1] > kMostParts)
+    refuse(path, "the array \"part\" is damaged");
+  return {{static_cast<int>(numbers[0]), static_cast<int>(numbers[1])}, numbers[2]};
 }
 
 CsrMatrix<float> matrix_of(const std::string& path, Parts parts) {
@@ -80,6 +88,7 @@ class ZipArchive {
     }
   }
 
+  bool has(const std::string& name) const { return entries_.contains(name); }
   std::string file(const std::string& name) const {
     const auto found = entries_.find(name);
     if (found == entries_.end()) refuse(path_, "there is no array \"" + name + "\" in it");
@@ -160,6 +169,8 @@ Parts read_npz(const std::string& path) {
   parts.starts = npy_values<std::int64_t>(path, archive.file("indptr.npy"));
   parts.columns = npy_values<std::int64_t>(path, archive.file("indices.npy"));
   parts.values = npy_values<double>(path, archive.file("data.npy"));
+  if (archive.has("part.npy"))
+    parts.part = npy_values<std::int64_t>(path, archive.file("part.npy"));
   return parts;
 }
 
@@ -207,6 +218,8 @@ Parts read_hdf5(const std::string& path) {
   parts.starts = hdf5_values<std::int64_t>(path, file, size, "indptr", H5T_NATIVE_INT64);
   parts.columns = hdf5_values<std::int64_t>(path, file, size, "indices", H5T_NATIVE_INT64);
   parts.values = hdf5_values<double>(path, file, size, "data", H5T_NATIVE_DOUBLE);
+  if (H5Lexists(file, "part", H5P_DEFAULT) > 0)
+    parts.part = hdf5_values<std::int64_t>(path, file, size, "part", H5T_NATIVE_INT64);
   return parts;
 }
 
@@ -295,13 +308,21 @@ Parts read_matrix_market(const std::string& path) {
 
 }  // namespace
 
-void write_csr(const std::string& path, const CsrMatrix<float>& matrix) {
+std::int64_t csr_work(const std::string& description) {
+  Fnv sum;
+  sum.add(description);
+  return static_cast<std::int64_t>(sum.value());
+}
+
+void write_csr(const std::string& path, const CsrMatrix<float>& matrix, const CsrPart& part) {
   if (path.ends_with(".mtx")) {
+    if (!part.part.is_whole())
+      throw UsageError(path + ": parts of a matrix are written as .npz or .h5");
     write_file(path, matrix_market(matrix));
     return;
   }
   const std::size_t entries = matrix.entries();
-  const std::vector<NamedArray> arrays{
+  std::vector<NamedArray> arrays{
       {"indices",
        "",
        "",
@@ -323,6 +344,12 @@ void write_csr(const std::string& path, const CsrMatrix<float>& matrix) {
        "",
        {entries},
        std::vector<float>(matrix.values().begin(), matrix.values().end())}};
+  if (!part.part.is_whole())
+    arrays.push_back({"part",
+                      "",
+                      "",
+                      {3},
+                      std::vector<std::int64_t>{part.part.number, part.part.count, part.work}});
   if (path.ends_with(".npz")) {
     write_file(path, npz_bytes(arrays, {{"format", "csr"}}));
   } else if (path.ends_with(".h5")) {
@@ -334,11 +361,53 @@ void write_csr(const std::string& path, const CsrMatrix<float>& matrix) {
   }
 }
 
-CsrMatrix<float> read_csr(const std::string& path) {
-  if (path.ends_with(".npz")) return matrix_of(path, read_npz(path));
-  if (path.ends_with(".h5")) return matrix_of(path, read_hdf5(path));
-  if (path.ends_with(".mtx")) return matrix_of(path, read_matrix_market(path));
-  throw UsageError(path + ": sparse matrices are read from .npz, .h5 or .mtx");
+CsrMatrix<float> read_csr(const std::string& path, CsrPart* part) {
+  const auto read = [&] {
+    if (path.ends_with(".npz")) return read_npz(path);
+    if (path.ends_with(".h5")) return read_hdf5(path);
+    if (path.ends_with(".mtx")) return read_matrix_market(path);
+    throw UsageError(path + ": sparse matrices are read from .npz, .h5 or .mtx");
+  };
+  Parts parts = read();
+  if (part) *part = part_of(path, parts.part);
+  return matrix_of(path, std::move(parts));
+}
+
+CsrMatrix<float> merge_csr(const std::vector<std::string>& paths) {
+  std::map<int, std::pair<std::string, CsrMatrix<float>>> parts;
+  CsrPart first;
+  std::size_t columns = 0;
+  for (const std::string& path : paths) {
+    CsrPart own;
+    CsrMatrix<float> matrix = read_csr(path, &own);
+    if (own.part.is_whole())
+      throw InputError(path + ": is no part of a matrix, such as `operator --part` writes");
+    if (parts.empty()) first = own, columns = matrix.columns();
+    if (own.part.count != first.part.count || own.work != first.work || matrix.columns() != columns)
+      throw InputError(
+          fmt::format("{}: belongs to another matrix than {}: its scene, its unknowns "
+                      "or the number of parts differ",
+                      path, paths.front()));
+    const auto [at, is_new] = parts.try_emplace(own.part.number, path, std::move(matrix));
+    if (!is_new)
+      throw InputError(fmt::format("{} and {} are the same part, {}", at->second.first, path,
+                                   to_string(own.part)));
+  }
+  std::vector<std::int64_t> starts{0};
+  std::vector<std::int32_t> indices;
+  std::vector<float> values;
+  for (int number = 1; number <= first.part.count; ++number) {
+    const auto found = parts.find(number);
+    if (found == parts.end())
+      throw InputError(fmt::format("part {} is missing", to_string({number, first.part.count})));
+    const CsrMatrix<float>& matrix = found->second.second;
+    for (const std::int64_t start : matrix.row_starts().subspan(1))
+      starts.push_back(static_cast<std::int64_t>(values.size()) + start);
+    indices.insert(indices.end(), matrix.column_indices().begin(), matrix.column_indices().end());
+    values.insert(values.end(), matrix.values().begin(), matrix.values().end());
+    found->second.second = {};
+  }
+  return CsrMatrix<float>(columns, std::move(starts), std::move(indices), std::move(values));
 }
 
 }  // namespace plenoflame

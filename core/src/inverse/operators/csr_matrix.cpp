@@ -176,10 +176,7 @@ CsrMatrix<Value> join_rows(std::vector<CsrRows<Value>> parts, std::size_t column
   values.reserve(entries);
   // Each part gives back its memory as soon as it is copied: nothing is there twice.
   for (auto& part : parts) {
-    for (const std::size_t count : part.counts)
-      starts.push_back(starts.back() + static_cast<std::int64_t>(count));
-    indices.insert(indices.end(), part.columns.begin(), part.columns.end());
-    values.insert(values.end(), part.values.begin(), part.values.end());
+    append_rows(part, starts, indices, values);
     part = {};
   }
   return CsrMatrix<Value>(columns, std::move(starts), std::move(indices), std::move(values));

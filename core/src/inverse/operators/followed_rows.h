@@ -99,32 +99,6 @@ class FollowedOperator final : public LinearOperator {
   Execution execution_;
 };
 
-/// The rows as a matrix, the same for any number of threads. @throws Cancelled
-template <class Rows>
-CsrMatrix<float> store_rows(const Rows& all, const Execution& execution) {
-  const std::size_t rows = all.rows(), columns = all.columns();
-  std::vector<CsrRows<float>> parts((rows + kFollowedRows - 1) / kFollowedRows);
-  std::vector<std::unique_ptr<RowSum>> sums(static_cast<std::size_t>(execution.thread_count()));
-  const auto task = [&](std::size_t p, int worker) {
-    auto& sum = sums[static_cast<std::size_t>(worker)];
-    if (!sum) sum = std::make_unique<RowSum>(columns);
-    auto walk = all.walk();
-    CsrRows<float>& part = parts[p];
-    const std::size_t end = std::min(rows, (p + 1) * kFollowedRows);
-    for (std::size_t row = p * kFollowedRows; row < end; ++row) {
-      walk.follow(row, [&](std::size_t column, double value) { sum->add(column, value); });
-      const std::size_t before = part.values.size();
-      sum->take([&](std::size_t column, double value) {
-        part.columns.push_back(static_cast<std::int32_t>(column));
-        part.values.push_back(static_cast<float>(value));
-      });
-      part.counts.push_back(part.values.size() - before);
-    }
-  };
-  if (!parallel_for(execution, parts.size(), task)) throw Cancelled();
-  return join_rows(std::move(parts), columns);
-}
-
 /// Entries that the matrix will have, from a sample of its rows.
 template <class Rows>
 std::size_t estimate_entries(const Rows& all) {
@@ -140,6 +114,54 @@ std::size_t estimate_entries(const Rows& all) {
     ++looked_at;
   }
   return looked_at > 0 ? entries * rows / looked_at : 0;
+}
+
+/// Rows that are made before they are appended to the matrix: they are there twice for that long.
+inline constexpr std::size_t kRowsOfBatch = 64 * kFollowedRows;
+/// Room over the estimate, whose error is some per cent. Memory that is not written to is not
+/// taken.
+inline constexpr double kRoomForEntries = 1.2;
+
+/// The rows as a matrix, the same for any number of threads. @throws Cancelled
+template <class Rows>
+CsrMatrix<float> store_rows(const Rows& all, const Execution& execution) {
+  const std::size_t rows = all.rows(), columns = all.columns();
+  std::vector<std::int64_t> starts{0};
+  std::vector<std::int32_t> indices;
+  std::vector<float> values;
+  const auto room =
+      static_cast<std::size_t>(kRoomForEntries * static_cast<double>(estimate_entries(all)));
+  starts.reserve(rows + 1);
+  indices.reserve(room);
+  values.reserve(room);
+  std::vector<CsrRows<float>> parts(kRowsOfBatch / kFollowedRows);
+  std::vector<std::unique_ptr<RowSum>> sums(static_cast<std::size_t>(execution.thread_count()));
+  for (std::size_t first = 0; first < rows; first += kRowsOfBatch) {
+    const std::size_t last = std::min(rows, first + kRowsOfBatch);
+    const auto task = [&](std::size_t p, int worker) {
+      auto& sum = sums[static_cast<std::size_t>(worker)];
+      if (!sum) sum = std::make_unique<RowSum>(columns);
+      auto walk = all.walk();
+      CsrRows<float>& part = parts[p];
+      const std::size_t end = std::min(last, first + (p + 1) * kFollowedRows);
+      for (std::size_t row = first + p * kFollowedRows; row < end; ++row) {
+        walk.follow(row, [&](std::size_t column, double value) { sum->add(column, value); });
+        const std::size_t before = part.values.size();
+        sum->take([&](std::size_t column, double value) {
+          part.columns.push_back(static_cast<std::int32_t>(column));
+          part.values.push_back(static_cast<float>(value));
+        });
+        part.counts.push_back(part.values.size() - before);
+      }
+    };
+    if (!parallel_for(execution, (last - first + kFollowedRows - 1) / kFollowedRows, task))
+      throw Cancelled();
+    for (CsrRows<float>& part : parts) {
+      append_rows(part, starts, indices, values);
+      part.counts.clear(), part.columns.clear(), part.values.clear();
+    }
+  }
+  return CsrMatrix<float>(columns, std::move(starts), std::move(indices), std::move(values));
 }
 
 }  // namespace plenoflame

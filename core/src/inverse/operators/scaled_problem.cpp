@@ -13,8 +13,6 @@ namespace plenoflame {
 namespace {
 
 constexpr double kSirtRelaxation = 1.9, kSartRelaxation = 1, kMartRelaxation = 0.2;
-/// Strengths that are looked at.
-constexpr StrengthRange kRange{1e-5, 1e3, 9, 0, 5, 0.02, 2, 100};
 
 bool is_multiplicative(ReconstructionSolver solver) {
   return solver == ReconstructionSolver::mlem || solver == ReconstructionSolver::osem ||
@@ -158,7 +156,7 @@ StrengthChoice ScaledProblem::choose(std::span<const double> b, double expected,
                                      const Execution& execution) const {
   if (settings_.rule == StrengthRule::gcv && settings_.solver == ReconstructionSolver::tv)
     throw UsageError("cross-validation is for penalties that are squares, not for tv");
-  StrengthRange range = kRange;
+  StrengthRange range = kLinearRange;
   range.expected_misfit = expected;
   bool first = true;
   const StrengthSolver solver = [&](double strength, const std::vector<double>& before) {

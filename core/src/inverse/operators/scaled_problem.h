@@ -10,6 +10,9 @@
 
 namespace plenoflame {
 
+/// Strengths that are looked at.
+inline constexpr StrengthRange kLinearRange{1e-5, 1e3, 9, 0, 5, 0.02, 2, 100};
+
 /// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
 class ScaledColumns final : public LinearOperator {
  public:

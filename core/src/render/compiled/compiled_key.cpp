@@ -87,19 +87,28 @@ void check_compiled(const CompiledScene& scene, const CompiledCamera& camera,
         fmt::format("{}: belongs to another camera ({}); compile this one", name, where));
   }
   if (!scene.medium) return;
-  const Box& region = camera.region;
-  const double slack = 1e-6 * length(region.upper - region.lower);
-  double beyond = 0;
+  Box hull;
   for (const Box& part : scene.medium->occupied()) {
     if (part.empty()) continue;
-    const Vec3 below = region.lower - part.lower, above = part.upper - region.upper;
-    beyond = std::max({beyond, below.x, below.y, below.z, above.x, above.y, above.z});
+    if (hull.empty()) hull = part;
+    hull.lower = {std::min(hull.lower.x, part.lower.x), std::min(hull.lower.y, part.lower.y),
+                  std::min(hull.lower.z, part.lower.z)};
+    hull.upper = {std::max(hull.upper.x, part.upper.x), std::max(hull.upper.y, part.upper.y),
+                  std::max(hull.upper.z, part.upper.z)};
   }
-  if (beyond > slack)
+  if (!hull.empty()) check_region(camera, hull, "the flame", name);
+}
+
+void check_region(const CompiledCamera& camera, const Box& box, const std::string& what,
+                  const std::string& name) {
+  const Box& region = camera.region;
+  const Vec3 below = region.lower - box.lower, above = box.upper - region.upper;
+  const double beyond = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
+  if (beyond > 1e-6 * length(region.upper - region.lower))
     throw InputError(fmt::format(
-        "{}: the flame reaches {:.3g} mm beyond the region that it was compiled for; compile the "
+        "{}: {} reaches {:.3g} mm beyond the region that it was compiled for; compile the "
         "camera with a larger one (--region, --margin)",
-        name, 1e3 * beyond));
+        name, what, 1e3 * beyond));
 }
 
 }  // namespace plenoflame

@@ -27,12 +27,6 @@ namespace {
 
 constexpr int kNodesOfBatch = kMaxBatch;
 
-bool holds(const PixelWindow& outer, const PixelWindow& inner) {
-  return inner.x >= outer.x && inner.y >= outer.y &&
-         inner.x + inner.width <= outer.x + outer.width &&
-         inner.y + inner.height <= outer.y + outer.height;
-}
-
 bool meet(const PixelWindow& a, const PixelWindow& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
@@ -170,22 +164,6 @@ class NodeIntegrator {
   WorkCounters counters_;
 };
 
-/// The contents of a tile are as they were written, and nothing else follows from it.
-void check_tile(const CompiledCamera& camera, const CompiledTile& tile, std::size_t paths,
-                std::size_t parts, const std::string& name) {
-  const auto groups = camera.groups.subspan(tile.first_group, tile.groups);
-  const auto nodes = camera.nodes.subspan(tile.first_node, tile.nodes);
-  std::uint64_t count = 0;
-  bool sound = tile_checksum(groups, nodes) == tile.checksum;
-  for (const CompiledGroup& group : groups) {
-    count += std::uint64_t{group.count[0]} + group.count[1];
-    sound = sound && group.path < paths && group.part < parts &&
-            group.pixel < Film::kTile * Film::kTile;
-  }
-  if (!sound || count != tile.nodes)
-    throw FileError(name + ": is damaged; compile the camera again");
-}
-
 template <class Real>
 void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
                const RenderSettings& settings, const std::string& name, const NextTile& next,
@@ -292,11 +270,7 @@ RenderResult render_compiled(const CompiledScene& scene, const CompiledCamera& c
   settings.target_error = settings.time_limit = 0;
   check_settings(settings, scene.scene.camera.sensor);
   if (settings.window.width == 0) settings.window = camera.window;
-  if (!holds(camera.window, settings.window))
-    throw UsageError(fmt::format(
-        "{}: holds the window {},{},{},{} of the sensor only; ask for a part of that, or compile a "
-        "larger one",
-        name, camera.window.x, camera.window.y, camera.window.width, camera.window.height));
+  check_compiled_window(camera, settings.window, name);
   check_part(settings.part, settings.window);
   RenderResult result;
   result.film = Film(settings.window, static_cast<int>(scene.scene.channels.size()), 2);

@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "inverse/operators/followed_rows.h"
+#include "inverse/operators/scaled_problem.h"
+#include "plenoflame/base/available_memory.h"
+#include "plenoflame/inverse/reconstruction.h"
+
+namespace plenoflame {
+namespace {
+
+/// Numbers for each variable that are there whatever the solver: scales, what is known, start,
+/// values and what is told of them.
+constexpr double kCommon = 20;
+/// Solutions that are kept while a strength is chosen.
+constexpr double kMostStrengths = kLinearRange.points + kLinearRange.bisections;
+/// Of a solver: its vectors of variables, of rows of the penalty, and of rows of A.
+struct Work {
+  double variables, penalty, rows;
+};
+constexpr Work kFista{7, 4, 6}, kKrylov{8, 4, 7}, kTotalVariation{8, 4, 6}, kPlain{7, 0, 6};
+
+Work work_of(ReconstructionSolver solver) {
+  if (solver == ReconstructionSolver::tv) return kTotalVariation;
+  if (!is_penalised(solver)) return kPlain;
+  const bool krylov = solver == ReconstructionSolver::cgls || solver == ReconstructionSolver::lsqr;
+  return krylov ? kKrylov : kFista;
+}
+
+/// Rows of the penalty for each variable.
+double penalty_rows(const ReconstructionSettings& settings, const Unknowns& unknowns) {
+  if (settings.solver == ReconstructionSolver::tv) return 3;
+  if (settings.penalty == ReconstructionPenalty::none || !is_penalised(settings.solver)) return 0;
+  if (settings.penalty == ReconstructionPenalty::identity) return 1;
+  const auto shape = unknowns.shape();
+  return static_cast<double>(
+      std::count_if(shape.begin(), shape.end(), [](int count) { return count > 1; }));
+}
+
+}  // namespace
+
+double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                     std::size_t variables, std::size_t rows) {
+  const bool chooses = is_penalised(settings.solver) && settings.strength < 0 &&
+                       settings.penalty != ReconstructionPenalty::none;
+  const Work work = work_of(settings.solver);
+  // A^T adds up parts of rows that are followed again, whose number is fixed.
+  const double parts = settings.memory > 0 ? 0 : kFollowedParts;
+  const double for_variable = kCommon + work.variables + parts + (chooses ? kMostStrengths : 0) +
+                              work.penalty * penalty_rows(settings, unknowns);
+  return sizeof(double) *
+         (for_variable * static_cast<double>(variables) + work.rows * static_cast<double>(rows));
+}
+
+void require_vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                           std::size_t variables, std::size_t rows, double more) {
+  std::string what = fmt::format("the vectors of {} unknowns", unknowns.size());
+  if (rows > 0) what += fmt::format(" and {} rows", rows);
+  if (more > 0) what += " with their matrix";
+  require_memory(
+      vector_memory(settings, unknowns, variables, rows) + more, what,
+      "take a coarser grid" + std::string(rows > 0 ? ", larger blocks of pixels" : "") +
+          (more > 0 ? ", or allow no memory for the matrix, and rays are followed again" : ""));
+}
+
+}  // namespace plenoflame
