@@ -122,6 +122,9 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
       watch.watched(solver_options(settings, rows), problem, 0.6 / 12, true), watch.inner());
   result.strength = choice.strength;
   result.strength_at_end = choice.at_end;
+  // The solution goes on from there, often with nothing left to do.
+  for (const SolverStep& step : choice.solution.history)
+    result.history.push_back(step.misfit / rows);
   for (const StrengthPoint& point : choice.curve)
     result.trials.push_back({point.strength, point.misfit / rows, point.penalty, point.gcv});
   return problem.samples(choice.solution.x);
