@@ -137,6 +137,11 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                reconstruction.strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
+  if (reconstruction.rendered_chi_squared >= 0)
+    report.add("as rendered",
+               "chi^2 per row " + readable_number(reconstruction.rendered_chi_squared) +
+                   " of temperatures and absorptions, which are interpolated before they shine",
+               "rendered_chi_squared", reconstruction.rendered_chi_squared);
   report.add("iterations", count(reconstruction.history.size()), "iterations",
              reconstruction.history.size());
   report.add_json("history", reconstruction.history);

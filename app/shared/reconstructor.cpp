@@ -11,6 +11,7 @@
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/axis_fit.h"
+#include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
 
@@ -64,6 +65,22 @@ void warn_single_camera(const Reconstruction& result, const Unknowns& unknowns, 
   execution.warn(text);
 }
 
+/// True if weaker penalties were tried and explained hardly more.
+bool at_any_strength(const Reconstruction& figures) {
+  constexpr double kHardly = 1.25;
+  return !figures.trials.empty() &&
+         std::none_of(figures.trials.begin(), figures.trials.end(), [&](const auto& trial) {
+           return kHardly * trial.chi_squared < figures.chi_squared;
+         });
+}
+
+/// Reasons beside the model for pictures that are not explained.
+std::string what_else_may_be(const Reconstruction& figures) {
+  if (figures.reason == StopReason::iterations) return "more --iterations may explain more, or ";
+  if (figures.strength > 0 && !at_any_strength(figures)) return "the strength is too large, or ";
+  return "";
+}
+
 void warn_of(const Reconstruction& figures, double memory, const Execution& execution) {
   if (!figures.stored)
     execution.warn(
@@ -73,14 +90,23 @@ void warn_of(const Reconstruction& figures, double memory, const Execution& exec
   if (!figures.complete) return;
   if (!figures.explained_by_noise)
     execution.warn(
-        fmt::format("noise does not explain the pictures at any strength, chi^2 per row stays at "
-                    "{:.3g}: the model is wrong by more than that (scene, absorption, grid), or "
-                    "--noise is too small",
-                    figures.chi_squared));
+        fmt::format("noise does not explain the pictures{}, chi^2 per row stays at {:.3g}: {}the "
+                    "model is wrong by more than that (scene, absorption, grid), or --noise is too "
+                    "small",
+                    at_any_strength(figures) ? " at any strength" : "", figures.chi_squared,
+                    what_else_may_be(figures)));
   else if (figures.strength_at_end)
     execution.warn(
         "the strength is at the end of the range that was looked at: see the curve in "
         "--report FILE.html, or give --strength");
+}
+
+void warn_of_scenes(const ReconstructCameras& cameras, const Execution& execution) {
+  for (const ReconstructCamera& camera : cameras.cameras)
+    if (!camera.scene->scatterers.empty())
+      return execution.warn(camera.what +
+                            ": the flame scatters, which is left out: its scattered light is taken "
+                            "for emission");
 }
 
 std::vector<Vec3> places_of(const Unknowns& unknowns) {
@@ -136,7 +162,8 @@ std::vector<double> absorption_ratios(const ReconstructRequest& request,
 /// The rings' axis by the pictures, begun with an upright one through the block that is solved for.
 FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCameras& cameras,
                       const std::vector<Measurement>& measurements, const Execution& execution) {
-  const Box box = unknowns_of(request.unknowns, cameras.first())->bounds();
+  const std::unique_ptr<Unknowns> unknowns = unknowns_of(request.unknowns, cameras.first());
+  const Box box = unknowns->bounds();
   CameraRaySettings how;
   how.samples = 4;
   how.channel = static_cast<int>(cameras.channels[0]);
@@ -146,7 +173,9 @@ FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCamera
   FlameAxis start;
   start.base = 0.5 * (box.lower + box.upper);
   start.direction = {0, 0, 1};
-  return fit_axis(rays, measured_rows(measurements, rays, 1), start);
+  MeasuredRows measured = measured_rows(measurements, rays, 1);
+  take_away(light_behind(views, rays, *unknowns, {}, how, execution), measured);
+  return fit_axis(rays, measured, start);
 }
 
 /// @throws InputError where an earlier result that is in memory belongs to other unknowns
@@ -263,6 +292,7 @@ void warn_of_pictures(const FrameMeasurements& measurements, const std::vector<s
 Reconstructor::Reconstructor(const ReconstructRequest& request, const ReconstructCameras& cameras,
                              const FrameMeasurements& first, const Execution& execution)
     : request_(request), cameras_(cameras) {
+  warn_of_scenes(cameras, execution);
   const CompiledScene& scene = cameras.first();
   settings_ = reconstruction_settings(request_, cameras.seed);
   settings_.rays.channel = static_cast<int>(cameras.channels[0]);
@@ -342,9 +372,11 @@ ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
   input.support = support_;
   input.spread_at = spreads_;
   ReconstructResult result;
+  const SourceFunction source = channel_source(cameras_.first().scene, cameras_.channels[0]);
+  // Behind filters each part of the stop has a source function of its own.
+  if (parts_of_stop(cameras_.channels[0]).empty()) input.source = &source;
   result.figures = reconstruct(input, settings_, execution);
-  result.estimate = estimate_flame(result.figures, absorption_,
-                                   channel_source(cameras_.first().scene, cameras_.channels[0]));
+  result.estimate = estimate_flame(result.figures, *unknowns_, absorption_, source);
   start_ = result.figures.values;
   return result;
 }

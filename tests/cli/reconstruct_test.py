@@ -94,7 +94,9 @@ class Reconstruct(CommandTest):
         scene = self.read("front.toml").decode().replace("candle.vdb", "found.vdb").replace(
             '"1 m", "0 m", "-16 mm"', '"0 m", "0 m", "0 m"')
         self.write("again.toml", scene)
-        self.succeeds("render", "again.toml", "-o", "again.exr", "--samples", "16", "--quiet")
+        self.succeeds("render", "again.toml", "-o", "again.exr", "--samples", "64", "--quiet")
+        compared = self.json_of("compare", "again.exr", "front.exr")
+        self.assertLess(abs(compared["relative_bias"]), 0.03, compared)
 
     RINGS = ("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "8,16", "--bin", "2",
              "--rays", "16")
@@ -129,7 +131,7 @@ class Reconstruct(CommandTest):
             found, _ = self.reconstruct(*self.RINGS, "--rule", rule, "--draws", "0", "--probes", "2", "--truth",
                                         "-o", "rule.vdb", "--report", "rule.html", "--report", "rule.txt",
                                         "--absorption", "scene", "--spread", "1 m, 2 mm, 0 m")
-            self.assertEqual(len(found["trials"]), 9)
+            self.assertGreater(len(found["trials"]), 9)  # and some about the best of them
             self.assertEqual(found["trials"][0]["gcv"] is None, rule == "l-curve")
             self.assertLess(found["truth_emission_error"], 0.4)
             self.assertEqual(len(found["point_spreads"][0]["widths"]), 2)

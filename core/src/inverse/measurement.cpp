@@ -132,7 +132,8 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
     }
   if (!(largest > 0)) throw InputError(what + " is dark in channel " + own.name);
   // No pixel is known better than a part in a million of the brightest.
-  const double least = std::max(noise, 1e-6) * largest;
+  const double least = 1e-6 * largest, model_error = noise * largest;
+  result.model_error = factor * model_error;
   for (int row = 0; row < own.flux.height; ++row)
     for (int column = 0; column < own.flux.width; ++column) {
       const double value = static_cast<double>(own.flux.at(column, row));
@@ -146,7 +147,7 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
       if (!std::isfinite(error)) error = 0;
       if (electrons) error = std::max(error, 1.0);
       const double deviation = std::hypot(error, least);
-      result.negative += value - dark < -5 * deviation;
+      result.negative += value - dark < -5 * std::hypot(deviation, model_error);
       result.flux.at(column, row) = static_cast<float>(factor * (value - dark));
       result.deviation.at(column, row) = static_cast<float>(factor * deviation);
     }
@@ -172,7 +173,8 @@ MeasuredRows measured_rows(const std::vector<Measurement>& measurements, const C
         counted += std::max(static_cast<double>(from.flux.at(column, line)) + from.dark, 0.0);
       }
     result.flux.push_back(flux);
-    result.deviation.push_back(whole ? std::sqrt(variance) : 0);
+    result.deviation.push_back(whole ? std::hypot(std::sqrt(variance), bin * bin * from.model_error)
+                                     : 0);
     result.electron.push_back(from.electron);
     result.counted.push_back(counted - bin * bin * from.dark);
   }

@@ -8,11 +8,15 @@
 #include <string>
 #include <utility>
 
+#include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/part_of_progress.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/emission_operator.h"
+#include "plenoflame/inverse/flame_estimate.h"
+#include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/row_noise.h"
+#include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
 namespace plenoflame {
@@ -31,13 +35,11 @@ class Watch {
     inner_.stop = execution.stop;
   }
   /// The next solutions take this share of the whole each.
-  SolverOptions options(const ScaledProblem& problem, double share, int iterations,
-                        double tolerance, bool choosing) {
-    SolverOptions result;
-    result.iterations = iterations;
-    result.relative_change = tolerance;
-    result.watch = [this, &problem, share, iterations, choosing](int i, double misfit,
-                                                                 std::span<const double> u) {
+  SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double share,
+                        bool choosing) {
+    const int iterations = options.iterations;
+    options.watch = [this, &problem, share, iterations, choosing](int i, double misfit,
+                                                                  std::span<const double> u) {
       if (watch_) watch_({problem.samples(u), false, choosing, rows_ > 0 ? misfit / rows_ : 0});
       if (i == 1) from_ = done_;
       done_ = from_ + (1 - kDrawingShare) * share * i / iterations;
@@ -47,7 +49,7 @@ class Watch {
       progress.relative_error = rows_ > 0 ? std::sqrt(misfit / rows_) : -1;
       execution_.progress(progress);
     };
-    return result;
+    return options;
   }
   /// For solvers: threads and the stop.
   const Execution& inner() const { return inner_; }
@@ -99,10 +101,15 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
   }
 }
 
-/// The misfit that noise leaves: two standard deviations of chi^2 itself more than the number of
-/// rows, without which chance may ask for next to no penalty.
-double expected_misfit(double rows) {
-  return rows * (1 + 2 * std::sqrt(2 / rows));
+/// How far any solution goes: those of trial strengths, the one that is handed out and those of
+/// noise draws alike, whose misfits and deviations are to be those of the same problem.
+SolverOptions solver_options(const ReconstructionSettings& settings, double rows) {
+  SolverOptions options;
+  options.iterations = settings.iterations;
+  options.relative_change = 1e-6;
+  // Without a penalty it is the end of the iteration that keeps noise out.
+  if (!is_penalised(settings.solver)) options.misfit = expected_misfit(rows);
+  return options;
 }
 
 /// Strength by the rule; what was found on the way is the next start.
@@ -110,32 +117,34 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        double rows, const ReconstructionInput& input,
                                        const ReconstructionSettings& settings, Watch& watch,
                                        Reconstruction& result) {
-  const int iterations = std::max(20, settings.iterations / 3);
-  const StrengthChoice choice =
-      problem.choose(b, expected_misfit(rows), input.start,
-                     watch.options(problem, 0.6 / 12, iterations, 1e-4, true), watch.inner());
+  const StrengthChoice choice = problem.choose(
+      b, expected_misfit(rows), input.start,
+      watch.watched(solver_options(settings, rows), problem, 0.6 / 12, true), watch.inner());
   result.strength = choice.strength;
   result.strength_at_end = choice.at_end;
-  result.explained_by_noise = choice.reached;
+  // The solution goes on from there, often with nothing left to do.
+  for (const SolverStep& step : choice.solution.history)
+    result.history.push_back(step.misfit / rows);
   for (const StrengthPoint& point : choice.curve)
     result.trials.push_back({point.strength, point.misfit / rows, point.penalty, point.gcv});
   return problem.samples(choice.solution.x);
 }
 
+/// @param start what the solution began with, if its end was no minimum
 void add_uncertainty(const ScaledProblem& problem, const ReconstructionSettings& settings,
-                     std::span<const double> b, const std::vector<double>& values,
+                     std::span<const double> b, const std::vector<double>& start, double rows,
                      const Execution& execution, Reconstruction& result) {
-  SolverOptions options;
-  options.iterations = std::max(20, settings.iterations / 4);
-  const ProbeAccuracy accuracy{2 * options.iterations, 1e-5, settings.draws < 2};
+  const ProbeAccuracy accuracy{std::max(40, settings.iterations / 2), 1e-5, settings.draws < 2};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
   const bool linear_solver =
       is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv;
   if (settings.draws >= 2) {
-    const std::vector<double> model = *linear.a * problem.scaled(values);
+    const std::vector<double> model = *linear.a * problem.scaled(result.values);
+    const std::vector<double>& from = is_penalised(settings.solver) ? result.values : start;
+    const SolverOptions options = solver_options(settings, rows);
     const auto again = [&](std::span<const double> drawn) {
-      return problem.solve(drawn, result.strength, values, options, execution).x;
+      return problem.solve(drawn, result.strength, from, options, execution).x;
     };
     result.deviation = problem.samples(
         bootstrap(model, linear.weights, settings.draws, 1, again, execution).deviation);
@@ -176,6 +185,18 @@ void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
     }
     result.spreads.push_back(spread);
   }
+}
+
+/// Rows of the temperatures that follow, as the renderer would fill them.
+std::vector<double> rendered_fluxes(const ReconstructionInput& input, const CameraRays& rays,
+                                    const Reconstruction& result, const Execution& execution) {
+  FlameEstimate estimate = estimate_flame(result, *input.unknowns, input.absorption, *input.source);
+  ThermalModel model;
+  model.channels.push_back({&rays, *input.source});
+  model.unknowns = input.unknowns;
+  model.temperature = std::move(estimate.temperature);
+  model.absorption = std::move(estimate.absorption);
+  return thermal_fluxes(model, {}, execution);
 }
 
 void add_pictures(const ReconstructionInput& input, const CameraRays& rays,
@@ -278,6 +299,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
   MeasuredRows measured = measured_rows(input.measurements, rays, settings.rays.bin);
+  take_away(light_behind(views, rays, *input.unknowns, input.absorption, settings.rays, execution),
+            measured);
   leave_out_parts(input.parts, rays, measured);
 
   Reconstruction result;
@@ -347,23 +370,27 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     result.strength = settings.strength;
   else
     start = choose_strength_of(weighted, b, rows, input, settings, watch, result);
-  // A first step from where the search ended has no momentum yet: it is small without being the
-  // end.
-  SolverOptions last = watch.options(weighted, 0.4, settings.iterations, 1e-6, false);
-  // Without a penalty it is the end of the iteration that keeps noise out.
-  if (!is_penalised(settings.solver)) last.misfit = expected_misfit(rows);
+  const SolverOptions last = watch.watched(solver_options(settings, rows), weighted, 0.4, false);
   const Solution solution = weighted.solve(b, result.strength, start, last, watch.inner());
   result.values = weighted.samples(solution.x);
   result.reason = solution.reason;
   result.complete = !watch.stopped();
   for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
   const std::vector<double> explained = *a * result.values;
-  for (std::size_t i = 0; i < explained.size(); ++i)
-    if (weight[i] > 0) result.chi_squared += std::pow(weight[i] * (explained[i] - b[i]), 2) / rows;
+  const auto chi_squared_of = [&](const std::vector<double>& fluxes) {
+    double sum = 0;
+    for (std::size_t i = 0; i < fluxes.size(); ++i)
+      if (weight[i] > 0) sum += std::pow(weight[i] * (fluxes[i] - b[i]), 2);
+    return sum / rows;
+  };
+  result.chi_squared = chi_squared_of(explained);
+  if (input.source && result.model == RowModel::source)
+    result.rendered_chi_squared = chi_squared_of(rendered_fluxes(input, rays, result, quiet));
+  result.explained_by_noise = explained_by_noise(result.chi_squared * rows, rows);
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      add_uncertainty(weighted, settings, b, result.values, watch.inner(), result);
+      add_uncertainty(weighted, settings, b, start, rows, watch.inner(), result);
       if (weighted.has_penalty() && settings.solver != ReconstructionSolver::tv)
         add_spreads(input, weighted, settings, b, watch.inner(), result);
     } catch (const Cancelled&) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/vector_sums.h"
 #include "inverse/step_penalty.h"
@@ -13,8 +14,10 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/gauss_newton.h"
+#include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
 #include "plenoflame/inverse/thermal_model.h"
+#include "plenoflame/inverse/uncertainty.h"
 
 namespace plenoflame {
 namespace {
@@ -123,6 +126,7 @@ class ThermalSolver {
     if (!start.complete) return stopped(std::move(start));
     set_up_data(start);
     set_up_variables(start);
+    set_up_weights(start);
     result_.figures.matrix_bytes =
         kBytesOfEntry * static_cast<double>(estimated_entries(model_, physical(x_)));
     result_.figures.stored = result_.figures.matrix_bytes <= settings_.linear.memory;
@@ -147,7 +151,8 @@ class ThermalSolver {
     figures.reason = StopReason::stopped;
     figures.resolved_unknowns = -1;
     figures.strength = settings_.linear.strength;  // none is chosen: that was the linear problem's
-    result.estimate = estimate_flame(figures, input_.absorption, input_.channels[0].source);
+    result.estimate =
+        estimate_flame(figures, *input_.unknowns, input_.absorption, input_.channels[0].source);
     return result;
   }
 
@@ -160,15 +165,17 @@ class ThermalSolver {
       std::vector<CameraView> views = input_.views;
       for (std::size_t v = 0; v < views.size(); ++v)
         views[v].window = pictures.measurements[v].window;
-      CameraRaySettings how = settings_.linear.rays;
-      how.channel = pictures.channel;
+      const CameraRaySettings how =
+          rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
       rays_.push_back(std::make_unique<CameraRays>(
           draw_camera_rays(views, input_.unknowns->bounds(), how, inner_)));
-      const MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
-      const std::vector<double> weights = weights_of(model_.channels.size(), measured, start);
+      MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
+      std::vector<double> absorption = input_.absorption;
+      for (double& kappa : absorption) kappa *= pictures.absorption_ratio;
+      take_away(light_behind(views, *rays_.back(), *input_.unknowns, absorption, how, inner_),
+                measured);
       b_.insert(b_.end(), measured.flux.begin(), measured.flux.end());
-      weights_.insert(weights_.end(), weights.begin(), weights.end());
-      figures.left_out += static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0.0));
+      measured_.push_back(std::move(measured));
       figures.rays += rays_.back()->rays.size();
       model_.channels.push_back(
           {rays_.back().get(), pictures.source, pictures.absorption_ratio, pictures.parts});
@@ -177,19 +184,39 @@ class ThermalSolver {
     figures.rays_error = start.rays_error;
     figures.solved = start.solved;
     figures.model = RowModel::source;
+  }
+
+  void set_up_weights(const ThermalStart& start) {
+    // Light of channels without a linear stage: the variables' at the start, as what was counted
+    // would give dark rows too much weight.
+    std::vector<double> light;
+    if (!start.explained.empty() && start.explained.size() < model_.channels.size())
+      light = thermal_fluxes(model_, physical(x_), inner_);
+    std::size_t first = 0;
+    for (std::size_t channel = 0; channel < measured_.size(); ++channel) {
+      const std::vector<double> weights = weights_of(
+          channel, std::span<const double>(light).subspan(light.empty() ? 0 : first), start);
+      weights_.insert(weights_.end(), weights.begin(), weights.end());
+      first += weights.size();
+    }
+    Reconstruction& figures = result_.figures;
+    figures.left_out = static_cast<std::size_t>(std::count(weights_.begin(), weights_.end(), 0.0));
     if (figures.left_out == figures.rows)
       throw InputError("every pixel that sees the grid is saturated or otherwise left out");
     rows_ = static_cast<double>(figures.rows - figures.left_out);
   }
 
-  /// By the light that the linear stage explained; of channels without one, by what was measured.
-  std::vector<double> weights_of(std::size_t channel, const MeasuredRows& measured,
+  /// By the light that the linear stage explained, or else by this one.
+  std::vector<double> weights_of(std::size_t channel, std::span<const double> light,
                                  const ThermalStart& start) const {
+    const MeasuredRows& measured = measured_[channel];
     if (start.explained.empty()) return row_weights(measured, {}, {});
-    const std::vector<CameraRays::Row>& rows = rays_.back()->rows;
+    const std::vector<CameraRays::Row>& rows = rays_[channel]->rows;
     const auto& views = input_.channels[channel].measurements;
-    std::vector<double> explained = measured.flux;
-    if (channel < start.explained.size())
+    std::vector<double> explained(rows.size());
+    if (channel >= start.explained.size())
+      std::copy_n(light.begin(), rows.size(), explained.begin());
+    else
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto v = static_cast<std::size_t>(rows[i].view);
         explained[i] = static_cast<double>(start.explained[channel][v].at(
@@ -233,20 +260,13 @@ class ThermalSolver {
 
   /// Each part of the variables is penalised by its share of the pictures' information.
   void set_up_penalty(const LinearOperator& derivative, const ThermalStart& start) {
-    PenaltyGrid grid;
-    grid.shape = input_.unknowns->shape();
-    grid.spacing = input_.unknowns->spacing();
-    grid.strength = settings_.linear.penalty_axes;
-    const auto kind = settings_.linear.penalty == ReconstructionPenalty::curvature
-                          ? PenaltyKind::second_differences
-                      : settings_.linear.penalty == ReconstructionPenalty::identity
-                          ? PenaltyKind::identity
-                          : PenaltyKind::first_differences;
+    ReconstructionSettings how = settings_.linear;
+    how.solver = ReconstructionSolver::cgls;
+    if (how.penalty == ReconstructionPenalty::none) how.penalty = ReconstructionPenalty::gradient;
     for (std::size_t part = 0; part < (thick() ? 2U : 1U); ++part) {
-      grid.mask = part == 0 ? smooth_ : start.solved;
       std::vector<double> only(x_.size(), 0.0);
       std::fill_n(only.begin() + static_cast<std::ptrdiff_t>(part * unknowns()), unknowns(), 1.0);
-      auto penalty = make_penalty(kind, grid);
+      auto penalty = make_penalty_of(how, *input_.unknowns, part == 0 ? smooth_ : start.solved);
       const double unit = penalty_unit(ScaledColumns(derivative, only), weights_, *penalty);
       penalty_.add(std::move(penalty), std::sqrt(unit));
     }
@@ -293,22 +313,25 @@ class ThermalSolver {
     return solve_gauss_newton(problem, {&penalty_, strength}, options, inner_);
   }
 
+  /// Variables at their bounds do not move.
+  std::vector<char> free_variables() const {
+    std::vector<char> free(x_.size());
+    for (std::size_t j = 0; j < free.size(); ++j) free[j] = x_[j] > lower_[j] && x_[j] < upper_[j];
+    return free;
+  }
+
   /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
   /// them, would follow all rays again and again.
   StrengthChoice choose_linearised(const LinearOperator& derivative) const {
     const std::size_t n = x_.size();
-    std::vector<char> free(n);
-    std::vector<double> mask(n), prior(n), residual = thermal_fluxes(model_, physical(x_), inner_);
-    for (std::size_t j = 0; j < n; ++j) {
-      free[j] = x_[j] > lower_[j] && x_[j] < upper_[j];
-      mask[j] = free[j] ? 1 : 0;
-      prior[j] = -x_[j];
-    }
+    const std::vector<char> free = free_variables();
+    std::vector<double> prior(n), residual = thermal_fluxes(model_, physical(x_), inner_);
+    for (std::size_t j = 0; j < n; ++j) prior[j] = -x_[j];
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = b_[i] - residual[i];
-    const ScaledColumns moving(derivative, mask);
+    const ScaledColumns moving(derivative, std::vector<double>(free.begin(), free.end()));
     const StepPenalty penalty(penalty_, free);
     StrengthRange range = kRange;
-    range.expected_misfit = rows_ * (1 + 2 * std::sqrt(2 / rows_));
+    range.expected_misfit = expected_misfit(rows_);
     SolverOptions options;
     options.iterations = kTrialIterations;
     options.relative_change = kTrialAccuracy;
@@ -342,7 +365,6 @@ class ThermalSolver {
         if (inner_.stop.stop_requested()) return;
         strength = choice.strength;
         figures.strength_at_end = choice.at_end;
-        figures.explained_by_noise = choice.reached;
         figures.trials.clear();
         for (const StrengthPoint& point : choice.curve)
           figures.trials.push_back(
@@ -378,6 +400,7 @@ class ThermalSolver {
     for (std::size_t i = 0; i < b_.size(); ++i)
       if (weights_[i] > 0)
         figures.chi_squared += std::pow(weights_[i] * (explained[i] - b_[i]), 2) / rows_;
+    figures.explained_by_noise = explained_by_noise(figures.chi_squared * rows_, rows_);
     add_pictures(explained);
     const auto derivative = derivative_at(x_, true);
     // Hotter means brighter for whatever a pixel sees.
@@ -392,52 +415,38 @@ class ThermalSolver {
   void add_uncertainty(const LinearOperator& derivative) {
     const std::size_t n = unknowns();
     const int probes = settings_.linear.probes;
-    SolverOptions options;
-    options.iterations = std::max(50, settings_.linear.iterations / 2);
-    options.relative_change = 1e-5;
-    std::vector<double> resolved(x_.size(), 0.0), variance(x_.size(), 0.0), emission(n, 0.0);
-    std::vector<double> z(x_.size()), noise(b_.size()), data(b_.size());
+    const ProbeAccuracy accuracy{std::max(50, settings_.linear.iterations / 2), 1e-5};
+    std::vector<double> emission(n, 0.0);
     const SourceFunction& source = input_.channels[0].source;
     const std::vector<double>& temperature = result_.estimate.temperature;
-    SignSequence signs(1);
-    for (int probe = 0; probe < probes; ++probe) {
-      if (execution_.stop.stop_requested()) {
-        result_.figures.complete = false;
-        return;
-      }
-      // Variables at their bounds do not move.
-      for (std::size_t j = 0; j < z.size(); ++j)
-        z[j] = x_[j] > lower_[j] && x_[j] < upper_[j] ? signs.next() : 0;
-      data = derivative * z;
-      const auto back =
-          solve_cgls({&derivative, data, weights_}, {&penalty_, strength_}, options, inner_).x;
-      for (std::size_t i = 0; i < noise.size(); ++i)
-        noise[i] = weights_[i] > 0 ? signs.next() / weights_[i] : 0;
-      const auto moved =
-          solve_cgls({&derivative, noise, weights_}, {&penalty_, strength_}, options, inner_).x;
-      for (std::size_t j = 0; j < z.size(); ++j) {
-        resolved[j] += z[j] * back[j] / probes;
-        variance[j] += moved[j] * moved[j] / probes;
-      }
+    const auto add_emission = [&](std::span<const double> moved) {
       for (std::size_t j = 0; j < n; ++j) {
         const double relative = moved[j] * unit_ * source_slope(source, temperature[j]) /
                                     std::max(source(temperature[j]), 1e-300) +
                                 (thick() ? moved[n + j] : 0);
         emission[j] += relative * relative / probes;
       }
+    };
+    const std::vector<char> free = free_variables();
+    const ScaledColumns moving(derivative, std::vector<double>(free.begin(), free.end()));
+    const StepPenalty penalty(penalty_, free);
+    Uncertainty found;
+    try {
+      found = estimate_uncertainty({&moving, b_, weights_}, {&penalty, strength_}, probes, 1,
+                                   inner_, accuracy, add_emission);
+    } catch (const Cancelled&) {
+      result_.figures.complete = false;
+      return;
     }
     FlameEstimate& estimate = result_.estimate;
-    double sum = 0;
-    for (const double value : resolved) sum += value;
-    result_.figures.resolved_unknowns = sum;
+    result_.figures.resolved_unknowns = found.resolved_unknowns;
     for (std::size_t j = 0; j < n; ++j) {
-      const bool moves = x_[j] > lower_[j] && x_[j] < upper_[j];
-      estimate.temperature_deviation.push_back(moves ? unit_ * std::sqrt(variance[j]) : 0);
+      estimate.temperature_deviation.push_back(unit_ * found.deviation[j]);
       estimate.emission_deviation.push_back(estimate.emission[j] * std::sqrt(emission[j]));
-      result_.resolved_temperature.push_back(std::clamp(resolved[j], 0.0, 1.0));
+      result_.resolved_temperature.push_back(std::clamp(found.resolved[j], 0.0, 1.0));
       if (!thick()) continue;
-      estimate.absorption_deviation.push_back(estimate.absorption[j] * std::sqrt(variance[n + j]));
-      result_.resolved_absorption.push_back(std::clamp(resolved[n + j], 0.0, 1.0));
+      estimate.absorption_deviation.push_back(estimate.absorption[j] * found.deviation[n + j]);
+      result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
     }
   }
 
@@ -468,6 +477,7 @@ class ThermalSolver {
   Execution inner_;
   std::vector<std::unique_ptr<CameraRays>> rays_;
   ThermalModel model_;
+  std::vector<MeasuredRows> measured_;  // of the channels
   std::vector<double> b_, weights_;
   std::vector<double> x_, lower_, upper_, scale_;  // variables in their units
   std::vector<char> smooth_;                       // temperatures that take part in the penalty
@@ -493,6 +503,12 @@ ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
     throw UsageError(
         "one channel knows the emission only: give the absorption, a second channel, or filters of "
         "two colours in the pupil");
+  if (input.absorption.empty() &&
+      std::any_of(input.views.begin(), input.views.end(),
+                  [](const CameraView& view) { return shines_without_flames(*view.scene); }))
+    throw InputError(
+        "the scene has lamps, surroundings or surfaces that shine: how much of their light passes "
+        "the flame is known only where the absorption is; give it, or take them out of the scene");
   const std::size_t n = input.unknowns->size();
   for (const auto* known : {&input.absorption, &input.start_temperature, &input.start_absorption})
     if (!known->empty() && known->size() != n)

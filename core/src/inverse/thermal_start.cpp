@@ -104,7 +104,7 @@ Reconstruction linear_stage(const ThermalInput& input, const ThermalSettings& se
   for (double& value : linear.absorption) value *= colour.absorption_ratio;
   linear.support = input.support;
   ReconstructionSettings how = settings.linear;
-  how.rays.channel = input.channels[channel].channel;
+  how.rays = rays_of_channel(how.rays, channel, input.channels[channel].channel);
   how.draws = how.probes = 0;
   how.strength = -1;
   if (first)

@@ -28,4 +28,13 @@ bool has_two_colours(const ThermalInput& input);
 ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& settings, double share,
                            const Execution& execution);
 
+/// Each channel has rays of its own: errors of two channels for their finite number are as
+/// independent as the weights take them to be.
+/// @param number of the channel among those that are solved with @param channel of the scene
+inline CameraRaySettings rays_of_channel(CameraRaySettings rays, std::size_t number, int channel) {
+  rays.channel = channel;
+  rays.seed += number;
+  return rays;
+}
+
 }  // namespace plenoflame

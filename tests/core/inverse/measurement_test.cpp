@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "support/approx.h"
+
 namespace plenoflame::test::measurement_test {
 namespace {
 
@@ -39,8 +43,21 @@ TEST(Measurement, LeavesOutWhatSaysNothing) {
       EXPECT_EQ(result.deviation.at(column, row) > 0, state.at(column, row) == 0);
   EXPECT_EQ(result.saturated, 1U);
   // Half of the brightest pixel that is used.
-  EXPECT_GT(result.deviation.at(0, 0), 0.499e-9F);
-  EXPECT_LT(result.deviation.at(0, 0), 0.501e-9F);
+  EXPECT_TRUE(relative(result.model_error, 0.5e-9, 1e-6));
+}
+
+// Noise averages out over a block, an error of the model is common to its pixels and adds up.
+TEST(Measurement, ModelErrorAddsUpOverABlock) {
+  Measurement from;
+  from.window = {0, 0, 4, 4};
+  from.flux = Image(4, 4, 1.0F);
+  from.deviation = Image(4, 4, 0.25F);
+  CameraRays rays;
+  rays.rows.push_back({0, 0, 0, 0});
+  EXPECT_TRUE(relative(measured_rows({from}, rays, 4).deviation[0], 4 * 0.25, 1e-12));
+  from.model_error = 0.5;
+  EXPECT_TRUE(
+      relative(measured_rows({from}, rays, 4).deviation[0], std::hypot(4 * 0.25, 16 * 0.5), 1e-12));
 }
 
 // RGGB: red where column and row are even, blue where both are odd.

@@ -70,8 +70,7 @@ TEST(Penalty, TransposesAreExact) {
   }
 }
 
-// The same field on a grid of half the spacing, seen by the same rays: the penalty's unit changes
-// so that strength * |L x|^2 against the misfit stays the same to the order of the grid.
+// Fails where weights or rows are left out of either trace.
 TEST(Penalty, UnitIsTheRatioOfTraces) {
   const TwinMatrix a = random_matrix(20, 12, 0.5, 4);
   const auto w = random_vector(20, 1, 3, 5);

@@ -55,7 +55,6 @@ struct RoundFlame {
     ThermalInput in;
     in.unknowns = unknowns.get();
     in.views = {{&scenes[0], {}}};
-    const CameraRays rays = draw_camera_rays(in.views, unknowns->bounds(), settings.linear.rays);
     std::vector<double> x = temperature;
     for (const double kappa : absorption) x.push_back(std::log(kappa));
     const SensorSpec& sensor = scenes[0].scene.camera.sensor;
@@ -64,6 +63,10 @@ struct RoundFlame {
       pictures.channel = static_cast<int>(c);
       pictures.source = channel_source(scenes[0].scene, c);
       pictures.absorption_ratio = c == 0 ? 1 : 650.0 / 850;
+      // Each channel has rays of its own.
+      CameraRaySettings how = settings.linear.rays;
+      how.seed += c;
+      const CameraRays rays = draw_camera_rays(in.views, unknowns->bounds(), how);
       ThermalModel model;
       model.unknowns = unknowns.get();
       model.channels = {{&rays, pictures.source, pictures.absorption_ratio}};
@@ -96,6 +99,27 @@ struct RoundFlame {
     return std::sqrt(sum / count);
   }
 };
+
+// Temperatures at their bound do not move with the noise, and neither does their light.
+TEST(ThermalReconstruction, WhatIsHeldAtABoundHasNoDeviation) {
+  RoundFlame flame(100);
+  ThermalInput input = flame.input(0.002);
+  input.channels.resize(1);
+  input.absorption = flame.absorption;
+  flame.settings.linear.probes = 4;
+  flame.settings.linear.strength = 1;
+  flame.settings.highest_temperature = 1650;
+  const FlameEstimate found = reconstruct_thermal(input, flame.settings).estimate;
+  std::size_t held = 0;
+  for (std::size_t j = 0; j < found.temperature.size(); ++j) {
+    const bool at_bound = found.temperature[j] >= 1650 * (1 - 1e-12);
+    held += at_bound;
+    EXPECT_EQ(found.temperature_deviation[j] > 0, !at_bound) << j;
+    EXPECT_EQ(found.emission_deviation[j] > 0, !at_bound) << j;
+  }
+  EXPECT_GT(held, 5u);
+  EXPECT_LT(held, found.temperature.size());
+}
 
 // Known absorption, thick enough that the far side is half hidden: one channel tells temperatures.
 // Fails when the absorption of the wrong side counts.

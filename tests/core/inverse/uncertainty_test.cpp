@@ -107,6 +107,32 @@ TEST(Strength, LCurveComesNearTheLeastError) {
   EXPECT_LT((dense(choice.solution.x) - dense(p.truth)).norm(), 2 * least);
 }
 
+// All rules go on between the steps of the range, and the end of the search is not its end.
+TEST(Strength, GoesOnBetweenTheStepsOfTheRange) {
+  const Profile p;
+  StrengthRange range;
+  const double step = std::pow(range.highest / range.lowest, 1.0 / (range.points - 1));
+  for (const StrengthRule rule : {StrengthRule::gcv, StrengthRule::l_curve}) {
+    const StrengthChoice choice = choose_strength(p.problem(), *p.penalty, rule, range, p.solver());
+    ASSERT_EQ(choice.curve.size(), static_cast<std::size_t>(range.points) + 4);
+    for (std::size_t k = 1; k + 1 < choice.curve.size(); ++k) {
+      if (choice.curve[k].strength != choice.strength) continue;
+      EXPECT_LT(choice.curve[k + 1].strength, std::pow(step, 0.51) * choice.strength);
+    }
+  }
+  range.points = 9;
+  const StrengthChoice whole =
+      choose_strength(p.problem(), *p.penalty, StrengthRule::l_curve, range, p.solver());
+  // Exactly what some step in the middle leaves is expected: the search ends there.
+  for (const StrengthPoint& point : whole.curve)
+    if (relative(point.strength, std::sqrt(range.lowest * range.highest), 1e-9))
+      range.expected_misfit = 1.0001 * point.misfit;
+  ASSERT_GT(range.expected_misfit, 0);
+  EXPECT_FALSE(
+      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, range, p.solver())
+          .at_end);
+}
+
 // If no strength leaves as little as is expected: the strongest that leaves a tenth more than
 // the least.
 TEST(Strength, SaysWhereNoiseDoesNotExplainTheData) {

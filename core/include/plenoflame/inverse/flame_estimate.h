@@ -12,12 +12,16 @@ namespace plenoflame {
 struct FlameEstimate {
   std::vector<double> emission, emission_deviation;        ///< [W/(m^3 sr)]
   std::vector<double> temperature, temperature_deviation;  ///< [K]; 0: none. Empty: not known
-  std::vector<double> absorption, absorption_deviation;    ///< [1/m]; empty: not known
+  std::vector<char> decided;  ///< 0: the temperature is that of its neighbours; empty: not known
+  std::vector<double> absorption, absorption_deviation;  ///< [1/m]; empty: not known
 };
 
 /// Temperatures follow from the source function where it is above `threshold` times its largest
-/// value and above two of its standard deviations: what emits nothing has no temperature.
-FlameEstimate estimate_flame(const Reconstruction& reconstruction,
+/// value: what emits nothing has no temperature. Beside what has one it takes the mean temperature
+/// of its neighbours, weighted by their light, and so little absorption that its emission is what
+/// was found: fields of temperature are interpolated before they shine, and cold samples beside hot
+/// ones would take light away from the cells between.
+FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);
 

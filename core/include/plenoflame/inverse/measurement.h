@@ -15,8 +15,11 @@ namespace plenoflame {
 /// A picture as the right-hand side of a linear problem.
 struct Measurement {
   PixelWindow window;
-  Image flux;           ///< [W]
-  Image deviation;      ///< [W] standard deviation; 0: the pixel says nothing and is left out
+  Image flux;       ///< [W]
+  Image deviation;  ///< [W] standard deviation; 0: the pixel says nothing and is left out
+  /// [W] by which the model may err in each pixel. It is common to pixels side by side: it adds up
+  /// over a block, while noise averages out.
+  double model_error = 0;
   double electron = 0;  ///< [W] of one electron: the flux has shot noise; 0: none that is known
   double dark = 0;      ///< [W] of the dark signal, which was taken away and has shot noise as well
   /// Relative standard error of all fluxes together: of a radiometric calibration (the picture's
@@ -28,8 +31,8 @@ struct Measurement {
 
 /// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes
 /// them, whose dark signal is taken away: of a sensor with shot noise in both. The deviation is
-/// that of the picture (standard error, or shot and read noise), and with it, in squares, `noise`
-/// times the largest flux.
+/// that of the picture (standard error, or shot and read noise); `noise` times the largest flux is
+/// the error of the model.
 /// @param channel number of the scene's channel @param what names the picture in messages
 /// @throws InputError: the picture does not belong to the scene (sensor, camera, channel, unit);
 ///         NaN or infinite values (names the pixel); no noise is known and `noise` is 0

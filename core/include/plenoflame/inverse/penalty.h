@@ -37,7 +37,8 @@ std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid
 std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid);
 
 /// Factor by which |L x|^2 is multiplied for a relative strength of 1: trace(A^T W^2 A) /
-/// trace(L^T L), so that a number means the same for every grid, camera and unit.
+/// trace(L^T L): a number that does not depend on units, brightness and the number of rows. Of
+/// differences it does depend on the grid.
 /// @param weights W, of A's rows; empty: all 1
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
                     const LinearOperator& penalty);

@@ -13,6 +13,7 @@
 #include "plenoflame/inverse/row_noise.h"
 #include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/unknowns.h"
+#include "plenoflame/radiometry/source_function.h"
 
 namespace plenoflame {
 
@@ -50,8 +51,8 @@ struct ReconstructionSettings {
   ReconstructionPenalty penalty = ReconstructionPenalty::gradient;
   /// Weights of differences along each axis of the unknowns, relative to each other.
   std::array<double, 3> penalty_axes{1, 1, 1};
-  /// Strength of the penalty, relative to trace(A^T W A) / trace(L^T L), so that a number means the
-  /// same for every grid; negative: by the rule. Discrepancy takes the largest at which chi^2 is
+  /// Strength of the penalty, relative to trace(A^T W A) / trace(L^T L), a number without units;
+  /// negative: by the rule. Discrepancy takes the largest at which chi^2 is
   /// the number of rows and two standard deviations of it.
   double strength = -1;
   StrengthRule rule = StrengthRule::discrepancy;
@@ -74,10 +75,12 @@ struct ReconstructionInput {
   std::vector<CameraView> views;
   std::vector<Measurement> measurements;  ///< one for each view
   const Unknowns* unknowns = nullptr;
-  std::vector<double> absorption;    ///< [1/m] of each unknown; empty: none is known
-  std::vector<double> start = {};    ///< values to go on from, as Reconstruction's; empty: none
-  std::vector<double> prior = {};    ///< values that the penalty draws to; empty: 0
-  std::vector<char> support = {};    ///< 0: the unknown is known to be empty; empty: of none
+  std::vector<double> absorption;  ///< [1/m] of each unknown; empty: none is known
+  std::vector<double> start = {};  ///< values to go on from, as Reconstruction's; empty: none
+  std::vector<double> prior = {};  ///< values that the penalty draws to; empty: 0
+  std::vector<char> support = {};  ///< 0: the unknown is known to be empty; empty: of none
+  /// The channel's, for rendered_chi_squared; nullptr: it is not asked for.
+  const SourceFunction* source = nullptr;
   std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
   /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
   std::vector<std::vector<char>> parts = {};
@@ -114,9 +117,12 @@ struct Reconstruction {
   RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
   double strength = 0;             ///< chosen
   bool strength_at_end = false;    ///< of the range that was looked at: take care
-  bool explained_by_noise = true;  ///< false: chi^2 stays above what noise explains at any strength
+  bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
   double chi_squared = 0;          ///< per row: 1 where noise explains what is left
+  /// The same of the temperatures that follow from it (flame_estimate.h), interpolated before they
+  /// shine as the renderer does; negative: not asked for, or there are none.
+  double rendered_chi_squared = -1;
   struct Trial {
     double strength, chi_squared, penalty;
     double gcv;  ///< negative: not looked at

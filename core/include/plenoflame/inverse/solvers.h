@@ -43,6 +43,10 @@ struct SolverOptions {
   /// Stop when |W (A x - b)|^2 is at most this; 0: never. The number of rows with a weight is what
   /// the noise lets expect.
   double misfit = 0;
+  /// Stop of cgls, lsqr and nnls when half of the objective's gradient is no longer than this; 0:
+  /// never. noise_gradient() is a measure of it. A change of x, in contrast, is also small where
+  /// steps are short: after a start, or with a strong penalty.
+  double gradient = 0;
   std::vector<double> start = {};  ///< empty: 0, or 1 for solvers that multiply
   /// Called after each iteration, with x.
   std::function<void(int iteration, double misfit, std::span<const double> x)> watch = {};

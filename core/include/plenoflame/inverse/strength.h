@@ -34,10 +34,10 @@ struct StrengthChoice {
 
 struct StrengthRange {
   double lowest = 1e-6, highest = 1e4;  ///< relative
-  int points = 11;                      ///< of the curve; discrepancy goes on between two of them
+  int points = 11;                      ///< of the curve; all rules go on between two of them
   double expected_misfit = 0;           ///< for discrepancy; 0: the number of rows with a weight
   int bisections = 20;                  ///< of discrepancy, at most
-  double tolerance = 0.002;             ///< of the misfit, relative, at which they end
+  double tolerance = 0.002;             ///< of discrepancy's misfit, relative, at which they end
   int probes = 4;                       ///< random vectors for GCV's trace
   int probe_iterations = 500;           ///< for each of them, at most
 };
@@ -45,9 +45,10 @@ struct StrengthRange {
 /// Solves a problem with a given absolute strength from a start.
 using StrengthSolver = std::function<Solution(double strength, const std::vector<double>& start)>;
 
-/// Tries strengths from the strongest to the weakest, each from the solution before. Where the
-/// discrepancy reaches what is expected with none (the model is wrong by more than the noise), it
-/// is the strongest one that leaves at most a tenth more than the least.
+/// Tries strengths from the strongest to the weakest, each from the solution before; then others
+/// about the best one. Where the discrepancy reaches what is expected with none (the model is wrong
+/// by more than the noise), it is the strongest one that leaves at most a tenth more than the
+/// least.
 /// @param solve what is solved with, e.g. solve_cgls or solve_nnls
 /// @throws UsageError for an empty range or a penalty that is missing
 StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperator& penalty,

@@ -33,9 +33,12 @@ struct ProbeAccuracy {
 /// By random signs (Hutchinson 1990; diagonals: Bekas, Kokiopoulou and Saad 2007), each with two
 /// solutions by conjugate gradients. Relative errors of a diagonal fall as 1/sqrt(probes).
 /// @param probes at least 1
+/// @param moved called with what noise of one deviation moves the unknowns by, once for each probe
+/// with deviations: for functions of several unknowns, which err together
 Uncertainty estimate_uncertainty(const LinearProblem& problem, const Regularisation& regularisation,
                                  int probes, std::uint64_t seed, const Execution& execution = {},
-                                 const ProbeAccuracy& accuracy = {});
+                                 const ProbeAccuracy& accuracy = {},
+                                 const std::function<void(std::span<const double>)>& moved = {});
 
 /// The same exactly, by dense algebra. @throws UsageError above kMostDense unknowns
 inline constexpr std::size_t kMostDense = 4000;

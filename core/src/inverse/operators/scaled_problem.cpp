@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "inverse/expected_misfit.h"
 #include "inverse/operators/vector_sums.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/csr_matrix.h"
@@ -13,18 +14,38 @@ namespace plenoflame {
 namespace {
 
 constexpr double kSirtRelaxation = 1.9, kSartRelaxation = 1, kMartRelaxation = 0.2;
+/// Least squares are solved until the gradient is that much shorter than the one that noise of one
+/// deviation has.
+constexpr double kGradient = 0.03;
 
 bool is_multiplicative(ReconstructionSolver solver) {
   return solver == ReconstructionSolver::mlem || solver == ReconstructionSolver::osem ||
          solver == ReconstructionSolver::mart;
 }
 
-std::unique_ptr<LinearOperator> penalty_of(const ReconstructionSettings& settings,
-                                           const Unknowns& unknowns) {
+/// Sums of the columns over the rows that have a weight.
+std::vector<double> seen_by_counting_rows(const LinearOperator& a,
+                                          std::span<const double> weights) {
+  std::vector<double> counts(weights.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = weights[i] > 0 ? 1 : 0;
+  return transposed_times(a, counts);
+}
+
+std::vector<char> taking_part(const std::vector<double>& scale) {
+  std::vector<char> mask;
+  for (const double s : scale) mask.push_back(s > 0);
+  return mask;
+}
+
+}  // namespace
+
+std::unique_ptr<LinearOperator> make_penalty_of(const ReconstructionSettings& settings,
+                                                const Unknowns& unknowns, std::vector<char> mask) {
   PenaltyGrid grid;
   grid.shape = unknowns.shape();
   grid.spacing = unknowns.spacing();
   grid.strength = settings.penalty_axes;
+  grid.mask = std::move(mask);
   if (settings.solver == ReconstructionSolver::tv) return make_gradient(grid);
   if (!is_penalised(settings.solver)) return nullptr;
   switch (settings.penalty) {
@@ -39,8 +60,6 @@ std::unique_ptr<LinearOperator> penalty_of(const ReconstructionSettings& setting
   }
   return nullptr;
 }
-
-}  // namespace
 
 bool is_penalised(ReconstructionSolver solver) {
   return solver == ReconstructionSolver::fista || solver == ReconstructionSolver::active_set ||
@@ -90,10 +109,16 @@ ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperato
       scale_(std::move(scale)),
       settings_(settings),
       scaled_a_(a, scale_),
-      penalty_(penalty_of(settings, unknowns)) {
+      penalty_(make_penalty_of(settings, unknowns, taking_part(scale_))) {
   if (penalty_) {
     scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_, scale_);
     unit_ = penalty_unit(scaled_a_, weights_, *scaled_penalty_);
+  }
+  if (is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv) {
+    SignSequence signs(3);
+    std::vector<double> noise(weights_.begin(), weights_.end());
+    for (double& value : noise) value *= signs.next();
+    noise_gradient_ = norm(transposed_times(scaled_a_, noise));
   }
   if (!wants_matrix(settings.solver)) return;
   if (!matrix_)
@@ -173,6 +198,10 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
                                        const Execution& execution) const {
   SolverOptions own = options;
   own.start = start;
+  if (noise_gradient_ > 0) {
+    own.gradient = kGradient * noise_gradient_;
+    own.relative_change = 0;  // steps are short after a start, too
+  }
   const LinearProblem whole = problem(b);
   Regularisation penalty;
   if (scaled_penalty_) penalty = {scaled_penalty_.get(), strength, prior_};
@@ -204,7 +233,7 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
     case ReconstructionSolver::mlem: {
       std::vector<double> counts(b.begin(), b.end());
       for (double& value : counts) value = std::max(value, 0.0);
-      own.start = positive_start(own);
+      own.start = positive_start(own, seen_by_counting_rows(scaled_a_, weights_));
       return solve_mlem(std::vector<LinearProblem>{problem(counts)}, 0, own, execution);
     }
     case ReconstructionSolver::sart:
@@ -216,12 +245,14 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
   throw UsageError("there is no such solver");
 }
 
-std::vector<double> ScaledProblem::positive_start(const SolverOptions& options) const {
-  // A value of 0 stays 0.
+std::vector<double> ScaledProblem::positive_start(const SolverOptions& options,
+                                                  std::span<const double> seen) const {
+  // A value of 0 stays 0; one that nothing changes stays what it is: nothing, if nothing is given.
   std::vector<double> start = options.start;
-  if (start.empty()) start.assign(scale_.size(), 1.0);
+  if (start.empty()) start.assign(scale_.size(), 0.0);
+  const double least = options.start.empty() ? 1 : 1e-6;
   for (std::size_t j = 0; j < start.size(); ++j)
-    start[j] = scale_[j] > 0 ? std::max(start[j], 1e-6) : 0;
+    if (scale_[j] > 0 && seen[j] > 0) start[j] = std::max(start[j], least);
   return start;
 }
 
@@ -238,7 +269,7 @@ Solution ScaledProblem::solve_in_subsets(std::span<const double> b, SolverOption
   for (std::size_t s = 0; s < subsets_.size(); ++s)
     problems.push_back({subsets_[s]->scaled.get(), data[s], subsets_[s]->weights});
   if (positive) {
-    options.start = positive_start(options);
+    options.start = positive_start(options, seen_by_counting_rows(scaled_a_, weights_));
     return solve_mlem(problems, 0, options, execution);
   }
   const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kSartRelaxation;
@@ -249,7 +280,7 @@ Solution ScaledProblem::solve_rows(std::span<const double> b, SolverOptions opti
                                    const Execution& execution) const {
   // Rows that count, with what they see in units of u and in deviations: only their ratios matter.
   CsrRows<float> rows;
-  std::vector<double> data;
+  std::vector<double> data, seen(scale_.size(), 0.0);
   for (std::size_t i = 0; i < b.size(); ++i) {
     // Dark rows would clear for good what they see: the support has taken account of them.
     if (!(weights_[i] * b[i] > 1)) continue;
@@ -258,6 +289,7 @@ Solution ScaledProblem::solve_rows(std::span<const double> b, SolverOptions opti
     rows.counts.push_back(end - begin);
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t column = matrix_->column_indices()[k];
+      seen[static_cast<std::size_t>(column)] += static_cast<double>(matrix_->values()[k]);
       rows.columns.push_back(column);
       rows.values.push_back(
           static_cast<float>(weights_[i] * static_cast<double>(matrix_->values()[k]) *
@@ -265,7 +297,8 @@ Solution ScaledProblem::solve_rows(std::span<const double> b, SolverOptions opti
     }
     data.push_back(weights_[i] * b[i]);
   }
-  options.start = positive_start(options);
+  options.start = positive_start(options, seen);
+  if (options.misfit > 0) options.misfit = expected_misfit(static_cast<double>(data.size()));
   const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kMartRelaxation;
   return solve_mart(join_rows<float>({rows}, matrix_->columns()), data, relaxation, options,
                     execution);

@@ -11,7 +11,12 @@
 namespace plenoflame {
 
 /// Strengths that are looked at.
-inline constexpr StrengthRange kLinearRange{1e-5, 1e3, 9, 0, 5, 0.02, 2, 100};
+inline constexpr StrengthRange kLinearRange{1e-5, 1e3, 9, 0, 8, 0.01, 2, 100};
+
+/// The penalty of a reconstruction on one value per unknown; total variation's gradient for its
+/// solver. Unknowns of which the mask is 0 have no part in it. nullptr: none.
+std::unique_ptr<LinearOperator> make_penalty_of(const ReconstructionSettings& settings,
+                                                const Unknowns& unknowns, std::vector<char> mask);
 
 /// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
 class ScaledColumns final : public LinearOperator {
@@ -67,7 +72,9 @@ class ScaledProblem {
                             const Execution& execution) const;
   Solution solve_rows(std::span<const double> b, SolverOptions options,
                       const Execution& execution) const;
-  std::vector<double> positive_start(const SolverOptions& options) const;
+  /// @param seen what the rows that count see of each unknown
+  std::vector<double> positive_start(const SolverOptions& options,
+                                     std::span<const double> seen) const;
 
   const CsrMatrix<float>* matrix_;
   std::vector<double> weights_, scale_, prior_;
@@ -75,6 +82,9 @@ class ScaledProblem {
   ScaledColumns scaled_a_;
   std::unique_ptr<LinearOperator> penalty_, scaled_penalty_;
   double unit_ = 0;
+  /// Length of A^T W n for noise n of one deviation in each row: gradients that are much shorter
+  /// are an end.
+  double noise_gradient_ = 0;
   std::vector<std::unique_ptr<Subset>> subsets_;
 };
 

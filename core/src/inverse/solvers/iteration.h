@@ -29,6 +29,12 @@ class Iteration {
   /// @return whether to go on
   bool add(double misfit, double penalty, std::span<const double> x,
            std::span<const double> before);
+  /// Ends where the gradient of half of the objective is small enough. @return whether it is
+  bool ends_with_gradient(double length) {
+    if (!(options_.gradient > 0) || length > options_.gradient) return false;
+    solution_.reason = StopReason::converged;
+    return true;
+  }
   /// Ends for a reason of the solver's own.
   void end(StopReason reason) { solution_.reason = reason; }
   Solution take(std::vector<double> x) {

@@ -75,6 +75,7 @@ Solution solve_cgls(const LinearProblem& problem, const Regularisation& regulari
     const double next = dot(s, s);
     const SolverStep parts = parts_of(r, problem.b.size(), regularisation.strength);
     if (!iteration.add(parts.misfit, parts.penalty, x, before)) break;
+    if (iteration.ends_with_gradient(std::sqrt(next))) break;
     if (!(std::sqrt(next) > kRounding * first)) iteration.end(StopReason::converged);
     for (std::size_t j = 0; j < p.size(); ++j) p[j] = s[j] + next / gamma * p[j];
     gamma = next;
@@ -124,10 +125,12 @@ Solution solve_lsqr(const LinearProblem& problem, const Regularisation& regulari
     add_scaled(step, w, x);
     for (std::size_t n = 0; n < w.size(); ++n) w[n] = v[n] - theta / length * w[n];
     // |K^T r| = phi * alpha * |cosine| (Paige and Saunders 1982, 5.1).
-    const bool converged = !(phi * alpha * std::abs(cosine) > kRounding * first);
+    const double gradient = phi * alpha * std::abs(cosine);
+    const bool converged = !(gradient > kRounding * first);
     const SolverStep parts = parts_of(stacked_residual(problem, regularisation, x),
                                       problem.b.size(), regularisation.strength);
     if (!iteration.add(parts.misfit, parts.penalty, x, before)) break;
+    if (iteration.ends_with_gradient(gradient)) break;
     if (converged) {
       iteration.end(StopReason::converged);
       break;

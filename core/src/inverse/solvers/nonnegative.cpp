@@ -79,10 +79,11 @@ Solution solve_nnls(const LinearProblem& problem, const Regularisation& regulari
   for (int i = 0; i < options.iterations; ++i) {
     const std::vector<double> gradient = ahead.gradient(problem, regularisation);
     before = x;
-    double turned = 0;
+    double turned = 0, moved = 0;
     for (std::size_t j = 0; j < columns; ++j) {
       x[j] = std::max(0.0, momentum[j] - step * gradient[j]);
       turned += (momentum[j] - x[j]) * (x[j] - before[j]);
+      moved += (momentum[j] - x[j]) * (momentum[j] - x[j]);
     }
     // Gradient scheme: momentum that points uphill is given up.
     const double next = turned > 0 ? 1 : (1 + std::sqrt(1 + 4 * t * t)) / 2;
@@ -94,6 +95,8 @@ Solution solve_nnls(const LinearProblem& problem, const Regularisation& regulari
     here = now;
     if (!iteration.add(dot(here.data, here.data), dot(here.penalty, here.penalty), x, before))
       break;
+    // The gradient of what x >= 0 does not hold is the step over its length.
+    if (iteration.ends_with_gradient(std::sqrt(moved) / step)) break;
   }
   return iteration.take(std::move(x));
 }

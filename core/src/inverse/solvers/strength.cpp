@@ -10,6 +10,8 @@
 namespace plenoflame {
 namespace {
 
+/// Halvings of the steps of the range about the best strength of a rule without a target.
+constexpr int kHalvings = 2;
 constexpr double kExcess = 0.1;  ///< over the least misfit, where the noise explains none
 
 double counted_rows(const LinearProblem& problem) {
@@ -68,6 +70,26 @@ std::size_t corner(const std::vector<StrengthPoint>& curve) {
   return best;
 }
 
+std::vector<StrengthPoint> sorted(const std::vector<StrengthPoint>& curve,
+                                  const std::vector<std::size_t>& order) {
+  std::vector<StrengthPoint> result;
+  for (const std::size_t k : order) result.push_back(curve[k]);
+  return result;
+}
+
+/// Index of the best point of a curve in the order of its strengths.
+std::size_t best_of(const std::vector<StrengthPoint>& curve, StrengthRule rule, double target) {
+  if (rule == StrengthRule::l_curve) return corner(curve);
+  const auto badness = [&](const StrengthPoint& point) {
+    return rule == StrengthRule::gcv ? point.gcv : std::abs(std::log(point.misfit / target));
+  };
+  return static_cast<std::size_t>(
+      std::min_element(
+          curve.begin(), curve.end(),
+          [&](const StrengthPoint& a, const StrengthPoint& b) { return badness(a) < badness(b); }) -
+      curve.begin());
+}
+
 }  // namespace
 
 StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperator& penalty,
@@ -124,28 +146,36 @@ StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperato
       if (std::abs(point.misfit - target) <= range.tolerance * target) break;
     }
   }
-
-  std::vector<std::size_t> order(choice.curve.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return choice.curve[a].strength < choice.curve[b].strength;
-  });
-  std::vector<StrengthPoint> curve;
-  for (const std::size_t k : order) curve.push_back(choice.curve[k]);
-  std::size_t best = 0;
-  if (rule == StrengthRule::discrepancy) {
-    for (std::size_t k = 0; k < curve.size(); ++k)
-      if (std::abs(std::log(curve[k].misfit / target)) <
-          std::abs(std::log(curve[best].misfit / target)))
-        best = k;
-  } else if (rule == StrengthRule::gcv) {
-    for (std::size_t k = 0; k < curve.size(); ++k)
-      if (curve[k].gcv < curve[best].gcv) best = k;
-  } else {
-    best = corner(curve);
+  const auto by_strength = [&] {
+    std::vector<std::size_t> order(choice.curve.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return choice.curve[a].strength < choice.curve[b].strength;
+    });
+    return order;
+  };
+  if (rule != StrengthRule::discrepancy) {
+    // Halfway to either neighbour of the best, again and again.
+    for (int k = 0; k < kHalvings; ++k) {
+      const std::vector<std::size_t> order = by_strength();
+      const std::size_t best = best_of(sorted(choice.curve, order), rule, target);
+      const double middle = choice.curve[order[best]].strength;
+      for (const int side : {1, -1}) {
+        const bool inside = side > 0 ? best + 1 < order.size() : best > 0;
+        if (!inside || execution.stop.stop_requested()) continue;
+        const std::size_t other = order[side > 0 ? best + 1 : best - 1];
+        start = solutions[order[best]].x;
+        attempt(std::sqrt(middle * choice.curve[other].strength));
+      }
+    }
   }
+  const std::vector<std::size_t> order = by_strength();
+  std::vector<StrengthPoint> curve = sorted(choice.curve, order);
+  const std::size_t best = best_of(curve, rule, target);
   choice.strength = curve[best].strength;
-  choice.at_end = best == 0 || best + 1 == curve.size();
+  constexpr double kRounding = 1e-9;
+  choice.at_end = choice.strength >= (1 - kRounding) * range.highest ||
+                  choice.strength <= (1 + kRounding) * range.lowest;
   choice.solution = std::move(solutions[order[best]]);
   choice.curve = std::move(curve);
   return choice;

@@ -47,7 +47,8 @@ std::vector<double> weighted_model(const LinearProblem& problem, std::span<const
 
 Uncertainty estimate_uncertainty(const LinearProblem& problem, const Regularisation& regularisation,
                                  int probes, std::uint64_t seed, const Execution& execution,
-                                 const ProbeAccuracy& accuracy) {
+                                 const ProbeAccuracy& accuracy,
+                                 const std::function<void(std::span<const double>)>& moved) {
   check(problem, regularisation);
   if (probes < 1) throw UsageError("the uncertainty wants at least one probe");
   const std::size_t columns = problem.a->columns();
@@ -73,6 +74,7 @@ Uncertainty estimate_uncertainty(const LinearProblem& problem, const Regularisat
       for (double& value : c) value = signs.next();
       const std::vector<double> v = pull_back(problem, regularisation, c, accuracy, inner);
       for (std::size_t j = 0; j < columns; ++j) result.deviation[j] += v[j] * v[j] / probes;
+      if (moved) moved(v);
     }
     if (execution.progress) {
       Progress progress;

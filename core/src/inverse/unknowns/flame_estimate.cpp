@@ -1,13 +1,34 @@
 #include "plenoflame/inverse/flame_estimate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "plenoflame/inverse/measurement.h"
 
 namespace plenoflame {
 
-FlameEstimate estimate_flame(const Reconstruction& reconstruction,
+namespace {
+
+/// Calls use(neighbour) for what is next to an unknown along axes and diagonals of the lattice.
+template <class Use>
+void for_neighbours(const std::array<int, 3>& shape, std::size_t unknown, const Use& use) {
+  const auto n1 = static_cast<std::size_t>(shape[1]), n2 = static_cast<std::size_t>(shape[2]);
+  const std::array<int, 3> at{static_cast<int>(unknown / (n1 * n2)),
+                              static_cast<int>(unknown / n2 % n1), static_cast<int>(unknown % n2)};
+  for (int i = std::max(at[0] - 1, 0); i <= std::min(at[0] + 1, shape[0] - 1); ++i)
+    for (int j = std::max(at[1] - 1, 0); j <= std::min(at[1] + 1, shape[1] - 1); ++j)
+      for (int k = std::max(at[2] - 1, 0); k <= std::min(at[2] + 1, shape[2] - 1); ++k) {
+        const std::size_t other =
+            (static_cast<std::size_t>(i) * n1 + static_cast<std::size_t>(j)) * n2 +
+            static_cast<std::size_t>(k);
+        if (other != unknown) use(other);
+      }
+}
+
+}  // namespace
+
+FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold) {
   FlameEstimate estimate;
@@ -21,6 +42,7 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction,
     if (!estimate.emission_deviation.empty()) estimate.emission_deviation[j] *= absorption[j];
   }
   estimate.temperature.assign(n, 0.0);
+  estimate.decided.assign(n, 0);
   if (!reconstruction.deviation.empty()) estimate.temperature_deviation.assign(n, 0.0);
   double largest = 0;
   for (std::size_t j = 0; j < n; ++j)
@@ -28,11 +50,23 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction,
   for (std::size_t j = 0; j < n; ++j) {
     const double value = reconstruction.values[j];
     const double deviation = reconstruction.deviation.empty() ? 0 : reconstruction.deviation[j];
-    if (!(absorption[j] > 0) || !(value > threshold * largest) || !(value > 2 * deviation))
-      continue;
+    if (!(absorption[j] > 0) || !(value > threshold * largest)) continue;
+    estimate.decided[j] = 1;
     const double t = temperature_of(source, value);
     estimate.temperature[j] = t;
     if (deviation > 0) estimate.temperature_deviation[j] = deviation / source_slope(source, t);
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    if (estimate.decided[j] || !(absorption[j] > 0)) continue;
+    double weight = 0, sum = 0;
+    for_neighbours(unknowns.shape(), j, [&](std::size_t other) {
+      if (!estimate.decided[other]) return;
+      weight += estimate.emission[other];
+      sum += estimate.emission[other] * estimate.temperature[other];
+    });
+    if (!(weight > 0)) continue;
+    estimate.temperature[j] = sum / weight;
+    estimate.absorption[j] = estimate.emission[j] / source(estimate.temperature[j]);
   }
   return estimate;
 }
