@@ -23,7 +23,7 @@
 namespace plenoflame::cli {
 namespace {
 
-/// Where a white picture has less than this share of its brightest light, it says nothing.
+/// A white picture with less than this share of its brightest light says nothing.
 constexpr double kLeastWhite = 0.3;
 
 struct CornersArguments {

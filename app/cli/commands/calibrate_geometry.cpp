@@ -128,7 +128,7 @@ std::string most_correlated(const GeometryCalibration& found) {
   return text;
 }
 
-/// What the fit leaves: of each corner, and outwards against the distance from the middle, in which
+/// The residuals: of each corner, and outwards against the distance from the middle, in which
 /// distortion would show.
 std::vector<Plot> residual_plots(const GeometryCalibration& found,
                                  const std::vector<CornerObservation>& corners) {

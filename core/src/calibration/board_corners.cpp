@@ -50,7 +50,8 @@ struct BoardPlane {
   }
 };
 
-/// Where two lines come nearest to each other: the distance z, and by how many pixels they miss.
+/// The place where two lines come nearest to each other: distance z, and by how many pixels they
+/// miss.
 struct Meeting {
   double z = 0, miss = 0;
   Vec2 direction;  ///< x/z, y/z
@@ -285,7 +286,7 @@ class BoardFinder {
           if (members.empty()) break;
           middle = (1 / static_cast<double>(members.size())) * sum;
         }
-        // Of two marks in one micro-image the better one.
+        // A micro-image shows a point once: the better mark counts.
         std::map<std::pair<int, int>, std::size_t> best;
         for (const std::size_t k : members) {
           const auto [other, added] =
@@ -318,7 +319,7 @@ class BoardFinder {
                       seen_text(), points_.size(), 1 / plane_.near));
   }
 
-  /// By all pairs of marks that are one point.
+  /// Fits the plane to all pairs of marks that are one point.
   void refit_plane() {
     std::vector<Meeting> meetings;
     for (const Point& point : points_)
@@ -341,7 +342,7 @@ class BoardFinder {
     return best;
   }
 
-  /// Columns and rows of the points, from neighbour to neighbour.
+  /// Counts columns and rows of the points, from neighbour to neighbour.
   void label() {
     std::vector<double> nearest_distance;
     for (std::size_t i = 0; i < points_.size(); ++i) {

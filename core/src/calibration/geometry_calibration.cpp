@@ -19,7 +19,7 @@ constexpr double kTurnedOver = 0.95;
 constexpr int kMostTurns = 5;
 constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled normal matrix
 
-/// From what a value of the camera is known.
+/// The observations from which a value of the camera is known.
 enum class ValueGroup {
   optics,     ///< corners
   array,      ///< centres of micro-images
@@ -562,7 +562,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   spec.array.sensor_distance = camera.microlenses()[0].sensor_distance;
   spec.array.spacing_error = 0;
   const std::vector<const FreeValue*> free = chosen(settings, start, !centres.empty());
-  // Without distortion so far, that of the plane in focus.
+  // Distortion that is not there yet begins with the plane in focus.
   if (spec.lens.distortion.none())
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
   GeometryFit fit(spec, corners, centres);
