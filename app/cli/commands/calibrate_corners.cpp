@@ -26,7 +26,7 @@ namespace {
 /// A white picture with less than this share of its brightest light says nothing.
 constexpr double kLeastWhite = 0.3;
 
-struct CornersArguments {
+struct BoardArguments {
   std::vector<std::string> boards, white, dark, set;
   std::string camera, which, output, board, cell, picture;
   RawFileOptions files;
@@ -76,9 +76,9 @@ PngImage corner_picture(const Image& light, const BoardCorners& found) {
   return picture;
 }
 
-class CornersRun {
+class BoardCornersRun {
  public:
-  explicit CornersRun(const CornersArguments& arguments) : arguments_(arguments) {
+  explicit BoardCornersRun(const BoardArguments& arguments) : arguments_(arguments) {
     const std::array<int, 2> sides = pair_option("--board", arguments_.board, "COLUMNSxROWS", 'x');
     board_.dots = arguments_.dots;
     board_.columns = sides[0];
@@ -171,7 +171,7 @@ class CornersRun {
     return light;
   }
 
-  const CornersArguments& arguments_;
+  const BoardArguments& arguments_;
   BoardSpec board_;
   SceneDocument document_;
   Report report_;
@@ -180,7 +180,7 @@ class CornersRun {
 }  // namespace
 
 void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
-  auto a = std::make_shared<CornersArguments>();
+  auto a = std::make_shared<BoardArguments>();
   CLI::App& command = *calibrate.add_subcommand(
       "corners", "The corners of checkerboards, or dots, in the micro-images of raw pictures");
   command.footer(
@@ -232,7 +232,7 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       ->option_text("N");
   command.add_flag("--json", a->json, "Print the figures as JSON");
   on_chosen(command, registry,
-            [a](const std::stop_token& stop) { return CornersRun(*a).run(stop); });
+            [a](const std::stop_token& stop) { return BoardCornersRun(*a).run(stop); });
 }
 
 }  // namespace plenoflame::cli

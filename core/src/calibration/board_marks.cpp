@@ -127,7 +127,7 @@ struct MarkFit {
   }
 };
 
-double edge(double distance, double width) {
+double soft_edge(double distance, double width) {
   return std::erf(distance / (std::numbers::sqrt2 * width));
 }
 
@@ -185,7 +185,7 @@ bool MarkFinder::fit_corner(Vec2 centre, double radius, BoardMark& mark) const {
     // Distances from the edges, which run along the angles p(4) and p(5).
     const double u = std::cos(p(4)) * y - std::sin(p(4)) * x;
     const double v = std::sin(p(5)) * x - std::cos(p(5)) * y;
-    return p(3) + p(7) * x + p(8) * y + p(2) * edge(u, width) * edge(v, width);
+    return p(3) + p(7) * x + p(8) * y + p(2) * soft_edge(u, width) * soft_edge(v, width);
   };
   if (!fit.solve(places, light, model)) return false;
   const Vec2 move{fit.values(0), fit.values(1)};
@@ -213,7 +213,7 @@ bool MarkFinder::fit_dot(Vec2 centre, double radius, double size, BoardMark& mar
   const auto model = [](const MarkFit<8>::Vector& p, Vec2 at) {
     const double x = at.x - p(0), y = at.y - p(1);
     return p(3) + p(6) * x + p(7) * y +
-           p(2) * edge(std::fabs(p(4)) - std::hypot(x, y), bounded_width(p(5)));
+           p(2) * soft_edge(std::fabs(p(4)) - std::hypot(x, y), bounded_width(p(5)));
   };
   if (!fit.solve(places, light, model)) return false;
   const Vec2 move{fit.values(0), fit.values(1)};

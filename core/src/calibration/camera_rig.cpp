@@ -49,7 +49,7 @@ RigidTransform closest(const std::vector<PointPairs>& boards, int without) {
 }
 
 /// The angle of the rotation from one to the other.
-double angle_between(const RigidTransform& a, const RigidTransform& b) {
+double turn_between(const RigidTransform& a, const RigidTransform& b) {
   double squares = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 d = a.rotation.rows[k] - b.rotation.rows[k];
@@ -93,7 +93,7 @@ RelativePose register_cameras(const std::vector<RigidTransform>& first,
     const RigidTransform other = closest(boards, static_cast<int>(b));
     const Vec3 moved = other.translation - found.to_first.translation;
     places += dot(moved, moved);
-    turns += std::pow(angle_between(other, found.to_first), 2);
+    turns += std::pow(turn_between(other, found.to_first), 2);
   }
   found.place_error = std::sqrt((n - 1) / n * places);
   found.turn_error = std::sqrt((n - 1) / n * turns);

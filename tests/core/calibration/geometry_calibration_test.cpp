@@ -208,7 +208,7 @@ TEST(GeometryCalibration, DistortionComesBack) {
   EXPECT_TRUE(relative(d.p2, expected.p2, 1e-3));
 }
 
-// What was asked of the calibration: 15 poses, each value within three of its deviations.
+// The figure asked of the calibration: 15 poses, each value within three of its deviations.
 TEST(GeometryCalibration, FifteenPosesTellAllValuesWithDistortion) {
   const double noise = 0.05;
   const Seen seen = observe(distorting(), 15, noise);
