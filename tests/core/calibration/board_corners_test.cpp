@@ -33,6 +33,7 @@ rotation = "4 mrad"
 offset = ["20 um", "-30 um"]
 sensor_distance = "0.4 mm"
 [[camera.array.types]]
+name = "all"
 focal_length = "0.5 mm"
 [camera.focus]
 mode = "distance"
