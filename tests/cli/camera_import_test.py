@@ -180,7 +180,8 @@ class CameraImport(CommandTest):
         self.assertLess(abs(report["object_distance"] / 0.4 - 1), 1e-12)
         with open(self.path("camera.toml"), encoding="utf-8") as file:
             text = file.read()
-        for line in ('pitch = "300 um"', 'pitch_y = "310 um"', 'lattice = "square"'):
+        # 6.6 as an f-number would make micro-images four times as wide as the lenses.
+        for line in ('diameter = "6.6 mm"', 'pitch = "300 um"', 'pitch_y = "310 um"', 'lattice = "square"'):
             self.assertIn(line, text)
 
     def test_missing_values_are_all_named(self):

@@ -13,7 +13,7 @@ void register_calibrate(const Registry& registry) {
   command.require_subcommand(1);
   using Add = void (*)(CLI::App&, const Registry&);
   constexpr Add kSubcommands[] = {add_calibrate_white, add_calibrate_radiometry,
-                                  add_calibrate_geometry};
+                                  add_calibrate_corners, add_calibrate_geometry, add_calibrate_rig};
   for (const Add add : kSubcommands) add(command, registry);
 }
 

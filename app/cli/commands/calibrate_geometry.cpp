@@ -66,6 +66,17 @@ std::vector<CornerObservation> read_corners(const std::string& path) {
 
 std::vector<CentreObservation> read_lens_centres(const std::string& path) {
   std::vector<CentreObservation> centres;
+  // The table of calibrate white: i,j,q,r,type,column,row,..., and whether the fit used it.
+  constexpr std::size_t kColumnsOfWhite = 13;
+  if (numbers_in(path) == kColumnsOfWhite) {
+    for (const NumberRow& row :
+         read_number_rows(path, kColumnsOfWhite, "a line of the table of calibrate white"))
+      if (row.values[12] > 0)
+        centres.push_back({{whole_number(row.values[2], path, row.line),
+                            whole_number(row.values[3], path, row.line)},
+                           {row.values[5], row.values[6]}});
+    return centres;
+  }
   for (const NumberRow& row : read_number_rows(path, 4, "a micro-image's centre: q,r,column,row"))
     centres.push_back(
         {{whole_number(row.values[0], path, row.line), whole_number(row.values[1], path, row.line)},
@@ -99,6 +110,54 @@ std::string pose_table(const GeometryCalibration& found) {
     text += "\n";
   }
   return text;
+}
+
+/// The two values whose errors go together most.
+std::string most_correlated(const GeometryCalibration& found) {
+  std::string text = "none";
+  double most = 0;
+  for (std::size_t i = 0; i < found.values.size(); ++i)
+    for (std::size_t k = i + 1; k < found.values.size(); ++k) {
+      const double both = found.covariance[i][i] * found.covariance[k][k];
+      const double correlation = both > 0 ? found.covariance[i][k] / std::sqrt(both) : 0;
+      if (std::fabs(correlation) <= std::fabs(most)) continue;
+      most = correlation;
+      text = fmt::format("{} and {}, whose errors correlate by {:.4f}", found.values[i].key,
+                         found.values[k].key, correlation);
+    }
+  return text;
+}
+
+/// The residuals: of each corner, and outwards against the distance from the middle, in which
+/// distortion would show.
+std::vector<Plot> residual_plots(const GeometryCalibration& found,
+                                 const std::vector<CornerObservation>& corners) {
+  Plot scatter, field;
+  scatter.title = "What the fit leaves of each corner";
+  scatter.x_label = "right [pixel]";
+  scatter.y_label = "down [pixel]";
+  scatter.equal_scales = true;
+  field.title = "Outwards, over the picture";
+  field.x_label = "from the middle of the picture [pixel]";
+  field.y_label = "outwards [pixel]";
+  const SensorSpec& sensor = found.camera.sensor;
+  const Vec2 middle{0.5 * sensor.columns, 0.5 * sensor.rows};
+  PlotSeries series;
+  series.name = "observed - predicted";
+  series.colour = plot_colour(0);
+  series.style = PlotStyle::marks;
+  PlotSeries outwards = series;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 rest = found.residuals[i], away = corners[i].pixel - middle;
+    if (!std::isfinite(rest.x)) continue;
+    series.points.emplace_back(rest.x, rest.y);
+    if (length(away) > 0)
+      outwards.points.emplace_back(length(away), dot(rest, away) / length(away));
+  }
+  scatter.series.push_back(series);
+  field.series.push_back(outwards);
+  for (Plot* plot : {&scatter, &field}) plot->log_x = plot->log_y = false;
+  return {scatter, field};
 }
 
 int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop) {
@@ -135,6 +194,8 @@ int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop
     values[value.key] = {{"value", value.value}, {"error", value.error}};
   }
   report.add_json("values", values);
+  report.add_json("covariance", found.covariance);
+  report.add_text("most alike", most_correlated(found));
 
   FileSet files;
   files.write(arguments.output, [&](const std::string& name) { write_scene_file(name, scene); });
@@ -149,21 +210,7 @@ int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop
   if (!arguments.poses.empty())
     files.write(arguments.poses,
                 [&](const std::string& name) { write_file(name, pose_table(found)); });
-  if (!arguments.plot.empty()) {
-    Plot plot;
-    plot.title = "What the fit leaves of each corner";
-    plot.x_label = "right [pixel]";
-    plot.y_label = "down [pixel]";
-    plot.log_x = plot.log_y = false;
-    plot.equal_scales = true;
-    PlotSeries series;
-    series.name = "observed - predicted";
-    series.colour = plot_colour(0);
-    series.style = PlotStyle::marks;
-    for (const Vec2 rest : found.residuals) series.points.emplace_back(rest.x, rest.y);
-    plot.series.push_back(series);
-    write_plot(arguments.plot, {plot});
-  }
+  if (!arguments.plot.empty()) write_plot(arguments.plot, residual_plots(found, corners));
   files.commit();
   report.print(arguments.json);
   return kSuccess;
@@ -192,14 +239,16 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->required()
       ->option_text("FILE.toml");
   command
-      .add_option("--centres", a->centres,
-                  "Table of the micro-images' centres in white pictures: q,r,column,row; place and "
-                  "tilt of the array are searched for, too")
+      .add_option(
+          "--centres", a->centres,
+          "Table of the micro-images' centres in white pictures, that of calibrate white or "
+          "q,r,column,row; place and tilt of the array are searched for, too")
       ->option_text("FILE.csv");
   command
       .add_option("--free", a->free,
                   "What is searched for, in place of the usual: keys with commas between, such as "
-                  "camera.lens.focal_length,camera.lens.decentre")
+                  "camera.lens.focal_length,camera.lens.decentre; `usual,camera.lens.distortion` "
+                  "adds distortion to the usual")
       ->delimiter(',')
       ->option_text("KEY,...");
   command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")

@@ -22,7 +22,6 @@
 #include "plenoflame/calibration/white_lattice.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
-#include "plenoflame/lightfield/sensor.h"
 #include "plenoflame/scene/scene_file.h"
 #include "report.h"
 #include "run.h"
@@ -70,34 +69,6 @@ std::vector<Aperture> apertures_of(const std::vector<std::string>& white) {
   std::vector<Aperture> list;
   for (auto& [number, aperture] : apertures) list.push_back(std::move(aperture));
   return list;
-}
-
-/// Light alone: dark taken away, colours of a picture added, those of a mosaic made alike.
-Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
-               MosaicPattern mosaic) {
-  if (dark && (dark->width != frames.width || dark->height != frames.height ||
-               dark->mean.size() != frames.mean.size()))
-    throw InputError("dark frame and white picture differ in size");
-  Image light(frames.width, frames.height);
-  for (std::size_t c = 0; c < frames.mean.size(); ++c)
-    for (std::size_t i = 0; i < light.pixels.size(); ++i)
-      light.pixels[i] += frames.mean[c].pixels[i] - (dark ? dark->mean[c].pixels[i] : 0.0F);
-  if (mosaic == MosaicPattern::none) return light;
-  double sum[3] = {}, count[3] = {};
-  for (int y = 0; y < light.height; ++y)
-    for (int x = 0; x < light.width; ++x) {
-      const int colour = mosaic_colour(mosaic, x, y);
-      sum[colour] += static_cast<double>(light.at(x, y));
-      count[colour] += 1;
-    }
-  for (int y = 0; y < light.height; ++y)
-    for (int x = 0; x < light.width; ++x) {
-      const int colour = mosaic_colour(mosaic, x, y);
-      const double factor = sum[1] / count[1] * count[colour] / sum[colour];
-      if (std::isfinite(factor))
-        light.at(x, y) = static_cast<float>(factor * static_cast<double>(light.at(x, y)));
-    }
-  return light;
 }
 
 std::string centres_csv(const WhiteLattice& lattice, const ArrayFit& fit) {

@@ -1,9 +1,11 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "plenoflame/calibration/count_frames.h"
 #include "plenoflame/image/raw_picture.h"
+#include "plenoflame/scene/sensor_spec.h"
 
 namespace CLI {
 class App;
@@ -29,5 +31,10 @@ void add_raw_file_options(CLI::App& command, RawFileOptions& options);
 /// @throws FileError, InputError with the file's name
 CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
                         double full = 0);
+
+/// Light alone: dark taken away, colours of a picture added, those of a mosaic made alike.
+/// @throws InputError where the dark frame has another size
+Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
+               MosaicPattern mosaic);
 
 }  // namespace plenoflame::cli

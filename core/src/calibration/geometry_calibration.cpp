@@ -14,7 +14,17 @@ namespace {
 
 constexpr int kMostFitSteps = 100;
 constexpr double kFitConverged = 1e-10;  ///< relative change of the sum of squares
+/// A pose that is turned over leaves less than this part of the squares, or stays as it was.
+constexpr double kTurnedOver = 0.95;
+constexpr int kMostTurns = 5;
 constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled normal matrix
+
+/// The observations from which a value of the camera is known.
+enum class ValueGroup {
+  optics,     ///< corners
+  array,      ///< centres of micro-images
+  distortion  ///< corners; searched for where the camera has some, or it is asked for
+};
 
 /// A value of the camera that can be searched for.
 struct FreeValue {
@@ -22,7 +32,7 @@ struct FreeValue {
   double& (*of)(CameraSpec& camera);
   double step;  ///< for differences, of the camera's own size: relative to `scale`
   double (*scale)(const CameraSpec& camera);
-  bool of_array;  ///< what centres of micro-images tell
+  ValueGroup group;
 };
 
 double pitch_of(const CameraSpec& camera) {
@@ -31,30 +41,47 @@ double pitch_of(const CameraSpec& camera) {
 double unity(const CameraSpec&) {
   return 1;
 }
+/// Tangent of the angle at which the sensor's corner is seen, to a power: terms of distortion
+/// change directions by it.
+template <int kPower>
+double per_field(const CameraSpec& camera) {
+  return std::pow(camera.focus.lens_distance / camera.sensor.corner(), kPower);
+}
 
 const FreeValue kFreeValues[]{
     {"camera.lens.focal_length", [](CameraSpec& c) -> double& { return c.lens.focal_length; }, 1e-5,
-     pitch_of, false},
+     pitch_of, ValueGroup::optics},
     {"camera.focus.lens_distance", [](CameraSpec& c) -> double& { return c.focus.lens_distance; },
-     1e-5, pitch_of, false},
+     1e-5, pitch_of, ValueGroup::optics},
     {"camera.array.sensor_distance",
-     [](CameraSpec& c) -> double& { return c.array.sensor_distance; }, 1e-5, pitch_of, false},
+     [](CameraSpec& c) -> double& { return c.array.sensor_distance; }, 1e-5, pitch_of,
+     ValueGroup::optics},
     {"camera.lens.decentre[0]", [](CameraSpec& c) -> double& { return c.lens.decentre.x; }, 1e-4,
-     pitch_of, false},
+     pitch_of, ValueGroup::optics},
     {"camera.lens.decentre[1]", [](CameraSpec& c) -> double& { return c.lens.decentre.y; }, 1e-4,
-     pitch_of, false},
+     pitch_of, ValueGroup::optics},
     {"camera.array.offset[0]", [](CameraSpec& c) -> double& { return c.array.offset.x; }, 1e-4,
-     pitch_of, true},
+     pitch_of, ValueGroup::array},
     {"camera.array.offset[1]", [](CameraSpec& c) -> double& { return c.array.offset.y; }, 1e-4,
-     pitch_of, true},
+     pitch_of, ValueGroup::array},
     {"camera.array.pitch", [](CameraSpec& c) -> double& { return c.array.pitch; }, 1e-7, pitch_of,
-     true},
+     ValueGroup::array},
     {"camera.array.rotation", [](CameraSpec& c) -> double& { return c.array.rotation; }, 1e-7,
-     unity, true},
+     unity, ValueGroup::array},
     {"camera.array.tilt[0]", [](CameraSpec& c) -> double& { return c.array.tilt.x; }, 1e-6, unity,
-     true},
+     ValueGroup::array},
     {"camera.array.tilt[1]", [](CameraSpec& c) -> double& { return c.array.tilt.y; }, 1e-6, unity,
-     true},
+     ValueGroup::array},
+    {"camera.lens.distortion.k1", [](CameraSpec& c) -> double& { return c.lens.distortion.k1; },
+     1e-4, per_field<2>, ValueGroup::distortion},
+    {"camera.lens.distortion.k2", [](CameraSpec& c) -> double& { return c.lens.distortion.k2; },
+     1e-4, per_field<4>, ValueGroup::distortion},
+    {"camera.lens.distortion.k3", [](CameraSpec& c) -> double& { return c.lens.distortion.k3; },
+     1e-4, per_field<6>, ValueGroup::distortion},
+    {"camera.lens.distortion.p1", [](CameraSpec& c) -> double& { return c.lens.distortion.p1; },
+     1e-4, per_field<1>, ValueGroup::distortion},
+    {"camera.lens.distortion.p2", [](CameraSpec& c) -> double& { return c.lens.distortion.p2; },
+     1e-4, per_field<1>, ValueGroup::distortion},
 };
 
 /// The camera with its stop wide open: corners may be seen by rays that its own stop ends.
@@ -227,6 +254,32 @@ class GeometryFit {
     return step;
   }
 
+  /// A board far away looks the same when it is tilted the other way (Schweighofer and Pinz, IEEE
+  /// PAMI 28 (2006) 2024): each pose becomes the other one where that leaves less.
+  /// @return whether one did
+  bool turn_poses_over(const Execution& execution) {
+    const std::vector<RigidTransform> poses = poses_;
+    const std::vector<double> costs = pose_costs();
+    for (RigidTransform& pose : poses_) {
+      const Vec3 view = normalize(pose.translation);
+      const auto& r = pose.rotation.rows;
+      const auto mirrored = [&](Vec3 v) { return v - (2 * dot(view, v)) * view; };
+      const Vec3 x = mirrored({r[0].x, r[1].x, r[2].x}), y = mirrored({r[0].y, r[1].y, r[2].y}),
+                 z = cross(x, y);
+      pose.rotation.rows = {Vec3{x.x, y.x, z.x}, Vec3{x.y, y.y, z.y}, Vec3{x.z, y.z, z.z}};
+    }
+    solve({}, execution);
+    const std::vector<double> other = pose_costs();
+    bool any = false;
+    for (std::size_t p = 0; p < poses.size(); ++p)
+      if (other[p] < kTurnedOver * costs[p])
+        any = true;
+      else
+        poses_[p] = poses[p];
+    linearise();
+    return any;
+  }
+
   /// @throws InputError naming the values between which the observations do not tell
   void check_determined() const {
     const auto n = static_cast<Eigen::Index>(free_.size());
@@ -297,6 +350,9 @@ class GeometryFit {
       const auto k = static_cast<Eigen::Index>(i);
       result.values.push_back({free_[i]->key, free_[i]->of(copy),
                                units_[i] * std::sqrt(std::max(0.0, covariance(k, k)))});
+      std::vector<double>& row = result.covariance.emplace_back();
+      for (std::size_t j = 0; j < free_.size(); ++j)
+        row.push_back(units_[i] * units_[j] * covariance(k, static_cast<Eigen::Index>(j)));
     }
     return result;
   }
@@ -314,6 +370,14 @@ class GeometryFit {
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (used[i]) sum += dot(residuals[i], residuals[i]), ++count;
     return count ? std::sqrt(0.5 * sum / static_cast<double>(count)) : 0;
+  }
+
+  /// Sum of squares of each pose's corners.
+  std::vector<double> pose_costs() const {
+    std::vector<double> costs(poses_.size());
+    for (std::size_t i = 0; i < corners_.size(); ++i)
+      if (used_[i]) costs[pose_index_.at(corners_[i].pose)] += dot(residuals_[i], residuals_[i]);
+    return costs;
   }
 
   Vec3 in_camera(std::size_t i) const {
@@ -431,26 +495,39 @@ class GeometryFit {
   std::vector<Vec2> residuals_, centre_residuals_;
 };
 
-std::vector<const FreeValue*> chosen(const GeometrySettings& settings, bool with_centres) {
+/// The values that are searched for where nothing else is said.
+std::vector<const FreeValue*> usual_values(const CameraSpec& start, bool with_centres) {
   std::vector<const FreeValue*> values;
-  if (settings.free.empty()) {
-    for (const FreeValue& value : kFreeValues)
-      if (!value.of_array || with_centres) values.push_back(&value);
-    return values;
-  }
+  for (const FreeValue& value : kFreeValues)
+    if (value.group == ValueGroup::optics || (value.group == ValueGroup::array && with_centres) ||
+        (value.group == ValueGroup::distortion && !start.lens.distortion.none()))
+      values.push_back(&value);
+  return values;
+}
+
+std::vector<const FreeValue*> chosen(const GeometrySettings& settings, const CameraSpec& start,
+                                     bool with_centres) {
+  if (settings.free.empty()) return usual_values(start, with_centres);
+  std::vector<const FreeValue*> values;
+  const auto add = [&](const FreeValue* value) {
+    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
+  };
   for (const std::string& name : settings.free) {
+    if (name == kUsualValues) {
+      for (const FreeValue* value : usual_values(start, with_centres)) add(value);
+      continue;
+    }
     bool known = false;
     for (const FreeValue& value : kFreeValues) {
+      // "camera.lens.decentre" means both of its numbers, "camera.lens.distortion" all terms.
       const std::string key = value.key;
-      // "camera.lens.decentre" means both of its numbers.
-      if (key != name && key.substr(0, key.find('[')) != name) continue;
+      if (key != name && !key.starts_with(name + "[") && !key.starts_with(name + ".")) continue;
       known = true;
-      if (std::find(values.begin(), values.end(), &value) == values.end()) values.push_back(&value);
+      add(&value);
     }
     if (!known) {
-      std::string names;
-      for (const FreeValue& value : kFreeValues)
-        names.append(names.empty() ? "" : ", ").append(value.key);
+      std::string names = kUsualValues;
+      for (const FreeValue& value : kFreeValues) names.append(", ").append(value.key);
       throw InputError("'" + name + "' cannot be searched for; these can: " + names);
     }
   }
@@ -484,11 +561,19 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   spec.array.measured_from = ArrayReference::principal_plane;
   spec.array.sensor_distance = camera.microlenses()[0].sensor_distance;
   spec.array.spacing_error = 0;
-  const std::vector<const FreeValue*> free = chosen(settings, !centres.empty());
+  const std::vector<const FreeValue*> free = chosen(settings, start, !centres.empty());
+  // Distortion that is not there yet begins with the plane in focus.
+  if (spec.lens.distortion.none())
+    spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
   GeometryFit fit(spec, corners, centres);
   fit.start_poses();
   fit.solve({}, execution);
+  fit.turn_poses_over(execution);
   int steps = fit.solve(free, execution);
+  // A better camera tells more about the poses.
+  for (int round = 0; round < kMostTurns && fit.turn_poses_over(execution); ++round)
+    steps += fit.solve(free, execution);
+  steps += fit.solve(free, execution);
   fit.check_determined();
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0)
     steps += fit.solve(free, execution);

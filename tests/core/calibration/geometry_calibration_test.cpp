@@ -45,6 +45,37 @@ Vec2 thin_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
   return c + (s.array.sensor_distance / a) * (c - image);
 }
 
+/// OpenCV's map from true to imaged directions.
+Vec2 bent(const DistortionSpec& d, Vec2 t) {
+  const double r2 = dot(t, t), radial = 1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+  return radial * t + Vec2{2 * d.p1 * t.x * t.y + d.p2 * (r2 + 2 * t.x * t.x),
+                           d.p1 * (r2 + 2 * t.y * t.y) + 2 * d.p2 * t.x * t.y};
+}
+
+/// The same of a lens that distorts. Through each place a of the lens a point is seen in the true
+/// direction of a point of the plane at d.distance, and imaged as another point of that plane: a is
+/// searched for from which the ray goes on through the middle of the microlens.
+Vec2 bent_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
+  const DistortionSpec& d = s.lens.distortion;
+  const double focus = d.distance, behind = 1 / (1 / s.lens.focal_length - 1 / focus);
+  const double to_array = s.focus.lens_distance;
+  const auto miss = [&](Vec2 a) {
+    const Vec2 seen = a + (focus / p.z) * (Vec2{p.x, p.y} - a);
+    const Vec2 t = (1 / focus) * (seen - s.lens.decentre);
+    const Vec2 image = s.lens.decentre - behind * bent(d, t);
+    return a + (to_array / behind) * (image - a) - c;
+  };
+  Vec2 a = s.lens.decentre;
+  for (int step = 0; step < 20; ++step) {
+    const double h = 1e-6;
+    const Vec2 m = miss(a), u = (1 / h) * (miss(a + Vec2{h, 0}) - m),
+               v = (1 / h) * (miss(a + Vec2{0, h}) - m);
+    const double determinant = u.x * v.y - v.x * u.y;
+    a = a - (1 / determinant) * Vec2{v.y * m.x - v.x * m.y, u.x * m.y - u.y * m.x};
+  }
+  return c + (s.array.sensor_distance / to_array) * (c - a);
+}
+
 struct Seen {
   std::vector<CornerObservation> corners;
   std::vector<CentreObservation> centres;
@@ -78,7 +109,8 @@ Seen observe(const CameraSpec& s, int poses, double noise, double tilts = 1) {
         const Vec3 p = turn * Vec3{board.x, board.y, 0} + place;
         for (std::size_t k = 0; k < lenses.size(); ++k) {
           const Vec2 c = lattice.centre(lenses[k]);
-          const Vec2 at = thin_projection(s, p, c);
+          const Vec2 at =
+              s.lens.distortion.none() ? thin_projection(s, p, c) : bent_projection(s, p, c);
           if (length(at - centre_of(c)) > 9 * s.sensor.pixel_pitch ||
               std::fabs(at.x) > 0.5 * size.x || std::fabs(at.y) > 0.5 * size.y)
             continue;
@@ -114,6 +146,12 @@ double value_of(const CameraSpec& camera, const std::string& key) {
   if (key == "camera.array.rotation") return camera.array.rotation;
   if (key == "camera.array.tilt[0]") return camera.array.tilt.x;
   if (key == "camera.array.tilt[1]") return camera.array.tilt.y;
+  const DistortionSpec& d = camera.lens.distortion;
+  if (key == "camera.lens.distortion.k1") return d.k1;
+  if (key == "camera.lens.distortion.k2") return d.k2;
+  if (key == "camera.lens.distortion.k3") return d.k3;
+  if (key == "camera.lens.distortion.p1") return d.p1;
+  if (key == "camera.lens.distortion.p2") return d.p2;
   ADD_FAILURE() << key;
   return 0;
 }
@@ -145,6 +183,49 @@ TEST(GeometryCalibration, ValuesWithinTheirErrors) {
   }
   // Errors that are far too large would pass the above.
   EXPECT_GT(chi2, 1);
+}
+
+CameraSpec distorting() {
+  CameraSpec camera = truth();
+  camera.lens.distortion = {0.7, -25, 0, 0.004, -0.006, 0.33};
+  return camera;
+}
+
+TEST(GeometryCalibration, DistortionComesBack) {
+  const Seen seen = observe(distorting(), 6, 0);
+  CameraSpec start = nominal();
+  start.lens.distortion.distance = 0.33;
+  start.lens.distortion.k1 = 0.1;
+  GeometrySettings settings;
+  settings.free = {"usual", "camera.lens.distortion"};
+  const GeometryCalibration found = calibrate_geometry(start, seen.corners, seen.centres, settings);
+  EXPECT_LT(found.corner_rms, 1e-5);
+  EXPECT_EQ(found.values.size(), 16u);
+  const DistortionSpec &d = found.camera.lens.distortion, expected = distorting().lens.distortion;
+  EXPECT_TRUE(relative(d.k1, expected.k1, 1e-3));
+  EXPECT_TRUE(relative(d.k2, expected.k2, 1e-2));
+  EXPECT_TRUE(relative(d.p1, expected.p1, 1e-3));
+  EXPECT_TRUE(relative(d.p2, expected.p2, 1e-3));
+}
+
+// The figure asked of the calibration: 15 poses, each value within three of its deviations.
+TEST(GeometryCalibration, FifteenPosesTellAllValues) {
+  const double noise = 0.05;
+  const Seen seen = observe(truth(), 15, noise);
+  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  EXPECT_TRUE(relative(found.corner_rms, noise, 0.03));
+  ASSERT_EQ(found.values.size(), 11u);
+  ASSERT_EQ(found.covariance.size(), 11u);
+  double chi2 = 0;
+  for (std::size_t i = 0; i < found.values.size(); ++i) {
+    const CalibratedValue& value = found.values[i];
+    const double expected = value_of(truth(), value.key);
+    EXPECT_TRUE(within_standard_errors(value.value, expected, value.error, 3)) << value.key;
+    EXPECT_TRUE(relative(found.covariance[i][i], value.error * value.error, 1e-9));
+    chi2 += std::pow((value.value - expected) / value.error, 2);
+  }
+  // Errors that are far too large would pass the above.
+  EXPECT_GT(chi2, 2);
 }
 
 TEST(GeometryCalibration, WrongCornersAreLeftOut) {

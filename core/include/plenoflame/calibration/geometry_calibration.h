@@ -37,9 +37,13 @@ struct CalibratedValue {
   double error = 0;  ///< standard deviation, from what the fit leaves
 };
 
+/// Stands for the values that are searched for without any name.
+inline constexpr const char* kUsualValues = "usual";
+
 struct GeometrySettings {
-  /// Keys of what is searched for, those of calibrated_keys(); empty: all, of the
-  /// array what the observations can tell.
+  /// Keys of what is searched for, those of calibrated_keys() or what stands before a dot or
+  /// bracket of theirs, and kUsualValues. Empty: the usual ones: distances, focal length and
+  /// decentre, of the array what centres tell, distortion where the camera has some to start with.
   std::vector<std::string> free;
   double outlier = 6;  ///< corners farther off than this many times the RMS are left out; 0: none
 };
@@ -48,7 +52,8 @@ struct GeometryCalibration {
   CameraSpec camera;
   std::vector<BoardPose> poses;
   std::vector<CalibratedValue> values;
-  double corner_rms = 0;  ///< [pixel] per coordinate
+  std::vector<std::vector<double>> covariance;  ///< of the values, in their order and units
+  double corner_rms = 0;                        ///< [pixel] per coordinate
   double centre_rms = 0;
   std::size_t corners = 0, centres = 0, left_out = 0;
   /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.

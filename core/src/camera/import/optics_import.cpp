@@ -76,8 +76,23 @@ void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
   if (pixel_y > 0 && pixel_y != sensor.pixel_pitch) set_new(sensor.pixel_pitch_y, pixel_y);
   const double f = length("main_lens.f1"), n = value("main_lens.aperture");
   set_new(camera.lens.focal_length, positive("main_lens.f1", f));
-  if (n > 0 && f > 0) set_new(camera.lens.diameter, f / n);
   const double z_array = length("micro_lenses_array.z"), z_sensor = length("sensor.z");
+  if (n > 0 && f > 0) {
+    // Files hold f-numbers or diameters in mm, and do not say which: that of the two counts with
+    // which micro-images are nearer to filling their cells.
+    const double cell = length("micro_lens.physical_size_s");
+    const double seen = z_array > 0 ? (z_sensor - z_array) / z_array : 0;
+    const double by_number = f / n, as_length = kOpticsMillimetre * n;
+    const auto misfit = [&](double diameter) {
+      return std::fabs(std::log(diameter * seen / cell));
+    };
+    const bool is_length = cell > 0 && seen > 0 && misfit(as_length) < misfit(by_number);
+    set_new(camera.lens.diameter, is_length ? as_length : by_number);
+    if (is_length)
+      found.note(
+          "main_lens.aperture is taken for a diameter in mm: as an f-number it would make "
+          "micro-images far from the size of a microlens (camera.lens.diameter)");
+  }
   if (z_array > 0) {
     camera.focus.mode = FocusMode::distance;
     set_new(camera.focus.lens_distance, z_array);

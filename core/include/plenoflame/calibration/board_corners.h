@@ -1,0 +1,49 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "plenoflame/base/execution.h"
+#include "plenoflame/camera/microlens_lattice.h"
+#include "plenoflame/image/image.h"
+#include "plenoflame/math/vector.h"
+#include "plenoflame/scene/camera_spec.h"
+
+namespace plenoflame {
+
+/// A plane board with a pattern of points: the corners between the squares of a checkerboard, or
+/// the middles of round dots.
+struct BoardSpec {
+  bool dots = false;
+  int columns = 0, rows = 0;  ///< points along each side
+  double cell = 0;            ///< [m] between neighbouring points
+};
+
+/// A point of the board, seen through one microlens.
+struct BoardCorner {
+  LensIndex lens;
+  Vec2 pixel;               ///< column, row; pixel (0, 0) has its centre at (0.5, 0.5)
+  int column = 0, row = 0;  ///< of the board's points
+  double error = 0;         ///< [pixel] standard deviation by the fit to its pixels
+};
+
+struct BoardCorners {
+  std::vector<BoardCorner> corners;
+  std::size_t marks = 0;   ///< saddles or dots in micro-images, with those of no board
+  std::size_t points = 0;  ///< different points of the board
+  /// Every point of the board was found, so that its first one is known (of a checkerboard with an
+  /// odd sum of columns and rows without doubt, of others up to half a turn).
+  bool whole = false;
+  double distance = 0;  ///< [m] about, from the lens to the board, as the camera has it
+};
+
+/// Finds the points of a board in a raw picture: marks in micro-images, each a line in front of the
+/// camera; the plane on which lines through neighbouring microlenses meet; on it the grid.
+/// @param light of the raw picture, its dark level taken away and, where it may be, the vignetting
+///        of micro-images divided out
+/// @param camera with an array, near enough to the real one that its micro-images lie where those
+///        of the picture do (calibrate white)
+/// @throws InputError saying what was seen where no board is found; Cancelled
+BoardCorners find_board(const Image& light, const CameraSpec& camera, const BoardSpec& board,
+                        const Execution& execution = {});
+
+}  // namespace plenoflame
