@@ -1,7 +1,8 @@
 list(APPEND core_kernels src/render/sampling/backward_kernel.inl.h src/render/sampling/pixel_row_kernel.inl.h
   src/render/transport/radiance_table_kernel.inl.h src/render/transport/window_wall_kernel.inl.h)
 list(APPEND core_sources src/render/estimators/backward.cpp src/render/sampling/backward_tile.cpp src/render/transport/radiance_integrator.cpp src/render/transport/window_integrator.cpp src/render/transport/window_aim.cpp src/render/transport/window_displacement.cpp src/render/medium_behind_windows.cpp src/render/merge.cpp src/render/merge_plan.cpp src/render/estimators/film_sums.cpp src/render/paths/ray_stream.cpp
-  src/render/transport/camera_front.cpp src/render/estimators/check_settings.cpp src/render/sampling/backward_rows.cpp src/render/sampling/backward_pairs.cpp src/render/estimators/render.cpp
+  src/render/transport/camera_front.cpp src/render/estimators/check_settings.cpp src/render/sampling/backward_rows.cpp src/render/sampling/backward_pairs.cpp src/render/sampling/sensor_blur.cpp
+  src/render/estimators/forward_pixels.cpp src/render/estimators/render.cpp
   src/render/visibility/beam_bounds.cpp src/render/transport/channel_sum.cpp src/render/estimators/bundle_collisions.cpp src/render/transport/phase_function.cpp src/render/transport/scatter_walk.cpp src/render/visibility/occupied_region.cpp
   src/render/visibility/pixel_beams.cpp src/render/sampling/microlens_frame.cpp
   src/render/visibility/scene_beams.cpp src/render/transport/radiance_table.cpp src/render/estimators/rounds.cpp src/render/estimators/rank_tiles.cpp src/render/estimators/serve_render.cpp src/render/sampling/sample_plan.cpp src/render/estimators/run_control.cpp src/render/estimators/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp

@@ -15,6 +15,10 @@ struct SensorSpec {
   int rows = 0;
   double pixel_pitch = 0;    ///< [m] along a row; of square pixels along a column, too
   double pixel_pitch_y = 0;  ///< [m] along a column; 0: as pixel_pitch
+  /// [pixels] standard deviation, along rows and along columns, of the Gaussian by which light is
+  /// spread before pixels record it (soft edges of micro-images)
+  double blur = 0;
+  static constexpr double kBlurCut = 4;  ///< deviations at which the Gaussian ends
   // Figures of the readout (lightfield/sensor.h); nothing here changes what is rendered.
   MosaicPattern mosaic = MosaicPattern::none;
   double exposure_time = 0;       ///< [s]; 0: until the brightest pixels are nearly full
@@ -42,6 +46,13 @@ struct SensorSpec {
   /// [m] from the middle of a pixel to its corners
   double pixel_reach() const {
     return square_pixels() ? std::sqrt(0.5) * pixel_pitch : 0.5 * std::hypot(pixel().x, pixel().y);
+  }
+  /// [m] by which pixels record light that arrives beside them; 0 without blur
+  Vec2 blur_reach() const { return (kBlurCut * blur) * pixel(); }
+  /// [m] from the middle of a pixel to the farthest place at which light that it records arrives
+  double footprint_reach() const {
+    return blur > 0 ? std::hypot(0.5 * pixel().x + blur_reach().x, 0.5 * pixel().y + blur_reach().y)
+                    : pixel_reach();
   }
   /// [m] width and height of the whole sensor
   Vec2 size() const { return {columns * pixel().x, rows * pixel().y}; }

@@ -14,7 +14,8 @@ constexpr int kFewestNodes = 5, kMostNodes = 25;
 }  // namespace
 
 double field_radius(const Camera& camera) {
-  return camera.spec().sensor.corner();
+  const SensorSpec& sensor = camera.spec().sensor;
+  return sensor.corner() + length(sensor.blur_reach());
 }
 
 std::size_t field_nodes(const Camera& camera, double field) {

@@ -24,6 +24,7 @@ Scene camera_scene(const CameraSpec& camera) {
   sensor.rows = all.rows;
   sensor.pixel_pitch = all.pixel_pitch;
   sensor.pixel_pitch_y = all.pixel_pitch_y;
+  sensor.blur = all.blur;
   for (PupilFilterSpec& filter : scene.camera.pupil_filters)
     filter.name.clear(), filter.transmission.clear();
   scene.camera.transmission.filter.clear();

@@ -31,13 +31,15 @@ Execution alone() {
   return execution;
 }
 
-/// The farthest that any micro-image reaches from its microlens' centre [m].
-double micro_image_reach(const PupilSampling& pupils) {
+/// The farthest that middles of pixels which record a microlens' light lie from its centre [m], but
+/// for half a pixel.
+double micro_image_reach(const CompiledScene& scene) {
   double reach = 0;
-  for (const PupilTable& table : pupils.tables())
+  for (const PupilTable& table : scene.pupils.tables())
     for (const PupilNode& node : table.nodes)
       if (!node.dark()) reach = std::max(reach, std::fabs(node.centre) + node.outer_radius);
-  return reach;
+  const Vec2 beside = scene.camera.spec().sensor.blur_reach();
+  return reach + std::max(beside.x, beside.y);
 }
 
 /// The farthest that a tilt moves the places of microlenses over the sensor [m].
@@ -102,8 +104,12 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   if (camera.has_array())
     for (const PupilTable& table : scene.pupils.tables())
       plan.worths.emplace_back(table, 0.5 * std::max(pixel.x, pixel.y));
-  if (camera.has_array()) plan.reach = micro_image_reach(scene.pupils);
+  if (camera.has_array()) plan.reach = micro_image_reach(scene);
   if (camera.array_tilted()) plan.reach += shift_by_tilt(camera);
+  if (const double blur = camera.spec().sensor.blur; blur > 0) {
+    plan.blur.emplace(blur);
+    plan.blur->fill(plan.blur_of_pixels);
+  }
   if (light)
     plan.surfaces =
         std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools(), plan.anchor);
@@ -223,7 +229,7 @@ void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
   if (!camera.has_array()) return;
   // Lenses of the first path stand for those of all: colours move beams by less than their margins.
   const SceneBeams* const beams = shared.paths.front().beams.get();
-  const double reach = micro_image_reach(scene.pupils);
+  const double reach = micro_image_reach(scene);
   const Vec2 margin{reach, reach};
   const Vec2 a = camera.sensor_point(window.x + window.width, window.y + window.height);
   const Vec2 b = camera.sensor_point(window.x, window.y);

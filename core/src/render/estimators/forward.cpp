@@ -12,6 +12,7 @@
 #include "plenoflame/sampling/philox.h"
 #include "render/estimators/emission_proposal.h"
 #include "render/estimators/forward_chunk.h"
+#include "render/estimators/forward_pixels.h"
 #include "render/estimators/forward_surfaces.h"
 #include "render/estimators/run_control.h"
 #include "render/estimators/run_progress.h"
@@ -44,7 +45,7 @@ class BundleTracer : public BundleSource {
                const EmissionProposal& proposal)
       : scene_(scene),
         settings_(settings),
-        window_(film.window()),
+        pixels_(scene.camera, film.window(), settings.seed),
         proposal_(proposal),
         cone_(scene.camera),
         to_camera_(scene.camera.to_world().inverse()) {}
@@ -58,7 +59,7 @@ class BundleTracer : public BundleSource {
 
   const CompiledScene& scene_;
   const RenderSettings& settings_;
-  PixelWindow window_;
+  ForwardPixels pixels_;
   const EmissionProposal& proposal_;
   ApertureCone cone_;
   RigidTransform to_camera_;
@@ -76,16 +77,12 @@ void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>
   if (!(way.solid_angle > 0)) return;
   arrivals.clear();
   scene_.camera.trace_from_scene({origin, way.direction}, arrivals);
-  const SensorSpec& sensor = scene_.camera.spec().sensor;
-  for (const Camera::Arrival& arrival : arrivals) {
-    const auto [x, y] = scene_.camera.image_point(arrival.sensor_point);
-    if (!(x >= 0 && x < sensor.columns && y >= 0 && y < sensor.rows)) continue;
-    chunk.work.rays_reached += 1;
-    const int column = static_cast<int>(x), row = static_cast<int>(y);
-    if (column < window_.x || column >= window_.x + window_.width || row < window_.y ||
-        row >= window_.y + window_.height)
-      continue;
-    hits.push_back({column, row, static_cast<int>(index % settings_.replicates), point.position,
+  for (std::size_t k = 0; k < arrivals.size(); ++k) {
+    const Camera::Arrival& arrival = arrivals[k];
+    const auto pixel = pixels_.find(arrival.sensor_point, index, k, chunk.work.rays_reached);
+    if (!pixel) continue;
+    hits.push_back({pixel->column, pixel->row, static_cast<int>(index % settings_.replicates),
+                    point.position,
                     scene_.camera.to_world().direction(way.direction),
                     way.solid_angle * arrival.etendue_ratio / point.density, arrival.pupil_part});
   }

@@ -20,6 +20,8 @@ namespace {
 constexpr double kPi = constants::pi;
 /// Surroundings, for the camera, are a sphere of so many times the size of what it looks at.
 constexpr double kFarAway = 1e4;
+/// Of a bundle that leaves for the camera, at most.
+constexpr std::uint64_t kMostArrivals = 256;
 
 /// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between
 /// the traced ones.
@@ -47,7 +49,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
       proposal_(proposal),
       stop_(std::move(stop)),
       most_waiting_(most_waiting),
-      window_(film.window()),
+      pixels_(scene.camera, film.window(), settings.seed),
       cone_(scene.camera),
       to_camera_(scene.camera.to_world().inverse()),
       field_versine_(field_versine(scene.pupils, scene.camera)) {
@@ -316,17 +318,13 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
   double passed = 1;
   if (!find_way({bundle.ray.origin, direction}, origin, way.direction, bundle.from, passed, work))
     return;
-  const SensorSpec& sensor = scene_.camera.spec().sensor;
-  for (const Camera::Arrival& arrival : work.arrivals) {
-    const auto [x, y] = scene_.camera.image_point(arrival.sensor_point);
-    if (!(x >= 0 && x < sensor.columns && y >= 0 && y < sensor.rows)) continue;
-    chunk.work.rays_reached += 1;
-    const int column = static_cast<int>(x), row = static_cast<int>(y);
-    if (column < window_.x || column >= window_.x + window_.width || row < window_.y ||
-        row >= window_.y + window_.height)
-      continue;
+  for (std::size_t k = 0; k < work.arrivals.size(); ++k) {
+    const Camera::Arrival& arrival = work.arrivals[k];
+    const auto pixel = pixels_.find(arrival.sensor_point, bundle.index, kMostArrivals * block + k,
+                                    chunk.work.rays_reached);
+    if (!pixel) continue;
     work.arrived.push_back(
-        {column, row, static_cast<int>(bundle.index % settings_.replicates),
+        {pixel->column, pixel->row, static_cast<int>(bundle.index % settings_.replicates),
          passed * bundle.weight * factor * share * way.solid_angle * arrival.etendue_ratio,
          bundle.spectrum, arrival.pupil_part, first_way, work.ways.size() - first_way});
   }

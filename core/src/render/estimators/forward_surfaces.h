@@ -9,6 +9,7 @@
 #include "plenoflame/render/render.h"
 #include "render/estimators/emission_proposal.h"
 #include "render/estimators/forward_chunk.h"
+#include "render/estimators/forward_pixels.h"
 #include "render/transport/medium_segments.h"
 #include "render/transport/window_aim.h"
 #include "render/visibility/aperture_cone.h"
@@ -95,7 +96,7 @@ class SurfaceBundles : public BundleSource {
   const EmissionProposal* proposal_;
   std::stop_token stop_;
   std::size_t most_waiting_;
-  PixelWindow window_;
+  ForwardPixels pixels_;
   ApertureCone cone_;
   RigidTransform to_camera_;
   MediumOptions options_;

@@ -67,7 +67,7 @@ std::vector<PointImage> point_images(const Camera& camera, Vec3 world, int rays,
     image.row = sum.y / sum.weight;
     const double square =
         sum.squares / sum.weight - image.column * image.column - image.row * image.row;
-    image.spread = std::sqrt(std::max(0.0, square));
+    image.spread = std::sqrt(std::max(0.0, square) + 2 * sensor.blur * sensor.blur);
     image.share = sum.weight / total;
     if (image.column >= 0 && image.column < sensor.columns && image.row >= 0 &&
         image.row < sensor.rows)

@@ -366,8 +366,9 @@ void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settin
   std::vector<Pixel> pixels;
   if (!node.dark()) {
     // The range that light of this microlens can reach, in whole pixels.
-    const double reach = std::fabs(node.centre) + node.outer_radius;
+    const double image = std::fabs(node.centre) + node.outer_radius;
     const auto range = [&](double at, int count, double pitch) {
+      const double reach = image + SensorSpec::kBlurCut * sensor.blur * pitch;
       const double middle = 0.5 * count - at / pitch;
       return std::pair{
           std::max(0, static_cast<int>(std::floor(middle - reach / pitch)) - 1),

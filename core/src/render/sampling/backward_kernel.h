@@ -14,6 +14,15 @@ struct KernelCrossing {
   Real of_sensor[10], of_aim[10];
 };
 
+/// The places beside a pixel from which it records light (camera.sensor.blur): along a row, and
+/// likewise along a column, shares from 0 to 1 stand for offsets from the pixel's middle, in
+/// pixels, and a point counts for what lies between `low` and `high` of its cell.
+template <class Real>
+struct KernelBlur {
+  static constexpr int kCells = 1024;
+  Real at[kCells + 1], low[kCells], high[kCells];
+};
+
 /// A microlens and what bounds the rays that pass it (camera/pupil_sampling.h): everything relative
 /// to its centre (without array: to the optical axis).
 template <class Real>
@@ -40,13 +49,16 @@ struct KernelFrame {
   /// radius.
   bool finds_sides;
   Real face_half[kMostSidePairs], near_curvature, per_far_radius;
+  const KernelBlur<Real>* blur;  ///< nullptr: pixels record what arrives on them
+  Real pitch_x, pitch_y;         ///< of the pixels, with blur
 };
 
 /// A pixel that the microlens of a frame may light, and its random numbers.
 template <class Real>
 struct KernelPixel {
-  Real x_low, x_width;    ///< columns that get light
-  Real y0, y1;            ///< rows
+  Real x_low, x_width;    ///< columns that get light; with blur shares of KernelBlur
+  Real y0, y1;            ///< rows; the same
+  Real x, y;              ///< of the pixel's middle, with blur
   Real radius2;           ///< squared: no light comes from farther away from the frame's centre
   const CutColumn* cuts;  ///< of the aperture, about the frame's centre
   const std::uint32_t* fractions[4];

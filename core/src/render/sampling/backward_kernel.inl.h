@@ -142,6 +142,51 @@ PLENOFLAME_INLINE void place_rays(const KernelFrame<Real>& c, const KernelPixel<
   }
 }
 
+/// Makes the SensorSamples of one pixel that records light from beside it, too: points are spread
+/// by the blur in both directions. Those that no light comes from count for nothing.
+/// @param steps where the point lies in the pixel's cuts
+template <class Real>
+PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
+                                          const KernelPixel<Real>& pixel,
+                                          const KernelBlock<Real>& block, Real* __restrict steps) {
+  using Blur = KernelBlur<Real>;
+  const Blur& blur = *c.blur;
+  const std::uint32_t* numbers = pixel.replicate_numbers;
+  const Real radius2 = pixel.radius2;
+  const Real opens = Real(pixel.cuts->opens), per_metre = Real(pixel.cuts->steps_per_metre);
+  const Real scale = c.pitch_x * pixel.x_width * c.pitch_y * (pixel.y1 - pixel.y0);
+  const SensorSamples<Real> samples = sensor_samples(block, pixel.first);
+  const auto number = [&](int d, int i) __attribute__((always_inline)) {
+    const std::uint32_t shift = pixel.shift[d] ^ pixel.second_shift[d] * numbers[i];
+    return to_unit(pixel.fractions[d][i] ^ shift, Real());
+  };
+  const auto spread = [&](Real share, Real& weight) __attribute__((always_inline)) {
+    const Real at = clamp(share, Real(0), Real(1)) * Real(Blur::kCells);
+    const int cell = least(static_cast<int>(at), Blur::kCells - 1);
+    const Real part = at - static_cast<Real>(cell);
+    weight = blur.low[cell] + part * (blur.high[cell] - blur.low[cell]);
+    return blur.at[cell] + part * (blur.at[cell + 1] - blur.at[cell]);
+  };
+  const int padded = (pixel.count + kBlockOfLookups - 1) / kBlockOfLookups * kBlockOfLookups;
+  for (int i = 0; i < padded; ++i) {
+    Real along, across;
+    const Real sx =
+        pixel.x + c.pitch_x * spread(pixel.x_low + pixel.x_width * number(0, i), along);
+    const Real sy =
+        pixel.y + c.pitch_y * spread(pixel.y0 + (pixel.y1 - pixel.y0) * number(1, i), across);
+    const Real wx = sx - c.centre_x, wy = sy - c.centre_y, distance2 = wx * wx + wy * wy;
+    const bool lit = distance2 <= radius2;
+    // A place from which rays can be aimed, for points that are dark as well.
+    const Real pull = lit ? Real(1) : square_root(radius2 / distance2);
+    samples.x[i] = c.centre_x + pull * wx;
+    samples.y[i] = c.centre_y + pull * wy;
+    samples.area[i] = lit ? scale * along * across : Real(0);
+    samples.pupil_radius[i] = number(2, i);
+    samples.pupil_turn[i] = number(3, i) - Real(0.5);
+    steps[pixel.first + i] = (pull * square_root(distance2) - opens) * per_metre;
+  }
+}
+
 /// Makes their PupilExtents.
 template <class Real>
 PLENOFLAME_INLINE void cut_rays(const KernelPixel<Real>& pixel, const KernelBlock<Real>& block,
@@ -440,7 +485,11 @@ PLENOFLAME_INLINE void generate_all(const KernelFrame<Real>& frame, const Kernel
                                     int count, Real distance, const KernelBlock<Real>& block) {
   const KernelFrame<Real> c = frame;  // a copy, which what is written to the block cannot change
   alignas(64) Real steps[kBlockRays + kBlockSlack];
-  for (int i = 0; i < count; ++i) place_rays(c, pixels[i], block, steps);
+  for (int i = 0; i < count; ++i)
+    if (c.blur)
+      place_blurred_rays(c, pixels[i], block, steps);
+    else
+      place_rays(c, pixels[i], block, steps);
   for (int i = 0; i < count; ++i) cut_rays(pixels[i], block, steps);
   const int first = pixels[0].first;
   const int rays = pixels[count - 1].first + pixels[count - 1].count - first;

@@ -77,6 +77,28 @@ void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level,
   place_pair(column, row, level, random);
 }
 
+/// Makes shares of the blur of the columns and rows that get light. @param k number of the pixel
+/// @param radius of the disc that light comes from [m] @return level by the share that they are of
+/// all places that the pixel records light from
+template <class Real>
+int TileTracer<Real>::spread_pixel(const KernelRows& rows, std::size_t k, double radius,
+                                   KernelPixel<Real>& made) const {
+  const SensorBlur& blur = *plan_.blur;
+  const double x = rows_.x[k], y = rows_.y[k], reach = 0.5 * rows.pitch_y + rows.blur_y;
+  const auto column = [&](double at) { return blur.share((at - x) / rows.pitch); };
+  const auto row = [&](double at) { return blur.share((at - y) / rows.pitch_y); };
+  const double left = column(rows_.x_low[k]), right = column(rows_.x_low[k] + rows_.x_width[k]);
+  const double top = row(std::max(y - reach, rows.centre_y - radius)),
+               bottom = std::max(top, row(std::min(y + reach, rows.centre_y + radius)));
+  made.x_low = static_cast<Real>(left);
+  made.x_width = static_cast<Real>(right - left);
+  made.y0 = static_cast<Real>(top);
+  made.y1 = static_cast<Real>(bottom);
+  made.x = static_cast<Real>(x);
+  made.y = static_cast<Real>(y);
+  return WorthLevels::of((right - left) * (bottom - top));
+}
+
 /// Adds the pixels of rows behind the microlens of the frame.
 template <class Real>
 void TileTracer<Real>::add_rows(const KernelRows& rows) {
@@ -93,12 +115,10 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
     count += gets_light & (rows_.visibility[k] != kSeesNone ? 1 : 0);
   }
   counters_.pairs_skipped += lit - count;
-  const double half = 0.5 * rows.pitch_y;
+  const double half = 0.5 * rows.pitch_y + rows.blur_y;
   const int last_level = static_cast<int>(plan_.levels.size()) - 1;
   for (int n = 0; n < count; ++n) {
     const auto k = static_cast<std::size_t>(seen[static_cast<std::size_t>(n)]);
-    const SampleLevel& level =
-        plan_.levels[static_cast<std::size_t>(std::min(rows_.level[k], last_level))];
     const double y = rows_.y[k];
     if (rows_.visibility[k] == kNeedsExactTest && !beam_->may_meet({rows_.x[k], y})) {
       counters_.pairs_skipped += 1;
@@ -115,6 +135,11 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
     made.radius2 = static_cast<Real>(radius * radius);
     const auto opens = static_cast<double>(cuts.opens);
     made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;
+    int worth = rows_.level[k];
+    if (plan_.blur) [[unlikely]]
+      worth = std::max(worth, spread_pixel(rows, k, radius, made));
+    const SampleLevel& level =
+        plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];
     PairRandom random;
     for (std::size_t word = 0; word < kRowWords; ++word) random[word] = rows_.random[word][k];
     const std::uint64_t place = rows_.place[k];
@@ -124,6 +149,10 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
 
 template void TileTracer<float>::add_rows(const KernelRows&);
 template void TileTracer<double>::add_rows(const KernelRows&);
+template int TileTracer<float>::spread_pixel(const KernelRows&, std::size_t, double,
+                                            KernelPixel<float>&) const;
+template int TileTracer<double>::spread_pixel(const KernelRows&, std::size_t, double,
+                                             KernelPixel<double>&) const;
 template void TileTracer<float>::add_pair(int, int, const SampleLevel&, const PairRandom&);
 template void TileTracer<double>::add_pair(int, int, const SampleLevel&, const PairRandom&);
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "camera/block_tracing.h"
@@ -9,6 +10,7 @@
 #include "render/sampling/backward_kernel.h"
 #include "render/sampling/pixel_row_kernel.h"
 #include "render/sampling/point_range.h"
+#include "render/sampling/sensor_blur.h"
 #include "render/sampling/worth_levels.h"
 #include "render/transport/backward_surfaces.h"
 #include "render/transport/radiance_table.h"
@@ -70,6 +72,8 @@ struct BackwardPlan {
   const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
   std::uint32_t first = 0;                        ///< number of the first point
   double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
+  std::optional<SensorBlur> blur;     ///< none: pixels record what arrives on them
+  KernelBlur<Real> blur_of_pixels{};  ///< with blur
 };
 
 /// The plan by which a BackwardPass goes in a precision. @param medium the scene's, or what stands

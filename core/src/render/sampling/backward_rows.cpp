@@ -22,20 +22,24 @@ KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLev
   survey.centre_y = node.centre * field.y;
   survey.field_x = field.x;
   survey.field_y = field.y;
-  const double clear = PixelCuts::clear_of_centre(0.5 * std::max(survey.pitch, survey.pitch_y));
+  survey.blur_x = sensor.blur_reach().x;
+  survey.blur_y = sensor.blur_reach().y;
+  const double clear =
+      PixelCuts::clear_of_centre(std::max(0.5 * survey.pitch + survey.blur_x,  //
+                                          0.5 * survey.pitch_y + survey.blur_y));
   survey.clear2 = clear * clear;
   static_assert(WorthLevels::kCount == kWorthRings);
   for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {
     survey.rings[k] = worth.squares[k];
-    survey.parts[k] = survey.pitch * WorthLevels::limit(k);
+    survey.parts[k] = (survey.pitch + 2 * survey.blur_x) * WorthLevels::limit(k);
   }
   for (int k = 0; k < PixelCuts::kSectors; ++k)
     survey.closes[k] = std::min(node.outer_radius, static_cast<double>(node.cuts.sector(k).closes));
   return survey;
 }
 
-/// Pixels of the tile that a disc around `centre` on the sensor meets; none: a width or height not
-/// above 0.
+/// Pixels of the tile that record light of a disc around `centre` on the sensor; none: a width or
+/// height not above 0.
 PixelWindow pixels_of(const SensorSpec& sensor, const PixelWindow& tile, Vec2 centre,
                       double radius) {
   // Upright images run against camera x, y.
@@ -45,10 +49,12 @@ PixelWindow pixels_of(const SensorSpec& sensor, const PixelWindow& tile, Vec2 ce
   const auto row_of = [&](double y) {
     return static_cast<int>(std::floor(0.5 * sensor.rows - y / sensor.pixel().y));
   };
-  const int column = std::max(tile.x, column_of(centre.x + radius));
-  const int row = std::max(tile.y, row_of(centre.y + radius));
-  return {column, row, std::min(tile.x + tile.width - 1, column_of(centre.x - radius)) - column + 1,
-          std::min(tile.y + tile.height - 1, row_of(centre.y - radius)) - row + 1};
+  const Vec2 reach = Vec2{radius, radius} + sensor.blur_reach();
+  const int column = std::max(tile.x, column_of(centre.x + reach.x));
+  const int row = std::max(tile.y, row_of(centre.y + reach.y));
+  return {column, row,
+          std::min(tile.x + tile.width - 1, column_of(centre.x - reach.x)) - column + 1,
+          std::min(tile.y + tile.height - 1, row_of(centre.y - reach.y)) - row + 1};
 }
 
 }  // namespace
@@ -88,6 +94,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
   if (node.dark()) return;
   whole_ = whole_aperture(table.discs.bound);
   frame_ = microlens_frame<Real>(table, node, place, field, camera.ideal_array());
+  set_blur();
   add_faces(camera, type, frame_);
   has_own_lens_ = false;
   if (camera.misaligned()) {

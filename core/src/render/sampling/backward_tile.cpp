@@ -72,7 +72,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
     return;
   }
   const Vec2 pitch = camera.spec().sensor.pixel();
-  const double h = length(from_foot), longest = std::max(pitch.x, pitch.y);
+  const Vec2 footprint = pitch + 2.0 * camera.spec().sensor.blur_reach();
+  const double h = length(from_foot), longest = std::max(footprint.x, footprint.y);
   generate_queued();
   frame_ = {};
   has_own_lens_ = false;
@@ -89,11 +90,18 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   frame_.origin_y = static_cast<Real>(aim.y - shift * centre.y);
   frame_.origin_shift = static_cast<Real>(shift);
   frame_.near_radius = frame_.far_radius = static_cast<Real>(node.aim_radius);
+  set_blur();
   KernelPixel<Real>& made = pixel();
   made.x_low = static_cast<Real>(centre.x - 0.5 * pitch.x);
   made.x_width = static_cast<Real>(pitch.x);
   made.y0 = static_cast<Real>(centre.y - 0.5 * pitch.y);
   made.y1 = static_cast<Real>(centre.y + 0.5 * pitch.y);
+  if (frame_.blur) {
+    made.x_low = made.y0 = 0;
+    made.x_width = made.y1 = 1;
+    made.x = static_cast<Real>(centre.x);
+    made.y = static_cast<Real>(centre.y);
+  }
   whole_ = whole_aperture(node.aim_radius);              // the aim disc is the pupil itself
   made.radius2 = std::numeric_limits<Real>::infinity();  // nothing cuts the pixel
   made.cuts = &whole_;
@@ -105,6 +113,16 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   lens_ = {};
   type_ = type;
   add_pair(column, row, plan_.levels.front(), random);
+}
+
+/// What the frame has to know of the blur.
+template <class Real>
+void TileTracer<Real>::set_blur() {
+  if (!plan_.blur) return;
+  const Vec2 pitch = plan_.scene->camera.spec().sensor.pixel();
+  frame_.blur = &plan_.blur_of_pixels;
+  frame_.pitch_x = static_cast<Real>(pitch.x);
+  frame_.pitch_y = static_cast<Real>(pitch.y);
 }
 
 template <class Real>

@@ -43,6 +43,9 @@ class TileTracer {
                       int type);
   void end_at_microlenses(int first, int count);
   void add_rows(const KernelRows& rows);
+  int spread_pixel(const KernelRows& rows, std::size_t k, double radius,
+                   KernelPixel<Real>& made) const;
+  void set_blur();
   void add_pair(int column, int row, const SampleLevel& level, const PairRandom& random);
   void place_pair(int column, int row, const SampleLevel& level, const PairRandom& random);
   void queue(int column, int row, const SampleLevel& level, int entry, int offset, int count,

@@ -36,7 +36,7 @@ PLENOFLAME_INLINE std::int64_t place_at(double at) {
 void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   const KernelRows r = rows;
   const int count = r.rows * r.count, padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
-  const double half = 0.5 * r.pitch, half_y = 0.5 * r.pitch_y;
+  const double half = 0.5 * r.pitch + r.blur_x, half_y = 0.5 * r.pitch_y + r.blur_y;
   double* __restrict at_x = pixels.x;
   double* __restrict at_y = pixels.y;
   std::uint64_t* __restrict place = pixels.place;

@@ -23,8 +23,8 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
   // Edges in the tables are those of a lens that is alike all around.
   everywhere_ = !region.bounded() || !camera.lens_is_round();
   if (everywhere_) return;
-  // Without array a beam belongs to a whole pixel, not to its centre.
-  half_diagonal_ = camera.has_array() ? 0 : camera.spec().sensor.pixel_reach();
+  // Without array a beam belongs to all places whose light a pixel records, not to its centre.
+  half_diagonal_ = camera.has_array() ? 0 : camera.spec().sensor.footprint_reach();
   misaligned_ = camera.misaligned();
   if (misaligned_) {
     const Camera aligned = camera.aligned();

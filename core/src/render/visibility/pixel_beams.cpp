@@ -129,7 +129,7 @@ PixelBeams::PixelBeams(const Camera& camera, const std::vector<PupilTable>& tabl
     : camera_(camera.with_circles()),
       region_(region),
       planes_{region.near_plane(), region.far_plane()},
-      half_diagonal_(camera.spec().sensor.pixel_reach()) {
+      half_diagonal_(camera.spec().sensor.footprint_reach()) {
   for (const PupilTable& pupils : tables) {
     tables_.emplace_back();
     tables_.back().pupils = &pupils;

@@ -97,6 +97,15 @@ inline constexpr SchemaKey kPixelPitchY = key<SENSOR, &SensorSpec::pixel_pitch_y
     "The same along a column, of pixels that are not square; 0 m: as `pixel_pitch`.", kLength,
     from_zero(0.1));
 
+/// Wider ones would blur microlenses into one another.
+inline constexpr double kMostBlur = 16;
+inline constexpr SchemaKey kSensorBlur = key<SENSOR, &SensorSpec::blur>(
+    "camera.sensor.blur",
+    "Standard deviation, in pixels, of a Gaussian by which light is spread over the sensor before "
+    "pixels record it: soft edges of real micro-images (diffraction, cover glass, crosstalk). It "
+    "ends at four deviations.",
+    kPure, from_zero(kMostBlur));
+
 inline constexpr SchemaKey kFilterName =
     key<FILTER, &PupilFilterSpec::name>("camera.pupil_filters[].name", "Name for reports.");
 inline constexpr SchemaKey kFilterShape = key<FILTER, &PupilFilterSpec::shape>(

@@ -181,6 +181,7 @@ constexpr SchemaKey kRows[] = {
                                    kPure, {1, 65536, false, false}),
     kPixelPitch,
     kPixelPitchY,
+    kSensorBlur,
     key<SENSOR, &SensorSpec::mosaic>(
         "camera.sensor.mosaic",
         "Colour filters over the pixels; R, G and B are the first three channels."),
