@@ -40,7 +40,8 @@ SceneChanges changes_between(const Scene& first, const Scene& second) {
   SceneChanges changes;
   const bool moved = first.file != second.file;  // relative paths start elsewhere
   const Scene optics_a = without_electronics(a), optics_b = without_electronics(b);
-  changes.camera = !(optics_a.camera == optics_b.camera && optics_a.cameras == optics_b.cameras);
+  changes.camera = !(optics_a.camera == optics_b.camera && optics_a.cameras == optics_b.cameras &&
+                     a.windows == b.windows);
   changes.flames = !(a.flames == b.flames) || (moved && !b.flames.empty());
   changes.solids =
       !(a.surfaces == b.surfaces && a.lights == b.lights) || (moved && !b.surfaces.empty());

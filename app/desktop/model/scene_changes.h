@@ -5,7 +5,7 @@ namespace plenoflame::desktop {
 
 /// Differences between two scenes, sorted by what has to be computed anew for it.
 struct SceneChanges {
-  bool camera = false;    ///< optics: rays, images, design
+  bool camera = false;    ///< optics, windows included: rays, images, design
   bool flames = false;    ///< what a flame is or where it stands
   bool solids = false;    ///< surfaces and lights
   bool channels = false;  ///< wavelengths
