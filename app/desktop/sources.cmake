@@ -13,6 +13,7 @@ set(desktop_model_sources
   model/latest_task.cpp
   model/lens_job.cpp
   model/light_field_jobs.cpp
+  model/measured_picture.cpp
   model/parameter_model.cpp
   model/ray_selector.cpp
   model/reconstruct_job.cpp
@@ -39,6 +40,7 @@ set(desktop_widget_sources
   widgets/glyphs.cpp
   widgets/help_window.cpp
   widgets/image_panel.cpp
+  widgets/image_panel_measured.cpp
   widgets/image_view.cpp
   widgets/import_dialog.cpp
   widgets/lens_window.cpp

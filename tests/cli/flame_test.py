@@ -2,7 +2,9 @@
 
 import math
 import os
+import subprocess
 
+import command
 from command import CommandTest, main
 
 LAYERS = """
@@ -186,8 +188,30 @@ class Flame(CommandTest):
 
     def test_full_disk(self):
         self.fails(1, "flame", "candle", "--voxel-size", "1 mm", "-o", "a.vdb", largest_file=5000,
-                   mentions=["a.vdb", "File too large"])
+                   mentions=["a.vdb", "largest file size"])
         self.assertEqual(self.files(), [])
+
+    def test_a_killed_write_leaves_nothing(self):
+        """It is killed while its file is open in the folder, at several sizes of what is written by then."""
+        for least in (1, 20_000, 200_000):
+            process = subprocess.Popen([command.COMMAND, "flame", "candle", "--voxel-size", "0.2 mm", "-o", "a.vdb"],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while process.poll() is None and self.being_written(process.pid) < least:
+                pass
+            process.kill()
+            self.assertLess(process.wait(), 0)
+            self.assertEqual(self.files(), [])
+
+    def being_written(self, pid):
+        """Bytes of the file in the test's folder that a process has open."""
+        size = 0
+        try:
+            for link in os.scandir(f"/proc/{pid}/fd"):
+                if os.readlink(link.path).startswith(os.path.realpath(self.folder) + "/"):
+                    size = max(size, os.stat(link.path).st_size)
+        except OSError:  # closed in the meantime
+            pass
+        return size
 
 
 if __name__ == "__main__":

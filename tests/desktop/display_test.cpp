@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "support/approx.h"
@@ -194,6 +195,82 @@ TEST(Schematic, ShortensEmptyStretchesAlone) {
   EXPECT_TRUE(is(line[3].x, 0.7));
   EXPECT_TRUE(Schematic(origin, axis, {{0.05, 0.1}}, 0.1).is_to_scale());
   EXPECT_TRUE(Schematic().is_to_scale());
+}
+
+CameraOnAxis camera_at(Vec3 position, Vec3 axis) {
+  CameraOnAxis camera;
+  camera.position = position;
+  camera.axis = axis;
+  camera.lens_back = -0.01;
+  camera.array_front = -0.1;
+  camera.sensor = -0.102;
+  camera.width = 0.05;
+  return camera;
+}
+
+ThingSeen box_at(Vec3 lower, Vec3 upper, bool flat = false) {
+  ThingSeen thing;
+  for (const double x : {lower.x, upper.x})
+    for (const double y : {lower.y, upper.y})
+      for (const double z : {lower.z, upper.z}) thing.corners.push_back({x, y, z});
+  thing.flat = flat;
+  return thing;
+}
+
+TEST(Schematic, SingleCameraStaysAndThingsKeepTheirShape) {
+  const CameraOnAxis camera = camera_at({0, 0, 0}, {1, 0, 0});
+  const ThingSeen flame = box_at({1, -0.02, -0.02}, {1.04, 0.02, 0.02});
+  const ThingSeen ball = box_at({3, -0.05, -0.05}, {3.1, 0.05, 0.05});
+  const ThingSeen floor = box_at({-1, -1, -0.1}, {4, 1, -0.1}, true);
+  const ThingSeen wall = box_at({5, -2, -2}, {5, 2, 2}, true);
+  const auto drawn = shortened_axes({camera}, {flame, ball, floor, wall}).front();
+  EXPECT_EQ(drawn.gaps().size(), 4U);
+  const auto x = [&](double along) { return drawn.place({along, 0, 0}).x; };
+  EXPECT_EQ(x(0), 0);
+  EXPECT_LT(x(1), 0.4);
+  EXPECT_LT(std::fabs(x(1.04) - x(1) - 0.04), 1e-14);
+  EXPECT_LT(std::fabs(x(3.1) - x(3) - 0.1), 1e-14);
+  EXPECT_GT(x(3), x(1.04));
+  EXPECT_GT(x(5), x(3.1));
+  // A thing beside or behind the camera: to scale. One that runs along the axis holds it open.
+  EXPECT_TRUE(shortened_axes({camera}, {box_at({-0.1, 0, 0}, {1, 1, 1})}).front().is_to_scale());
+  EXPECT_LT(shortened_axes({camera}, {box_at({0.05, 0, 0}, {4, 0.1, 0.1})}).front().gaps().size(),
+            2U);
+}
+
+TEST(Schematic, SeveralCamerasComeNearerAndHaveRoom) {
+  const ThingSeen flame = box_at({-0.02, -0.02, -0.03}, {0.02, 0.02, 0.03});
+  for (const int count : {2, 3, 6, 24}) {
+    std::vector<CameraOnAxis> cameras;
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2 * std::numbers::pi * i / count;
+      const Vec3 out{std::cos(angle), std::sin(angle), 0};
+      cameras.push_back(camera_at(2.0 * out, -out));
+    }
+    const auto drawings = shortened_axes(cameras, {flame});
+    ASSERT_EQ(drawings.size(), cameras.size());
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      for (const Vec3& corner : flame.corners)
+        EXPECT_LT(length(drawings[i].place(corner) - corner), 1e-14);
+      const Vec3 place = drawings[i].place(cameras[i].position);
+      EXPECT_LT(length(place), count < 24 ? 0.5 : 1.9) << count;
+      EXPECT_LT(length(place - length(place) * -cameras[i].axis), 1e-14);
+      for (std::size_t k = 0; k < i; ++k)
+        EXPECT_GT(length(place - drawings[k].place(cameras[k].position)), 0.05) << count;
+    }
+  }
+  // Two side by side, which could not both come nearer along one line, stay apart.
+  const std::vector<CameraOnAxis> pair{camera_at({2, 0.03, 0}, {-1, 0, 0}),
+                                       camera_at({2, -0.03, 0}, {-1, 0, 0})};
+  const auto drawings = shortened_axes(pair, {flame});
+  EXPECT_GT(length(drawings[0].place(pair[0].position) - drawings[1].place(pair[1].position)),
+            0.05);
+  // One sees the flame, the other has it behind its back.
+  const auto mixed =
+      shortened_axes({camera_at({2, 0, 0}, {-1, 0, 0}), camera_at({0, 2, 0}, {0, 1, 0})}, {flame});
+  EXPECT_FALSE(mixed[0].is_to_scale());
+  EXPECT_TRUE(mixed[1].is_to_scale());
+  for (const Schematic& drawing : shortened_axes(pair, {})) EXPECT_TRUE(drawing.is_to_scale());
 }
 
 }  // namespace

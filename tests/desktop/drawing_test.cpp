@@ -4,6 +4,8 @@
 #include <QAction>
 #include <QComboBox>
 #include <QDir>
+#include <QSpinBox>
+#include <QStandardPaths>
 #include <QTabWidget>
 #include <QToolButton>
 #include <cmath>
@@ -222,6 +224,53 @@ class DrawingTest : public test::SceneFixture {
     QFile called(file("called"));
     QVERIFY(called.open(QIODevice::ReadOnly));
     QVERIFY(called.readAll().contains(".png"));
+    film->close();
+  }
+
+  void filmsByFfmpegHaveAllPictures() {
+    write(file("small.toml"), test::small_scene_text().c_str());
+    QVERIFY(window_->open(file("small.toml")));
+    QVERIFY(settled());
+    window_->scene_panel().reveal("flames[0].scale");
+    QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+    auto* const film = child<FilmDialog>("filmDialog");
+    auto* const to = child<QLineEdit>("filmTo");
+    to->setFocus();
+    to->selectAll();
+    QTest::keyClicks(to, "0.4");
+    child<QSpinBox>("filmFrames")->setValue(5);
+    const bool there = !QStandardPaths::findExecutable("ffmpeg").isEmpty();
+    for (const QString& name : {QString("film.mp4"), QString("film.gif")}) {
+      if (there) {
+        answer_file_dialog(file(name));
+        QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
+      } else {
+        film->record(file(name));  // the dialog offers pictures alone then
+      }
+      QVERIFY(until([&] { return !film->is_recording(); }));
+      if (!there) {
+        QVERIFY2(film->message().contains("ffmpeg is not installed"), qPrintable(film->message()));
+        QVERIFY(!QFile::exists(file(name)));
+        continue;
+      }
+      QVERIFY2(QFile::exists(file(name)), qPrintable(film->message()));
+      // Its own reader counts the pictures.
+      const QString said =
+          run("ffprobe", {"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
+                          "stream=nb_read_frames", "-of", "csv=p=0", file(name)});
+      QVERIFY2(said.trimmed().remove(',') == "5", qPrintable(name + ": " + said));
+      // The flame shrinks, and with it the light.
+      run("ffmpeg", {"-y", "-loglevel", "error", "-i", file(name), file("frame%d.png")});
+      const auto light = [&](int frame) {
+        const QImage picture(file(QString("frame%1.png").arg(frame)));
+        double sum = 0;
+        for (int y = 0; y < picture.height(); ++y)
+          for (int x = 0; x < picture.width(); ++x) sum += qGray(picture.pixel(x, y));
+        return sum;
+      };
+      QVERIFY2(light(1) > 1.05 * light(5) && light(5) > 0,
+               qPrintable(QString("%1: %2 %3").arg(name).arg(light(1)).arg(light(5))));
+    }
     film->close();
   }
 };

@@ -8,10 +8,12 @@
 #include <QSpinBox>
 #include <QTabWidget>
 #include <QToolButton>
+#include <array>
 #include <cmath>
 #include <set>
 
 #include "gui_tests.h"
+#include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
 #include "scenes.h"
 #include "widgets/compare_window.h"
@@ -87,6 +89,48 @@ class LectureTest : public test::SceneFixture {
     // A scene that stays has no such bar.
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(!slider->isVisible());
+  }
+
+  void nextMomentIsThereBeforeItIsAskedFor() {
+    // Two flames of cubes, told apart by their voxels.
+    const auto write_flame = [this](int number, double voxel) {
+      VoxelField hot;
+      hot.brick_origins = {{0, 0, 0}};
+      hot.index_to_world.linear.rows = {{{voxel, 0, 0}, {0, voxel, 0}, {0, 0, voxel}}};
+      VoxelField sooty = hot;
+      hot.name = "temperature";
+      hot.values.assign(512, 1600);
+      sooty.name = "absorption";
+      sooty.values.assign(512, 12);
+      const std::array<GridOutput, 2> grids{{{&hot, "K"}, {&sooty, "1/m"}}};
+      write_grids(file(QString("burns_%1.vdb").arg(number)).toStdString(), grids);
+    };
+    write_flame(1, 3e-3);
+    write_flame(2, 5e-3);
+    write(file("series.toml"),
+          "[camera]\npreset = \"paper-previous-60x60\"\n[camera.sensor]\ncolumns = 200\n"
+          "rows = 180\npixel_pitch = \"100 um\"\n[[flames]]\nkind = \"vdb\"\n"
+          "file = \"burns_#.vdb\"\nframe_rate = \"100 Hz\"\n"
+          "position = [\"1 m\", \"0 m\", \"0 m\"]\n[render]\nsamples = 8\n");
+    QVERIFY(window_->open(file("series.toml")));
+    QVERIFY(settled());
+    const auto width = [this] {
+      const Box box = scene().medium->bounds();
+      return box.upper.y - box.lower.y;
+    };
+    const double first = width();
+    QVERIFY(until([this] { return session().compiler().is_prepared(); }));
+    QTest::qWait(50);  // its end comes through the event loop
+    // Nobody can read the second one any more: it is in memory.
+    QVERIFY(QFile::remove(file("burns_2.vdb")));
+    auto* const slider = child<QSlider>("timeSlider");
+    QVERIFY(slider->isVisible());
+    slider->setFocus();
+    QTest::keyClick(slider, Qt::Key_Right);
+    QVERIFY(settled());
+    QVERIFY2(session().compiler().failure().isEmpty(), qPrintable(session().compiler().failure()));
+    QVERIFY2(std::abs(width() / first - 5.0 / 3) < 0.1,
+             qPrintable(QString::number(width() / first)));
   }
 
   void filmOfAParameter() {

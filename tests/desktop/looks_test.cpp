@@ -8,6 +8,7 @@
 #include <QDialogButtonBox>
 #include <QDockWidget>
 #include <QLabel>
+#include <QScrollBar>
 #include <QSpinBox>
 #include <QTableWidget>
 #include <QToolButton>
@@ -74,11 +75,29 @@ class LooksTest : public test::SceneFixture {
     auto* table = child<QTableWidget>("designTable");
     QCOMPARE(table->columnCount(), 3);
     for (int row = 0; row < table->rowCount(); ++row) {
-      QVERIFY(!table->item(row, 1)->text().contains(", "));
+      const QString value = table->item(row, 1)->text().section('\n', 0, 0);
+      QVERIFY(!value.contains(", "));
       const QString whole = QString::fromStdString(
           session().design().result()->lines[static_cast<std::size_t>(row)].second);
-      QVERIFY(whole.startsWith(table->item(row, 1)->text()));
+      QVERIFY(whole.startsWith(value));
       QVERIFY(whole.endsWith(table->item(row, 2)->text()));
+    }
+    // Nothing is cut: a narrow panel has the remarks below their values, a wide one beside them.
+    auto* const dock = child<QDockWidget>("designDock");
+    for (const int width : {300, 900}) {
+      window_->resizeDocks({dock}, {width}, Qt::Horizontal);
+      QVERIFY(until([&] { return std::abs(dock->width() - width) < 60; }));
+      QTest::qWait(50);
+      QCOMPARE(table->isColumnHidden(2), width < 500);
+      QCOMPARE(table->horizontalScrollBar()->maximum(), 0);
+      for (int row = 0; row < table->rowCount(); ++row) {
+        const QString remark = table->item(row, 2)->text(), shown = table->item(row, 1)->text();
+        if (remark.isEmpty()) continue;
+        QCOMPARE(shown.endsWith("\n" + remark), width < 500);
+        const QRect needed = table->fontMetrics().boundingRect(
+            QRect(0, 0, table->columnWidth(1) - 4, 10000), Qt::TextWordWrap, shown);
+        QVERIFY2(table->rowHeight(row) >= needed.height(), qPrintable(shown));
+      }
     }
     // Many warnings are folded at first.
     auto* fold = child<QToolButton>("designWarningsFold");

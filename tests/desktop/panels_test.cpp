@@ -162,7 +162,8 @@ class PanelsTest : public test::WindowFixture {
     auto* table = child<QTableWidget>("designTable");
     const auto rows = [&] {
       QStringList texts;
-      for (int i = 0; i < table->rowCount(); ++i) texts << table->item(i, 1)->text();
+      for (int i = 0; i < table->rowCount(); ++i)
+        texts << table->item(i, 1)->text().section('\n', 0, 0);
       return texts;
     };
     const auto complete = [&] {

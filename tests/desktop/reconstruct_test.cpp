@@ -130,6 +130,87 @@ class ReconstructTest : public test::WindowFixture {
     end();
   }
 
+  /// The grids of a file with their ranges, as `plenoflame info` tells them.
+  QString grids_of(const QString& path) {
+    QString text = run(PLENOFLAME_COMMAND, {"info", path, "--json"});
+    return text.mid(text.indexOf("\"grids\""));
+  }
+
+  void temperatureInRingsOfTwoCamerasAsTheCommandHasIt() {
+    begin();
+    // The same camera from two sides; the second one is like the first.
+    QByteArray text = kRoundFlame;
+    text.replace("[camera]\n", "[[cameras]]\nname = \"front\"\n");
+    text.replace("[[flames]]\n",
+                 "[[cameras]]\nname = \"side\"\nlike = \"front\"\n"
+                 "position = [\"1 m\", \"-1 m\", \"0 m\"]\nlook_direction = [0, 1, 0]\n"
+                 "[[flames]]\n");
+    write(file("two.toml"), text);
+    QVERIFY(window_->open(file("two.toml")));
+    QVERIFY(settled());
+    QVERIFY(click_menu({"Render", "Reconstruct the flame..."}));
+    auto* const cameras = child<QTreeWidget>("reconstructCameras");
+    QCOMPARE(cameras->topLevelItemCount(), 2);
+    QCOMPARE(cameras->topLevelItem(1)->text(1), QString("will be rendered"));
+    choose("reconstructFind", "Temperature");
+    choose("reconstructUnknowns", "Rings x heights (a round flame)");
+    QVERIFY(!child<QComboBox>("reconstructSolver")->isEnabled());
+    QVERIFY(child<QLineEdit>("reconstructRingsAxis")->isEnabled());
+    QVERIFY(!child<QLineEdit>("reconstructRatios")->isEnabled());
+    fill("reconstructGrid", "5,7");
+    fill("reconstructRays", "8");
+    fill("reconstructBin", "3");
+    fill("reconstructNoise", "0.02");
+    fill("reconstructIterations", "20");
+    QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
+    QVERIFY(ended());
+    QCOMPARE(job().text(), QString("finished"));
+    answer_file_dialog(file("window"));
+    QTest::mouseClick(push("reconstructSave"), Qt::LeftButton);
+    QVERIFY(written());
+    // Beside the truth in three dimensions.
+    QTest::mouseClick(push("reconstructBeside"), Qt::LeftButton);
+    auto* const beside = window_->findChild<BesideWindow*>();
+    QVERIFY(beside && QTest::qWaitForWindowExposed(beside));
+    const auto bright = beside->brightness();
+    QVERIFY2(bright[0] > 100 && bright[1] > 100,
+             qPrintable(QString("%1, %2").arg(bright[0]).arg(bright[1])));
+    beside->close();
+    run(PLENOFLAME_COMMAND, {"render", file("two.toml"), "--quiet", "-o", file("raw.exr")});
+    const auto by_command = [&](const QString& noise, const QString& name) {
+      run(PLENOFLAME_COMMAND, {"reconstruct",
+                               file("two.toml"),
+                               "--images",
+                               file("raw-front.exr"),
+                               file("raw-side.exr"),
+                               "--find",
+                               "temperature",
+                               "--absorption",
+                               "scene",
+                               "--unknowns",
+                               "rings",
+                               "--grid",
+                               "5,7",
+                               "--rays",
+                               "8",
+                               "--bin",
+                               "3",
+                               "--noise",
+                               noise,
+                               "--iterations",
+                               "20",
+                               "--quiet",
+                               "-o",
+                               file(name)});
+      return grids_of(file(name));
+    };
+    const QString its = by_command("0.02", "command.vdb");
+    QVERIFY(its.contains("temperature"));
+    QCOMPARE(grids_of(file("window.vdb")), its);
+    QVERIFY(by_command("0.003", "other.vdb") != its);  // the noise that was typed counts
+    end();
+  }
+
   void whatIsWrongIsSaidAndAStopKeepsTheIterate() {
     open_round_flame();
     fill("reconstructGrid", "none");

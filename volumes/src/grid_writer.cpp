@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstring>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <ostream>
+#include <streambuf>
 #include <utility>
 
 #include "field.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/volumes/interop.h"
 
 namespace plenoflame {
@@ -40,44 +38,44 @@ class Writer : public openvdb::io::Archive {
   }
 };
 
-/// A file under a temporary name that disappears unless it is renamed.
-class TemporaryFile {
+/// What OpenVDB writes to: a file that appears when it is complete, and of which nothing is left
+/// when the process is killed before. Every brick comes as some bytes of its own, at each of which
+/// writing can be stopped.
+class StoppableFile : public std::streambuf {
  public:
-  explicit TemporaryFile(const std::string& target)
-      : path_(fmt::format("{}.{}.partial", target, getpid())) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
-/// Every brick comes as some bytes of its own.
-class StoppableFile : public std::filebuf {
- public:
-  explicit StoppableFile(std::stop_token stop) : stop_(std::move(stop)) {}
+  StoppableFile(AtomicFile& file, std::stop_token stop) : file_(file), stop_(std::move(stop)) {}
 
  protected:
   std::streamsize xsputn(const char* bytes, std::streamsize count) override {
     if (stop_.stop_requested()) throw Cancelled();
-    return std::filebuf::xsputn(bytes, count);
+    file_.write({bytes, static_cast<std::size_t>(count)});
+    return count;
   }
+  int_type overflow(int_type c) override {
+    if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+    const char byte = traits_type::to_char_type(c);
+    xsputn(&byte, 1);
+    return c;
+  }
+  pos_type seekoff(off_type offset, std::ios::seekdir from, std::ios::openmode) override {
+    const int whence = from == std::ios::beg   ? SEEK_SET
+                       : from == std::ios::cur ? SEEK_CUR
+                                               : SEEK_END;
+    if (fseeko(file_.stream(), offset, whence) != 0) return off_type(-1);
+    return ftello(file_.stream());
+  }
+  pos_type seekpos(pos_type place, std::ios::openmode which) override {
+    return seekoff(off_type(place), std::ios::beg, which);
+  }
+  int sync() override { return std::fflush(file_.stream()) == 0 ? 0 : -1; }
 
  private:
+  AtomicFile& file_;
   std::stop_token stop_;
 };
 
 [[noreturn]] void fail(const std::string& path, const std::string& cause) {
   throw FileError(fmt::format("{}: cannot be written: {}", path, cause));
-}
-
-std::string system_cause() {
-  return errno != 0 ? std::strerror(errno) : "write error";
 }
 
 }  // namespace
@@ -111,25 +109,20 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
   if (!folder.empty() && !std::filesystem::is_directory(folder, error))
     fail(path, fmt::format("there is no folder {}", folder.string()));
   if (std::filesystem::is_directory(path, error)) fail(path, "a folder has this name");
-  const TemporaryFile temporary(path);
-  errno = 0;
-  StoppableFile file(options.stop);
-  if (!file.open(temporary.path(), std::ios::out | std::ios::binary | std::ios::trunc))
-    fail(path, system_cause());
+  AtomicFile file(path);
+  StoppableFile buffer(file, options.stop);
   try {
-    std::ostream stream(&file);
+    std::ostream stream(&buffer);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     Writer(options.compression).write_file(stream, converted, metadata);
-    if (!file.close()) fail(path, system_cause());
   } catch (const std::ios_base::failure&) {
-    fail(path, system_cause());
+    fail(path, "write error");
   } catch (const openvdb::Exception& failure) {
     fail(path, failure.what());
   }
-  const auto size = std::filesystem::file_size(temporary.path(), error);
-  if (error) fail(path, error.message());
-  std::filesystem::rename(temporary.path(), path, error);
-  if (error) fail(path, error.message());
+  std::fseek(file.stream(), 0, SEEK_END);
+  const auto size = static_cast<std::uint64_t>(ftello(file.stream()));
+  file.commit();
   return size;
 }
 

@@ -54,6 +54,7 @@ bool has_errors(const LightField& field) {
 /// Everything that the worker keeps from pause to resume.
 struct RenderJob::Run {
   std::shared_ptr<const CompiledScene> scene;
+  CompiledBundle compiled;
   int threads = 0;
   std::vector<int> passes;
   std::size_t pass = 0;
@@ -66,6 +67,12 @@ struct RenderJob::Run {
   Clock::time_point launched, pass_began, last_picture, last_progress;
   double picture_seconds = 0;
 
+  RenderSettings settings() const {
+    RenderSettings settings = render_settings(scene->scene);
+    settings.compiled = compiled.camera;
+    settings.compiled_name = compiled.name;
+    return settings;
+  }
   double elapsed() const { return seconds + seconds_since(launched); }
   double spent_in_pass() const { return pass_seconds + seconds_since(pass_began); }
   bool picture_due() const {
@@ -145,12 +152,16 @@ void RenderJob::set_state(State state) {
 }
 
 void RenderJob::start(std::shared_ptr<const CompiledScene> scene, int threads,
-                      std::shared_ptr<const LightField> shown) {
+                      std::shared_ptr<const LightField> shown, CompiledBundle compiled) {
   auto run = std::make_shared<Run>();
   run->threads = threads;
   const RenderSettings settings = render_settings(scene->scene);
   run->scene = std::move(scene);
-  run->passes = passes_after(pass_samples(settings.samples, settings.replicates), shown.get());
+  run->compiled = std::move(compiled);
+  run->passes =
+      run->compiled.camera
+          ? std::vector<int>{run->compiled.camera->samples}
+          : passes_after(pass_samples(settings.samples, settings.replicates), shown.get());
   run->earlier = std::move(shown);
   run_ = std::move(run);
   forget();
@@ -158,6 +169,10 @@ void RenderJob::start(std::shared_ptr<const CompiledScene> scene, int threads,
   launch();
   set_state(State::running);
   emit progressed();
+}
+
+bool RenderJob::is_compiled() const {
+  return run_ && run_->compiled.camera;
 }
 
 void RenderJob::forget() {
@@ -194,7 +209,7 @@ void RenderJob::launch() {
   task_.request([this, run = run_](const std::stop_token& stop) {
     run->launched = run->pass_began = run->last_picture = run->last_progress = Clock::now();
     try {
-      if (!run->earlier) begin(run, stop);
+      if (!run->earlier && !run->compiled.camera) begin(run, stop);
       for (; run->pass < run->passes.size(); ++run->pass)
         if (!make_pass(run, stop)) return;
     } catch (const Cancelled&) {  // of the coarse picture: it is made anew
@@ -205,7 +220,8 @@ void RenderJob::launch() {
 
 void RenderJob::show(const std::shared_ptr<Run>& run, std::shared_ptr<const LightField> field,
                      const RenderStatistics* done) {
-  const int replicates = render_settings(run->scene->scene).replicates;
+  constexpr int kSets = 2;  // of a compiled camera
+  const int replicates = run->compiled.camera ? kSets : run->settings().replicates;
   double error = -1;
   if (has_errors(*field)) {
     const LightFieldChannel& first = field->channels.front();
@@ -265,7 +281,7 @@ void RenderJob::tell(const std::shared_ptr<Run>& run, const Progress& progress) 
 }
 
 bool RenderJob::make_pass(const std::shared_ptr<Run>& run, const std::stop_token& stop) {
-  RenderSettings settings = render_settings(run->scene->scene);
+  RenderSettings settings = run->settings();
   settings.samples = run->passes[run->pass];
   if (run->paused) settings.resume = &*run->paused;
   Execution execution;
@@ -282,8 +298,9 @@ bool RenderJob::make_pass(const std::shared_ptr<Run>& run, const std::stop_token
   };
   RenderResult result = render(*run->scene, settings, execution);
   if (!result.statistics.complete) {
-    run->paused = std::move(result.film);
     run->seconds = run->elapsed();
+    if (run->compiled.camera) return false;  // made at one go
+    run->paused = std::move(result.film);
     run->pass_seconds = run->spent_in_pass();
     // The work since the last picture is shown, too.
     if (auto field = run->merged(*run->paused)) show(run, std::move(field), nullptr);

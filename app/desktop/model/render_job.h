@@ -3,9 +3,11 @@
 #include <QString>
 #include <memory>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "model/latest_task.h"
+#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/render_request.h"
 #include "plenoflame/scene/compile.h"
 
@@ -14,9 +16,16 @@ namespace plenoflame::desktop {
 /// Samples of the passes that lead up to `samples`, each several times the one before.
 std::vector<int> pass_samples(int samples, int replicates);
 
+/// A camera whose rays were found before, and the name of its file for messages.
+struct CompiledBundle {
+  std::shared_ptr<const CompiledCamera> camera;  ///< null: rays are followed
+  std::string name;
+};
+
 /// Renders in the background, coarsely first: a picture of large pixels, then passes of which each
 /// replaces the picture of the one before, tile by tile. Every picture is one of the whole sensor.
-/// The last pass is what the command line does with the same scene, bit for bit.
+/// The last pass is what the command line does with the same scene, bit for bit. With a compiled
+/// camera there is one pass, which is quick.
 class RenderJob : public QObject {
   Q_OBJECT
  public:
@@ -49,8 +58,11 @@ class RenderJob : public QObject {
   /// Begins anew. @param threads 0: one per processor
   /// @param shown a picture of the same scene and seed, of the whole sensor, which is to be
   ///        bettered and not to be begun again; null: none
+  /// @param compiled makes the picture in place of new rays; it belongs to the scene
   void start(std::shared_ptr<const CompiledScene> scene, int threads = 0,
-             std::shared_ptr<const LightField> shown = nullptr);
+             std::shared_ptr<const LightField> shown = nullptr, CompiledBundle compiled = {});
+  /// True if the picture is made by a compiled camera.
+  bool is_compiled() const;
   /// Keeps what is there; resume() goes on as if there had been no break.
   void pause();
   void resume();

@@ -4,6 +4,10 @@
 
 #include "plenoflame/math/vector.h"
 
+namespace plenoflame {
+class Camera;
+}
+
 namespace plenoflame::desktop {
 
 /// A scene drawn with the long empty stretches of its optical axis shortened, so that flame, main
@@ -39,5 +43,28 @@ class Schematic {
   Vec3 origin_, axis_{1, 0, 0};
   std::vector<Gap> gaps_;
 };
+
+/// The stretches of its own axis that a camera covers.
+struct CameraOnAxis {
+  CameraOnAxis() = default;
+  explicit CameraOnAxis(const Camera& camera);
+  Vec3 position, axis{1, 0, 0};                       ///< front vertex [m] world; unit vector
+  double lens_back = 0, array_front = 0, sensor = 0;  ///< [m] along the axis, not positive
+  double width = 0;                                   ///< [m] of its widest part
+};
+
+/// Something that cameras look at, by the corners of a box around it [m] world.
+struct ThingSeen {
+  std::vector<Vec3> corners;
+  /// A plane: where it runs along an axis it is shortened with what it runs beside.
+  bool flat = false;
+};
+
+/// Drawings of the axes of cameras that look at the same things, one for each. A single camera
+/// stays where it is and things come nearer. Where there are several the things stay, and the
+/// cameras come nearer as far as they have room beside each other. Where things are beside or
+/// behind a camera, or nothing is seen by several, it is drawn to scale.
+std::vector<Schematic> shortened_axes(const std::vector<CameraOnAxis>& cameras,
+                                      const std::vector<ThingSeen>& things);
 
 }  // namespace plenoflame::desktop

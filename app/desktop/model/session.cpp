@@ -1,12 +1,15 @@
 #include "model/session.h"
 
+#include "plenoflame/base/error.h"
+
 namespace plenoflame::desktop {
 Session::Session(QObject* parent)
     : QObject(parent),
       compiler_(document_),
       rays_(document_, compiler_),
       design_(document_),
-      lens_(document_) {
+      lens_(document_),
+      measured_(document_) {
   later_.setSingleShot(true);
   connect(&later_, &QTimer::timeout, this, &Session::update_light_field);
   connect(&document_, &Document::scene_changed, this, [this](const SceneChanges& changes) {
@@ -88,7 +91,44 @@ void Session::start_render() {
     compiler_.retry();
     return;
   }
-  render_.start(compiler_.compiled(), threads_, bettered());
+  render_now();
+}
+
+/// By the compiled camera where it is that of the scene; otherwise it is said why not.
+void Session::render_now() {
+  const auto& scene = compiler_.compiled();
+  if (bundle_.camera) {
+    try {
+      check_compiled(*scene, *bundle_.camera, bundle_.name);
+      return render_.start(scene, threads_, nullptr, bundle_);
+    } catch (const Error& error) {
+      emit warned(QString::fromStdString(std::string("rays are followed: ") + error.what()));
+    }
+  }
+  render_.start(scene, threads_, bettered());
+}
+
+void Session::use_compiled_camera(std::shared_ptr<const CompiledCamera> camera,
+                                  const std::string& name) {
+  if (!compiler_.is_current())
+    throw InputError(name + ": the scene has an error, or is not prepared yet; try again then");
+  check_compiled(*compiler_.compiled(), *camera, name);
+  const PixelWindow& window = camera->window;
+  if (window.width != camera->sensor_width || window.height != camera->sensor_height)
+    throw InputError(QString("%1: holds %2 x %3 pixels of the sensor only, and here all of it is "
+                             "shown; compile it without --window")
+                         .arg(QString::fromStdString(name))
+                         .arg(window.width)
+                         .arg(window.height)
+                         .toStdString());
+  bundle_ = {std::move(camera), name};
+  start_render();
+}
+
+void Session::follow_rays() {
+  if (!bundle_.camera) return;
+  bundle_ = {};
+  if (!document_.is_empty()) start_render();
 }
 
 /// The picture that is there, where it is one of the present scene with any number of samples.
@@ -97,6 +137,7 @@ std::shared_ptr<const LightField> Session::bettered() const {
   const Scene& scene = compiler_.compiled()->scene;
   const SensorSpec& sensor = scene.camera.sensor;
   if (!image || image_is_other_ || image->seed != scene.render.seed) return nullptr;
+  if (image->estimator == "compiled") return nullptr;  // its samples are no passes of rays
   const bool whole = image->window.width == sensor.columns && image->window.height == sensor.rows;
   return whole && image->channels.size() == scene.channels.size() ? image : nullptr;
 }
@@ -110,8 +151,7 @@ void Session::on_compiled(const SceneChanges& changes) {
   else if ((outlines_wanted_ || views_wanted_) && changes.camera)
     light_field_.set_camera(compiler_.compiled()->scene.camera,
                             compiler_.compiled()->scene.windows);
-  if (wanted && !document_.image_is_current())
-    render_.start(compiler_.compiled(), threads_, bettered());
+  if (wanted && !document_.image_is_current()) render_now();
 }
 
 void Session::update_light_field() {

@@ -7,6 +7,7 @@
 #include "model/document.h"
 #include "model/lens_job.h"
 #include "model/light_field_jobs.h"
+#include "model/measured_picture.h"
 #include "model/ray_selector.h"
 #include "model/render_job.h"
 #include "model/scene_compiler.h"
@@ -27,6 +28,7 @@ class Session : public QObject {
   LightFieldJobs& light_field() { return light_field_; }
   DesignJob& design() { return design_; }
   LensJob& lens() { return lens_; }
+  MeasuredPicture& measured() { return measured_; }
 
   /// True if the image follows every change by itself (default).
   bool auto_render() const { return auto_render_; }
@@ -38,6 +40,14 @@ class Session : public QObject {
   void start_render();
   /// True if the views are of the scene before the last change.
   bool views_are_old() const { return views_are_old_ && light_field_.views(); }
+  /// Pictures are made by this camera from now on, as long as the scene's camera is that one.
+  /// @param name of its file, for messages
+  /// @throws InputError: of another camera or flame than the present scene's, or of a part of the
+  ///         sensor only
+  void use_compiled_camera(std::shared_ptr<const CompiledCamera> camera, const std::string& name);
+  /// Pictures are made of rays again.
+  void follow_rays();
+  const CompiledBundle& compiled_camera() const { return bundle_; }
   /// Threads for rendering; 0: one per processor.
   void set_threads(int threads) { threads_ = threads; }
 
@@ -51,6 +61,7 @@ class Session : public QObject {
   void on_image();
   void take_image();
   std::shared_ptr<const LightField> bettered() const;
+  void render_now();
   void update_light_field();
 
   Document document_;
@@ -60,6 +71,7 @@ class Session : public QObject {
   LightFieldJobs light_field_;
   DesignJob design_;
   LensJob lens_;
+  MeasuredPicture measured_;
   /// The image that views are made of, and the camera that took it: no picture that is being
   /// refined.
   std::shared_ptr<const LightField> viewed_;
@@ -71,6 +83,7 @@ class Session : public QObject {
   bool auto_render_ = true, outlines_wanted_ = false, views_wanted_ = false,
        start_when_compiled_ = false;
   int threads_ = 0;
+  CompiledBundle bundle_;
   QTimer later_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <QHeaderView>
 #include <QLabel>
+#include <QScrollBar>
 #include <QSplitter>
 #include <QTableWidget>
 #include <QToolButton>
@@ -18,6 +19,7 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kWarningsShown = 2;  ///< more of them are folded away at first
+constexpr int kLeastRemark = 14;   ///< [characters] that the column of remarks is worth having for
 
 /// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma or
 /// bracket.
@@ -45,6 +47,7 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   table_->setHorizontalHeaderLabels({tr("Figure"), tr("Value"), tr("Remark")});
   table_->verticalHeader()->setVisible(false);
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
+  table_->verticalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setStretchLastSection(true);
@@ -87,6 +90,31 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   connect(&job_, &DesignJob::result_changed, this, &DesignPanel::fill);
 }
 
+/// Where there is no room for three columns, remarks stand below their values.
+void DesignPanel::fit_columns() {
+  const int room = width() - table_->verticalScrollBar()->sizeHint().width();
+  const QFontMetrics metrics = fontMetrics();
+  int figure = 0, value = 0;
+  for (const auto& row : rows_) {
+    figure = std::max(figure, metrics.horizontalAdvance(row[0]));
+    value = std::max(value, metrics.horizontalAdvance(row[1]));
+  }
+  const bool narrow = figure + value + kLeastRemark * metrics.averageCharWidth() > room;
+  table_->setColumnHidden(2, narrow);
+  for (int i = 0; i < static_cast<int>(rows_.size()); ++i) {
+    const auto& row = rows_[static_cast<std::size_t>(i)];
+    QTableWidgetItem* const item = table_->item(i, 1);
+    if (item) item->setText(narrow && !row[2].isEmpty() ? row[1] + "\n" + row[2] : row[1]);
+  }
+  table_->horizontalHeader()->setSectionResizeMode(
+      1, narrow ? QHeaderView::Stretch : QHeaderView::ResizeToContents);
+}
+
+void DesignPanel::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  fit_columns();
+}
+
 void DesignPanel::show_fold() {
   fold_->setText(shown_count_ == 1 ? tr("1 warning") : tr("%1 warnings").arg(shown_count_));
   fold_->setArrowType(fold_->isChecked() ? Qt::DownArrow : Qt::RightArrow);
@@ -98,10 +126,12 @@ void DesignPanel::fill() {
   if (!result) return;
   const auto rows = static_cast<int>(result->lines.size());
   table_->setRowCount(rows);
+  rows_.resize(static_cast<std::size_t>(rows));
   for (int i = 0; i < rows; ++i) {
     const auto& [label, text] = result->lines[static_cast<std::size_t>(i)];
     const auto [value, remark] = value_and_remark(QString::fromStdString(text));
     const std::array<QString, 3> texts{QString::fromStdString(label), value, remark};
+    rows_[static_cast<std::size_t>(i)] = texts;
     for (int k = 0; k < 3; ++k) {
       QTableWidgetItem* item = table_->item(i, k);
       if (!item) {
@@ -113,7 +143,7 @@ void DesignPanel::fill() {
     }
   }
   warnings_->setText(result->warnings.join("\n"));
-  table_->resizeRowsToContents();
+  fit_columns();
   const int count = result->warnings.size();
   fold_->setVisible(count > 0);
   if (count != shown_count_) fold_->setChecked(count <= kWarningsShown);

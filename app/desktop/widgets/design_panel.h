@@ -1,5 +1,8 @@
 #pragma once
+#include <QString>
 #include <QWidget>
+#include <array>
+#include <vector>
 
 #include "model/design_job.h"
 
@@ -18,8 +21,12 @@ class DesignPanel : public QWidget {
  public:
   explicit DesignPanel(DesignJob& job, QWidget* parent = nullptr);
 
+ protected:
+  void resizeEvent(QResizeEvent* event) override;
+
  private:
   void fill();
+  void fit_columns();
   void show_fold();
 
   DesignJob& job_;
@@ -28,6 +35,7 @@ class DesignPanel : public QWidget {
   QLabel* warnings_;
   PlotWidget* resolution_;
   int shown_count_ = 0;
+  std::vector<std::array<QString, 3>> rows_;  ///< figure, value, remark
 };
 
 }  // namespace plenoflame::desktop

@@ -297,6 +297,10 @@ void FilmDialog::assemble() {
               << "yuv420p"
               << "-vf"
               << "pad=ceil(iw/2)*2:ceil(ih/2)*2";
+  // 256 colours that are chosen from the film itself.
+  if (ending == "gif")
+    arguments << "-filter_complex"
+              << "split[all][shown];[all]palettegen[colours];[shown][colours]paletteuse";
   arguments << film;
   encoder_ = new QProcess(this);
   connect(encoder_, QOverload<int, QProcess::ExitStatus>::of(&QProcess::finished), this,

@@ -36,12 +36,13 @@ Image relative_error(const Image& flux, const Image& error) {
 
 }  // namespace
 
-ImagePanel::ImagePanel(Document& document, QWidget* parent)
+ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* parent)
     : QWidget(parent),
       document_(document),
       view_(new ImageView(this)),
       histogram_plot_(new PlotWidget),
-      profile_plot_(new PlotWidget) {
+      profile_plot_(new PlotWidget),
+      measured_(measured) {
   view_->setObjectName("rawImage");
   view_->setToolTip(
       tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: "
@@ -57,6 +58,7 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
     flow->addWidget(box);
     return box;
   };
+  make_choice_of_picture(tools, flow);
   quantity_ = combo("quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
                     tr("What is shown: radiant flux of each pixel [W], its "
                        "standard error [W], or their ratio"));
@@ -111,6 +113,7 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   layout->setContentsMargins(0, 0, 0, 0);
   layout->setSpacing(0);
   layout->addWidget(tools);
+  layout->addWidget(registration_);
   auto* bar = new ColourBar(this);
   bar->setObjectName("imageBar");
   auto* row = new QHBoxLayout;
@@ -127,6 +130,7 @@ ImagePanel::ImagePanel(Document& document, QWidget* parent)
   const auto changed = QOverload<int>::of(&QComboBox::currentIndexChanged);
   connect(quantity_, changed, this, &ImagePanel::request);
   connect(channel_, changed, this, &ImagePanel::request);
+  connect(channel_, changed, this, &ImagePanel::request_measured);
   connect(scale_, changed, this, &ImagePanel::apply_tone);
   connect(map_, changed, this, [this] {
     apply_tone();
@@ -151,7 +155,7 @@ void ImagePanel::request() {
     task_.cancel();
     pyramid_ = flux_pyramid_ = nullptr;
     shown_ = number;
-    view_->set_image(nullptr);
+    show_picture();
     histogram_plot_->set_series({});
     emit pyramid_changed();
     return;
@@ -204,12 +208,7 @@ void ImagePanel::request() {
         pyramid_ = shown;
         automatic_white_ = white > 0 ? white : 1;
         automatic_saturation_ = saturation;
-        view_->set_value_format(static_cast<Quantity>(quantity_->currentIndex()) ==
-                                        Quantity::relative_error
-                                    ? Dimension::none
-                                    : Dimension::flux);
-        apply_tone();
-        view_->set_image(shown);
+        show_picture();
         update_profile();
         show_histogram(counts);
         emit pyramid_changed();
@@ -231,14 +230,12 @@ void ImagePanel::apply_tone() {
                : scale_->currentIndex() == 2 ? ToneScale::logarithmic
                                              : ToneScale::gamma;
   tone.map = map();
-  tone.white = automatic_white_;
-  const bool relative =
-      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
+  const Dimension unit = dimension();
+  tone.white = picture() == Picture::measured ? measured_white() : automatic_white_;
   white_->setStyleSheet({});
   if (!white_->text().trimmed().isEmpty()) {
     try {
-      const double value = parse_quantity(white_->text().trimmed().toStdString(),
-                                          relative ? Dimension::none : Dimension::flux);
+      const double value = parse_quantity(white_->text().trimmed().toStdString(), unit);
       if (!(value > 0)) throw InputError("white must be above 0");
       tone.white = value;
       white_->setToolTip(tr("Value that is shown as white, with its unit; empty: automatic"));
@@ -253,7 +250,8 @@ void ImagePanel::apply_tone() {
     tone.saturation = given > 0 ? given : automatic_saturation_;
   }
   view_->set_tone(tone);
-  findChild<ColourBar*>("imageBar")->set_tone(tone, relative ? Dimension::none : Dimension::flux);
+  view_->set_value_format(unit);
+  findChild<ColourBar*>("imageBar")->set_tone(tone, unit);
 }
 
 void ImagePanel::update_profile() {
@@ -267,10 +265,7 @@ void ImagePanel::update_profile() {
       profile_.length() / static_cast<double>(std::max<std::size_t>(1, values.size() - 1));
   for (std::size_t i = 0; i < values.size(); ++i)
     series.points << QPointF(static_cast<double>(i) * step, values[i]);
-  const bool relative =
-      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
-  profile_plot_->set_axes(tr("along the line [pixel]"),
-                          relative ? tr("relative error") : tr("flux [W]"), false, false);
+  profile_plot_->set_axes(tr("along the line [pixel]"), value_title(), false, false);
   profile_plot_->set_series({series});
 }
 
@@ -286,33 +281,45 @@ void ImagePanel::show_histogram(const Histogram& counts) {
             counts.lower * std::pow(10.0, decades * (static_cast<double>(i) + 0.5) /
                                               static_cast<double>(counts.counts.size())),
             counts.counts[i]);
-  const bool relative =
-      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
-  histogram_plot_->set_axes(relative ? tr("relative error") : tr("flux [W]"), tr("pixels"), true,
-                            true);
+  histogram_plot_->set_axes(value_title(), tr("pixels"), true, true);
   histogram_plot_->set_series({series});
+}
+
+QString ImagePanel::value_title() const {
+  if (static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error)
+    return tr("relative error");
+  const auto& field = document_.image();
+  return tr("flux [%1]").arg(field ? QString::fromStdString(field->unit) : QString("W"));
 }
 
 QString ImagePanel::describe(int column, int row) const {
   const QString flux = flux_text(column, row);
   if (flux.isEmpty()) return {};
-  return tr("pixel %1, %2   flux %3").arg(column).arg(row).arg(flux);
+  const QString text = tr("pixel %1, %2   flux %3").arg(column).arg(row).arg(flux);
+  const auto& measured = measured_.field();
+  if (!measured || measured == document_.image()) return text;
+  const QString its = value_text(*measured, column, row);
+  return its.isEmpty() ? text : tr("%1   measured %2").arg(text, its);
 }
 
 QString ImagePanel::flux_text(int column, int row) const {
-  const auto field = document_.image();
-  if (!field || column < 0) return {};
+  return document_.image() ? value_text(*document_.image(), column, row) : QString();
+}
+
+QString ImagePanel::value_text(const LightField& field, int column, int row) const {
   const auto index = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
-  if (index >= field->channels.size()) return {};
-  const LightFieldChannel& channel = field->channels[index];
-  const int x = column - field->window.x, y = row - field->window.y;
+  if (column < 0 || index >= field.channels.size()) return {};
+  const LightFieldChannel& channel = field.channels[index];
+  const int x = column - field.window.x, y = row - field.window.y;
   if (x < 0 || y < 0 || x >= channel.flux.width || y >= channel.flux.height) return {};
-  QString text = QString::fromStdString(
-      readable_quantity(static_cast<double>(channel.flux.at(x, y)), Dimension::flux));
+  const auto readable = [&](float value, int digits) {
+    return QString::fromStdString(
+        readable_quantity(static_cast<double>(value), dimension_of(field), digits));
+  };
+  QString text = readable(channel.flux.at(x, y), 4);
   if (!channel.standard_error.empty())
-    text += tr(" \302\261 %1")
-                .arg(QString::fromStdString(readable_quantity(
-                    static_cast<double>(channel.standard_error.at(x, y)), Dimension::flux, 2)));
+    text += tr(" \302\261 %1").arg(readable(channel.standard_error.at(x, y), 2));
+  if (dimension_of(field) == Dimension::none) text += " " + QString::fromStdString(field.unit);
   return text;
 }
 

@@ -1,16 +1,24 @@
 #pragma once
+#include <QTimer>
 #include <QWidget>
 #include <memory>
 
 #include "model/document.h"
 #include "model/image_display.h"
 #include "model/latest_task.h"
+#include "model/measured_picture.h"
+#include "plenoflame/base/units.h"
 
 class QAction;
 class QComboBox;
+class QLabel;
+class QLayout;
 class QLineEdit;
 
 namespace plenoflame::desktop {
+
+/// Dimension of the values of a light field; none for electrons and counts.
+Dimension dimension_of(const LightField& field);
 
 class ImageView;
 class PlotWidget;
@@ -21,7 +29,10 @@ class ImagePanel : public QWidget {
  public:
   enum class Quantity { flux, standard_error, relative_error };
 
-  explicit ImagePanel(Document& document, QWidget* parent = nullptr);
+  /// The pictures that a measured one can be held against.
+  enum class Picture { simulated, measured, overlay };
+
+  ImagePanel(Document& document, MeasuredPicture& measured, QWidget* parent = nullptr);
 
   ImageView& view() { return *view_; }
   /// Histogram and line profile, for a dock of their own.
@@ -31,7 +42,9 @@ class ImagePanel : public QWidget {
   const std::shared_ptr<const ImagePyramid>& pyramid() const { return pyramid_; }
   const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
   /// True if the document's image is shown, and not an earlier one.
-  bool is_current() const { return shown_ == newest_; }
+  bool is_current() const { return shown_ == newest_ && !measured_task_.busy(); }
+  /// The picture that is drawn now, while they blink: this one of the two.
+  Picture picture() const;
   /// The colours of the picture, which those of views follow.
   ColourMap map() const;
   QAction* outlines_action() { return outlines_; }
@@ -50,6 +63,15 @@ class ImagePanel : public QWidget {
   void apply_tone();
   void update_profile();
   void show_histogram(const Histogram& counts);
+  void make_choice_of_picture(QWidget* tools, QLayout* flow);
+  void request_measured();
+  void show_picture();
+  double measured_white() const;
+  /// The light field whose values are drawn, and their unit.
+  const LightField* drawn_field() const;
+  Dimension dimension() const;
+  QString value_text(const LightField& field, int column, int row) const;
+  QString value_title() const;
 
   Document& document_;
   ImageView* view_;
@@ -62,6 +84,16 @@ class ImagePanel : public QWidget {
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;
   unsigned newest_ = 0, shown_ = 0;
+
+  MeasuredPicture& measured_;
+  QComboBox* picture_ = nullptr;
+  QAction* blink_ = nullptr;
+  QLabel* registration_ = nullptr;
+  std::shared_ptr<const ImagePyramid> measured_pyramid_;
+  double own_white_ = 1;  ///< of the measured picture
+  bool blinked_ = false;  ///< the other picture has its turn
+  QTimer blinking_;
+  LatestTask measured_task_{Urgency::waited_for};
   LatestTask task_{Urgency::waited_for};  ///< last: it ends first
 };
 

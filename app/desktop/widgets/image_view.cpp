@@ -46,7 +46,33 @@ void ImageView::set_image(std::shared_ptr<const ImagePyramid> image) {
 
 void ImageView::set_tone(const ToneSettings& settings) {
   tone_ = settings;
-  table_ = std::make_unique<ToneTable>(settings);
+  make_tables();
+  update();
+}
+
+void ImageView::set_overlay(std::shared_ptr<const ImagePyramid> image, double white) {
+  overlay_ = std::move(image);
+  overlay_white_ = white > 0 ? white : 1;
+  make_tables();
+  update();
+}
+
+void ImageView::make_tables() {
+  table_ = std::make_unique<ToneTable>(tone_);
+  grey_ = nullptr;
+  grey_of_overlay_ = nullptr;
+  if (!overlay_) return;
+  ToneSettings grey = tone_;
+  grey.map = ColourMap::grey;
+  grey.saturation = 0;
+  grey_ = std::make_unique<ToneTable>(grey);
+  grey.white = overlay_white_;
+  grey_of_overlay_ = std::make_unique<ToneTable>(grey);
+}
+
+void ImageView::set_caption(const QString& text) {
+  if (text == caption_) return;
+  caption_ = text;
   update();
 }
 
@@ -141,6 +167,12 @@ void ImageView::draw_image(QPainter& painter) {
     }
     return at;
   };
+  const bool mixed =
+      overlay_ && overlay_->width() == image_->width() && overlay_->height() == image_->height();
+  const Image* const other = mixed ? &overlay_->level(level) : nullptr;
+  const auto mix = [&](float here, float there) {
+    return qRgb(qRed((*grey_)(here)), qRed((*grey_of_overlay_)(there)), qRed((*grey_)(here)));
+  };
   const auto columns = places(w, centre_.x(), image.width, image_->width());
   const auto rows = places(h, centre_.y(), image.height, image_->height());
   for (int y = 0; y < h; ++y) {
@@ -150,11 +182,14 @@ void ImageView::draw_image(QPainter& painter) {
       std::fill_n(out, w, outside);
       continue;
     }
-    const float* const in =
-        &image.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width)];
+    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width);
+    const float* const in = &image.pixels[first];
+    const float* const beside = other ? &other->pixels[first] : nullptr;
     for (int x = 0; x < w; ++x) {
       const int column = columns[static_cast<std::size_t>(x)];
-      out[x] = column < 0 ? outside : (*table_)(in[column]);
+      out[x] = column < 0 ? outside
+               : beside   ? mix(in[column], beside[column])
+                          : (*table_)(in[column]);
     }
   }
   canvas_.setDevicePixelRatio(ratio);
@@ -268,6 +303,15 @@ void ImageView::draw_badge(QPainter& painter) {
   painter.drawText(place, Qt::AlignCenter, badge_);
 }
 
+void ImageView::draw_caption(QPainter& painter) {
+  if (caption_.isEmpty()) return;
+  const QRect needed = painter.fontMetrics().boundingRect(caption_).adjusted(-6, -3, 6, 3);
+  const QRect place(QPoint(8, height() - 8 - needed.height()), needed.size());
+  painter.fillRect(place, QColor(0, 0, 0, 170));
+  painter.setPen(Qt::white);
+  painter.drawText(place, Qt::AlignCenter, caption_);
+}
+
 void ImageView::paintEvent(QPaintEvent*) {
   QPainter painter(this);
   if (!image_ || image_->empty()) {
@@ -283,6 +327,7 @@ void ImageView::paintEvent(QPaintEvent*) {
   draw_micro_images(painter);
   draw_marks(painter);
   draw_badge(painter);
+  draw_caption(painter);
   if (hasFocus()) {
     painter.setRenderHint(QPainter::Antialiasing, false);
     painter.setPen(palette().color(QPalette::Highlight));

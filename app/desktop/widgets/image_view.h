@@ -29,6 +29,14 @@ class ImageView : public QWidget {
   const std::shared_ptr<const ImagePyramid>& image() const { return image_; }
   void set_tone(const ToneSettings& settings);
   const ToneSettings& tone_settings() const { return tone_; }
+  /// Lays another picture of the same size over it: this one in magenta, the other in green, grey
+  /// where both are alike. Null: none. @param white value of the other one that is drawn as
+  /// brightest
+  void set_overlay(std::shared_ptr<const ImagePyramid> image, double white = 1);
+  const std::shared_ptr<const ImagePyramid>& overlay() const { return overlay_; }
+  /// Name of the picture in its lower left corner; empty: none.
+  void set_caption(const QString& text);
+  const QString& caption() const { return caption_; }
   /// A word in the corner about the whole picture; empty: none.
   void set_badge(const QString& text);
   const QString& badge() const { return badge_; }
@@ -85,13 +93,17 @@ class ImageView : public QWidget {
   void draw_micro_images(QPainter& painter);
   void draw_marks(QPainter& painter);
   void draw_badge(QPainter& painter);
+  void draw_caption(QPainter& painter);
+  void make_tables();
   void moved();
 
-  std::shared_ptr<const ImagePyramid> image_;
+  std::shared_ptr<const ImagePyramid> image_, overlay_;
   ToneSettings tone_;
+  double overlay_white_ = 1;
   std::unique_ptr<ToneTable> table_;
+  std::unique_ptr<ToneTable> grey_, grey_of_overlay_;  ///< null without overlay
   QImage canvas_;
-  QString badge_, empty_text_;
+  QString badge_, empty_text_, caption_;
   double scale_ = 1;
   QPointF centre_;
   bool fitted_ = true, smooth_ = false;

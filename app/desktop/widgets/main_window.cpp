@@ -119,7 +119,7 @@ void MainWindow::make_views() {
   left->addWidget(section_);
   left->setStretchFactor(0, 3);
   left->setStretchFactor(1, 2);
-  image_ = new ImagePanel(session_.document(), across);
+  image_ = new ImagePanel(session_.document(), session_.measured(), across);
   across->addWidget(left);
   across->addWidget(image_);
   across->setStretchFactor(0, 1);
@@ -228,6 +228,7 @@ void MainWindow::fail(const QString& message) {
 
 bool MainWindow::open(const QString& path, const std::function<void()>& then) {
   const QString ending = QFileInfo(path).suffix().toLower();
+  if (QStringList{"tif", "tiff", "png", "pgm"}.contains(ending)) return open_measured(path, then);
   // A flame is put into the scene that is open, which can be undone.
   const bool discards = ending != "vdb";
   if (discards && !may_discard()) return false;

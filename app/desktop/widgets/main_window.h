@@ -59,6 +59,9 @@ class MainWindow : public QMainWindow {
   /// @param then is called once it is open
   bool open(const QString& path, const std::function<void()>& then = {});
   bool open_example(const QString& name);
+  /// Takes a picture of a real camera, that of the present scene, to hold the simulated one
+  /// against. False: it was not begun.
+  bool open_measured(const QString& path, const std::function<void()>& then = {});
   /// A scene to begin with, which has no file yet.
   bool open_new();
   bool save();
@@ -115,6 +118,9 @@ class MainWindow : public QMainWindow {
   void show_about();
   void start_tour();
   void make_film();
+  void choose_compiled_camera();
+  void choose_measured();
+  void show_compiled_camera();
   void compare_with(const QString& file);
   void select_next_type();
   void raise_dock(const char* name);
@@ -157,7 +163,7 @@ class MainWindow : public QMainWindow {
   FlamePanel* flame_ = nullptr;
   ReconstructPanel* reconstruct_ = nullptr;
   QMenu* recent_menu_ = nullptr;
-  QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr;
+  QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr, *rays_again_ = nullptr;
   QLabel *pointer_label_ = nullptr, *busy_label_ = nullptr;
   QTimer autosave_;
   bool unattended_ = false;

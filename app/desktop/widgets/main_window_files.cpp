@@ -234,6 +234,59 @@ void MainWindow::map_grids(int flame) {
       });
 }
 
+void MainWindow::choose_measured() {
+  const QString path = QFileDialog::getOpenFileName(
+      this, tr("Measured picture"), settings_->value("files/folder").toString(),
+      tr("Pictures of a camera (*.exr *.tif *.tiff *.png *.pgm);;All files (*)"));
+  if (!path.isEmpty()) open_measured(path);
+}
+
+bool MainWindow::open_measured(const QString& path, const std::function<void()>& then) {
+  const Document& document = session_.document();
+  const QString name = QFileInfo(path).fileName();
+  if (document.is_empty() || !document.is_valid()) {
+    fail(tr("%1 is a camera's picture: open the scene of that camera first").arg(name));
+    return false;
+  }
+  auto field = std::make_shared<std::shared_ptr<const LightField>>();
+  files_->add(
+      tr("reading %1").arg(name),
+      [path, field, scene = document.scene_of_camera().scene](const Execution& execution) {
+        *field = read_measured(path.toStdString(), scene, execution);
+      },
+      [this, field, name, then, number = scenes_opened_] {
+        if (number != scenes_opened_) return;  // it was of another scene
+        session_.measured().set(*field, name);
+        if (then) then();
+      });
+  return true;
+}
+
+void MainWindow::choose_compiled_camera() {
+  if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
+  const QString path = QFileDialog::getOpenFileName(
+      this, tr("Compiled camera"), settings_->value("files/folder").toString(),
+      tr("Compiled cameras (*.bundle);;All files (*)"));
+  if (path.isEmpty()) return;
+  auto camera = std::make_shared<CompiledCamera>();
+  files_->add(
+      tr("reading the compiled camera"),
+      [path, camera](const Execution&) { *camera = read_bundle(path.toStdString()); },
+      [this, path, camera] {
+        guarded([&] { session_.use_compiled_camera(camera, path.toStdString()); });
+        show_compiled_camera();
+      });
+}
+
+void MainWindow::show_compiled_camera() {
+  const CompiledBundle& bundle = session_.compiled_camera();
+  rays_again_->setEnabled(bundle.camera != nullptr);
+  rays_again_->setText(bundle.camera
+                           ? tr("Follow rays again, without %1")
+                                 .arg(QFileInfo(QString::fromStdString(bundle.name)).fileName())
+                           : tr("Follow rays again"));
+}
+
 void MainWindow::export_rays() {
   const auto rays = session_.rays().rays();
   if (!rays) return fail(tr("Nothing is selected: click a pixel first."));

@@ -40,7 +40,8 @@ void MainWindow::make_menus() {
   const auto ask_open = [this] {
     const QString path = QFileDialog::getOpenFileName(
         this, tr("Open"), settings_->value("files/folder").toString(),
-        tr("Scenes, flames, light fields (*.toml *.vdb *.exr);;All files (*)"));
+        tr("Scenes, flames, light fields, a camera's pictures (*.toml *.vdb *.exr *.tif *.tiff "
+           "*.png *.pgm);;All files (*)"));
     if (path.isEmpty()) return;
     settings_->setValue("files/folder", QFileInfo(path).absolutePath());
     open(path);
@@ -49,6 +50,7 @@ void MainWindow::make_menus() {
   add(file, tr("&Open..."), QKeySequence::Open, "actionOpen", ask_open);
   connect(welcome_, &WelcomePage::open_requested, this, ask_open);
   recent_menu_ = file->addMenu(tr("Open &recent"));
+  add(file, tr("Measured picture..."), {}, "actionMeasured", [this] { choose_measured(); });
   add(file, tr("&Save"), QKeySequence::Save, "actionSave", [this] { save(); });
   add(file, tr("Save &as..."), QKeySequence("Ctrl+Shift+S"), "actionSaveAs", [this] { save_as(); });
   file->addSeparator();
@@ -80,6 +82,14 @@ void MainWindow::make_menus() {
   });
   add(render, tr("Stop"), QKeySequence("Shift+F5"), "actionStop",
       [this] { session_.render().stop(); });
+  render->addSeparator();
+  add(render, tr("Use compiled camera..."), {}, "actionCompiledCamera",
+      [this] { choose_compiled_camera(); });
+  rays_again_ = add(render, tr("Follow rays again"), {}, "actionFollowRays", [this] {
+    session_.follow_rays();
+    show_compiled_camera();
+  });
+  rays_again_->setEnabled(false);
   render->addSeparator();
   add(render, tr("Reconstruct the flame..."), {}, "actionReconstruct",
       [this] { raise_dock("reconstructDock"); });

@@ -37,6 +37,11 @@ std::vector<double> ticks(double low, double high, bool logarithmic, int count) 
         const double place = e + std::log10(digit);
         if (place >= low - 1e-9 && place <= high + 1e-9) out.push_back(place);
       }
+    if (out.size() >= 2) return out;
+    // A short stretch of the scale is as good as even.
+    out.clear();
+    for (const double value : ticks(std::pow(10.0, low), std::pow(10.0, high), false, count))
+      if (value > 0) out.push_back(std::log10(value));
     return out;
   }
   const double step = tick_step(high - low, count);

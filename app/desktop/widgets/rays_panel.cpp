@@ -44,9 +44,9 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
     : QWidget(parent), rays_(rays), title_(new QLabel(this)) {
   auto* split = new QSplitter(Qt::Horizontal, this);
   table_ = make_table(
-      {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle at sensor"),
-       tr("Angle in scene"), tr("Optical thickness"), tr("Radiance [W/(m\302\262 sr)]"),
-       tr("Weight [m\302\262 sr]")},
+      {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle\nat sensor"),
+       tr("Angle\nin scene"), tr("Optical\nthickness"), tr("Radiance\n[W/(m\302\262 sr)]"),
+       tr("Weight\n[m\302\262 sr]")},
       {tr("Number of the ray"),
        tr("Column and row of the pixel that it belongs to; double click or Return selects it"),
        tr("How it ended, and where"), tr("Type and place (q, r) of its microlens"),

@@ -1,5 +1,6 @@
 #include "widgets/reconstruct_panel.h"
 
+#include <QCheckBox>
 #include <QComboBox>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -74,8 +75,9 @@ ReconstructPanel::ReconstructPanel(Session& session, QWidget* parent)
   tabs_->addTab(make_result(), tr("Result"));
 
   const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
-  for (QComboBox* box : {find_, unknowns_, solver_})
+  for (QComboBox* box : {find_, unknowns_, solver_, penalty_})
     connect(box, chosen, this, &ReconstructPanel::show_choices);
+  connect(strength_, &QLineEdit::textChanged, this, &ReconstructPanel::show_choices);
   for (QComboBox* box : {field_, axis_}) connect(box, chosen, this, &ReconstructPanel::show_slices);
   connect(position_, &QSlider::valueChanged, this, &ReconstructPanel::show_slices);
   connect(start_, &QPushButton::clicked, this, &ReconstructPanel::start);
@@ -99,15 +101,7 @@ ReconstructPanel::ReconstructPanel(Session& session, QWidget* parent)
 
 ReconstructPanel::~ReconstructPanel() = default;
 
-QWidget* ReconstructPanel::make_form() {
-  auto* page = new QWidget(this);
-  cameras_ = new QTreeWidget(page);
-  cameras_->setObjectName("reconstructCameras");
-  cameras_->setHeaderLabels({tr("Camera"), tr("Its picture")});
-  cameras_->setRootIsDecorated(false);
-  cameras_->setMinimumHeight(5 * fontMetrics().height());
-  cameras_->setMaximumHeight(9 * fontMetrics().height());
-  cameras_->setToolTip(tr("Tick the cameras whose pictures are used"));
+QLayout* ReconstructPanel::make_pictures(QWidget* page) {
   const auto button = [&](const QString& text, const char* name, const QString& tip) {
     auto* b = new QPushButton(text, page);
     b->setObjectName(name);
@@ -126,7 +120,10 @@ QWidget* ReconstructPanel::make_form() {
           [this] { set_picture(cameras_->indexOfTopLevelItem(cameras_->currentItem()), {}); });
   auto* pictures = new QHBoxLayout;
   for (QPushButton* b : {file, own_, scene}) pictures->addWidget(b);
+  return pictures;
+}
 
+void ReconstructPanel::make_choices(QWidget* page) {
   find_ = choice_of(page, "reconstructFind", tr("The fields that are looked for"),
                     {{tr("Emission"), "emission"},
                      {tr("Temperature"), "temperature"},
@@ -142,12 +139,28 @@ QWidget* ReconstructPanel::make_form() {
     return edit;
   };
   grid_ = line("reconstructGrid", "", "");
+  centre_ = line("reconstructCentre", "",
+                 tr("Middle of the grid in the world, such as \"1 m, 0 m, 0 m\""));
+  size_ = line("reconstructSize", "", tr("Sides of the grid, such as \"60 mm, 60 mm, 90 mm\""));
+  for (QLineEdit* edit : {centre_, size_}) edit->setPlaceholderText(tr("of the scene's flames"));
+  rings_axis_ =
+      line("reconstructRingsAxis", "",
+           tr("Direction of the rings' axis, such as \"0 m, 0 m, 1 m\"; \"fit\": place and "
+              "direction by the pictures"));
+  rings_axis_->setPlaceholderText(tr("upwards"));
   absorption_ = choice_of(page, "reconstructAbsorption",
                           tr("What is known of the absorption; a number with a unit, such as "
                              "\"20 1/m\", can be typed"),
                           {{tr("that of the scene"), "scene"}, {tr("none"), "none"}});
   absorption_->setEditable(true);
-  channel_ = choice_of(page, "reconstructChannel", tr("Channel of the pictures"), {});
+  channel_ = choice_of(page, "reconstructChannel",
+                       tr("Channel of the pictures; for temperature and absorption two or more, "
+                          "such as 650nm,850nm, can be typed"),
+                       {});
+  channel_->setEditable(true);
+  ratios_ = line("reconstructRatios", "",
+                 tr("Absorption of each channel over that of the first, where it is known"));
+  ratios_->setPlaceholderText(tr("as of soot"));
   solver_ = choice_of(page, "reconstructSolver", tr("How it is solved"), {});
   for (const std::string& name : reconstruction_solvers())
     solver_->addItem(QString::fromStdString(name), QString::fromStdString(name));
@@ -160,25 +173,60 @@ QWidget* ReconstructPanel::make_form() {
                         {tr("second differences"), "curvature"},
                         {tr("size"), "identity"},
                         {tr("none"), "none"}});
+  rule_ = choice_of(
+      page, "reconstructRule", tr("How the strength of the penalty is chosen"),
+      {{tr("as noise explains"), ""}, {tr("cross-validation"), "gcv"}, {tr("L-curve"), "l-curve"}});
+  strength_ = line("reconstructStrength", "",
+                   tr("Strength of the penalty, relative to the pictures' information"));
+  strength_->setPlaceholderText(tr("by the rule"));
+  const QString model_error = QString::number(ReconstructRequest().noise);
+  noise_ = line("reconstructNoise", model_error,
+                tr("What the model may err by in each pixel besides the noise of the pictures, as "
+                   "a share of the largest value: with too little of it such errors are explained "
+                   "by the flame"));
   rays_ = line("reconstructRays", "16", tr("Rays of each row of the problem"));
   bin_ = line("reconstructBin", "1", tr("Pixels along the side of a block that makes one row"));
   iterations_ = line("reconstructIterations", "300", tr("Iterations at most"));
+  behind_dark_ = new QCheckBox(tr("Also behind dark pixels"), page);
+  behind_dark_->setObjectName("reconstructAllVoxels");
+  behind_dark_->setToolTip(
+      tr("Solve also for what lies behind dark pixels, which is taken for empty otherwise"));
+}
+
+QWidget* ReconstructPanel::make_form() {
+  auto* page = new QWidget(this);
+  cameras_ = new QTreeWidget(page);
+  cameras_->setObjectName("reconstructCameras");
+  cameras_->setHeaderLabels({tr("Camera"), tr("Its picture")});
+  cameras_->setRootIsDecorated(false);
+  cameras_->setMinimumHeight(5 * fontMetrics().height());
+  cameras_->setMaximumHeight(9 * fontMetrics().height());
+  cameras_->setToolTip(tr("Tick the cameras whose pictures are used"));
+  make_choices(page);
   auto* form = new QFormLayout;
   form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
   form->addRow(tr("Find"), find_);
   form->addRow(tr("Unknowns"), unknowns_);
   form->addRow(tr("Grid"), grid_);
+  form->addRow(tr("Centre"), centre_);
+  form->addRow(tr("Size"), size_);
+  form->addRow(tr("Axis"), rings_axis_);
   form->addRow(tr("Absorption"), absorption_);
   form->addRow(tr("Channel"), channel_);
+  form->addRow(tr("Ratios"), ratios_);
   form->addRow(tr("Solver"), solver_);
   form->addRow(tr("Penalty"), penalty_);
+  form->addRow(tr("Rule"), rule_);
+  form->addRow(tr("Strength"), strength_);
+  form->addRow(tr("Noise"), noise_);
   form->addRow(tr("Rays"), rays_);
   form->addRow(tr("Bin"), bin_);
   form->addRow(tr("Iterations"), iterations_);
+  form->addRow(behind_dark_);
   auto* layout = new QVBoxLayout(page);
   layout->setContentsMargins(0, 0, 0, 0);
   layout->addWidget(cameras_);
-  layout->addLayout(pictures);
+  layout->addLayout(make_pictures(page));
   layout->addLayout(form);
   layout->addStretch(1);
   return page;
@@ -299,12 +347,16 @@ void ReconstructPanel::fill_cameras() {
       add_row(std::move(row), is_taken);
     }
     const QSignalBlocker quiet(channel_);
+    const QString typed = channel_->currentText();
+    const bool is_typed = channel_->count() > 0 && channel_->findText(typed) < 0;
     const QString channel = channel_->currentData().toString();
     channel_->clear();
-    channel_->addItem(tr("the first"), "");
+    channel_->addItem(QString(), QString());  // show_choices() says what that is
     for (const ChannelSpec& c : scene.channels)
       channel_->addItem(QString::fromStdString(c.name), QString::fromStdString(c.name));
     channel_->setCurrentIndex(std::max(0, channel_->findData(channel)));
+    if (is_typed) channel_->setEditText(typed);
+    show_choices();
   }
   for (std::size_t i = 0; i < before.size(); ++i)
     if (!before[i].of_document) add_row(std::move(before[i]), taken[i]);
@@ -404,18 +456,30 @@ void ReconstructPanel::start() {
   const auto text = [&](const char* name, const QString& value) {
     if (!value.trimmed().isEmpty()) options.emplace_back(name, value.trimmed().toStdString());
   };
-  text("grid", grid_->text());
-  if (find != "both") {
-    const int chosen = absorption_->findText(absorption_->currentText());
-    text("absorption",
-         chosen < 0 ? absorption_->currentText() : absorption_->itemData(chosen).toString());
-    text("channel", channel_->currentData().toString());
-  }
-  if (solver_->isEnabled()) text("solver", solver_->currentData().toString());
-  if (penalty_->isEnabled()) text("penalty", penalty_->currentData().toString());
-  text("rays", rays_->text());
-  text("bin", bin_->text());
-  text("iterations", iterations_->text());
+  const auto chosen = [&](const char* name, const QComboBox* box) {
+    if (!box->isEnabled()) return;
+    const int index = box->findText(box->currentText());  // something else may have been typed
+    text(name, index < 0 ? box->currentText() : box->itemData(index).toString());
+  };
+  const auto typed = [&](const char* name, const QLineEdit* edit) {
+    if (edit->isEnabled()) text(name, edit->text());
+  };
+  typed("grid", grid_);
+  typed("center", centre_);
+  typed("size", size_);
+  typed("axis", rings_axis_);
+  chosen("absorption", absorption_);
+  chosen("channel", channel_);
+  typed("absorption-ratios", ratios_);
+  chosen("solver", solver_);
+  chosen("penalty", penalty_);
+  chosen("rule", rule_);
+  typed("strength", strength_);
+  typed("noise", noise_);
+  typed("rays", rays_);
+  typed("bin", bin_);
+  typed("iterations", iterations_);
+  options.emplace_back("all-voxels", behind_dark_->isChecked() ? "true" : "false");
   const bool has_flame = !sources.empty() && !sources.front().scene.scene.flames.empty();
   options.emplace_back("truth", has_flame ? "true" : "false");
   tabs_->setCurrentIndex(1);

@@ -8,6 +8,7 @@
 #include "model/reconstruct_job.h"
 #include "model/session.h"
 
+class QCheckBox;
 class QComboBox;
 class QLabel;
 class QLayout;
@@ -55,6 +56,8 @@ class ReconstructPanel : public QWidget {
   };
 
   QWidget* make_form();
+  QLayout* make_pictures(QWidget* page);
+  void make_choices(QWidget* page);
   QLayout* make_buttons();
   QWidget* make_result();
   void fill_cameras();
@@ -74,8 +77,12 @@ class ReconstructPanel : public QWidget {
   QTabWidget* tabs_ = nullptr;
   QTreeWidget* cameras_ = nullptr;
   QComboBox *find_ = nullptr, *unknowns_ = nullptr, *absorption_ = nullptr, *channel_ = nullptr,
-            *solver_ = nullptr, *penalty_ = nullptr, *field_ = nullptr, *axis_ = nullptr;
-  QLineEdit *grid_ = nullptr, *rays_ = nullptr, *bin_ = nullptr, *iterations_ = nullptr;
+            *solver_ = nullptr, *penalty_ = nullptr, *rule_ = nullptr, *field_ = nullptr,
+            *axis_ = nullptr;
+  QLineEdit *grid_ = nullptr, *centre_ = nullptr, *size_ = nullptr, *rings_axis_ = nullptr,
+            *ratios_ = nullptr, *noise_ = nullptr, *strength_ = nullptr, *rays_ = nullptr,
+            *bin_ = nullptr, *iterations_ = nullptr;
+  QCheckBox* behind_dark_ = nullptr;
   QPushButton *start_ = nullptr, *stop_ = nullptr, *save_ = nullptr, *beside_ = nullptr,
               *own_ = nullptr;
   QSlider* position_ = nullptr;

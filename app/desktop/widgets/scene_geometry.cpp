@@ -1,5 +1,6 @@
 #include "widgets/scene_geometry.h"
 
+#include <vtkBoundingBox.h>
 #include <vtkCamera.h>
 #include <vtkFloatArray.h>
 #include <vtkMath.h>
@@ -13,13 +14,26 @@
 #include <utility>
 
 #include "picture_camera.h"
+#include "plenoflame/camera/camera.h"
+#include "plenoflame/scene/glass_indices.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
+#include "window_props.h"
 
 namespace plenoflame::desktop {
+namespace {
+
+ThingSeen thing_in(const double* bounds, bool flat = false) {
+  std::array<double, 6> box{};
+  std::copy_n(bounds, box.size(), box.begin());
+  return {views::corners(box), flat};
+}
+
+}  // namespace
 
 SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
-                             const std::vector<CameraSpec>& other_cameras) {
+                             const std::vector<CameraSpec>& other_cameras)
+    : cameras{CameraOnAxis(Camera(scene.camera))} {
   for (const CameraSpec& neighbour : other_cameras) {
     Scene seen_by = scene;
     seen_by.camera = neighbour;
@@ -33,6 +47,8 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
     other.camera->ShallowCopy(source->GetOutput());
     other.plate_texture->DeepCopy(source->GetPlateTexture());
     others.push_back(other);
+    set_indices(seen_by);
+    cameras.emplace_back(Camera(seen_by.camera));
   }
   vtkNew<vtkPlenoflameScene> holder;
   holder->SetScene(scene);
@@ -56,6 +72,24 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
   detail->ShallowCopy(close->GetOutput());
 }
 
+void SceneGeometry::add_surroundings(const Scene& scene) {
+  windows = views::window_outlines(scene);
+  vtkBoundingBox around;
+  for (const CameraOnAxis& each : cameras)
+    around.AddPoint(each.position.x, each.position.y, each.position.z);
+  if (flame) around.AddBounds(flame->GetBounds());
+  solids = views::solid_surfaces(scene, around);
+}
+
+std::vector<ThingSeen> SceneGeometry::things() const {
+  std::vector<ThingSeen> things;
+  if (flame) things.push_back(thing_in(flame->GetBounds()));
+  for (const views::SolidSurfaces::Part& part : solids.parts)
+    things.push_back(thing_in(part.data->GetBounds(), part.flat));
+  for (const std::vector<Vec3>& outline : windows) things.push_back({outline, false});
+  return things;
+}
+
 vtkSmartPointer<vtkMultiBlockDataSet> placed(vtkMultiBlockDataSet& camera,
                                              const Schematic& schematic) {
   if (schematic.is_to_scale()) return &camera;
@@ -63,22 +97,26 @@ vtkSmartPointer<vtkMultiBlockDataSet> placed(vtkMultiBlockDataSet& camera,
   drawn->ShallowCopy(&camera);
   for (unsigned block = 0; block < camera.GetNumberOfBlocks(); ++block) {
     auto* const data = vtkPolyData::SafeDownCast(camera.GetBlock(block));
-    if (!data || data->GetNumberOfPoints() == 0) continue;
-    vtkNew<vtkPoints> points;
-    points->SetDataTypeToDouble();
-    points->SetNumberOfPoints(data->GetNumberOfPoints());
-    for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
-      std::array<double, 3> p{};
-      data->GetPoint(i, p.data());
-      const Vec3 at = schematic.place({p[0], p[1], p[2]});
-      points->SetPoint(i, at.x, at.y, at.z);
-    }
-    vtkNew<vtkPolyData> moved;
-    moved->ShallowCopy(data);
-    moved->SetPoints(points);
-    drawn->SetBlock(block, moved);
+    if (data && data->GetNumberOfPoints() > 0) drawn->SetBlock(block, placed(data, schematic));
   }
   return drawn;
+}
+
+vtkSmartPointer<vtkPolyData> placed(vtkPolyData* data, const Schematic& schematic) {
+  if (schematic.is_to_scale()) return data;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(data->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
+    std::array<double, 3> p{};
+    data->GetPoint(i, p.data());
+    const Vec3 at = schematic.place({p[0], p[1], p[2]});
+    points->SetPoint(i, at.x, at.y, at.z);
+  }
+  auto moved = vtkSmartPointer<vtkPolyData>::New();
+  moved->ShallowCopy(data);
+  moved->SetPoints(points);
+  return moved;
 }
 
 vtkSmartPointer<vtkImageData> small_flame() {

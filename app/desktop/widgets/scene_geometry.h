@@ -1,6 +1,7 @@
 #pragma once
 #include <vtkImageData.h>
 #include <vtkMultiBlockDataSet.h>
+#include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
 #include <array>
@@ -9,6 +10,7 @@
 #include "model/schematic.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
+#include "surface_props.h"
 
 class vtkRenderer;
 
@@ -25,15 +27,25 @@ struct SceneGeometry {
     vtkSmartPointer<vtkImageData> plate_texture;
   };
   std::vector<Other> others;
+  std::vector<CameraOnAxis> cameras;  ///< the one that everything is about, then the others
+  views::SolidSurfaces solids;
+  std::vector<std::vector<Vec3>> windows;  ///< their outlines
 
-  /// The cameras, and the microlenses near a pixel; no flame yet.
+  /// The cameras, and the microlenses near a pixel; nothing before them yet.
   SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
                 const std::vector<CameraSpec>& others = {});
+  /// The solid surfaces and windows of the scene, once its flame is there.
+  /// @throws FileError, InputError of mesh and texture files
+  void add_surroundings(const Scene& scene);
+  /// The things that the cameras look at.
+  std::vector<ThingSeen> things() const;
 };
 
 /// A camera as it is drawn.
 vtkSmartPointer<vtkMultiBlockDataSet> placed(vtkMultiBlockDataSet& camera,
                                              const Schematic& schematic);
+/// Points of the world where they are drawn; the data's own where nothing is moved.
+vtkSmartPointer<vtkPolyData> placed(vtkPolyData* data, const Schematic& schematic);
 
 /// Hot and dense everywhere, in some points.
 vtkSmartPointer<vtkImageData> small_flame();

@@ -45,6 +45,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/scene/scene_file.h"
 #include "scene_props.h"
+#include "surface_props.h"
 #include "widgets/flame_opacity.h"
 #include "widgets/notice.h"
 #include "widgets/pointer.h"
@@ -52,6 +53,7 @@
 #include "widgets/ruler.h"
 #include "widgets/scene_geometry.h"
 #include "widgets/scene_view_parts.h"
+#include "window_props.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -214,7 +216,8 @@ void SceneView::clear() {
   temperatures_ = {0, 0};
   aimed_ = false;
   schematic_ = {};
-  for (const char* layer : {"camera", "flame", "rays", "gaps"})
+  other_schematics_.clear();
+  for (const char* layer : {"camera", "flame", "surroundings", "rays", "gaps"})
     view_->replace(layer, [](vtkRenderer&) {});
   find_ways();
   place_handles();
@@ -242,6 +245,7 @@ void SceneView::build_geometry() {
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       if (built->flame) show_glow(*scene->medium, *built->flame, execution);
+      built->add_surroundings(scene->scene);
       post(this, [this, number, built] {
         if (number != newest_) return;
         built_ = number;
@@ -288,6 +292,7 @@ void SceneView::add_geometry() {
 void SceneView::add_layers() {
   add_camera();
   add_flame();
+  add_surroundings();
   add_rays();
   add_gaps();
 }
@@ -315,11 +320,33 @@ void SceneView::add_camera() {
   view_->replace("camera", [&](vtkRenderer& renderer) {
     views::add_camera(close ? *geometry_->detail : *camera, geometry_->plate_texture, texture,
                       close ? 0.45 : 0.4, renderer);
-    for (const SceneGeometry::Other& other : geometry_->others)
-      views::add_camera(*other.camera, other.plate_texture, nullptr, 0.4, renderer);
+    for (std::size_t i = 0; i < geometry_->others.size(); ++i) {
+      const SceneGeometry::Other& other = geometry_->others[i];
+      views::add_camera(*placed(*other.camera, schematic_of_other(i)), other.plate_texture, nullptr,
+                        0.4, renderer);
+    }
   });
   for (const auto& prop : view_->layers["camera"])
     if (auto* actor = vtkActor::SafeDownCast(prop)) stand_out(*actor);
+}
+
+void SceneView::add_surroundings() {
+  view_->replace("surroundings", [&](vtkRenderer& renderer) {
+    if (!geometry_) return;
+    views::SolidSurfaces solids = geometry_->solids;
+    for (views::SolidSurfaces::Part& solid : solids.parts)
+      solid.data = placed(solid.data, schematic_);
+    views::add_surfaces(solids, renderer);
+    std::vector<std::vector<Vec3>> windows = geometry_->windows;
+    for (std::vector<Vec3>& outline : windows)
+      for (Vec3& point : outline) point = schematic_.place(point);
+    views::add_windows(windows, renderer);
+  });
+  for (const auto& prop : view_->layers["surroundings"])
+    if (auto* actor = vtkActor::SafeDownCast(prop);
+        actor && !actor->GetMapper()->GetScalarVisibility())
+      stand_out(*actor);
+  view_->show("surroundings", shows_flame());
 }
 
 void SceneView::add_rays() {
@@ -371,7 +398,8 @@ void SceneView::show_part(Part part) {
   update_schematic();
   if (was_to_scale && schematic_.is_to_scale()) {
     add_camera();
-    view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+    for (const char* layer : {"flame", "surroundings"}) view_->show(layer, shows_flame());
+    add_gaps();
   } else {
     add_layers();
   }

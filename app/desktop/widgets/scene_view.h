@@ -19,6 +19,7 @@ class QAction;
 class QComboBox;
 class QLabel;
 class QSlider;
+class vtkRenderer;
 
 namespace plenoflame::desktop {
 
@@ -76,6 +77,9 @@ class SceneView : public QWidget {
   double measured() const;
   /// Drawing of the whole scene as it is now: with shortened gaps, or to scale.
   const Schematic& schematic() const { return schematic_; }
+  /// Places at which the front vertices of further cameras are seen, in their order [logical
+  /// pixel].
+  std::vector<QPointF> other_cameras_seen() const;
   /// Places of the handles that move things [m] world; the last one is the camera's. None unless
   /// *Move* is on.
   std::vector<Vec3> handles() const;
@@ -105,6 +109,7 @@ class SceneView : public QWidget {
   void draw_to_scale();
   void update_schematic();
   void add_gaps();
+  void add_gaps_of(std::size_t camera, vtkRenderer& renderer);
   void place_handles();
   /// @return whether it is about a handle, and nobody else's
   bool drag_handle(QEvent::Type event, const QPointF& at);
@@ -120,10 +125,16 @@ class SceneView : public QWidget {
   void add_flame();
   void add_rays();
   void add_camera();
-  /// Corners of what the present part shows [m], and from which side it is seen.
-  std::vector<Vec3> subject(Vec3& from) const;
-  /// The same where they are drawn.
+  void add_surroundings();
+  /// True if flame, solid surfaces and windows belong to the present part.
+  bool shows_flame() const { return part_ == Part::scene || part_ == Part::flame; }
+  /// Corners of what the present part shows, where they are drawn [m], and from which side it is
+  /// seen.
   std::vector<Vec3> drawn_subject(Vec3& from) const;
+  /// Place at which a point of the drawing is seen, on the widget "scene3d" [logical pixel].
+  QPointF drawn_to_widget(const Vec3& drawn) const;
+  /// Drawing of the axis of a further camera.
+  Schematic schematic_of_other(std::size_t number) const;
   void aim();
   void follow(const std::array<double, 6>& flame_before);
   /// The selection that a click there would make.
@@ -153,7 +164,8 @@ class SceneView : public QWidget {
   std::array<QAction*, 5> part_actions_{};
   QAction *measure_ = nullptr, *shortened_ = nullptr, *move_ = nullptr, *light_ = nullptr;
   Schematic schematic_;
-  int dragged_ = -1, stroke_ = 0;  ///< number of the handle that is dragged; -1: none
+  std::vector<Schematic> other_schematics_;  ///< of others_; fewer: those are to scale
+  int dragged_ = -1, stroke_ = 0;            ///< number of the handle that is dragged; -1: none
   QPointF pressed_;
   QTimer render_later_, show_later_, light_timer_;
   unsigned newest_ = 0, built_ = 0;

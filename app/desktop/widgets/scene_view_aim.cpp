@@ -1,3 +1,4 @@
+#include <vtkBoundingBox.h>
 #include <vtkCamera.h>
 
 #include <QAction>
@@ -16,75 +17,114 @@
 // Direction in which the 3-D view looks, and what is pointed at in it.
 namespace plenoflame::desktop {
 
-QPointF SceneView::to_widget(const Vec3& world) const {
+namespace {
+
+views::Subject subject_of(SceneView::Part part) {
+  switch (part) {
+    case SceneView::Part::scene:
+      return views::Subject::scene;
+    case SceneView::Part::flame:
+      return views::Subject::flame;
+    case SceneView::Part::camera:
+      return views::Subject::camera;
+    case SceneView::Part::array:
+    case SceneView::Part::pixel:
+      break;
+  }
+  return views::Subject::array;
+}
+
+std::vector<Vec3> corners_of(const vtkBoundingBox& box) {
+  std::array<double, 6> bounds{};
+  box.GetBounds(bounds.data());
+  return views::corners(bounds);
+}
+
+}  // namespace
+
+QPointF SceneView::drawn_to_widget(const Vec3& drawn) const {
   const double ratio = view_->widget->devicePixelRatioF();
   const int* const size = view_->renderer->GetSize();
-  const Vec3 drawn = schematic_.place(world);
   view_->renderer->SetWorldPoint(drawn.x, drawn.y, drawn.z, 1);
   view_->renderer->WorldToDisplay();
   const double* const p = view_->renderer->GetDisplayPoint();
   return {p[0] / ratio, (size[1] - 1 - p[1]) / ratio};
 }
 
-std::vector<Vec3> SceneView::subject(Vec3& from) const {
+QPointF SceneView::to_widget(const Vec3& world) const {
+  return drawn_to_widget(schematic_.place(world));
+}
+
+std::vector<QPointF> SceneView::other_cameras_seen() const {
+  std::vector<QPointF> places;
+  for (std::size_t i = 0; i < others_.size(); ++i)
+    places.push_back(drawn_to_widget(schematic_of_other(i).place(others_[i].position)));
+  return places;
+}
+
+std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
   const CameraSpec& spec = scene_->scene.camera;
   const RigidTransform& to_world = scene_->camera.to_world();
   const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
              up = cross(right, axis);
-  const auto camera_corners = [&] {
-    const double half = 0.5 * std::max(scene_->camera.lens_first_order().entrance_pupil_diameter,
-                                       spec.sensor.size().x);
-    std::vector<Vec3> points;
+  const views::SolidSurfaces& solids = geometry_->solids;
+  from = views::way_to_eye(
+      subject_of(part_), axis, right, up,
+      {solids.all.IsValid() != 0, solids.bodies.IsValid() != 0, !others_.empty()});
+  std::vector<Vec3> points, of_others;
+  const auto add = [&](const std::vector<Vec3>& more) {
+    points.insert(points.end(), more.begin(), more.end());
+  };
+  // Half a side and two ends of a box around a stretch of the axis, or of a line beside it.
+  const auto add_box = [&](Vec2 middle, double half, double begin, double end) {
     for (const double x : {-half, half})
       for (const double y : {-half, half})
-        for (const double z : {0.0, scene_->camera.sensor()})
-          points.push_back(to_world.point({x, y, z}));
-    return points;
+        for (const double z : {begin, end})
+          points.push_back(to_world.point({middle.x + x, middle.y + y, z}));
   };
-  std::array<double, 6> flame{};
-  if (geometry_->flame) geometry_->flame->GetBounds(flame.data());
-  std::vector<Vec3> points;
+  const auto add_camera_box = [&] {
+    add_box({}, 0.5 * geometry_->cameras.front().width, 0, scene_->camera.sensor());
+  };
   switch (part_) {
     case Part::scene:
-      points = camera_corners();
-      if (geometry_->flame)
-        for (const Vec3 p : views::corners(flame)) points.push_back(p);
-      for (const CameraSpec& other : others_) points.push_back(other.position);
-      from = 0.3 * axis - 1.0 * right + 0.35 * up;
+      add_camera_box();
+      if (geometry_->flame) add(corners_of(vtkBoundingBox(geometry_->flame->GetBounds())));
+      if (solids.all.IsValid()) add(corners_of(solids.all));
+      for (const std::vector<Vec3>& outline : geometry_->windows) add(outline);
+      for (std::size_t i = 0; i < others_.size() && i + 1 < geometry_->cameras.size(); ++i) {
+        const CameraOnAxis& other = geometry_->cameras[i + 1];
+        for (const double along : {other.sensor, 0.0})
+          of_others.push_back(schematic_of_other(i).place(other.position + along * other.axis));
+      }
       break;
-    case Part::flame:
-      points = geometry_->flame ? views::corners(flame) : camera_corners();
-      from = -0.55 * axis - 0.8 * right + 0.2 * up;
+    case Part::flame: {
+      vtkBoundingBox box = solids.bodies;
+      if (geometry_->flame) box.AddBounds(geometry_->flame->GetBounds());
+      if (!box.IsValid()) box = solids.all;  // nothing but planes
+      if (box.IsValid())
+        add(corners_of(box));
+      else
+        add_camera_box();
       break;
+    }
     case Part::camera:
-      points = camera_corners();
-      from = 0.35 * axis - 1.0 * right + 0.35 * up;
+      add_camera_box();
       break;
     case Part::array:
     case Part::pixel: {
       std::array<double, 2> pixel{0.5 * spec.sensor.columns, 0.5 * spec.sensor.rows};
       if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
         pixel = {rays_->selection.column + 0.5, rays_->selection.row + 0.5};
-      const Vec2 place = scene_->camera.sensor_point(pixel[0], pixel[1]);
       const double pitch = spec.array.present ? spec.array.pitch : 10 * spec.sensor.pixel_pitch;
       const double half = (part_ == Part::array ? 2.5 : 0.75) * pitch;
-      const double depth =
-          spec.array.present ? scene_->camera.array_front() - scene_->camera.sensor() : 4 * half;
-      for (const double x : {-half, half})
-        for (const double y : {-half, half})
-          for (const double z : {0.0, depth})
-            points.push_back(
-                to_world.point({place.x + x, place.y + y, scene_->camera.sensor() + z}));
-      from = 0.75 * axis - 0.8 * right + 0.55 * up;
+      const double sensor = scene_->camera.sensor();
+      add_box(scene_->camera.sensor_point(pixel[0], pixel[1]), half, sensor,
+              spec.array.present ? scene_->camera.array_front() : sensor + 4 * half);
       break;
     }
   }
-  return points;
-}
-
-std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
-  std::vector<Vec3> points = subject(from);
   for (Vec3& point : points) point = schematic_.place(point);
+  add(of_others);
   return points;
 }
 
@@ -127,10 +167,10 @@ void SceneView::follow(const std::array<double, 6>& before) {
   std::array<double, 3> place{};
   camera->GetPosition(place.data());
   Vec3 from;
-  const std::vector<Vec3> points = subject(from);
+  const std::vector<Vec3> points = drawn_subject(from);
   const QRectF room = view_->widget->rect();
   std::size_t seen = 0;
-  for (const Vec3& point : points) seen += room.contains(to_widget(point)) ? 1U : 0U;
+  for (const Vec3& point : points) seen += room.contains(drawn_to_widget(point)) ? 1U : 0U;
   if (place == aimed_from_ ? seen < points.size() : seen == 0) aim();
 }
 

@@ -23,10 +23,9 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr double kGapShare = 0.8;      ///< of a drawn gap, in sizes of what is beside the axis
-constexpr double kMarginShare = 0.08;  ///< around each part, of the same
-constexpr int kHandlePixels = 9;       ///< radius of a handle on the screen
-constexpr double kReach = 12;          ///< [logical pixel] from a handle's middle to the pointer
+constexpr int kHandlePixels = 9;     ///< radius of a handle on the screen
+constexpr double kHandleReach = 12;  ///< [logical pixel] from a handle's middle to the pointer
+constexpr int kLabelSize = 13;       ///< [screen pixel]
 
 /// Two short slanted lines where the axis is broken.
 void add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size,
@@ -57,48 +56,43 @@ void add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size
 
 void SceneView::update_schematic() {
   schematic_ = {};
-  if (!scene_ || !geometry_ || part_ != Part::scene || !others_.empty()) return;
+  other_schematics_.clear();
+  if (!scene_ || !geometry_ || part_ != Part::scene) return;
   if (!shortened_->isChecked() || move_->isChecked() || measure_->isChecked()) return;
-  const CameraSpec& spec = scene_->scene.camera;
-  const Vec3 axis = normalize(spec.look_direction);
-  const double lens =
-      std::max(scene_->camera.lens_first_order().entrance_pupil_diameter, spec.sensor.size().x);
-  double size = lens, depth = 0;
-  for (const SurfaceSpec& surface : spec.lens.surfaces) depth += surface.thickness;
-  std::array<double, 2> flame{0, 0};
-  if (geometry_->flame) {
-    std::array<double, 6> box{};
-    geometry_->flame->GetBounds(box.data());
-    flame = {1e300, -1e300};
-    for (const Vec3 p : views::corners(box)) {
-      const double along = dot(p - spec.position, axis);
-      flame = {std::min(flame[0], along), std::max(flame[1], along)};
-      size = std::max(size, 2 * length(p - spec.position - along * axis));
-    }
-    // A flame beside the camera, or behind it: nothing between them is empty.
-    if (flame[0] <= 0) return;
-  }
-  const double margin = kMarginShare * size;
-  std::vector<std::array<double, 2>> parts{{-depth, 0}, flame};
-  const double sensor = scene_->camera.sensor();
-  parts.push_back({sensor, spec.array.present ? scene_->camera.array_front() : sensor});
-  for (auto& part : parts) part = {part[0] - margin, part[1] + margin};
-  schematic_ = Schematic(spec.position, axis, parts, kGapShare * size);
+  other_schematics_ = shortened_axes(geometry_->cameras, geometry_->things());
+  schematic_ = other_schematics_.front();
+  other_schematics_.erase(other_schematics_.begin());
 }
 
+Schematic SceneView::schematic_of_other(std::size_t number) const {
+  return number < other_schematics_.size() ? other_schematics_[number] : Schematic();
+}
+
+void SceneView::add_gaps_of(std::size_t camera, vtkRenderer& renderer) {
+  const Schematic schematic = camera == 0 ? schematic_ : schematic_of_other(camera - 1);
+  const CameraSpec& spec = camera == 0 ? scene_->scene.camera : others_[camera - 1];
+  const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
+             up = cross(right, axis);
+  // Above the axis, where the scale bar is far; names of several cameras are there already.
+  const double label_side = others_.empty() ? 0.7 : -0.7;
+  for (const Schematic::Gap& gap : schematic.gaps()) {
+    const double drawn = gap.drawn_end - gap.drawn_begin;
+    const Vec3 middle = schematic.on_axis(0.5 * (gap.drawn_begin + gap.drawn_end));
+    add_break(middle, axis, up, 0.12 * drawn, renderer);
+    views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
+                     middle + label_side * drawn * up, kLabelSize, renderer);
+  }
+  if (others_.empty()) return;
+  const Vec3 top = spec.position + 0.75 * geometry_->cameras[camera].width * up;
+  views::add_label(spec.name, schematic.place(top), kLabelSize, renderer);
+}
+
+/// The true lengths of what is shortened, and the names of several cameras.
 void SceneView::add_gaps() {
   view_->replace("gaps", [&](vtkRenderer& renderer) {
-    if (!scene_ || schematic_.is_to_scale()) return;
-    const CameraSpec& spec = scene_->scene.camera;
-    const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
-               up = cross(right, axis);
-    for (const Schematic::Gap& gap : schematic_.gaps()) {
-      const double drawn = gap.drawn_end - gap.drawn_begin;
-      const Vec3 middle = schematic_.on_axis(0.5 * (gap.drawn_begin + gap.drawn_end));
-      add_break(middle, axis, up, 0.12 * drawn, renderer);
-      views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
-                       middle - 0.7 * drawn * up, 13, renderer);
-    }
+    if (!scene_ || !geometry_ || part_ != Part::scene) return;
+    const std::size_t count = std::min(others_.size() + 1, geometry_->cameras.size());
+    for (std::size_t i = 0; i < count; ++i) add_gaps_of(i, renderer);
   });
   for (const auto& prop : view_->layers["gaps"])
     if (auto* text = vtkTextActor::SafeDownCast(prop)) {
@@ -168,7 +162,7 @@ void SceneView::place_handles() {
 bool SceneView::drag_handle(QEvent::Type event, const QPointF& at) {
   const std::vector<Vec3> places = handles();
   if (event == QEvent::MouseButtonPress) {
-    double nearest = kReach;
+    double nearest = kHandleReach;
     for (std::size_t i = 0; i < places.size(); ++i) {
       const QPointF way = to_widget(places[i]) - at;
       const double distance = std::hypot(way.x(), way.y());

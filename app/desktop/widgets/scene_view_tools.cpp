@@ -353,7 +353,7 @@ void SceneView::add_flame() {
   });
   for (const auto& prop : view_->layers["flame"])
     if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) set_bar_style(*bar);
-  view_->show("flame", part_ == Part::scene || part_ == Part::flame);
+  view_->show("flame", shows_flame());
 }
 
 }  // namespace plenoflame::desktop

@@ -112,12 +112,21 @@ QPointF SectionView::project(Vec3 world) const {
 
 QPointF SectionView::to_widget(double z, double height) const {
   return {0.5 * width() - (z - centre_.x()) * scale_,
-          0.5 * this->height() - (height - centre_.y()) * scale_};
+          middle_row() - (height - centre_.y()) * scale_};
 }
 
 QPointF SectionView::from_widget(QPointF p) const {
   return {centre_.x() - (p.x() - 0.5 * width()) / scale_,
-          centre_.y() - (p.y() - 0.5 * height()) / scale_};
+          centre_.y() - (p.y() - middle_row()) / scale_};
+}
+
+/// Height of the title's line above the drawing [logical pixel].
+double SectionView::title_height() const {
+  return fontMetrics().height() + 6.0;
+}
+
+double SectionView::middle_row() const {
+  return 0.5 * (height() + title_height());
 }
 
 void SectionView::sample_flame() {
@@ -209,7 +218,8 @@ void SectionView::aim() {
     z1 = camera.array_front() + spec.array.thickness;
     z0 -= 0.05 * (z1 - z0);
   }
-  scale_ = 0.9 * std::min(width() / std::max(1e-9, z1 - z0), height() / (2 * half));
+  scale_ = 0.9 * std::min(width() / std::max(1e-9, z1 - z0),
+                          std::max(20.0, height() - title_height()) / (2 * half));
   centre_ = {0.5 * (z0 + z1), middle};
 }
 

@@ -55,6 +55,8 @@ class SectionView : public QWidget {
   void resizeEvent(QResizeEvent* event) override;
 
  private:
+  double title_height() const;
+  double middle_row() const;
   /// The microlens at a place of the plane; false: there is none.
   bool lens_at(QPointF place, LensIndex& lens) const;
   Vec3 world_at(QPointF place) const;

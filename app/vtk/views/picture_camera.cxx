@@ -17,6 +17,26 @@ std::vector<Vec3> corners(const std::array<double, 6>& b) {
   return out;
 }
 
+Vec3 way_to_eye(Subject subject, Vec3 axis, Vec3 right, Vec3 up, const Surroundings& around) {
+  const Vec3 left = -right;
+  switch (subject) {
+    case Subject::array:
+      return 0.75 * axis + 0.8 * left + 0.55 * up;
+    case Subject::flame:
+      // Bodies nearly as the camera sees them, so that they stand side by side.
+      return around.bodies ? -0.9 * axis + 0.35 * left + 0.35 * up
+                           : -0.55 * axis + 0.8 * left + 0.2 * up;
+    case Subject::camera:
+      return 0.35 * axis + 1.0 * left + 0.35 * up;
+    case Subject::scene:
+      break;
+  }
+  // With walls and floors from the camera's side, so that they do not hide what is before them.
+  // Several cameras are looked down on, so that none hides another.
+  return (around.surfaces ? -0.35 : 0.35) * axis + 1.0 * left +
+         (around.several_cameras ? 0.9 : 0.35) * up;
+}
+
 double round_length(double length) {
   const double power = std::pow(10.0, std::floor(std::log10(length)));
   for (const double digit : {5.0, 2.0, 1.0})

@@ -16,6 +16,21 @@ namespace plenoflame::views {
 void look_at(const std::vector<Vec3>& points, Vec3 direction, Vec3 up, double aspect, double far,
              vtkRenderer& renderer);
 
+/// Parts of a scene that pictures show.
+enum class Subject { scene, flame, camera, array };
+
+/// Things beside flame and camera that decide about the side from which a scene is seen.
+struct Surroundings {
+  bool surfaces = false;         ///< solid ones, walls and floors included
+  bool bodies = false;           ///< solid surfaces that are no planes
+  bool several_cameras = false;  ///< they look at the same scene
+};
+
+/// The way from the middle of the subject towards the eye (any length). The eye is to the left of
+/// the camera, so that light runs from left to right.
+/// @param axis,right,up of the camera: unit vectors of the world
+Vec3 way_to_eye(Subject subject, Vec3 axis, Vec3 right, Vec3 up, const Surroundings& around);
+
 /// The corners of a box of any frame.
 std::vector<Vec3> corners(const std::array<double, 6>& bounds);
 

@@ -279,9 +279,9 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
   if (view == WHOLE_SCENE || view == FLAME) windows = views::window_outlines(scene);
   views::add_windows(windows, *renderer);
 
-  // All that has to be in the picture, and the side from which it is seen.
+  // All that has to be in the picture.
   std::vector<Vec3> points;
-  Vec3 from{};  // from the middle towards the eye
+  views::Subject subject = views::Subject::scene;
   double far = 0;
   const double scene_size = plenoflame::length(middle_of(camera_bounds) -
                                                (flame ? middle_of(flame_bounds) : spec.position)) +
@@ -298,7 +298,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
       for (const double y : {-half, half})
         for (const double z : {0.0, depth})
           points.push_back(centre + x * right + y * up + z * axis);
-    from = 0.75 * axis + 0.8 * right + 0.55 * up;
+    subject = views::Subject::array;
     far = 40 * half;
   } else if (view == FLAME && (flame || surfaces.all.IsValid())) {
     vtkBoundingBox box = surfaces.bodies;
@@ -307,9 +307,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     std::array<double, 6> bounds{};
     box.GetBounds(bounds.data());
     points = views::corners(bounds);
-    // Bodies nearly as the camera sees them, so that they stand side by side.
-    from = surfaces.bodies.IsValid() ? -0.9 * axis + 0.35 * right + 0.35 * up
-                                     : -0.55 * axis + 0.8 * right + 0.2 * up;
+    subject = views::Subject::flame;
     far = 4 * scene_size;
   } else {
     points = views::corners(camera_bounds);
@@ -327,11 +325,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     }
     for (const std::vector<Vec3>& loop : windows)
       points.insert(points.end(), loop.begin(), loop.end());
-    // With walls and floors from the camera's side, so that they do not hide what is before them.
-    // Several cameras are looked down on, so that none hides another.
-    const bool several = view == WHOLE_SCENE && scene_has_several;
-    from = (view == WHOLE_SCENE && surfaces.all.IsValid() ? -0.35 : 0.35) * axis + 1.0 * right +
-           (several ? 0.9 : 0.35) * up;
+    if (view != WHOLE_SCENE) subject = views::Subject::camera;
     for (const Vec3 p : points) far = std::max(far, plenoflame::length(p - points.front()));
     far = 4 * std::max(far, scene_size);
   }
@@ -349,7 +343,10 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
   }
   int* const size = renderer->GetSize();
   const double aspect = size[1] > 0 ? static_cast<double>(size[0]) / size[1] : 1.5;
-  views::look_at(points, -from, up, aspect, far, *renderer);
+  const views::Surroundings around{surfaces.all.IsValid() != 0, surfaces.bodies.IsValid() != 0,
+                                   scene_has_several};
+  views::look_at(points, -views::way_to_eye(subject, axis, right, up, around), up, aspect, far,
+                 *renderer);
   if (view == WHOLE_SCENE && this->ShowInsets && (surfaces.all.IsValid() || scene_has_several))
     views::keep_below(0.64, *renderer);  // the insets would cover walls, floors and other cameras
   const std::array<const char*, 4> titles{"", "camera", "microlenses", ""};
