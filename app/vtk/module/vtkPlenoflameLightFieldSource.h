@@ -14,6 +14,9 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkPlenoflameModule.h"  // for export macro
+#include "vtkSmartPointer.h"      // for the compiled camera
+
+class vtkPlenoflameCompiledCamera;
 
 class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgorithm {
  public:
@@ -102,6 +105,15 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
 
   ///@{
   /**
+   * Rays that were found before, in place of new ones; nullptr (default): none. Samples, Seed,
+   * Estimator, TargetError and TimeLimit do not count then.
+   */
+  void SetCompiledCamera(vtkPlenoflameCompiledCamera* camera);
+  vtkPlenoflameCompiledCamera* GetCompiledCamera();
+  ///@}
+
+  ///@{
+  /**
    * About the last run: false when it was aborted; the estimated relative RMSE over lit pixels (-1:
    * not known); rays sent.
    */
@@ -112,7 +124,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
 
  protected:
   vtkPlenoflameLightFieldSource();
-  ~vtkPlenoflameLightFieldSource() override = default;
+  ~vtkPlenoflameLightFieldSource() override;
 
   int FillInputPortInformation(int port, vtkInformation* information) override;
   int RequestInformation(vtkInformation* request, vtkInformationVector** inputs,
@@ -130,6 +142,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
   int NumberOfThreads = 0;
   bool StandardError = true;
   bool Truth = false;
+  vtkSmartPointer<vtkPlenoflameCompiledCamera> CompiledCamera;
   bool Complete = true;
   double RelativeError = -1, NumberOfRays = 0;
 

@@ -22,6 +22,7 @@ something is computed, other threads of Python go on.
 from ._library import vtk
 from ._run import Error
 from ._values import Quantity
+from .compiled import CompiledCamera, read_bundle
 from .flame import flame_arrays, flame_from_arrays, flame_generators, import_flame, make_flame, read_flame, write_flame
 from .light_field import Export, FocusStack, LightField, Refocused, Views, export_formats, read_light_field
 from .picture import picture
@@ -30,6 +31,6 @@ from .rays import Rays
 from .reconstruction import Reconstruction, reconstruct
 from .scene import Scene
 
-__all__ = ["Error", "Export", "FocusStack", "LightField", "Quantity", "RayBlock", "Rays", "Reconstruction", "Refocused",
+__all__ = ["CompiledCamera", "Error", "Export", "FocusStack", "LightField", "Quantity", "RayBlock", "Rays", "Reconstruction", "Refocused",
            "Scene", "Views", "export_formats", "flame_arrays", "flame_from_arrays", "flame_generators", "import_flame",
-           "make_flame", "picture", "read_flame", "read_light_field", "reconstruct", "vtk", "write_flame"]
+           "make_flame", "picture", "read_bundle", "read_flame", "read_light_field", "reconstruct", "vtk", "write_flame"]

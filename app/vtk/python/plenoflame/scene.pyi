@@ -1,6 +1,7 @@
 from os import PathLike
 from typing import Any, Callable, Iterable, Iterator, Optional, Sequence, Union
 
+from .compiled import CompiledCamera
 from .light_field import LightField
 from .operators import Operator
 from .ray_blocks import RayBlock
@@ -51,7 +52,12 @@ class Scene:
     def render(self, samples: int = ..., *, seed: int = ..., estimator: Optional[str] = ...,
                window: Optional[tuple[int, int, int, int]] = ..., target_error: float = ..., time_limit: float = ...,
                threads: int = ...,
-               truth: bool = ..., progress: Optional[Callable[[float], Any]] = ...) -> LightField: ...
+               truth: bool = ..., compiled: Optional[CompiledCamera] = ...,
+               progress: Optional[Callable[[float], Any]] = ...) -> LightField: ...
+    def compile(self, error: float = ..., *, window: Optional[tuple[int, int, int, int]] = ...,
+                region: Optional[tuple[Sequence[float], Sequence[float]]] = ..., margin: float = ..., samples: int = ...,
+                level: int = ..., seed: int = ..., threads: int = ...,
+                progress: Optional[Callable[[float], Any]] = ...) -> CompiledCamera: ...
     def rays(self, *, pixels: Iterable[tuple[int, int]] = ..., microlenses: Iterable[tuple[int, int]] = ...,
              points: Iterable[tuple[float, float, float]] = ..., random: int = ..., chief: bool = ..., rays: int = ...,
              flame_samples: int = ..., status: Union[None, str, Iterable[str]] = ..., lens_type: Optional[int] = ...,
