@@ -23,7 +23,7 @@ constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled nor
 enum class ValueGroup {
   optics,     ///< corners
   array,      ///< centres of micro-images
-  distortion  ///< corners; searched for where the camera has some, or it is asked for
+  distortion  ///< corners; searched for where it is asked for
 };
 
 /// A value of the camera that can be searched for.
@@ -496,25 +496,23 @@ class GeometryFit {
 };
 
 /// The values that are searched for where nothing else is said.
-std::vector<const FreeValue*> usual_values(const CameraSpec& start, bool with_centres) {
+std::vector<const FreeValue*> usual_values(bool with_centres) {
   std::vector<const FreeValue*> values;
   for (const FreeValue& value : kFreeValues)
-    if (value.group == ValueGroup::optics || (value.group == ValueGroup::array && with_centres) ||
-        (value.group == ValueGroup::distortion && !start.lens.distortion.none()))
+    if (value.group == ValueGroup::optics || (value.group == ValueGroup::array && with_centres))
       values.push_back(&value);
   return values;
 }
 
-std::vector<const FreeValue*> chosen(const GeometrySettings& settings, const CameraSpec& start,
-                                     bool with_centres) {
-  if (settings.free.empty()) return usual_values(start, with_centres);
+std::vector<const FreeValue*> chosen(const GeometrySettings& settings, bool with_centres) {
+  if (settings.free.empty()) return usual_values(with_centres);
   std::vector<const FreeValue*> values;
   const auto add = [&](const FreeValue* value) {
     if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
   };
   for (const std::string& name : settings.free) {
     if (name == kUsualValues) {
-      for (const FreeValue* value : usual_values(start, with_centres)) add(value);
+      for (const FreeValue* value : usual_values(with_centres)) add(value);
       continue;
     }
     bool known = false;
@@ -561,7 +559,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   spec.array.measured_from = ArrayReference::principal_plane;
   spec.array.sensor_distance = camera.microlenses()[0].sensor_distance;
   spec.array.spacing_error = 0;
-  const std::vector<const FreeValue*> free = chosen(settings, start, !centres.empty());
+  const std::vector<const FreeValue*> free = chosen(settings, !centres.empty());
   // Distortion that is not there yet begins with the plane in focus.
   if (spec.lens.distortion.none())
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);

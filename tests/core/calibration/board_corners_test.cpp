@@ -19,7 +19,7 @@
 namespace plenoflame::test::board_corners_test {
 namespace {
 
-constexpr const char* kCamera = R"(
+constexpr const char* kCamera = R"toml(
 [camera.lens]
 model = "ideal"
 focal_length = "50 mm"
@@ -49,7 +49,7 @@ wavelength = "650 nm"
 [[lights]]
 kind = "environment"
 radiance = "10 W/(m^2 sr)"
-)";
+)toml";
 
 struct Picture {
   Image light;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kRowsOfTask = 1024;
 /// Sums of A^T y that are made apart from each other: enough for many threads, and few enough that
 /// adding them up takes little against the entries.
-constexpr std::size_t kMostParts = 64;
+constexpr std::size_t kMostRowRanges = 64;
 constexpr std::size_t kEntriesOfPart = 1 << 16;
 /// A part's sums are cleared, and read at the end: three passes, few against so many entries of
 /// each column.
@@ -29,7 +29,7 @@ class CsrOperator final : public LinearOperator {
     // Parts of about equal numbers of entries, by the matrix alone.
     const std::size_t least =
         std::max(kEntriesOfPart, kEntriesOfSum * std::max<std::size_t>(1, matrix.columns()));
-    const std::size_t parts = std::clamp<std::size_t>(matrix.entries() / least, 1, kMostParts);
+    const std::size_t parts = std::clamp<std::size_t>(matrix.entries() / least, 1, kMostRowRanges);
     part_starts_.push_back(0);
     const auto starts = matrix.row_starts();
     for (std::size_t p = 1; p < parts; ++p) {
