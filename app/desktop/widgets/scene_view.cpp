@@ -9,6 +9,7 @@
 #include <vtkFixedPointVolumeRayCastMapper.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkMapper.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPropCollection.h>

@@ -127,7 +127,8 @@ vtkTypeInt64 vtkPlenoflameOperator::GetNumberOfRays() {
 
 double vtkPlenoflameOperator::GetMatrixBytes() {
   const Internals& in = *this->Internal;
-  return in.Problem ? plenoflame::kBytesOfEntry * static_cast<double>(estimated_entries(in.Problem->problem))
+  return in.Problem ? plenoflame::kBytesOfEntry *
+                          static_cast<double>(estimated_entries(in.Problem->problem))
                     : 0;
 }
 

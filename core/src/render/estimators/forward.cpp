@@ -82,8 +82,7 @@ void BundleTracer::trace_bundle(std::int64_t index, std::vector<Camera::Arrival>
     const auto pixel = pixels_.find(arrival.sensor_point, index, k, chunk.work.rays_reached);
     if (!pixel) continue;
     hits.push_back({pixel->column, pixel->row, static_cast<int>(index % settings_.replicates),
-                    point.position,
-                    scene_.camera.to_world().direction(way.direction),
+                    point.position, scene_.camera.to_world().direction(way.direction),
                     way.solid_angle * arrival.etendue_ratio / point.density, arrival.pupil_part});
   }
 }

@@ -17,8 +17,8 @@ constexpr std::uint64_t kMostDraws = 64;          ///< one in 8000 is drawn agai
 Vec2 ForwardPixels::blurred(std::int64_t bundle, std::uint64_t number) const {
   constexpr double kCut = SensorSpec::kBlurCut;
   for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {
-    const auto bits = philox(seed_ ^ kBlurSeed, static_cast<std::uint64_t>(bundle),
-                             kMostDraws * number + draw);
+    const auto bits =
+        philox(seed_ ^ kBlurSeed, static_cast<std::uint64_t>(bundle), kMostDraws * number + draw);
     const double radius = std::sqrt(-2 * std::log(unit_uniform(bits[0], bits[1])));
     const double turn = 2 * std::numbers::pi * unit_uniform(bits[2], bits[3]);
     const Vec2 point{radius * std::cos(turn), radius * std::sin(turn)};

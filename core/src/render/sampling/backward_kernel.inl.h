@@ -160,7 +160,7 @@ PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
     const std::uint32_t shift = pixel.shift[d] ^ pixel.second_shift[d] * numbers[i];
     return to_unit(pixel.fractions[d][i] ^ shift, Real());
   };
-  const auto spread = [&](Real share, Real& weight) __attribute__((always_inline)) {
+  const auto spread = [&](Real share, Real & weight) __attribute__((always_inline)) {
     const Real at = clamp(share, Real(0), Real(1)) * Real(Blur::kCells);
     const int cell = least(static_cast<int>(at), Blur::kCells - 1);
     const Real part = at - static_cast<Real>(cell);
@@ -170,8 +170,7 @@ PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
   const int padded = (pixel.count + kBlockOfLookups - 1) / kBlockOfLookups * kBlockOfLookups;
   for (int i = 0; i < padded; ++i) {
     Real along, across;
-    const Real sx =
-        pixel.x + c.pitch_x * spread(pixel.x_low + pixel.x_width * number(0, i), along);
+    const Real sx = pixel.x + c.pitch_x * spread(pixel.x_low + pixel.x_width * number(0, i), along);
     const Real sy =
         pixel.y + c.pitch_y * spread(pixel.y0 + (pixel.y1 - pixel.y0) * number(1, i), across);
     const Real wx = sx - c.centre_x, wy = sy - c.centre_y, distance2 = wx * wx + wy * wy;

@@ -138,8 +138,7 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
     int worth = rows_.level[k];
     if (plan_.blur) [[unlikely]]
       worth = std::max(worth, spread_pixel(rows, k, radius, made));
-    const SampleLevel& level =
-        plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];
+    const SampleLevel& level = plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];
     PairRandom random;
     for (std::size_t word = 0; word < kRowWords; ++word) random[word] = rows_.random[word][k];
     const std::uint64_t place = rows_.place[k];
@@ -150,9 +149,9 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
 template void TileTracer<float>::add_rows(const KernelRows&);
 template void TileTracer<double>::add_rows(const KernelRows&);
 template int TileTracer<float>::spread_pixel(const KernelRows&, std::size_t, double,
-                                            KernelPixel<float>&) const;
+                                             KernelPixel<float>&) const;
 template int TileTracer<double>::spread_pixel(const KernelRows&, std::size_t, double,
-                                             KernelPixel<double>&) const;
+                                              KernelPixel<double>&) const;
 template void TileTracer<float>::add_pair(int, int, const SampleLevel&, const PairRandom&);
 template void TileTracer<double>::add_pair(int, int, const SampleLevel&, const PairRandom&);
 

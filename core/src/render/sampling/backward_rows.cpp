@@ -24,9 +24,8 @@ KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLev
   survey.field_y = field.y;
   survey.blur_x = sensor.blur_reach().x;
   survey.blur_y = sensor.blur_reach().y;
-  const double clear =
-      PixelCuts::clear_of_centre(std::max(0.5 * survey.pitch + survey.blur_x,  //
-                                          0.5 * survey.pitch_y + survey.blur_y));
+  const double clear = PixelCuts::clear_of_centre(std::max(0.5 * survey.pitch + survey.blur_x,  //
+                                                           0.5 * survey.pitch_y + survey.blur_y));
   survey.clear2 = clear * clear;
   static_assert(WorthLevels::kCount == kWorthRings);
   for (std::size_t k = 0; k < WorthLevels::kCount; ++k) {

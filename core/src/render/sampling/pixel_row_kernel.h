@@ -21,7 +21,7 @@ struct KernelRows {
   int rows, count;  ///< so many columns; rows * count is at most kRowsPixels
   double half_columns, pitch, pitch_y, lens_x;
   double blur_x, blur_y;  ///< pixels record light that arrives so far beside them, too
-  const double* y;  ///< of the middle of each row
+  const double* y;        ///< of the middle of each row
   /// The end of each sector: no light comes from farther away than this from the micro-image's
   /// centre.
   double closes[kCutAzimuths + 1];
