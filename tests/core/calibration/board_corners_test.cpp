@@ -46,6 +46,7 @@ pixel_pitch = "5.5 um"
 name = "red"
 kind = "line"
 wavelength = "650 nm"
+width = "10 nm"
 [[lights]]
 kind = "environment"
 radiance = "10 W/(m^2 sr)"

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+
 #include <cmath>
 #include <random>
 
@@ -216,16 +218,25 @@ TEST(GeometryCalibration, FifteenPosesTellAllValues) {
   EXPECT_TRUE(relative(found.corner_rms, noise, 0.03));
   ASSERT_EQ(found.values.size(), 11u);
   ASSERT_EQ(found.covariance.size(), 11u);
-  double chi2 = 0;
+  Eigen::MatrixXd covariance(11, 11);
+  Eigen::VectorXd off(11);
   for (std::size_t i = 0; i < found.values.size(); ++i) {
     const CalibratedValue& value = found.values[i];
     const double expected = value_of(truth(), value.key);
+    off[static_cast<int>(i)] = value.value - expected;
+    for (std::size_t j = 0; j < found.values.size(); ++j)
+      covariance(static_cast<int>(i), static_cast<int>(j)) = found.covariance[i][j];
     EXPECT_TRUE(within_standard_errors(value.value, expected, value.error, 3)) << value.key;
     EXPECT_TRUE(relative(found.covariance[i][i], value.error * value.error, 1e-9));
-    chi2 += std::pow((value.value - expected) / value.error, 2);
   }
-  // Errors that are far too large would pass the above.
-  EXPECT_GT(chi2, 2);
+  // Errors that are far too large would pass the above: chi^2 of 11 values lies within these limits
+  // with 99.8 % probability. Units are those of the deviations, of which the matrix is well scaled.
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Eigen::VectorXd off_scaled = scale.cwiseProduct(off);
+  const double chi2 = off_scaled.dot(scaled.ldlt().solve(off_scaled));
+  EXPECT_GT(chi2, 1.6);
+  EXPECT_LT(chi2, 31.3);
 }
 
 TEST(GeometryCalibration, WrongCornersAreLeftOut) {
