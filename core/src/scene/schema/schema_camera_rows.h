@@ -142,6 +142,10 @@ inline constexpr SchemaKey kFilterCorners{
       locate<FILTER, &PupilFilterSpec::corners>(scene, i) =
           parse_corners(std::get<std::string>(value));
     }};
+inline constexpr SchemaKey kCameraName = key<CAMERA, &CameraSpec::name>(
+    "camera.name",
+    "Name of the camera: letters, digits, _ and -. Each of several `[[cameras]]` has its own, "
+    "and the picture of one carries it.");
 inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
     "camera.pupil_filters[].transmission",
     "Its transmission, straight lines between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; "

@@ -12,10 +12,7 @@ namespace {
 using namespace schema;
 
 constexpr SchemaKey kRows[] = {
-    key<CAMERA, &CameraSpec::name>(
-        "camera.name",
-        "Name of the camera: letters, digits, _ and -. Each of several `[[cameras]]` has its own, "
-        "and the picture of one carries it."),
+    kCameraName,
     key<CAMERA, &CameraSpec::position>("camera.position",
                                        "Place of the front vertex of the main lens in the world.",
                                        kLength, within(kFar)),
