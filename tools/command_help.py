@@ -18,7 +18,7 @@ class Entry:
         return [word.strip(",") for word in self.words.split() if word.startswith("-")]
 
     def value(self):
-        """The placeholder of an option's value; empty for a switch."""
+        """The name that stands for an option's value in its help; empty for a switch."""
         return " ".join(word for word in self.words.split() if not word.startswith("-"))
 
 

@@ -20,7 +20,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 TITLE = "## An asymmetric flame from one, three and six cameras"
 CAMERAS = {1: ("at0",), 3: ("at0", "at60", "at120"), 6: ("at0", "at60", "at120", "at210", "at270", "at330")}
-# Of one slice, with the best strength by the truth, at 30 and 20 dB: emission, temperature (per cent).
+# Errors [per cent] of emission and temperature in one slice, with the best strength by the truth, at 30 and 20 dB.
 SLICE = {1: ("71, 75", "7.4, 8.2"), 3: ("13, 16", "3.3, 2.5"), 6: ("4.5, 7.3", "0.9, 1.1")}
 SHELLS = 64
 SEMI_AXES = (14, 16, 20)  # mm

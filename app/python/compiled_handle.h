@@ -8,7 +8,7 @@
 
 namespace plenoflame::python {
 
-/// What stands for vtkPlenoflameCompiledCamera where there is no VTK.
+/// The counterpart of vtkPlenoflameCompiledCamera in the package without VTK.
 class CompiledCameraRun : public Runnable {
  public:
   void run(const Execution& execution) override;

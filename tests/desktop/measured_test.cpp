@@ -122,7 +122,7 @@ class MeasuredTest : public test::SceneFixture {
     }
     QVERIFY2(window_->image_panel().describe(3, 4).contains("e-"),
              qPrintable(window_->image_panel().describe(3, 4)));
-    // How the two lie on each other.
+    // The registration tells the shift of one on the other.
     QVERIFY(until([this] { return session().measured().registration() != nullptr; }));
     const PictureFit fit = session().measured().registration()->whole;
     QVERIFY2(std::fabs(fit.shift.x - kShift) < 0.05 && std::fabs(fit.shift.y) < 0.05,

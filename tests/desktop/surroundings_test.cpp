@@ -32,7 +32,7 @@ class SurroundingsTest : public test::SceneFixture {
     QFAIL(action);
   }
   static double apart(QPointF a, QPointF b) { return std::hypot(a.x() - b.x(), a.y() - b.y()); }
-  /// Whether near a point of the world something is drawn that `is` of a colour.
+  /// True if something is drawn near a point of the world whose colour `is` accepts.
   template <class Is>
   bool drawn_at(Vec3 point, Is is) {
     const QImage drawn = view().picture();
@@ -130,7 +130,7 @@ class SurroundingsTest : public test::SceneFixture {
       QVERIFY(scene3d()->rect().contains(places[i].toPoint()));
       for (std::size_t k = 0; k < i; ++k) QVERIFY(apart(places[i], places[k]) > 0.2 * small);
     }
-    // What is clicked is at its place in the world.
+    // A click finds the thing at its place in the world.
     QTest::mouseClick(scene3d(), Qt::LeftButton, {}, seen_at(flame_middle()));
     QVERIFY(selection().kind == Selection::Kind::point);
     QVERIFY(length(selection().point - flame_middle()) < 0.03);

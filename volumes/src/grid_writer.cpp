@@ -38,9 +38,9 @@ class Writer : public openvdb::io::Archive {
   }
 };
 
-/// What OpenVDB writes to: a file that appears when it is complete, and of which nothing is left
-/// when the process is killed before. Every brick comes as some bytes of its own, at each of which
-/// writing can be stopped.
+/// The stream that OpenVDB writes to: a file that appears when it is complete, and of which nothing
+/// is left when the process is killed before. Every brick comes as some bytes of its own, at each
+/// of which writing can be stopped.
 class StoppableFile : public std::streambuf {
  public:
   StoppableFile(AtomicFile& file, std::stop_token stop) : file_(file), stop_(std::move(stop)) {}

@@ -71,7 +71,7 @@ std::string beginning(const SweepPlan& plan, std::size_t runs_each) {
   return kSweepBegins + json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// How many runs are made side by side; what threads are left over share one.
+/// The number of runs that are made side by side; threads that are left over share one.
 int workers_of(const Execution& execution, std::size_t runs) {
   const auto threads = static_cast<std::size_t>(execution.thread_count());
   return static_cast<int>(std::clamp<std::size_t>(runs, 1, threads));

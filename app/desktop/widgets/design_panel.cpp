@@ -90,7 +90,7 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   connect(&job_, &DesignJob::result_changed, this, &DesignPanel::fill);
 }
 
-/// Where there is no room for three columns, remarks stand below their values.
+/// Puts remarks below their values if there is no room for three columns.
 void DesignPanel::fit_columns() {
   const int room = width() - table_->verticalScrollBar()->sizeHint().width();
   const QFontMetrics metrics = fontMetrics();

@@ -480,8 +480,9 @@ class BoardFinder {
                   best_box.bottom - best_box.top + 1 == board_.rows;
   }
 
-  /// How much the bright squares lie along (1, 1) of axes of which the first has this angle on the
-  /// plane; -1 to 1. Angles in pixels are those in the camera's x and y, up to half a turn.
+  /// The measure by which the bright squares lie along (1, 1) of axes of which the first has this
+  /// angle on the plane; -1 to 1. Angles in pixels are those in the camera's x and y, up to half a
+  /// turn.
   double bright_along(const Point& point, double angle) const {
     const Vec3 axis = std::cos(angle) * right_ + std::sin(angle) * down_;
     const double along = std::atan2(axis.y, axis.x) + 0.25 * std::numbers::pi;

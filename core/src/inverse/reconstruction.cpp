@@ -101,7 +101,7 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
   }
 }
 
-/// How far any solution goes: those of trial strengths, the one that is handed out and those of
+/// The end of every solution: those of trial strengths, the one that is handed out and those of
 /// noise draws alike, whose misfits and deviations are to be those of the same problem.
 SolverOptions solver_options(const ReconstructionSettings& settings, double rows) {
   SolverOptions options;

@@ -15,7 +15,7 @@ namespace {
 constexpr double kCommon = 20;
 /// Solutions that are kept while a strength is chosen.
 constexpr double kMostStrengths = kLinearRange.points + kLinearRange.bisections;
-/// Of a solver: its vectors of variables, of rows of the penalty, and of rows of A.
+/// The number of vectors that a solver holds: of variables, of rows of the penalty, of rows of A.
 struct Work {
   double variables, penalty, rows;
 };

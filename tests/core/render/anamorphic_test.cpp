@@ -138,7 +138,7 @@ TEST(Anamorphic, ChiefRaysAreExact) {
         if (path.status.status != RayStatus::reached) continue;
         ++seen;
         const Vec3 at = path.exit.at((1 - path.exit.origin.z) / path.exit.direction.z);
-        // Of a field of 0.1 m, by polynomials of fifth degree.
+        // Polynomials of fifth degree stand for the ray's place in a field of 0.1 m.
         EXPECT_LT(length(to_plane(s) - Vec2{at.x, at.y}), 2e-6);
       }
     }

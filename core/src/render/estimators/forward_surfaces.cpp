@@ -20,7 +20,7 @@ namespace {
 constexpr double kPi = constants::pi;
 /// Surroundings, for the camera, are a sphere of so many times the size of what it looks at.
 constexpr double kFarAway = 1e4;
-/// Of a bundle that leaves for the camera, at most.
+/// The most arrivals that a bundle which leaves for the camera is given.
 constexpr std::uint64_t kMostArrivals = 256;
 
 /// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between

@@ -115,7 +115,7 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   add_pair(column, row, plan_.levels.front(), random);
 }
 
-/// What the frame has to know of the blur.
+/// Sets the frame's fields of the sensor's blur: deviations and reach.
 template <class Real>
 void TileTracer<Real>::set_blur() {
   if (!plan_.blur) return;
