@@ -72,6 +72,8 @@ class Lens(CommandTest):
         lens = self.read("b.toml").decode()
         self.assertIn('radius_x = "inf"', lens)
         self.assertIn('radius_y = "50 mm"', lens)
+        self.write("c.toml", lens.replace('radius_x = "inf"', 'radius_x = "0 m"'))
+        self.fails(1, "design", "c.toml", mentions=["c.toml:", "radius_x", "inf"])
 
     def test_plots(self):
         self.write("a.toml", '[camera.lens]\npreset = "double-gauss-100mm"\n')

@@ -1,5 +1,6 @@
 #include "plenoflame/scene/lens_file.h"
 
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -7,6 +8,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame {
@@ -19,6 +21,11 @@ LensFile read_toml_lens(const std::string& text, const std::string& path) {
   if (file.lens.surfaces.empty() && file.lens.focal_length == 0)
     throw InputError(SourcePosition{path},
                      "there is no lens in it: a table [camera.lens] with surfaces is needed");
+  for (std::size_t i = 0; i < file.lens.surfaces.size(); ++i)
+    if (const auto fault = surface_fault(file.lens.surfaces[i]))
+      throw InputError(
+          document.positions.find(fmt::format("camera.lens.surfaces[{}].{}", i, fault->key)),
+          fmt::format("surface {} of the main lens {}", i, fault->text));
   return file;
 }
 
