@@ -90,7 +90,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
       ->option_text("N");
   command
       .add_option("--relaxation", arguments.relaxation,
-                  "Of sirt (1.9), sart (1) and mart (0.2): above 0, below 2, for mart up to 1")
+                  "Of sirt (1.9), sart (1) and mart (0.05): above 0, below 2, for mart up to 1")
       ->check(number_between(0.0, 2.0))
       ->option_text("NUMBER");
   command

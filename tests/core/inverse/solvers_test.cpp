@@ -104,7 +104,7 @@ const std::vector<Named>& solvers() {
        1e-8},
       {"mart",
        [](const TwinMatrix& a, const std::vector<double>& b) {
-         return solve_mart(a.sparse, b, 1, to_the_end(30000));
+         return solve_mart(a.sparse, b, 0, 1, to_the_end(30000));
        },
        1e-8},
   };
@@ -356,7 +356,7 @@ TEST(Solvers, RefuseWhatDoesNotFit) {
   const std::vector<LinearProblem> one{{op.get(), negative}};
   EXPECT_THROW(solve_mlem(one, 0, {}), InputError);
   EXPECT_THROW(solve_sirt(one, 2, {}), UsageError);
-  EXPECT_THROW(solve_mart(a.sparse, b, 0, {}), UsageError);
+  EXPECT_THROW(solve_mart(a.sparse, b, 0, 0, {}), UsageError);
 }
 
 }  // namespace

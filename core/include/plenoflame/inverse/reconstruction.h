@@ -58,7 +58,7 @@ struct ReconstructionSettings {
   StrengthRule rule = StrengthRule::discrepancy;
   int iterations = 300;
   int subsets = 4;         ///< of sart and osem
-  double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.2
+  double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.05
   /// Unknowns are taken for empty that lie behind dark pixels of any view.
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).

@@ -109,10 +109,12 @@ Solution solve_mlem(std::span<const LinearProblem> subsets, double background,
                     const SolverOptions& options, const Execution& execution = {});
 
 /// Multiplicative algebraic reconstruction (Gordon, Bender and Herman 1970), row after row: x_j *=
-/// (b_i / a_i x)^(mu a_ij / max a_i). Rows with b_i <= 0 clear what they see.
+/// (b_i / a_i x)^(mu a_ij / max a_i). A row of 0 clears for good what it sees.
+/// @param least rows with less change nothing, but count in the misfit; at least 0
 /// @param relaxation mu, 0 to 1 @throws InputError for a negative entry
-Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, double relaxation,
-                    const SolverOptions& options, const Execution& execution = {});
+Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, double least,
+                    double relaxation, const SolverOptions& options,
+                    const Execution& execution = {});
 
 /// min 1/2 |W (A x - b)|^2 + strength * sum |gradient x|, x >= 0, by primal and dual steps
 /// (Chambolle and Pock 2011) with step lengths of each row and column (Pock and Chambolle 2011).

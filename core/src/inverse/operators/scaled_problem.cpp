@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "inverse/expected_misfit.h"
 #include "inverse/operators/vector_sums.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/csr_matrix.h"
@@ -13,10 +12,10 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kSirtRelaxation = 1.9, kSartRelaxation = 1, kMartRelaxation = 0.2;
+constexpr double kSirtRelaxation = 1.9, kSartRelaxation = 1, kMartRelaxation = 0.05;
 /// Least squares are solved until the gradient is that much shorter than the one that noise of one
 /// deviation has.
-constexpr double kGradient = 0.03;
+constexpr double kGradient = 0.01;
 
 bool is_multiplicative(ReconstructionSolver solver) {
   return solver == ReconstructionSolver::mlem || solver == ReconstructionSolver::osem ||
@@ -278,29 +277,31 @@ Solution ScaledProblem::solve_in_subsets(std::span<const double> b, SolverOption
 
 Solution ScaledProblem::solve_rows(std::span<const double> b, SolverOptions options,
                                    const Execution& execution) const {
-  // Rows that count, with what they see in units of u and in deviations: only their ratios matter.
+  // Rows in units of u and in deviations: only their ratios matter. Dark rows would clear for good
+  // what they see: the support has taken account of them. They count where the end is judged, since
+  // those that noise has made bright, alone, are never explained.
+  constexpr double kLeast = 1;
   CsrRows<float> rows;
   std::vector<double> data, seen(scale_.size(), 0.0);
   for (std::size_t i = 0; i < b.size(); ++i) {
-    // Dark rows would clear for good what they see: the support has taken account of them.
-    if (!(weights_[i] * b[i] > 1)) continue;
+    if (!(weights_[i] > 0)) continue;
+    data.push_back(weights_[i] * b[i]);
     const auto begin = static_cast<std::size_t>(matrix_->row_starts()[i]);
     const auto end = static_cast<std::size_t>(matrix_->row_starts()[i + 1]);
     rows.counts.push_back(end - begin);
     for (std::size_t k = begin; k < end; ++k) {
       const std::int32_t column = matrix_->column_indices()[k];
-      seen[static_cast<std::size_t>(column)] += static_cast<double>(matrix_->values()[k]);
+      if (data.back() >= kLeast)
+        seen[static_cast<std::size_t>(column)] += static_cast<double>(matrix_->values()[k]);
       rows.columns.push_back(column);
       rows.values.push_back(
           static_cast<float>(weights_[i] * static_cast<double>(matrix_->values()[k]) *
                              scale_[static_cast<std::size_t>(column)]));
     }
-    data.push_back(weights_[i] * b[i]);
   }
   options.start = positive_start(options, seen);
-  if (options.misfit > 0) options.misfit = expected_misfit(static_cast<double>(data.size()));
   const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kMartRelaxation;
-  return solve_mart(join_rows<float>({rows}, matrix_->columns()), data, relaxation, options,
+  return solve_mart(join_rows<float>({rows}, matrix_->columns()), data, kLeast, relaxation, options,
                     execution);
 }
 

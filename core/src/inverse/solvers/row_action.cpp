@@ -126,14 +126,15 @@ Solution solve_mlem(std::span<const LinearProblem> subsets, double background,
   return iteration.take(std::move(x));
 }
 
-Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, double relaxation,
-                    const SolverOptions& options, const Execution& execution) {
+Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, double least,
+                    double relaxation, const SolverOptions& options, const Execution& execution) {
   const auto a = make_csr_operator(matrix, execution.threads_only());
   const LinearProblem problem{a.get(), b};
   check_problem(problem);
   check_options(options, matrix.columns());
   if (!(relaxation > 0 && relaxation <= 1))
     throw UsageError("the relaxation lies above 0 and is at most 1");
+  if (!(least >= 0)) throw UsageError("the least value that corrects is at least 0");
   const auto values = matrix.values();
   if (std::any_of(values.begin(), values.end(), [](float value) { return value < 0; }))
     throw InputError("this solver wants an operator without negative entries");
@@ -143,6 +144,7 @@ Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, d
   for (int n = 0; n < options.iterations; ++n) {
     before = x;
     for (std::size_t row = 0; row < matrix.rows(); ++row) {
+      if (b[row] < least) continue;
       const auto begin = static_cast<std::size_t>(matrix.row_starts()[row]);
       const auto end = static_cast<std::size_t>(matrix.row_starts()[row + 1]);
       double sum = 0, largest = 0;
@@ -155,7 +157,7 @@ Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, d
       for (std::size_t k = begin; k < end; ++k) {
         double& value = x[static_cast<std::size_t>(matrix.column_indices()[k])];
         const auto share = static_cast<double>(values[k]) / largest;
-        if (share > 0) value = b[row] > 0 ? value * std::pow(b[row] / sum, relaxation * share) : 0;
+        if (share > 0) value *= std::pow(b[row] / sum, relaxation * share);
       }
     }
     const std::vector<double> r = weighted_residual(problem, x);
