@@ -73,12 +73,13 @@ inline RenderResult render_well(const CompiledScene& scene, RenderSettings& sett
   return render(scene, settings);
 }
 
+/// @param bundles of the forward estimator @param rays of the backward one, a pixel and replicate
 inline void expect_agreement(const Scene& scene, const MediumLoader& loader = load_core_medium,
-                             int bundles = kBundles) {
+                             int bundles = kBundles, int rays = kRaysPerReplicate) {
   const CompiledScene compiled = compile(scene, loader);
   RenderSettings settings;
   settings.replicates = kReplicates;
-  settings.samples = kRaysPerReplicate * kReplicates;
+  settings.samples = rays * kReplicates;
   const RenderResult backward = render_well(compiled, settings);
   settings.estimator = Estimator::forward;
   settings.samples = bundles;

@@ -97,7 +97,9 @@ TEST(ForwardAgreement, Cylinder) {
                    {-0.3, 0, 1, 0.12, false}};
   lens.surfaces[1].radius_x = kInfinity;
   lens.surfaces[1].radius_y = 0.3;
-  expect_agreement(small_scene(lens, large_array(Lattice::square, LensModel::real)));
+  // It blurs the flame far across: few of a pixel's rays find it.
+  expect_agreement(small_scene(lens, large_array(Lattice::square, LensModel::real)),
+                   load_core_medium, kBundles, 4 * kRaysPerReplicate);
 }
 
 TEST(ForwardAgreement, SquareArray) {

@@ -15,6 +15,8 @@ namespace {
 constexpr int kAllBlocks = 128;         ///< of rays between two nodes, all over where light may be
 constexpr int kRimBlocks = 64;          ///< the same in a round that looks for the edge
 constexpr int kExploredTogether = 256;  ///< of one of these blocks: they share an azimuth
+constexpr int kClimbs = 4;              ///< of a block in such a round, from its farthest ray
+constexpr int kClimbing = 64;           ///< rays of each
 constexpr int kMostRounds = 30;         ///< that look for the edge
 constexpr double kStill = 1.002;        ///< a round that finds no more than this is the last one
 constexpr double kEdgeRoom = 1.04;      ///< for rays that were not traced
@@ -52,14 +54,17 @@ class Explorer {
   void explore(std::size_t i) {
     MisalignedPupilTracer tracer(camera_, type_);
     Found found;
-    SpreadPoints spread(i * (kAllBlocks + kMostRounds * kRimBlocks) * kExploredTogether);
+    SpreadPoints spread(i * (kAllBlocks * kExploredTogether +
+                             kMostRounds * kRimBlocks * (kExploredTogether + kClimbs * kClimbing)));
     for (int block = 0; block < kAllBlocks; ++block)
       trace(tracer, spread, i, (block + 0.5) / kAllBlocks, 0, farthest_, block % 2 == 0, found);
     for (int round = 0; round < kMostRounds && found.reach > 0; ++round) {
       const double before = found.reach;
-      for (int block = 0; block < kRimBlocks; ++block)
-        trace(tracer, spread, i, (block + 0.5) / kRimBlocks, 0.8 * before, 1.25 * before, false,
-              found);
+      for (int block = 0; block < kRimBlocks; ++block) {
+        const double t = (block + 0.5) / kRimBlocks;
+        trace(tracer, spread, i, t, 0.8 * before, 1.25 * before, false, found);
+        climb(tracer, spread, i, t, found);
+      }
       if (found.reach <= kStill * before) break;
     }
     if (!(found.reach > 0)) return;
@@ -100,12 +105,14 @@ class Explorer {
     double reach = 0;    ///< [m] of the farthest ray from the micro-image's centre
     double tangent = 0;  ///< of the steepest ray's angle with the axis
     std::vector<Ray> steepest;
+    double block_reach = 0;  ///< the same as reach in the last block alone, and the ray itself
+    PupilTracer::Request farthest;
   };
 
   /// @param t way from node i to the next @param inner, outer radii about the micro-image's centre
   /// @param dense most of them near the inner one
-  void trace(PupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t, double inner,
-             double outer, bool dense, Found& found) {
+  void trace(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
+             double inner, double outer, bool dense, Found& found) {
     const double h = (static_cast<double>(i) + t) * table_.field_step;
     const Vec2 centre{outwards_ * h, 0};
     requests_.resize(kExploredTogether);
@@ -116,15 +123,49 @@ class Explorer {
       const double d = table_.discs.bound * std::sqrt(spread[2]), b = 2 * constants::pi * spread[3];
       request = {centre + r * Vec2{std::cos(a), std::sin(a)}, d * Vec2{std::cos(b), std::sin(b)}};
     }
+    found.block_reach = 0;
     tracer.trace(h, requests_, [&](std::size_t index, bool passes, const Ray& ray) {
       if (!passes) return;
-      found.reach = std::max(found.reach, length(requests_[index].s - centre));
+      note(requests_[index], centre, found);
       const double tangent = std::hypot(ray.direction.x, ray.direction.y) / ray.direction.z;
       if (tangent <= found.tangent) return;
       found.tangent = tangent;
       const Vec3 wider{kAngleRoom * ray.direction.x, kAngleRoom * ray.direction.y, ray.direction.z};
       found.steepest = {{ray.origin, normalize(wider)}};
     });
+  }
+
+  /// Goes on from the farthest ray of the last block, in ever smaller surroundings: the farthest
+  /// rays of all pass through corners that rays from all over hardly ever find.
+  void climb(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
+             Found& found) {
+    const double h = (static_cast<double>(i) + t) * table_.field_step;
+    const Vec2 centre{outwards_ * h, 0};
+    double size = 0.3;
+    for (int round = 0; round < kClimbs && found.block_reach > 0; ++round, size *= 0.5) {
+      const Vec2 from = found.farthest.s - centre, aim = found.farthest.u;
+      requests_.resize(kClimbing);
+      for (PupilTracer::Request& request : requests_) {
+        spread.step();
+        const double outward = 1 + 0.3 * size * spread[0], across = size * (2 * spread[1] - 1);
+        const double d = size * table_.discs.bound * std::sqrt(spread[2]),
+                     b = 2 * constants::pi * spread[3];
+        request = {centre + outward * Vec2{from.x * std::cos(across) - from.y * std::sin(across),
+                                           from.x * std::sin(across) + from.y * std::cos(across)},
+                   aim + d * Vec2{std::cos(b), std::sin(b)}};
+      }
+      tracer.trace_again(h, requests_, [&](std::size_t index, bool passes, const Ray&) {
+        if (passes) note(requests_[index], centre, found);
+      });
+    }
+  }
+
+  static void note(const PupilTracer::Request& request, Vec2 centre, Found& found) {
+    const double reach = length(request.s - centre);
+    found.reach = std::max(found.reach, reach);
+    if (reach <= found.block_reach) return;
+    found.block_reach = reach;
+    found.farthest = request;
   }
 
   void fit_discs(double s_max) {

@@ -93,6 +93,11 @@ void MisalignedPupilTracer::trace(double h, const std::vector<Request>& requests
   // Kronecker's sequence: all azimuths, with all focal lengths up to the ends of their range.
   turn_ += 0.7548776662466927, factor_ += 0.5698402909980532;
   turn_ -= std::floor(turn_), factor_ -= std::floor(factor_);
+  trace_again(h, requests, answer);
+}
+
+void MisalignedPupilTracer::trace_again(double h, const std::vector<Request>& requests,
+                                        const Answer& answer) {
   const double angle = 2 * constants::pi * turn_;
   const Vec2 turn{std::cos(angle), std::sin(angle)};
   const Vec2 place = misaligned_.foot() + h * turn;

@@ -56,11 +56,13 @@ class MisalignedPupilTracer : public PupilTracer {
  public:
   MisalignedPupilTracer(const Camera& camera, int type);
   void trace(double h, const std::vector<Request>& requests, const Answer& answer) override;
+  /// The same through the microlens of the last call's azimuth and focal length.
+  void trace_again(double h, const std::vector<Request>& requests, const Answer& answer);
 
  private:
   const Camera& misaligned_;
   int type_;
-  double turn_ = 0, factor_ = 0;  ///< of the next call: in [0, 1)
+  double turn_ = 0, factor_ = 0;  ///< of the last call: in [0, 1)
 };
 
 }  // namespace plenoflame
