@@ -40,6 +40,8 @@ struct StrengthRange {
   double tolerance = 0.002;             ///< of discrepancy's misfit, relative, at which they end
   int probes = 4;                       ///< random vectors for GCV's trace
   int probe_iterations = 500;           ///< for each of them, at most
+  /// The penalty is a square; false: a sum of lengths (total variation), measured by the unit's root.
+  bool squares = true;
 };
 
 /// Solves a problem with a given absolute strength from a start.

@@ -112,6 +112,7 @@ ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperato
   if (penalty_) {
     scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_, scale_);
     unit_ = penalty_unit(scaled_a_, weights_, *scaled_penalty_);
+    if (settings.solver == ReconstructionSolver::tv) unit_ = std::sqrt(unit_);
   }
   if (is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv) {
     SignSequence signs(3);
@@ -182,6 +183,7 @@ StrengthChoice ScaledProblem::choose(std::span<const double> b, double expected,
     throw UsageError("cross-validation is for penalties that are squares, not for tv");
   StrengthRange range = kLinearRange;
   range.expected_misfit = expected;
+  range.squares = settings_.solver != ReconstructionSolver::tv;
   bool first = true;
   const StrengthSolver solver = [&](double strength, const std::vector<double>& before) {
     const std::vector<double> from = first && !start.empty() ? scaled(start) : before;
