@@ -42,7 +42,8 @@ class CompiledCameras(PackageTest):
         self.assertEqual((camera.window, camera.seed), ((5, 6, 40, 30), 1))
         numpy.testing.assert_array_equal(camera.region, region)
         self.assertEqual(camera.pixels, 40 * 30)
-        self.assertGreater(camera.rays, 10 * camera.pixels)
+        # Of level 1 the sums of a constant and four coordinates are kept, which takes five rays behind each microlens.
+        self.assertGreaterEqual(camera.rays, 5 * camera.pixels)
         self.assertEqual(self.small.render(compiled=camera).flux.shape, (30, 40))
 
     def test_what_is_refused(self):
