@@ -120,7 +120,12 @@ class Boards(CommandTest):
         self.assertLess(math.dist(place, (0.03, 0, 0)), 1e-9)
         text = self.read("rig.toml").decode()
         self.assertEqual(text.count("[[cameras]]"), 2)
-        self.succeeds("info", "rig.toml")
+        # A scene that opens: its cameras are called as their files are, and there is no flame yet.
+        opened = self.run_command("info", "rig.toml")
+        self.assertEqual(opened.returncode, 0, opened.stderr)
+        self.assertRegex(opened.stderr, r"\A[^\n]*warning: rig.toml:1:10: the scene has no flame[^\n]*\n\Z")
+        for name in ("found", "found-2"):
+            self.assertIn(f'name = "{name}"\n', text)
 
     def test_what_is_refused(self):
         names = self.boards(1)

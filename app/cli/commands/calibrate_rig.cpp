@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -49,6 +51,26 @@ std::map<int, RigidTransform> read_poses(const std::string& path) {
   return poses;
 }
 
+/// The camera's own name, else that of its file as far as a scene allows it; numbered where another
+/// camera has it.
+std::string free_name(const RigCamera& camera, std::size_t number,
+                      const std::vector<CameraSpec>& others) {
+  std::string name = camera.spec.name;
+  if (name.empty())
+    for (const char c : std::filesystem::path(camera.file).stem().string()) {
+      const bool allowed = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+                           (c >= 'a' && c <= 'z') || c == '_' || c == '-';
+      name += allowed ? c : '-';
+    }
+  const auto is_taken = [&](const std::string& wanted) {
+    return std::any_of(others.begin(), others.end(),
+                       [&](const CameraSpec& other) { return other.name == wanted; });
+  };
+  std::string found = name;
+  for (std::size_t k = number + 1; is_taken(found); ++k) found = fmt::format("{}-{}", name, k);
+  return found;
+}
+
 int run_rig(const RigArguments& arguments) {
   const double size = arguments.board.empty()
                           ? kUsualBoard
@@ -76,7 +98,7 @@ int run_rig(const RigArguments& arguments) {
   scene.cameras.clear();
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     RigCamera& camera = cameras[k];
-    if (camera.spec.name.empty()) camera.spec.name = fmt::format("camera {}", k + 1);
+    camera.spec.name = free_name(camera, k, scene.cameras);
     if (k > 0) {
       std::vector<RigidTransform> first, second;
       for (const auto& [pose, place] : camera.boards)

@@ -22,8 +22,11 @@
 namespace plenoflame {
 namespace {
 
-/// Share of the work that drawing the rays is, for progress.
-constexpr double kDrawingShare = 0.1;
+/// Where the parts of the work end, for progress: drawing the rays, choosing the strength, the
+/// solution; then there are the deviations.
+constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
+/// Strengths that are tried at most, about.
+constexpr int kTrials = 12;
 
 /// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
 class Watch {
@@ -34,28 +37,40 @@ class Watch {
     inner_.threads = execution.threads;
     inner_.stop = execution.stop;
   }
-  /// The next solutions take this share of the whole each.
-  SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double share,
+  /// The next solutions, about so many of them, lead up to this share of the whole. Most end before
+  /// their last iteration: each begins where the one before was to end.
+  SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double to, int count,
                         bool choosing) {
     const int iterations = options.iterations;
-    options.watch = [this, &problem, share, iterations, choosing](int i, double misfit,
-                                                                  std::span<const double> u) {
+    const double step = (to - done_) / count;
+    from_ = done_ - step;
+    options.watch = [this, &problem, to, step, iterations, choosing](int i, double misfit,
+                                                                     std::span<const double> u) {
       if (watch_) watch_({problem.samples(u), false, choosing, rows_ > 0 ? misfit / rows_ : 0});
-      if (i == 1) from_ = done_;
-      done_ = from_ + (1 - kDrawingShare) * share * i / iterations;
-      if (!execution_.progress) return;
-      Progress progress;
-      progress.fraction = std::min(1.0, done_);
-      progress.relative_error = rows_ > 0 ? std::sqrt(misfit / rows_) : -1;
-      execution_.progress(progress);
+      if (i == 1) from_ += step;
+      report(std::min(to, from_ + step * i / iterations),
+             rows_ > 0 ? std::sqrt(misfit / rows_) : -1);
     };
     return options;
   }
+  /// So much of the whole is done.
+  void reached(double share) { report(share, -1); }
+  /// For what reports its own progress: from what is done to the end, or up to `to`.
+  Execution rest(double to) const { return part_of_progress(execution_, done_, to - done_); }
   /// For solvers: threads and the stop.
   const Execution& inner() const { return inner_; }
   bool stopped() const { return execution_.stop.stop_requested(); }
 
  private:
+  void report(double share, double relative_error) {
+    done_ = std::max(done_, share);
+    if (!execution_.progress) return;
+    Progress progress;
+    progress.fraction = done_;
+    progress.relative_error = relative_error;
+    execution_.progress(progress);
+  }
+
   const Execution& execution_;
   Execution inner_;
   double rows_, from_ = 0, done_ = kDrawingShare;
@@ -117,9 +132,11 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        double rows, const ReconstructionInput& input,
                                        const ReconstructionSettings& settings, Watch& watch,
                                        Reconstruction& result) {
-  const StrengthChoice choice = problem.choose(
-      b, expected_misfit(rows), input.start,
-      watch.watched(solver_options(settings, rows), problem, 0.6 / 12, true), watch.inner());
+  const StrengthChoice choice =
+      problem.choose(b, expected_misfit(rows), input.start,
+                     watch.watched(solver_options(settings, rows), problem, kChosen, kTrials, true),
+                     watch.inner());
+  watch.reached(kChosen);
   result.strength = choice.strength;
   result.strength_at_end = choice.at_end;
   // The solution goes on from there, often with nothing left to do.
@@ -133,26 +150,30 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
 /// @param start what the solution began with, if its end was no minimum
 void add_uncertainty(const ScaledProblem& problem, const ReconstructionSettings& settings,
                      std::span<const double> b, const std::vector<double>& start, double rows,
-                     const Execution& execution, Reconstruction& result) {
+                     Watch& watch, Reconstruction& result) {
   const ProbeAccuracy accuracy{std::max(40, settings.iterations / 2), 1e-5, settings.draws < 2};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
-  const bool linear_solver =
-      is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv;
+  // Neither the end of an iteration nor total variation has a resolution matrix.
+  const bool probes = settings.probes > 0 && is_penalised(settings.solver) &&
+                      settings.solver != ReconstructionSolver::tv;
   if (settings.draws >= 2) {
     const std::vector<double> model = *linear.a * problem.scaled(result.values);
     const std::vector<double>& from = is_penalised(settings.solver) ? result.values : start;
     const SolverOptions options = solver_options(settings, rows);
     const auto again = [&](std::span<const double> drawn) {
-      return problem.solve(drawn, result.strength, from, options, execution).x;
+      return problem.solve(drawn, result.strength, from, options, watch.inner()).x;
     };
+    // A draw is a solution, two of which a probe is.
+    const double share = settings.draws / (settings.draws + (probes ? 2.0 * settings.probes : 0));
+    const double to = kSolved + share * (1 - kSolved);
     result.deviation = problem.samples(
-        bootstrap(model, linear.weights, settings.draws, 1, again, execution).deviation);
+        bootstrap(model, linear.weights, settings.draws, 1, again, watch.rest(to)).deviation);
+    watch.reached(to);
   }
-  // Neither the end of an iteration nor total variation has a resolution matrix.
-  if (settings.probes < 1 || !linear_solver) return;
+  if (!probes) return;
   Uncertainty found =
-      estimate_uncertainty(linear, penalty, settings.probes, 1, execution, accuracy);
+      estimate_uncertainty(linear, penalty, settings.probes, 1, watch.rest(1), accuracy);
   if (accuracy.deviations) result.deviation = problem.samples(found.deviation);
   result.resolved_unknowns = found.resolved_unknowns;
   result.resolved = std::move(found.resolved);
@@ -370,8 +391,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     result.strength = settings.strength;
   else
     start = choose_strength_of(weighted, b, rows, input, settings, watch, result);
-  const SolverOptions last = watch.watched(solver_options(settings, rows), weighted, 0.4, false);
+  const SolverOptions last =
+      watch.watched(solver_options(settings, rows), weighted, kSolved, 1, false);
   const Solution solution = weighted.solve(b, result.strength, start, last, watch.inner());
+  watch.reached(kSolved);
   result.values = weighted.samples(solution.x);
   result.reason = solution.reason;
   result.complete = !watch.stopped();
@@ -390,9 +413,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      add_uncertainty(weighted, settings, b, start, rows, watch.inner(), result);
+      add_uncertainty(weighted, settings, b, start, rows, watch, result);
       if (weighted.has_penalty() && settings.solver != ReconstructionSolver::tv)
         add_spreads(input, weighted, settings, b, watch.inner(), result);
+      watch.reached(1);
     } catch (const Cancelled&) {
       result.complete = false;  // the values are kept
     }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "plenoflame/base/error.h"
@@ -264,6 +265,26 @@ TEST(Reconstruction, StrengthsAreTriedToTheEnd) {
 }
 
 // Stated deviations are those of the solution: more iterations than it took change nothing.
+// Solutions end before their last iteration, and draws of noise take as long as all the rest: what
+// is reported goes on through both, up to the whole.
+TEST(Reconstruction, ProgressGoesOnToTheEnd) {
+  Rig rig = ring_rig();
+  rig.settings.draws = 50;
+  rig.settings.probes = 20;
+  std::vector<double> seen;
+  Execution execution;
+  execution.progress = [&](const Progress& progress) { seen.push_back(progress.fraction); };
+  reconstruct(rig.input(0.01), rig.settings, execution);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.back(), 1);
+  double largest_step = 0;
+  for (std::size_t i = 1; i < seen.size(); ++i)
+    largest_step = std::max(largest_step, seen[i] - seen[i - 1]);
+  EXPECT_LT(largest_step, 0.5);
+  EXPECT_GT(std::count_if(seen.begin(), seen.end(), [](double f) { return f > 0.8; }), 50 + 20 - 1);
+}
+
 TEST(Reconstruction, DeviationsDoNotDependOnTheIterationsThatAreLeft) {
   Rig rig = ring_rig();
   rig.settings.draws = 3;

@@ -46,7 +46,7 @@ class CompiledCamera:
 
     @property
     def pixels(self):
-        """Number of pixels that see the region."""
+        """Number of pixels that see the region by at least one of the rays."""
         return int(self._figures["pixels"])
 
     @property
