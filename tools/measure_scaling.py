@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Measures how a picture scales with ranks of one thread, for docs/scale.md: paired runs, medians.
+"""Measures how pictures, sweeps and reconstructions scale with ranks of one thread, for docs/scale.md: paired runs, medians.
 
-    tools/measure_scaling.py PLENOFLAME [--pairs N]
+    tools/measure_scaling.py PLENOFLAME [--pairs N] [--parts pictures sweeps reconstructions]
 
 Standard library only.
 """
@@ -9,42 +9,106 @@ Standard library only.
 import argparse
 import json
 import os
+import pathlib
+import resource
 import statistics
 import subprocess
 import tempfile
+import time
 
-SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "examples", "paper-flame-1m.toml")
+EXAMPLES = pathlib.Path(__file__).resolve().parents[1] / "examples"
+SCENE = EXAMPLES / "paper-flame-1m.toml"
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
-def seconds(command, ranks, threads, samples, folder):
-    """Of rendering, as the command says; without compiling the scene and starting processes."""
-    start = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
-    result = subprocess.run([*start, command, "render", SCENE, "--window", "1300,1300,700,700", "--samples", str(samples), "--threads",
-                             str(threads), "--json", "-o", os.path.join(folder, "x.exr")], env=ENVIRONMENT, check=True,
-                            capture_output=True, text=True)
-    return json.loads(result.stdout)["seconds"]
+class Runs:
+    def __init__(self, command, folder, pairs):
+        self.command, self.folder, self.pairs = os.path.abspath(command), folder, pairs
+
+    def run(self, ranks, *arguments):
+        """What the command prints, with the time on the clock, and that of all processors, from its start to its end."""
+        start = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
+        before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+        printed = subprocess.run([*start, self.command, *map(str, arguments)], env=ENVIRONMENT, check=True, capture_output=True, text=True,
+                                 cwd=self.folder).stdout
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return printed, time.monotonic() - begin, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    def quotients(self, first, second):
+        """Medians and extremes of the quotients of two kinds of run, one after the other."""
+        pairs = [list(zip(first(), second())) for _ in range(self.pairs)]
+        texts = []
+        for k in range(len(pairs[0])):
+            values = [pair[k][0] / pair[k][1] for pair in pairs]
+            texts.append(f"{statistics.median(values):.3f} ({min(values):.3f} to {max(values):.3f})")
+        return "; of processors ".join(texts)
+
+
+def pictures(runs):
+    def seconds(ranks, threads, samples):
+        """Of rendering, as the command says; without compiling the scene and starting processes."""
+        printed, _, _ = runs.run(ranks, "render", SCENE, "--window", "1300,1300,700,700", "--samples", samples, "--threads", threads,
+                                 "--json", "-o", "x.exr")
+        return [json.loads(printed)["seconds"]]
+
+    def say(what, first, second):
+        print(f"pictures, {what}:", runs.quotients(lambda: seconds(*first), lambda: seconds(*second)), flush=True)
+    samples = 32
+    say("2 ranks of one thread to 2 threads", (2, 1, samples), (1, 2, samples))
+    for ranks in (2, 3, 4):
+        say(f"{ranks} ranks to 1, the same work", (ranks, 1, samples), (1, 1, samples))
+    for ranks in (2, 4):
+        say(f"{ranks} ranks to 1, work as the ranks", (ranks, 1, ranks * samples), (1, 1, samples))
+
+
+def sweeps(runs):
+    number = 0
+
+    def times(ranks, threads, count):
+        """From the start of the processes to the packed set."""
+        nonlocal number
+        number += 1
+        path = pathlib.Path(runs.folder, f"{number}.csv")
+        path.write_text("flames[0].brightness\n" + "".join(f"{1 + k / count}\n" for k in range(count)), encoding="utf-8")
+        return runs.run(ranks, "sweep", EXAMPLES / "lenslets-30.toml", "--table", path, "--format", "hdf5", "--samples", 16,
+                        "--lattice", 32, "--threads", threads, "--quiet", "-o", f"set{number}")[1:]
+
+    def say(what, first, second):
+        print(f"sweeps, {what}:", runs.quotients(lambda: times(*first), lambda: times(*second)), flush=True)
+    count = 120
+    say("2 ranks of one thread to 2 threads", (2, 1, count), (1, 2, count))
+    for ranks in (2, 4):
+        say(f"{ranks} ranks to 1, the same work", (ranks, 1, count), (1, 1, count))
+    say("2 ranks to 1, work as the ranks", (2, 1, 2 * count), (1, 1, count))
+
+
+def reconstructions(runs):
+    runs.run(1, "render", EXAMPLES / "lenslets-30.toml", "--samples", 16, "--quiet", "-o", "p.exr")
+
+    def times(ranks, threads):
+        """With a single iteration: rays and matrix are nearly all of it."""
+        return runs.run(ranks, "reconstruct", EXAMPLES / "lenslets-30.toml", "--images", "p.exr", "--grid", 32, "--rays", 256,
+                        "--strength", 1, "--iterations", 1, "--draws", 0, "--probes", 0, "--threads", threads, "--quiet", "-o", "x.vdb")[1:]
+
+    def say(what, first, second):
+        print(f"reconstructions, {what}:", runs.quotients(lambda: times(*first), lambda: times(*second)), flush=True)
+    say("2 ranks of one thread to 2 threads", (2, 1), (1, 2))
+    for ranks in (2, 4):
+        say(f"{ranks} ranks to 1, the same work", (ranks, 1), (1, 1))
+
+
+PARTS = {"pictures": pictures, "sweeps": sweeps, "reconstructions": reconstructions}
 
 
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("command")
     parser.add_argument("--pairs", type=int, default=5)
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     options = parser.parse_args()
-    command = os.path.abspath(options.command)
-
-    def ratio(first, second):
-        """Median and extremes of the quotient of two kinds of run, one after the other."""
+    for part in options.parts:
         with tempfile.TemporaryDirectory() as folder:
-            quotients = [seconds(command, *first, folder) / seconds(command, *second, folder) for _ in range(options.pairs)]
-        return f"{statistics.median(quotients):.3f} ({min(quotients):.3f} to {max(quotients):.3f})"
-
-    samples = 32
-    print("2 ranks of one thread to 2 threads:", ratio((2, 1, samples), (1, 2, samples)), flush=True)
-    for ranks in (2, 3, 4):
-        print(f"{ranks} ranks to 1, the same work:", ratio((ranks, 1, samples), (1, 1, samples)), flush=True)
-    for ranks in (2, 4):
-        print(f"{ranks} ranks to 1, work as the ranks:", ratio((ranks, 1, ranks * samples), (1, 1, samples)), flush=True)
+            PARTS[part](Runs(options.command, folder, options.pairs))
 
 
 if __name__ == "__main__":

@@ -52,9 +52,9 @@ JobCommunicator* make_communicator() {
     return reinterpret_cast<JobCommunicator* (*)()>(make)();
   }
   throw UsageError(
-      "mpirun started several processes, and this build has no MPI; get it with tools/setup.sh mpi "
-      "and cmake --preset release -DPLENOFLAME_WITH_MPI=ON, or render parts "
-      "(docs/user/clusters.md)");
+      "mpirun started several processes, and this build has no MPI; get it with the package "
+      "plenoflame-mpi, or with tools/setup.sh mpi and cmake --preset release "
+      "-DPLENOFLAME_WITH_MPI=ON, or make parts (docs/user/clusters.md)");
 }
 
 }  // namespace

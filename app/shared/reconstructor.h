@@ -65,6 +65,10 @@ class Reconstructor {
                 const FrameMeasurements& first, const Execution& execution);
 
   const Unknowns& unknowns() const { return *unknowns_; }
+  /// What they are made by, with the axis that was fitted.
+  const UnknownsRequest& unknowns_request() const { return request_.unknowns; }
+  /// Lets other processes take part in frames. @param assembly must outlive them
+  void share(SharedAssembly& assembly) { settings_.assembly = &assembly; }
   /// The scene's flames at the unknowns, where the request asks for the truth.
   const FlameTruth* truth() const { return truth_ ? &*truth_ : nullptr; }
 

@@ -3,6 +3,7 @@
 import filecmp
 import json
 import os
+import pathlib
 import shutil
 import signal
 import subprocess
@@ -18,6 +19,7 @@ preset = "paper-plenoptic2"
 preset = "paper-layered"
 position = ["1 m", "0 m", "-29 mm"]
 """
+EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 WINDOW = ("--window", "1400,1400,300,200")
 SWEEP = ("--window", "1400,1400,64,64", "--samples", "4", "--lattice", "4", "--threads", "1", "--quiet")
 PLUGIN = os.path.join(os.path.dirname(command.COMMAND), "plugins", "libplenoflame_mpi.so")
@@ -183,6 +185,27 @@ look_direction = [0, 1, 0]
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.succeeds(*options, "-o", "one")
         self.assert_same("set", "one")
+
+    def test_a_reconstruction_has_the_same_bits(self):
+        """Rays and rows that any number of ranks make: with an axis that is fitted first, and of two quantities."""
+        self.succeeds("flame", "candle", "--voxel-size", "1 mm", "-o", "candle.vdb")
+        common = ("--unknowns", "rings", "--grid", "4,6", "--draws", "0", "--probes", "0", "--quiet")
+        for scene, all_ranks, more in (
+                ("front", (1, 2, 3, 4), ("--axis", "fit", "--rays", "128", "--iterations", "10", "--residual", "r.exr")),
+                ("two-colours", (1, 3), ("--find", "both", "--rays", "8", "--bin", "5", "--iterations", "1"))):
+            shutil.copy(EXAMPLES / f"reconstruct-{scene}.toml", self.path(f"{scene}.toml"))
+            self.succeeds("render", f"{scene}.toml", "--samples", "8", "--quiet", "-o", "p.exr")
+            options = ("reconstruct", f"{scene}.toml", "--images", "p.exr", *common, *more, "-o", "r.vdb", "--report", "r.json")
+            found = []
+            for ranks in all_ranks:
+                result = self.shared(ranks, *options, "--threads", "1")
+                self.assertEqual(result.returncode, 0, result.stderr)
+                found.append([self.read("r.json"), self.read("r.exr")])
+                self.assertEqual(found[-1], found[0], (scene, ranks))
+        result = self.shared(3, *options[:3], "none.exr", "-o", "x.vdb")
+        lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
+        self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
+        self.assertIn("none.exr", lines[0])
 
     def test_wrong_input_is_said_once(self):
         for arguments, status, text in ((("render", "missing.toml", "-o", "x.exr"), 1, "missing.toml"),

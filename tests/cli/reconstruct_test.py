@@ -7,9 +7,11 @@ import os
 import pathlib
 import shutil
 import struct
+import subprocess
 import tempfile
 import zipfile
 
+import command
 from command import CommandTest, main
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
@@ -232,6 +234,35 @@ class Reconstruct(CommandTest):
         self.fails(2, "operator", *common, "--part", "2/5", "-o", "x.mtx", mentions="--part")
         self.fails(2, "operator", *common, "--part", "6/5", "-o", "x.npz", mentions="6/5")
         self.fails(2, "merge", "part1.npz", "part2.npz", "-o", "x.exr", mentions=".npz")
+
+    def test_a_job_array_of_the_operator(self):
+        """The tasks of the script in any order make the whole, its bytes; one that is done ends at once."""
+        shutil.copy(EXAMPLES / "reconstruct-front.toml", self.path("my front.toml"))
+        options = "--unknowns rings --grid 4,6 --rays 4"
+        self.succeeds("submit", "--slurm", "my front.toml", "--operator", "a b.npz", "--parts", "3", "--options", options, "-o", "jobs.sh")
+        self.assertIn("#SBATCH --array=1-3\n", self.read("jobs.sh").decode())
+        def run(*arguments, **task):
+            return subprocess.run(["sh", "jobs.sh", *arguments], cwd=self.folder, capture_output=True, text=True, timeout=120,
+                                  check=False, env={**os.environ, "PLENOFLAME": command.COMMAND, **task})
+        for task in "312":
+            result = run(SLURM_ARRAY_TASK_ID=task)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertEqual(run(SLURM_ARRAY_TASK_ID="2").stdout, "a b-part-2-of-3.npz is done\n")
+        self.assertEqual(run(SLURM_ARRAY_TASK_ID="4").returncode, 2)
+        result = run("merge")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.succeeds("operator", "my front.toml", *options.split(), "-o", "whole.npz", "--quiet")
+        self.assertEqual(self.read("a b.npz"), self.read("whole.npz"))
+        def refused(*arguments, mentions, status=2):
+            self.fails(status, "submit", "--slurm", *arguments, "-o", "x.sh", mentions=mentions)
+        refused("my front.toml", "--operator", "a.mtx", "--parts", "2", mentions=".npz or .h5")
+        refused("my front.toml", "my front.toml", "--operator", "a.npz", mentions="one scene")
+        refused("my front.toml", "--operator", "a.npz", "--sweep", "set", mentions="--sweep")
+        refused("my front.toml", "--operator", "a.npz", "--options", "--part 1/2", mentions="--part")
+        refused("my front.toml", "--operator", "a.npz", "--options", "--grid x", mentions="--grid")
+        refused("my front.toml", "--operator", "a.npz", "--options", "--camera b", mentions="b")
+        refused("my front.toml", "--operator", "a.npz", "--options", "--compiled no.bundle", mentions="no.bundle", status=1)
+        self.assertNotIn("x.sh", self.files())
 
     def test_compiled_cameras(self):
         """Rows are the rays of the bundle: the picture that it renders, explained by noise; and what does not belong."""

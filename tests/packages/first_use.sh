@@ -64,6 +64,16 @@ for each in "$scene x-plenoflame-scene" "other.toml toml" "a.exr x-plenoflame-li
   gio info -a standard::content-type "${each% *}" | grep -q "application/${each#* }$" || fail "${each% *} is no application/${each#* }"
 done
 
+say "mpirun"
+install openmpi-bin
+mpi=(env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n 2)
+rendered=(plenoflame render "$scene" --samples 4 --window 100,100,80,80 --quiet)
+said=$("${mpi[@]}" "${rendered[@]}" -o c.exr 2>&1) && fail "mpirun without MPI"
+[[ "$said" == *plenoflame-mpi* ]] || fail "mpirun without MPI says: $said"
+install /packages/plenoflame-mpi_*.deb
+"${mpi[@]}" "${rendered[@]}" -o c.exr >/dev/null
+cmp a.exr c.exr || fail "two processes render something else"
+
 say "Python without VTK"
 install /packages/python3-plenoflame_*.deb
 cat >script.py <<'PYTHON'

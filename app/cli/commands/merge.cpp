@@ -125,7 +125,9 @@ void register_merge(const Registry& registry) {
                   "side, pictures of different seeds, or these together; or the folders of all "
                   "parts of a 'sweep'; or all parts of 'operator --part' (.npz, .h5)")
       ->required();
-  command.add_option("-o,--output", arguments->output, "The whole (.exr)")
+  command
+      .add_option("-o,--output", arguments->output,
+                  "The whole (.exr; of a sweep a folder; of a matrix .npz, .h5 or .mtx)")
       ->required()
       ->option_text("FILE");
   command

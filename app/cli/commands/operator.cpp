@@ -8,9 +8,9 @@
 
 #include "commands/bundles_option.h"
 #include "commands/commands.h"
+#include "commands/operator_options.h"
 #include "commands/part_option.h"
 #include "commands/scene_input.h"
-#include "commands/unknowns_options.h"
 #include "file_set.h"
 #include "medium_loader.h"
 #include "operator_problem.h"
@@ -24,13 +24,6 @@
 
 namespace plenoflame::cli {
 namespace {
-
-struct OperatorArguments : OperatorRequest {
-  std::string scene, output, pixels, places, part;
-  std::vector<std::string> set, cameras, compiled;
-  int threads = 0;
-  bool json = false, quiet = false;
-};
 
 /// @param cameras their names where there are several, empty otherwise
 std::string pixels_csv(const CameraRays& rays, const std::vector<std::string>& cameras) {
@@ -134,42 +127,7 @@ void register_operator(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "operator", "The matrix from a flame's samples to the pixels' fluxes",
       "plenoflame operator examples/lenslets-30.toml --grid 16 --pixels rows.csv -o A.npz");
-  command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
-  add_set_option(command, settings->set);
-  add_cameras_option(command, settings->cameras);
-  command
-      .add_option("-o,--output", settings->output,
-                  "Sparse rows: .npz for scipy.sparse.load_npz, .h5, or .mtx (MatrixMarket); "
-                  "A times samples is the flux of each row [W]")
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option(
-          "--pixels", settings->pixels,
-          "Which pixel each row is (the first one of its block); pixels that do not see the "
-          "grid have no row")
-      ->option_text("FILE.csv");
-  command.add_option("--places", settings->places, "Place and volume of each unknown [m, m^3]")
-      ->option_text("FILE.csv");
-  add_unknowns_options(command, settings->unknowns);
-  command
-      .add_option("--channel", settings->channel,
-                  "Channel whose wavelengths the rays have; without it, the first")
-      ->option_text("NAME");
-  command.add_option("--rays", settings->rays, "Rays per pixel and microlens that covers it (64)")
-      ->option_text("N");
-  command.add_option("--bin", settings->bin, "Put N x N pixels together (1)")->option_text("N");
-  command.add_option("--seed", settings->seed, "Seed of the rays (default: the scene's)")
-      ->option_text("N");
-  add_bundles_option(command, settings->compiled);
-  add_part_option(
-      command, settings->part,
-      "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5)");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--quiet", settings->quiet, "No progress on the terminal");
-  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  add_operator_options(command, *settings);
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_operator(*settings, stop); });
 }

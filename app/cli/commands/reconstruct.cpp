@@ -4,16 +4,20 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "commands/commands.h"
 #include "commands/reconstruct_input.h"
 #include "commands/reconstruct_options.h"
 #include "commands/reconstruct_page.h"
+#include "commands/reconstruct_ranks.h"
 #include "commands/scene_input.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/inverse/shared_assembly.h"
 #include "progress_bar.h"
+#include "ranks.h"
 #include "run.h"
 
 namespace plenoflame::cli {
@@ -52,7 +56,9 @@ void write_reports(const ReconstructArguments& arguments, const ReconstructPage&
   }
 }
 
-int run_reconstruct(const ReconstructArguments& arguments, const std::stop_token& stop) {
+/// @param ranks that help; nullptr: there are none
+int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* ranks,
+                    const std::stop_token& stop) {
   // Before any work: wrong options, files that do not fit, outputs that cannot be written.
   reconstruction_settings(arguments, 1);
   const std::vector<CameraScene> views =
@@ -62,11 +68,17 @@ int run_reconstruct(const ReconstructArguments& arguments, const std::stop_token
   ProgressBar bar(arguments.quiet);
   Execution execution;
   execution.threads = arguments.threads;
+  if (ranks && execution.threads == 0) execution.threads = default_threads(*ranks);
   bar.connect(execution);
   execution.stop = stop;
   const ReconstructCameras cameras = compile_cameras(arguments, views, execution);
   FramePictures pictures = read_frame(arguments, cameras, 0, execution);
   Reconstructor reconstructor(arguments, cameras, pictures.measurements, execution);
+  std::optional<SharedAssembly> assembly;
+  if (ranks) {
+    announce_reconstruction(arguments, reconstructor.unknowns_request(), *ranks);
+    reconstructor.share(assembly.emplace(*ranks));
+  }
   nlohmann::json all = nlohmann::json::array();
   bool complete = true;
   for (std::size_t f = 0; f < frames && complete; ++f) {
@@ -110,8 +122,9 @@ void register_reconstruct(const Registry& registry) {
       registry, "reconstruct", "The flame back from pictures of it",
       "plenoflame reconstruct front.toml side.toml --images front.exr side.exr -o flame.vdb");
   add_reconstruct_options(command, *arguments);
-  on_chosen(command, registry,
-            [arguments](const std::stop_token& stop) { return run_reconstruct(*arguments, stop); });
+  on_chosen(command, registry, [arguments, ranks = registry.ranks](const std::stop_token& stop) {
+    return run_reconstruct(*arguments, ranks, stop);
+  });
 }
 
 }  // namespace plenoflame::cli

@@ -7,6 +7,9 @@
 #include <optional>
 #include <string>
 
+#ifdef PLENOFLAME_HAS_VOLUMES
+#include "commands/reconstruct_ranks.h"
+#endif
 #include "commands/sweep_ranks.h"
 #include "medium_loader.h"
 #include "plenoflame/base/execution.h"
@@ -89,6 +92,10 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
         camera_file = file;
       }
       if (what == kSweepBegins) serve_sweep(message, ranks, threads, stop);
+#ifdef PLENOFLAME_HAS_VOLUMES
+      if (what == kReconstructionBegins && !serve_reconstruction(message, ranks, threads, stop))
+        return;
+#endif
       if (what == rank_message::kRender && compiled &&
           !serve_render(*compiled, camera ? &*camera : nullptr, message, ranks, execution))
         return;

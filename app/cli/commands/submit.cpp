@@ -8,7 +8,9 @@
 #include <memory>
 #include <set>
 
+#include "commands/bundles_option.h"
 #include "commands/commands.h"
+#include "commands/operator_options.h"
 #include "commands/render_options.h"
 #include "commands/scene_input.h"
 #include "commands/sweep_plan.h"
@@ -23,7 +25,7 @@ namespace {
 
 struct SubmitArguments {
   std::vector<std::string> scenes;
-  std::string output, sweep, options, parts = "1", threads = "1", time, memory, partition;
+  std::string output, sweep, matrix, options, parts = "1", threads = "1", time, memory, partition;
   bool slurm = false;
 };
 
@@ -113,6 +115,27 @@ void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& 
         fmt::format("--parts: there are {} runs, fewer than {}", plan.runs.size(), parts));
 }
 
+/// Checks what can be checked of a matrix without following rays. @throws UsageError, InputError,
+/// FileError
+void check_matrix(const SubmitArguments& submit, const std::vector<std::string>& words) {
+  if (submit.scenes.size() > 1)
+    throw UsageError("--operator: a matrix is of one scene, not of " +
+                     std::to_string(submit.scenes.size()));
+  if (!submit.matrix.ends_with(".npz") && !submit.matrix.ends_with(".h5"))
+    throw UsageError("--operator: '" + submit.matrix +
+                     "' must end in .npz or .h5, which merge reads");
+  OperatorArguments arguments;
+  CLI::App matrix;
+  add_operator_options(matrix, arguments);
+  for (const char* name : {"SCENE", "--output"}) matrix.get_option(name)->required(false);
+  read_options(matrix, words, {"--output", "--part", "--threads", "--pixels", "--places", "--json"},
+               arguments.scene);
+  check_operator(arguments);
+  const std::vector<CameraScene> views =
+      read_camera_scenes(submit.scenes, arguments.set, arguments.cameras);
+  static_cast<void>(read_bundles(arguments.compiled, views.size()));
+}
+
 std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
                                           const RenderArguments& render) {
   std::vector<SubmittedPicture> pictures;
@@ -164,6 +187,15 @@ constexpr const char* kBegin = "set -eu\ncommand=${PLENOFLAME:-plenoflame}\n";
 constexpr const char* kTask =
     "task=${SLURM_ARRAY_TASK_ID:?is not set: submit this script with sbatch}\n";
 
+constexpr const char* kIsThere =
+    "if [ -e \"$file\" ]; then\n  echo \"$file is done\"\n  exit 0\nfi\n";
+
+std::string no_further_task(int parts) {
+  return fmt::format(
+      "if [ \"$task\" -gt {} ]; then\n  echo \"there is no task $task\" >&2\n  exit 2\nfi\n",
+      parts);
+}
+
 std::string with_options(std::string text, const std::vector<std::string>& options) {
   for (const std::string& option : options) text += ' ' + shell_word(option);
   return text + '\n';
@@ -183,11 +215,32 @@ std::string sweep_script(const SubmitArguments& arguments, const std::string& na
         "  exec \"$command\" merge {0}-part-*-of-{1} -o {0}\nfi\n",
         folder, parts);
   text += kTask;
-  text += fmt::format(
-      "if [ \"$task\" -gt {} ]; then\n  echo \"there is no task $task\" >&2\n  exit 2\nfi\n",
-      parts);
+  text += no_further_task(parts);
   text +=
       fmt::format("exec \"$command\" sweep {} -o {}", shell_word(arguments.scenes.front()), folder);
+  if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
+/// The script of a matrix: a task of the array makes the rows of a part.
+std::string matrix_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                          int threads, const std::vector<std::string>& options) {
+  const std::string scene = shell_word(arguments.scenes.front());
+  const std::size_t dot = arguments.matrix.rfind('.');
+  const std::string stem = shell_word(arguments.matrix.substr(0, dot)),
+                    ending = arguments.matrix.substr(dot), whole = shell_word(arguments.matrix);
+  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  if (parts > 1)
+    text += fmt::format(
+        "if [ \"${{1:-}}\" = merge ]; then\n"
+        "  exec \"$command\" merge {0}-part-*-of-{1}{2} -o {3}\nfi\n",
+        stem, parts, ending, whole);
+  text += kTask;
+  text += no_further_task(parts);
+  text += parts > 1 ? fmt::format("file={}-part-$task-of-{}{}\n", stem, parts, ending)
+                    : fmt::format("file={}\n", whole);
+  text += kIsThere;
+  text += fmt::format("exec \"$command\" operator {} -o \"$file\"", scene);
   if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
   return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
 }
@@ -225,9 +278,9 @@ std::string script(const SubmitArguments& arguments, const std::string& name,
   } else {
     text += fmt::format(
         "file=$whole{0}.exr\nif [ -e \"$file.state\" ]; then\n"
-        "  exec \"$command\" render --resume \"$file\" --threads {1} --quiet\nfi\n"
-        "if [ -e \"$file\" ]; then\n  echo \"$file is done\"\n  exit 0\nfi\n",
+        "  exec \"$command\" render --resume \"$file\" --threads {1} --quiet\nfi\n",
         ending, threads);
+    text += kIsThere;
   }
   text += "exec \"$command\" render \"$@\" -o \"$whole.exr\"" + resume;
   if (parts > 1) text += fmt::format(" --part \"$part/{}\"", parts);
@@ -262,11 +315,17 @@ int run_submit(const SubmitArguments& arguments) {
   std::string name = std::filesystem::path(arguments.output).stem().string();
   for (char& c : name)
     if (c == ' ' || c == '%') c = '_';
-  if (arguments.sweep.empty()) {
-    write_file(arguments.output, picture_script(arguments, name, parts, threads, options));
-  } else {
+  if (!arguments.sweep.empty()) {
     check_sweep(arguments, options, parts);
     write_file(arguments.output, sweep_script(arguments, name, parts, threads, options));
+  } else if (!arguments.matrix.empty()) {
+    check_not_overwritten("-o", arguments.output, arguments.matrix);
+    check_matrix(arguments, options);
+    std::vector<std::string> kept = options;
+    std::erase(kept, "--quiet");
+    write_file(arguments.output, matrix_script(arguments, name, parts, threads, kept));
+  } else {
+    write_file(arguments.output, picture_script(arguments, name, parts, threads, options));
   }
   const std::string file = shell_word(arguments.output);
   if (parts == 1)
@@ -283,7 +342,8 @@ int run_submit(const SubmitArguments& arguments) {
 void register_submit(const Registry& registry) {
   const auto arguments = std::make_shared<SubmitArguments>();
   CLI::App& command = add_command(
-      registry, "submit", "Write a batch system's script that renders scenes, or a sweep, in parts",
+      registry, "submit",
+      "Write a batch system's script that makes pictures, a sweep or a matrix in parts",
       "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
   command.add_option("SCENE", arguments->scenes, "Scene files (.toml), each for a picture")
       ->required();
@@ -300,7 +360,15 @@ void register_submit(const Registry& registry) {
                   "A sweep of the scene into this folder, in place of pictures; which runs, the "
                   "--options say")
       ->option_text("DIR");
-  command.add_option("--parts", arguments->parts, "Parts of each picture, or of the sweep (1)")
+  command
+      .add_option("--operator", arguments->matrix,
+                  "The matrix of the scene into this file (.npz, .h5), in place of pictures; which "
+                  "unknowns, the --options say")
+      ->excludes("--sweep")
+      ->option_text("FILE");
+  command
+      .add_option("--parts", arguments->parts,
+                  "Parts of each picture, or of the sweep or the matrix (1)")
       ->option_text("N");
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
@@ -313,8 +381,9 @@ void register_submit(const Registry& registry) {
   command.add_option("--partition", arguments->partition, "Partition of the cluster")
       ->option_text("NAME");
   command
-      .add_option("--options", arguments->options,
-                  "Options for render, or for sweep, in quotes: --options '--samples 256 --truth'")
+      .add_option(
+          "--options", arguments->options,
+          "Options for render, sweep or operator, in quotes: --options '--samples 256 --truth'")
       ->option_text("TEXT");
   on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
 }

@@ -16,6 +16,7 @@
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/row_noise.h"
+#include "plenoflame/inverse/shared_assembly.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -314,8 +315,11 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   std::vector<CameraView> views = input.views;
   for (std::size_t v = 0; v < views.size(); ++v) views[v].window = input.measurements[v].window;
   require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0);
-  const CameraRays rays = draw_camera_rays(views, input.unknowns->bounds(), settings.rays,
-                                           part_of_progress(execution, 0, kDrawingShare));
+  const Execution drawing = part_of_progress(execution, 0, kDrawingShare);
+  const Box box = input.unknowns->bounds();
+  const CameraRays rays = settings.assembly
+                              ? settings.assembly->rays(views, box, settings.rays, drawing)
+                              : draw_camera_rays(views, box, settings.rays, drawing);
   if (rays.rows.empty())
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
@@ -346,7 +350,9 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
   CsrMatrix<float> matrix;
-  if (result.stored) matrix = make_emission_matrix(problem, execution);
+  if (result.stored)
+    matrix = settings.assembly ? settings.assembly->matrix(problem, execution)
+                               : make_emission_matrix(problem, execution);
   const std::unique_ptr<LinearOperator> a =
       result.stored ? make_csr_operator(matrix, quiet) : make_emission_operator(problem, quiet);
   const CsrMatrix<float>* stored = result.stored ? &matrix : nullptr;

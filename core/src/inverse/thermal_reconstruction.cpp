@@ -16,6 +16,7 @@
 #include "plenoflame/inverse/gauss_newton.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
+#include "plenoflame/inverse/shared_assembly.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -167,8 +168,11 @@ class ThermalSolver {
         views[v].window = pictures.measurements[v].window;
       const CameraRaySettings how =
           rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
-      rays_.push_back(std::make_unique<CameraRays>(
-          draw_camera_rays(views, input_.unknowns->bounds(), how, inner_)));
+      const Box box = input_.unknowns->bounds();
+      SharedAssembly* const assembly = settings_.linear.assembly;
+      rays_.push_back(
+          std::make_unique<CameraRays>(assembly ? assembly->rays(views, box, how, inner_)
+                                                : draw_camera_rays(views, box, how, inner_)));
       MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
       std::vector<double> absorption = input_.absorption;
       for (double& kappa : absorption) kappa *= pictures.absorption_ratio;

@@ -356,6 +356,11 @@ TEST(Validate, PupilFilters) {
   a.extent = b.extent = 3;
   b.angle = 3;
   EXPECT_EQ(error({a, b}), "");
+  b.name = "a";
+  EXPECT_EQ(error({a, b}), "pupil filters 0 and 1 are both named \"a\"; names must differ");
+  a.name = b.name = "";
+  EXPECT_EQ(error({a, b}), "");
+  a.name = "a", b.name = "b";
   b.angle = 2.9;
   EXPECT_EQ(error({a, b}),
             "pupil filter \"a\" and pupil filter \"b\" overlap; a part of the stop can have one "

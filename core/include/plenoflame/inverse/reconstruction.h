@@ -17,6 +17,8 @@
 
 namespace plenoflame {
 
+class SharedAssembly;
+
 /// The functional that is minimised, and how (solvers.h). The values are never negative.
 enum class ReconstructionSolver {
   fista,       ///< least squares without negative values, accelerated projected gradient
@@ -67,6 +69,8 @@ struct ReconstructionSettings {
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none. Without
                     ///< draws they give the standard deviations as well, by the covariance
   double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
+  /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
+  SharedAssembly* assembly = nullptr;
   /// Called after each iteration, by the thread that reconstructs.
   std::function<void(const ReconstructionState&)> watch = {};
 };

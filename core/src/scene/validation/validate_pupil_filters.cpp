@@ -78,6 +78,12 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
   bool sound = true;
   for (std::size_t i = 0; i < filters.size(); ++i)
     sound = check_filter(filters[i], i, issues) && sound;
+  for (std::size_t i = 0; i < filters.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (!filters[i].name.empty() && filters[i].name == filters[k].name)
+        issues.error(path_of(i) + ".name",
+                     fmt::format("pupil filters {} and {} are both named {}; names must differ", k,
+                                 i, quote_for_message(filters[i].name)));
   if (!sound || filters.empty()) return;
   for (std::size_t i = 0; i < filters.size(); ++i)
     for (std::size_t k = 0; k < i; ++k)

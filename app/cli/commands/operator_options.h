@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "operator_problem.h"
+
+namespace CLI {
+class App;
+}
+
+namespace plenoflame::cli {
+
+/// Arguments of the command line of `operator`.
+struct OperatorArguments : OperatorRequest {
+  std::string scene, output, pixels, places, part;
+  std::vector<std::string> set, cameras, compiled;
+  int threads = 0;
+  bool json = false, quiet = false;
+};
+
+void add_operator_options(CLI::App& command, OperatorArguments& arguments);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,195 @@
+// Rays and matrices that several ranks make, against those of one process: the same bits.
+#include "plenoflame/inverse/shared_assembly.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "core/inverse/glowing_grid.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/render/ranks.h"
+#include "support/small_scene.h"
+
+namespace plenoflame::test::shared_assembly_test {
+namespace {
+
+/// Mailboxes of ranks that are threads of this process.
+struct Post {
+  explicit Post(int ranks) : boxes(static_cast<std::size_t>(ranks)) {}
+  std::mutex mutex;
+  std::vector<std::deque<RankMessage>> boxes;
+};
+
+class ThreadRank final : public Communicator {
+ public:
+  ThreadRank(Post& post, int rank) : post_(post), rank_(rank) {}
+  int rank() const override { return rank_; }
+  int size() const override { return static_cast<int>(post_.boxes.size()); }
+  void send(int to, std::string bytes) override {
+    const std::lock_guard lock(post_.mutex);
+    post_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(bytes)});
+  }
+  std::optional<RankMessage> receive() override {
+    const std::lock_guard lock(post_.mutex);
+    auto& own = post_.boxes[static_cast<std::size_t>(rank_)];
+    if (own.empty()) return std::nullopt;
+    RankMessage first = std::move(own.front());
+    own.pop_front();
+    return first;
+  }
+
+ private:
+  Post& post_;
+  int rank_;
+};
+
+constexpr std::array<int, 3> kCount{5, 6, 7};
+
+struct Cameras {
+  CompiledScene scene;
+  std::unique_ptr<Unknowns> unknowns;
+  CameraRaySettings settings;
+
+  /// The first camera sees a window that is no multiple of a tile, the second one all.
+  std::vector<CameraView> views() const { return {{&scene, {3, 5, 85, 140}}, {&scene, {}}}; }
+};
+
+Cameras make_cameras(int bin) {
+  const AffineTransform map = scaled(1.5e-3, {1 - 3e-3, -4e-3, -4.5e-3});
+  const std::size_t size = 5 * 6 * 7;
+  const GlowingGrid g{kCount, map, std::vector<double>(size, 1), std::vector<double>(size, 20)};
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  scene.camera.sensor = {90, 150, 0.064e-3};
+  scene.flames = {glowing_flame()};
+  scene.channels = {{"430nm", ChannelKind::band, 430e-9, 20e-9}};
+  Cameras cameras{compile(scene, glowing_loader(g)), nullptr, {}};
+  cameras.unknowns = make_voxel_unknowns({kCount, map, VoxelInterpolation::trilinear});
+  cameras.settings.samples = 4;
+  cameras.settings.bin = bin;
+  return cameras;
+}
+
+bool same(const CameraRay& a, const CameraRay& b) {
+  return a.origin == b.origin && a.direction == b.direction && a.weight == b.weight &&
+         a.end == b.end && a.replicate == b.replicate && a.part == b.part;
+}
+
+void expect_same(const CameraRays& a, const CameraRays& b) {
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  for (std::size_t i = 0; i < a.rows.size(); ++i) {
+    EXPECT_EQ(std::tie(a.rows[i].view, a.rows[i].column, a.rows[i].row, a.rows[i].begin),
+              std::tie(b.rows[i].view, b.rows[i].column, b.rows[i].row, b.rows[i].begin));
+  }
+  ASSERT_EQ(a.rays.size(), b.rays.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.rays.size(); ++i) different += !same(a.rays[i], b.rays[i]);
+  EXPECT_EQ(different, 0u);
+}
+
+TEST(SharedAssembly, BitsOfOneProcess) {
+  for (const int bin : {1, 3}) {
+    const Cameras cameras = make_cameras(bin);
+    const Box box = cameras.unknowns->bounds();
+    const CameraRays alone = draw_camera_rays(cameras.views(), box, cameras.settings);
+    const std::vector<double> absorption(cameras.unknowns->size(), 20);
+    const auto problem = [&](const CameraRays& rays) {
+      return EmissionProblem{&rays, cameras.unknowns.get(), RowModel::source, absorption};
+    };
+    const CsrMatrix<float> matrix = make_emission_matrix(problem(alone), {});
+    ASSERT_GT(alone.rows.size(), bin == 1 ? 8192u : 1000u);  // pieces of rows
+    for (const int ranks : {1, 3}) {
+      Post post(ranks);
+      std::vector<std::jthread> others;
+      for (int rank = 1; rank < ranks; ++rank)
+        others.emplace_back([&, rank] {
+          ThreadRank own(post, rank);
+          Execution execution;
+          execution.threads = rank;
+          EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, execution));
+        });
+      ThreadRank first(post, 0);
+      SharedAssembly assembly(first);
+      for (int frame = 0; frame < 2; ++frame) {
+        const CameraRays rays = assembly.rays(cameras.views(), box, cameras.settings, {});
+        expect_same(rays, alone);
+        const CsrMatrix<float> shared = assembly.matrix(problem(rays), {});
+        EXPECT_TRUE(std::ranges::equal(shared.row_starts(), matrix.row_starts()));
+        EXPECT_TRUE(std::ranges::equal(shared.column_indices(), matrix.column_indices()));
+        EXPECT_TRUE(std::ranges::equal(shared.values(), matrix.values()));
+      }
+    }
+  }
+}
+
+TEST(SharedAssembly, OthersDoSomeOfIt) {
+  const Cameras cameras = make_cameras(1);
+  Post post(2);
+  int answers = 0;
+  std::jthread other([&] {
+    // Counts what it hands on to rank 0.
+    class Counting final : public Communicator {
+     public:
+      Counting(ThreadRank& own, int& count) : own_(own), count_(count) {}
+      int rank() const override { return own_.rank(); }
+      int size() const override { return own_.size(); }
+      void send(int to, std::string bytes) override {
+        ++count_;
+        own_.send(to, std::move(bytes));
+      }
+      std::optional<RankMessage> receive() override { return own_.receive(); }
+
+     private:
+      ThreadRank& own_;
+      int& count_;
+    };
+    ThreadRank own(post, 1);
+    Counting counting(own, answers);
+    serve_assembly(cameras.views(), *cameras.unknowns, counting, {});
+  });
+  ThreadRank first(post, 0);
+  {
+    SharedAssembly assembly(first);
+    for (int i = 0; i < 10; ++i)
+      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, {});
+  }
+  other.join();
+  EXPECT_GT(answers, 1);  // more than that it is there
+}
+
+TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
+  const Cameras cameras = make_cameras(1);
+  Post post(2);
+  ThreadRank first(post, 0), other(post, 1);
+  other.send(0, rank_message::kFailed + std::string("front.toml: cannot be opened"));
+  SharedAssembly assembly(first);
+  // It is said when rank 0 next looks at its messages.
+  const auto all = [&] {
+    for (int i = 0; i < 10; ++i)
+      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, {});
+  };
+  try {
+    all();
+    FAIL() << "nothing is said";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "front.toml: cannot be opened");
+  }
+}
+
+TEST(SharedAssembly, StopsWhenAsked) {
+  const Cameras cameras = make_cameras(1);
+  Post post(2);
+  ThreadRank first(post, 0);
+  SharedAssembly assembly(first);
+  std::stop_source source;
+  source.request_stop();
+  Execution execution;
+  execution.stop = source.get_token();
+  EXPECT_THROW(
+      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, execution),
+      Cancelled);
+}
+
+}  // namespace
+}  // namespace plenoflame::test::shared_assembly_test
