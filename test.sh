@@ -111,12 +111,12 @@ summary() {
   [ "$failed" -eq 0 ] && [ "$total" -gt 0 ]
 }
 
-# What the sanitizers leave out: what takes long ran in the release build already, and what compares whole pictures
-# statistically goes through code that the tests of each part go through, too.
+# The sanitizers leave out tests that take long, which ran in the release build already, and those that compare whole
+# pictures statistically, whose code the tests of each part go through, too.
 release_only='long'
 asan_only='slow|long|meta|statistical'
 tsan_only='slow|long|meta|fuzz|statistical'
-# What runs in threads; one thread has no races.
+# Only programs with threads: one thread has no races.
 threaded=(base_test camera_test pupil_sampling_test lightfield_views_test render_test ray_paths_test forward_test measurement_test)
 if [ "$all" = yes ]; then
   release_only='^$'

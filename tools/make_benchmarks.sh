@@ -60,7 +60,7 @@ if wanted whole; then
   whole "grid, 16 samples, every ray integrated, 1 thread" out/benchmarks/paper-flame-1m-grid.toml --samples 16 --threads 1 --no-control-variate
   whole "grid, to 1 %, 2 threads" out/benchmarks/paper-flame-1m-grid.toml --target-error 1% --threads 2
 fi
-# What skipping gains: each scene with and without, NAME SCENE SAMPLES OPTION ...
+# Gain of skipping: each scene with and without, NAME SCENE SAMPLES OPTION ...
 skipping() {
   local name=$1 scene=$2 samples=$3
   shift 3
@@ -116,7 +116,7 @@ END
   skipping "opaque tails: sooty cylinder, every ray integrated" out/benchmarks/cylinder.toml 16 \
     --no-control-variate --window 1300,1300,400,400
 fi
-# What colours cost: the scenes in turn, five times.
+# Cost of colours: the scenes in turn, five times.
 if wanted colour; then
   rm -f out/benchmarks/colour-*.json
   folder=out/benchmarks

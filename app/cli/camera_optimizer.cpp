@@ -64,8 +64,8 @@ class Problem {
 
   double allowed_overlap() const { return allowed_overlap_; }
 
-  /// What is maximised: the merit; where micro-images overlap, less than any, and the less the more
-  /// they do; very low for what cannot be.
+  /// The value to be maximised: the merit; where micro-images overlap, less than any, and the less
+  /// the more they do; very low for a camera that cannot be.
   double value(const double* x) {
     ++evaluations_;
     try {

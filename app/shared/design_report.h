@@ -29,7 +29,7 @@ void add_spots(const CameraDesign& design, Report& report);
 void add_resolution(const std::vector<ResolutionPoint>& curve, const CameraDesign& design,
                     Report& report);
 
-/// What each window does to a point in focus, and what all of them do together.
+/// Adds how far each window moves a point in focus, and how far all of them together do.
 void add_windows(const Camera& camera, const std::vector<WindowSpec>& windows, Report& report);
 
 /// Effective resolution against the object's distance: paraxial dashed, by rays solid.

@@ -6,8 +6,8 @@ struct CompiledCamera;
 struct LightField;
 struct Scene;
 
-/// What `plenoflame design --json` prints for a scene that has passed validate(): made by the same
-/// functions. @throws InputError
+/// The text of `plenoflame design --json` for a scene that has passed validate(), made by the
+/// same functions. @throws InputError
 std::string design_json(const Scene& scene);
 
 /// {"value", "unit", "text"} of a scene's value. @throws InputError for an unknown path

@@ -11,7 +11,7 @@
 
 namespace plenoflame {
 
-/// What `plenoflame operator` is asked for, as texts of its options.
+/// A call of `plenoflame operator`, as texts of its options.
 struct OperatorRequest {
   UnknownsRequest unknowns;
   std::string channel;  ///< empty: the first

@@ -159,7 +159,7 @@ class Painter {
           rule(horizontal, axis.at(k * step), k == 0 ? 0.6 : 0.85, number_text(k * step + 0.0));
         continue;
       }
-      // Where there are few decades 2 and 5 are labelled as well.
+      // Few decades leave room for labels at 2 and 5.
       const bool all_labels = axis.high - axis.low < 2.5;
       for (int decade = static_cast<int>(std::floor(axis.low)); decade <= axis.high; ++decade)
         for (int digit = 1; digit < 10; ++digit) {

@@ -62,7 +62,7 @@ void check_words(const ReconstructRequest& request) {
   check_unknowns(request.unknowns);
 }
 
-/// What solver and penalty take.
+/// Options that neither the solver nor the penalty uses are refused.
 void check_solver(const ReconstructRequest& request, ReconstructionSolver solver) {
   const std::string name = "--solver " + request.solver;
   const bool prior = !request.prior.empty() || request.prior_values;
@@ -99,7 +99,7 @@ void check_solver(const ReconstructRequest& request, ReconstructionSolver solver
   if (request.relaxation == 0) throw UsageError("--relaxation: above 0, or nothing changes");
 }
 
-/// What --find takes.
+/// Each quantity to find needs, and excludes, some of the other options.
 void check_sought(const ReconstructRequest& request) {
   const Sought sought = request.sought();
   const bool known = given(request.unknowns.absorption);

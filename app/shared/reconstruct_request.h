@@ -22,7 +22,7 @@ struct EarlierResult {
   double strength = -1;                                   ///< of its penalty; negative: not stated
 };
 
-/// What a reconstruction is asked for, as texts of the options of `plenoflame reconstruct`; all
+/// A call for a reconstruction, as texts of the options of `plenoflame reconstruct`; all
 /// front ends fill it. Empty texts stand for defaults.
 struct ReconstructRequest {
   std::vector<std::string> spreads;

@@ -131,7 +131,7 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
   report.add_json("stored", reconstruction.stored);
   report.add("error of the rays", readable_percent(reconstruction.rays_error.overall) + " of a row",
              "ray_error", reconstruction.rays_error.overall);
-  // Where a stop came before one was chosen there is none.
+  // A run that was stopped early may have chosen no strength.
   if (reconstruction.strength >= 0)
     report.add("strength", readable_number(reconstruction.strength), "strength",
                reconstruction.strength);

@@ -49,7 +49,7 @@ FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Un
 void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
                    Report& report);
 
-/// What the common error of the pictures' light does to emission, and to the temperature that
+/// Adds what the common error of the pictures' light does to emission, and to the temperature that
 /// follows from it by the channel's source function. @param source nullptr: it does not follow so
 void report_scale(const ReconstructResult& result, const SourceFunction* source,
                   const Unknowns& unknowns, Report& report);

@@ -28,7 +28,7 @@ class ReconstructionTask {
   /// @throws UsageError
   void set_earlier(const std::string& use, const std::string& field, std::vector<double> values);
 
-  /// What is told while it runs, by the thread that reconstructs.
+  /// Is told of each state while it runs, by the thread that reconstructs.
   using Watch = std::function<void(const ReconstructionState&, const Unknowns&)>;
   /// @param watch may be empty @throws as Reconstructor; there is no result then
   void run(const Execution& execution, const Watch& watch = {});

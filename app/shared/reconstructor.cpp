@@ -47,7 +47,7 @@ std::size_t number_of(const Scene& scene, const std::string& name, const std::st
   return static_cast<std::size_t>(found - scene.channels.begin());
 }
 
-/// What no algorithm can mend.
+/// Depth resolved by one camera alone is bounded by its pupil, and no algorithm mends that.
 void warn_single_camera(const Reconstruction& result, const Unknowns& unknowns, double angle,
                         const Execution& execution, Report& report) {
   if (!(angle > 0)) return;
@@ -381,7 +381,7 @@ ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
   return result;
 }
 
-/// What the filters in the cameras' pupils make of a channel; empty: there are none.
+/// The parts of a channel that the filters in each camera's pupil pass; empty: there are none.
 std::vector<std::vector<ThermalPart>> Reconstructor::parts_of_stop(std::size_t channel) const {
   std::vector<std::vector<ThermalPart>> parts;
   bool any = false;

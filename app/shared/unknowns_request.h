@@ -12,7 +12,7 @@
 
 namespace plenoflame {
 
-/// What is solved for, and what is known of it, as texts of the options of `operator` and
+/// The unknowns to solve for, and what is known of them, as texts of the options of `operator` and
 /// `reconstruct`.
 struct UnknownsRequest {
   std::string kind = "voxels", grid, centre, size, axis, basis, absorption;
@@ -44,7 +44,7 @@ FlameAt flame_at(const CompiledScene& scene, const ChannelMix& mix, std::size_t 
 void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
                               const Unknowns& unknowns, std::vector<ThermalPart>& parts);
 
-/// What is known of the absorption [1/m], one value for each unknown; empty: nothing.
+/// The known absorption [1/m], one value for each unknown; empty: nothing is known.
 /// @throws UsageError
 std::vector<double> absorption_of(const UnknownsRequest& request, const CompiledScene& scene,
                                   std::size_t channel, const Unknowns& unknowns);

@@ -19,7 +19,7 @@ struct IndexBox {
   std::array<std::size_t, 3> size() const;
 };
 
-/// Where the samples of an array stand: sample (i, j, k) at origin + the sum of i, j, k times
+/// The places of an array's samples: sample (i, j, k) stands at origin + the sum of i, j, k times
 /// spacing times direction along each axis.
 struct VoxelPlace {
   std::array<std::size_t, 3> size{};

@@ -67,7 +67,7 @@ void make_picture(const PictureRequest& request);
 std::vector<ImportedFlame> import_flames(const FlameImportRequest& request,
                                          const Execution& execution = {});
 
-/// What a file of a simulation holds, at its first step; arrays of single numbers only.
+/// The arrays of a simulation's file, at its first step; arrays of single numbers only.
 /// @throws Error, FileError when the library is missing, Cancelled
 std::vector<SimulationArray> list_simulation_arrays(const std::string& file,
                                                     const Execution& execution = {});

@@ -11,6 +11,7 @@ import zipfile
 
 from command import CommandTest, main
 from exr import write_light_field
+from export_scenes import POINT, TILTED_ARRAY, TYPE
 
 SCENE = """[camera.lens]
 model = "ideal"
@@ -22,31 +23,7 @@ tilt = ["%g deg", "%g deg"]
 [camera.focus]
 mode = "distance"
 lens_distance = "56.7 mm"
-[camera.array]
-lattice = "%s"
-model = "ideal"
-pitch = "80 um"
-diameter = "80 um"
-rotation = "%g deg"
-offset = ["10 um", "-7 um"]
-sensor_distance = "0.4 mm"
-tilt = ["%g deg", "%g deg"]
-%s
-[camera.sensor]
-columns = 400
-rows = 300
-pixel_pitch = "2.5 um"
-[[flames]]
-name = "point"
-[[flames.layers]]
-name = "sphere"
-temperature = "1500 K"
-absorption = "1 1/m"
-"""
-TYPE = """[[camera.array.types]]
-name = "%s"
-focal_length = "%g mm"
-"""
+""" + TILTED_ARRAY + POINT
 FOCAL = {"a": 0.45, "b": 0.5057, "c": 0.58, "unfocused": 0.4}
 OPTICS = ["--set", "camera.lens.focal_length=50mm", "--set", "camera.lens.f_number=4",
           "--set", "camera.focus.lens_distance=56.7mm", "--set", "camera.array.sensor_distance=0.4mm",

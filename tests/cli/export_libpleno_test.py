@@ -13,6 +13,7 @@ import math
 
 from command import CommandTest, main
 from exr import read_png, write_light_field
+from export_scenes import POINT, TILTED_ARRAY, TYPE
 
 SCENE = """[camera.lens]
 model = "ideal"
@@ -25,31 +26,7 @@ tilt = ["%g deg", "%g deg"]
 mode = "paraxial"
 object_distance = "1 m"
 conjugate = "array"
-[camera.array]
-lattice = "%s"
-model = "ideal"
-pitch = "80 um"
-diameter = "80 um"
-rotation = "3 deg"
-offset = ["10 um", "-7 um"]
-sensor_distance = "0.4 mm"
-tilt = ["%g deg", "%g deg"]
-%s
-[camera.sensor]
-columns = 400
-rows = 300
-pixel_pitch = "2.5 um"
-[[flames]]
-name = "point"
-[[flames.layers]]
-name = "sphere"
-temperature = "1500 K"
-absorption = "1 1/m"
-"""
-TYPE = """[[camera.array.types]]
-name = "%s"
-focal_length = "%g mm"
-"""
+""" + TILTED_ARRAY + POINT
 FOCAL = {"a": 0.45, "b": 0.5057, "c": 0.58}
 POINTS = [(0.6, 0.0015, -0.001), (0.63, -0.002, 0.0012), (0.55, 0.0002, 0.0018)]  # world: forward, left, up
 
@@ -124,7 +101,7 @@ class Tool:
 class Libpleno(CommandTest):
     def compare(self, lattice="hexagonal", types="abc", decentre=(0, 0), tilt=(0, 0), array_tilt=(0, 0),
                 window=(0, 0, 400, 300)):
-        text = SCENE % (*decentre, *tilt, lattice, *array_tilt, "".join(TYPE % (n, FOCAL[n]) for n in types))
+        text = SCENE % (*decentre, *tilt, lattice, 3, *array_tilt, "".join(TYPE % (n, FOCAL[n]) for n in types))
         x, y, width, height = window
         write_light_field(self.path("raw.exr"), [[1e-12] * width] * height, sensor=(400, 300), origin=(x, y),
                           scene=text)

@@ -9,7 +9,7 @@ import math
 
 from command import CommandTest, main
 from exr import write_light_field
-from export_scenes import LENS
+from export_scenes import LENS, POINT
 
 SCENE = LENS + """[camera.array]
 lattice = "%s"
@@ -26,13 +26,7 @@ focal_length = "0.5 mm"
 columns = 480
 rows = 360
 pixel_pitch = "5 um"
-[[flames]]
-name = "point"
-[[flames.layers]]
-name = "sphere"
-temperature = "1500 K"
-absorption = "1 1/m"
-"""
+""" + POINT
 PITCH = 20 * (1 + 0.5e-3 / (1 / (1 / 50e-3 - 1)))  # of the micro-images, pixels
 
 

@@ -30,6 +30,34 @@ temperature = "1500 K"
 absorption = "1 1/m"
 """
 
+# %: lattice, rotation in degrees, two tilts, types
+TILTED_ARRAY = """[camera.array]
+lattice = "%s"
+model = "ideal"
+pitch = "80 um"
+diameter = "80 um"
+rotation = "%g deg"
+offset = ["10 um", "-7 um"]
+sensor_distance = "0.4 mm"
+tilt = ["%g deg", "%g deg"]
+%s
+[camera.sensor]
+columns = 400
+rows = 300
+pixel_pitch = "2.5 um"
+"""
+TYPE = """[[camera.array.types]]
+name = "%s"
+focal_length = "%g mm"
+"""
+POINT = """[[flames]]
+name = "point"
+[[flames.layers]]
+name = "sphere"
+temperature = "1500 K"
+absorption = "1 1/m"
+"""
+
 FOCUSED = """[camera.array]
 lattice = "%s"
 model = "ideal"

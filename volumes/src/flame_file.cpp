@@ -62,7 +62,7 @@ constexpr LineGrid kLineGrids[] = {{LineKind::ch, "CH*"},
                                    {LineKind::na_d, "Na_D"}};
 constexpr std::string_view kDensityNames[] = {"density"};
 
-/// What is read: one of the two grids of a flame.
+/// One of the two grids of a flame that are read.
 struct Quantity {
   const char* name;  ///< as in the scene's keys
   const char* si_unit;

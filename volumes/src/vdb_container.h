@@ -9,7 +9,7 @@
 
 namespace plenoflame::detail {
 
-/// What stands before a grid's transform and tree.
+/// The head of a grid, before its transform and tree.
 struct GridEntry {
   std::string unique_name;  ///< as in the file; differs from `name` when several share a name
   std::string name;

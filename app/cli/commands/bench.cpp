@@ -63,7 +63,7 @@ std::vector<int> counts_option(const std::string& option, const std::string& tex
   return counts;
 }
 
-/// Where references are kept unless --cache says otherwise (XDG Base Directory Specification).
+/// The folder of references unless --cache names one (XDG Base Directory Specification).
 std::string default_cache() {
   // Nothing in this process changes the environment.
   const char* const xdg = std::getenv("XDG_CACHE_HOME");  // NOLINT(concurrency-mt-unsafe)

@@ -29,7 +29,7 @@ void write_bench_plots(const std::string& base, const nlohmann::ordered_json& be
 
 /// Reads what bench wrote. @throws FileError, InputError when it is something else
 nlohmann::ordered_json read_bench_json(const std::string& path);
-/// What became faster or worse: ratios of new to old for every point that both have.
+/// Says what became faster or worse: ratios of new to old for every point that both have.
 /// @throws InputError when they have none in common
 std::string bench_comparison(const nlohmann::ordered_json& now, const nlohmann::ordered_json& old);
 

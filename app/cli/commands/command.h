@@ -11,7 +11,7 @@ namespace plenoflame::cli {
 
 class JobCommunicator;
 
-/// What the chosen command does once the whole command line was accepted. @return the exit status
+/// The chosen command's work, done once the command line was accepted. @return the exit status
 using PlainAction = std::function<int()>;
 /// One that looks at the token, which a signal (Ctrl-C, SIGTERM, SIGHUP) requests to stop: it saves
 /// what there is, or throws Cancelled where there is nothing.
@@ -22,7 +22,7 @@ struct Action {
   StoppableAction stoppable;  ///< one of the two is set
 };
 
-/// What a command registers itself with. Parsing sets `action`; it runs after parsing, so that
+/// A command registers itself with this. Parsing sets `action`; it runs after parsing, so that
 /// nothing is read or written when a later option is wrong.
 struct Registry {
   CLI::App& app;

@@ -93,7 +93,7 @@ Scene with_solved_array(const Scene& scene, const std::vector<SolvedType>& types
     spec.index = types[k].shape.index;
     spec.focal_length = 0;
   }
-  // What was in focus may be gone.
+  // The microlens type that was in focus may be gone.
   std::string& conjugate = solved.camera.focus.conjugate;
   const bool known = std::any_of(specs.begin(), specs.end(),
                                  [&](const MicrolensSpec& spec) { return spec.name == conjugate; });

@@ -41,7 +41,7 @@ Scene needed_scene(const DevelopArguments& settings, const LightField& light_fie
   return read_scene_of(light_field, path, settings.set).scene;
 }
 
-/// What the light field's scene says; the defaults when it has no scene.
+/// The settings of the light field's scene; the defaults when it has no scene.
 DevelopSpec scene_spec(const DevelopArguments& settings, const LightField& light_field) {
   if (light_field.scene_text.empty()) return {};
   try {

@@ -6,7 +6,7 @@
 
 namespace plenoflame::cli {
 
-// What `plenoflame info` says about each kind of file.
+// Reports of `plenoflame info`, one for each kind of file.
 
 /// Light field: camera window, channels with their flux and error, how it was made.
 void describe_light_field(const std::string& path, Report& report);

@@ -25,7 +25,7 @@ struct RawLightField {
   MicroImages micro_images(bool white, const Execution& execution) const;
 };
 
-/// What every command takes that makes something of a raw light field.
+/// Arguments of all commands that make something of a raw light field.
 struct RawArguments {
   std::string input, output, scene, camera, channel;
   std::vector<std::string> set;

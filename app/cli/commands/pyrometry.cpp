@@ -218,7 +218,7 @@ int run_pyrometry(const PyrometryArguments& settings) {
   if (!settings.truth.empty()) {
     if (truth == field.layers.end())
       throw InputError(settings.input + " has no layer truth.temperature; render it with --truth");
-    // Where there is a temperature to compare with.
+    // Only pixels with a measured temperature have something to compare the truth with.
     Image seen = truth->second;
     for (std::size_t i = 0; i < seen.pixels.size(); ++i)
       if (!(map.temperature.pixels[i] > 0)) seen.pixels[i] = 0;

@@ -8,7 +8,7 @@
 
 namespace plenoflame::cli {
 
-/// What `rays` and `info` say about a set of ray paths.
+/// Figures of a set of ray paths, as `rays` and `info` report them.
 struct RayCounts {
   std::size_t rays = 0, vertices = 0;
   std::size_t of_images = 0;               ///< drawn for a pixel, of whose light they carry a share
@@ -20,7 +20,7 @@ struct RayCounts {
 /// Adds a line for each figure.
 void report_ray_counts(const RayCounts& counts, Report& report);
 
-/// Of a file that `rays` wrote as .csv or .json. @throws InputError when it is none, with the line
+/// Counts a .csv or .json that `rays` wrote. @throws InputError when it is none, with the line
 RayCounts count_rays_of_csv(const std::string& path);
 RayCounts count_rays_of_json(const std::string& path);
 

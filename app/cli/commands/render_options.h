@@ -22,7 +22,7 @@ struct CompiledCamera;
 
 namespace plenoflame::cli {
 
-/// What the command line of `render` asks for, checked. What is not given stays as the scene says.
+/// The checked command line of `render`. The scene decides what it does not give.
 struct RenderOptions {
   std::string scene;                   ///< path of the scene file; empty: that of `resume`
   std::vector<std::string> set;        ///< of --set
@@ -78,7 +78,7 @@ RenderSettings render_settings_of(const RenderOptions& options, const Scene& sce
 /// --compression by its name; that of none is rle.
 ExrCompression exr_compression(const std::string& name);
 
-/// Where the state of a stopped run is kept, for the light field that it was to write.
+/// The file of a stopped run's state, by the light field that the run was to write.
 std::string state_path(const std::string& light_field);
 
 /// Finds out before any work whether the results can be written. @throws FileError

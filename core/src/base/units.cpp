@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "base/dimension_name.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -78,6 +79,8 @@ std::span<const Unit> units(Dimension dimension) {
   return kNone;
 }
 
+}  // namespace
+
 std::string_view dimension_name(Dimension dimension) {
   switch (dimension) {
     case Dimension::none:
@@ -105,6 +108,8 @@ std::string_view dimension_name(Dimension dimension) {
   }
   return "number";
 }
+
+namespace {
 
 std::string unit_list(Dimension dimension) {
   std::string list;

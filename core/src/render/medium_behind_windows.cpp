@@ -1,10 +1,10 @@
 #include "render/medium_behind_windows.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/isa_dispatch.h"
+#include "math/box_corners.h"
 #include "plenoflame/math/ray_span.h"
 
 namespace plenoflame {
@@ -31,14 +31,6 @@ Box around(const std::vector<Box>& boxes) {
                    std::max(whole.upper.z, box.upper.z)};
   }
   return whole;
-}
-
-std::array<Vec3, 8> corners(const Box& box) {
-  std::array<Vec3, 8> points;
-  for (std::size_t i = 0; i < 8; ++i)
-    points[i] = {(i & 1) ? box.upper.x : box.lower.x, (i & 2) ? box.upper.y : box.lower.y,
-                 (i & 4) ? box.upper.z : box.lower.z};
-  return points;
 }
 
 RigidTransform place_of(const WindowSpec& window) {

@@ -15,24 +15,6 @@ namespace {
 constexpr double kMm = 1e-3;
 constexpr double kImage = 1000.0 / 9 * kMm;  ///< of an object at 1 m behind the lens of 100 mm
 
-/// Main lens f = 100 mm, 40 mm wide; microlenses f = 0.2 mm, D = 0.1 mm, B = 0.25 mm, pixels of
-/// 0.01 mm: sharp at a = 1 mm, where the object at 1 m is imaged, by
-///     s / p = 2.5 |1 - v|, v = 1 mm / a.
-CameraSpec thin_camera() {
-  CameraSpec spec = preset_camera("raytrix-r29");
-  spec.lens.focal_length = 100 * kMm;
-  spec.lens.diameter = 40 * kMm;
-  spec.array.model = LensModel::ideal;
-  spec.array.lattice = Lattice::square;
-  spec.array.pitch = spec.array.diameter = 0.1 * kMm;
-  spec.array.thickness = 0;
-  spec.array.sensor_distance = 0.25 * kMm;
-  spec.array.types = {{"one", kInfinity, kInfinity, 1.5, 0.2 * kMm}};
-  spec.sensor = {1000, 500, 0.01 * kMm};
-  spec.focus = {FocusMode::paraxial, 0, 1.0, "one"};
-  return spec;
-}
-
 /// The same and a type that is sharp from where the first ends: 1/f' = 1/f + 2 p / (D B).
 CameraSpec two_types() {
   CameraSpec spec = thin_camera();

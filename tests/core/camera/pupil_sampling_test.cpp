@@ -86,7 +86,7 @@ double traced_share(const Camera& camera, LensIndex lens, const PupilTable& tabl
   return open / double(kAzimuths * kDistances * kRings * kSpokes);
 }
 
-// What decides how many rays a pixel is worth.
+// The unvignetted share decides how many rays a pixel is worth.
 TEST(PupilSampling, MeanShareOfTheApertureThatIsOpen) {
   const Camera camera(preset_camera("paper-plenoptic2"));
   const PupilSampling pupils(camera, threads(2));

@@ -13,23 +13,6 @@ namespace {
 
 constexpr double kMm = 1e-3;
 
-/// Thin main lens, f = 100 mm, and one type of thin microlenses, f = 0.2 mm: everything by hand.
-CameraSpec thin_camera() {
-  CameraSpec spec = preset_camera("raytrix-r29");
-  spec.lens.focal_length = 100 * kMm;
-  spec.lens.diameter = 40 * kMm;
-  spec.array.model = LensModel::ideal;
-  spec.array.lattice = Lattice::square;
-  spec.array.pitch = spec.array.diameter = 0.1 * kMm;
-  spec.array.thickness = 0;
-  spec.array.sensor_distance = 0.25 * kMm;
-  spec.array.types = {{"one", kInfinity, kInfinity, 1.5, 0.2 * kMm}};
-  spec.sensor = {1000, 500, 0.01 * kMm};
-  // Image of an object at 1 m: 111.11 mm; sharp 1 mm in front of the array.
-  spec.focus = {FocusMode::paraxial, 0, 1.0, "one"};
-  return spec;
-}
-
 TEST(Resolution, ClosedForm) {
   TypeDesign type;
   type.focal_length = 0.2 * kMm;

@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include "core/inverse/random_vectors.h"
 #include "plenoflame/inverse/csr_matrix.h"
 
 namespace plenoflame::test {
@@ -38,14 +39,6 @@ inline TwinMatrix random_matrix(int rows, int columns, double share, unsigned se
     for (int j = 0; j < columns; ++j)
       if (unit(random) < share) dense(i, j) = (1 + std::floor(64 * unit(random))) / 64;
   return twin_of(dense);
-}
-
-inline std::vector<double> random_vector(std::size_t size, double low, double high, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> range(low, high);
-  std::vector<double> values(size);
-  for (double& value : values) value = range(random);
-  return values;
 }
 
 inline Eigen::VectorXd dense(const std::vector<double>& values) {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/inverse/glowing_grid.h"
+#include "core/inverse/random_vectors.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/render.h"
@@ -70,14 +71,6 @@ Problem problem_of(const Scene& scene, float thickest, int threads = 2, int bin 
 
 Problem make_problem(bool with_array, float thickest, int threads = 2, int bin = 1) {
   return problem_of(glowing_scene(with_array), thickest, threads, bin);
-}
-
-std::vector<double> random_vector(std::size_t size, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> v(size);
-  for (double& value : v) value = normal(random);
-  return v;
 }
 
 double product(const std::vector<double>& a, const std::vector<double>& b) {

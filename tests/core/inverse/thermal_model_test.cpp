@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "core/inverse/random_vectors.h"
 #include "core/media_voxel/voxel_fixture.h"
 #include "inverse/source_table.h"
 #include "plenoflame/base/error.h"
@@ -112,14 +113,6 @@ Problem filtered_problem() {
   p.model.channels[0].parts = {thermal_parts(p.scene.scene, 0)};
   for (ThermalPart& part : p.model.channels[0].parts[0]) part.absorption_ratio = 1;  // it is grey
   return p;
-}
-
-std::vector<double> random_vector(std::size_t size, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> v(size);
-  for (double& value : v) value = normal(random);
-  return v;
 }
 
 // The table against the function and its slope, by nodes' own formulas.

@@ -62,7 +62,7 @@ TEST(Continued, BackwardWithFixedSamples) {
   expect_same(scene, settings, 2);
   settings.keep_sums = true;
   expect_same(scene, settings, 2);
-  // Whether sums are kept is not seen in the picture.
+  // The picture is the same with and without kept sums.
   const RenderResult kept = render(scene, settings, one_thread());
   EXPECT_FALSE(kept.film.has_finished_tiles());
   settings.keep_sums = false;
@@ -105,7 +105,7 @@ TEST(Continued, AStoppedStartBindsNothing) {
   expect_as_new();
 }
 
-// Whether tiles are finished shows nowhere: in a window that begins within a tile, with one
+// The finishing of tiles shows nowhere: in a window that begins within a tile, with one
 // replicate and with several, of several channels whose rays go different ways.
 TEST(Continued, FinishedTilesLookLikeKeptOnes) {
   for (const int replicates : {1, 4}) {

@@ -1,4 +1,4 @@
-#include "render/estimators/emission_proposal.h"
+#include "render/transport/emission_proposal.h"
 
 #include <gtest/gtest.h>
 

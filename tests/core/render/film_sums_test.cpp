@@ -1,4 +1,4 @@
-// What becomes of the rays of a block in the film: each is added once, to its own randomisation.
+// The film adds each ray of a block once, to the ray's own randomisation.
 #include <limits>
 #include <map>
 #include <utility>

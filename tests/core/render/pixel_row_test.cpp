@@ -1,4 +1,4 @@
-// What kernels say of rows of pixels, against single looks at each of them.
+// Kernels look at rows of pixels; here against single looks at each pixel.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -162,8 +162,8 @@ TEST(PixelRow, SurveysSayWhatSingleLooksDo) {
   }
 }
 
-// What is found of a pixel does not depend on which others are looked at with it, as it must not
-// depend on the window.
+// Findings about a pixel do not depend on which others are looked at with it, since the picture
+// must not depend on the window.
 TEST(PixelRow, PixelsDoNotDependOnTheirNeighbours) {
   const Camera camera(preset_camera("paper-plenoptic2"));
   const PupilSampling pupils(camera);

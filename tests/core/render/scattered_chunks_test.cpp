@@ -4,7 +4,7 @@
 #include <stop_token>
 
 #include "plenoflame/film/film.h"
-#include "render/estimators/forward_surfaces.h"
+#include "render/forward/forward_surfaces.h"
 #include "support/small_scene.h"
 
 namespace plenoflame::test::scattered_chunks_test {

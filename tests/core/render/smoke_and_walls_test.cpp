@@ -153,7 +153,7 @@ Tally reflected_backward(double tau, const ScatteringSpec& spec, double wall, in
   return mean;
 }
 
-// What is neither absorbed by the smoke nor by the wall comes back.
+// All light comes back, since neither the smoke nor the wall absorbs any.
 TEST(SmokeAndWalls, AWhiteWallBehindWhiteSmokeSendsAllBack) {
   for (const ScatteringSpec& spec : {henyey_greenstein(1, 0.5), rayleigh(1)})
     for (const double tau : {0.3, 2.0}) {

@@ -44,7 +44,7 @@ class SootFlame {
     return far + (o_.rim_temperature - far) * std::exp(-square(outside / width));
   }
 
-  /// Of its peak.
+  /// The line's light as a share of its peak.
   double line(Vec3 place) const {
     const double u = place.z / o_.height;
     if (u <= 0 || u >= 1) return 0;
@@ -55,7 +55,7 @@ class SootFlame {
   }
 
   Box bounds() const {
-    // Where the annulus has fallen below what is kept; the core is narrower or falls likewise.
+    // The annulus has fallen below what is kept there; the core is narrower or falls likewise.
     const double lines = o_.lines.empty() ? 0 : o_.rim_distance + 4.0 * o_.line_width;
     const double reach = std::max(4.0 * std::max(o_.annulus_width, o_.core_width), lines);
     const double widest = std::max(

@@ -14,9 +14,9 @@
 #include "render/estimators/backward.h"
 #include "render/estimators/check_settings.h"
 #include "render/estimators/finish_picture.h"
-#include "render/estimators/forward.h"
 #include "render/estimators/rounds.h"
 #include "render/estimators/run_control.h"
+#include "render/forward/forward.h"
 #include "render/transport/scene_medium.h"
 
 namespace plenoflame {

@@ -9,6 +9,7 @@
 #include "plenoflame/math/ray_span.h"
 #include "render/transport/phase_function.h"
 #include "sampling/directions.h"
+#include "solids/light_direction.h"
 
 namespace plenoflame {
 namespace {
@@ -219,26 +220,17 @@ void ScatterWalk::add_delta_lights(std::vector<Walk>& walks, Radiance& radiance,
   for (const DeltaLight& light : scene_.lights.delta)
     for (std::size_t i = 0; i < walks.size(); ++i) {
       const Walk& walk = walks[i];
-      Vec3 way = -light.direction;
-      double distance = kInfinity, fall = 1;
-      if (!light.parallel) {
-        const Vec3 to_light = light.position - walk.line.origin;
-        const double square = dot(to_light, to_light);
-        if (!(square > 0)) continue;
-        distance = std::sqrt(square);
-        way = (1 / distance) * to_light;
-        if (!light.inside_cone(-way)) continue;
-        fall = 1 / square;
-      }
-      const double share = walk.density(way);
+      const std::optional<LightDirection> to = direction_to(light, walk.line.origin);
+      if (!to) continue;
+      const double share = walk.density(to->way);
       if (!(share > 0)) continue;
-      const Ray ray{walk.line.origin, way};
+      const Ray ray{walk.line.origin, to->way};
       if (plan_.surfaces()) {
         rays_ += 1;
-        if (plan_.surfaces()->occluded(ray, 0, distance, walk.from)) continue;
+        if (plan_.surfaces()->occluded(ray, 0, to->distance, walk.from)) continue;
       }
-      segments_.add(ray, distance);
-      samples_.push_back({i, fall * share, light.strength.data()});
+      segments_.add(ray, to->distance);
+      samples_.push_back({i, to->fall * share, light.strength.data()});
     }
   add_samples(walks, radiance, counters);
 }

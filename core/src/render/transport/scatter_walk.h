@@ -7,7 +7,7 @@
 #include "plenoflame/math/ray_span.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/noise.h"
-#include "render/estimators/emission_proposal.h"
+#include "render/transport/emission_proposal.h"
 #include "render/transport/medium_segments.h"
 #include "render/transport/surface_light.h"
 

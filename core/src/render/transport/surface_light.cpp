@@ -6,6 +6,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/sampling/philox.h"
 #include "sampling/directions.h"
+#include "solids/light_direction.h"
 
 namespace plenoflame {
 namespace {
@@ -172,27 +173,17 @@ void SurfaceLight::add_delta_lights(const std::vector<SurfacePath>& paths,
     const SurfacePath& path = paths[p];
     if (!(path.hit.reflectivity > 0)) continue;
     for (std::size_t l = 0; l < lights.size(); ++l) {
-      const DeltaLight& light = lights[l];
-      Vec3 way = -light.direction;  // towards the light
-      double distance = kInfinity, fall = 1;
-      if (!light.parallel) {
-        const Vec3 to_light = light.position - path.hit.point;
-        const double square = dot(to_light, to_light);
-        if (!(square > 0)) continue;
-        distance = std::sqrt(square);
-        way = (1 / distance) * to_light;
-        if (!light.inside_cone(-way)) continue;
-        fall = 1 / square;
-      }
-      const double cosine = dot(path.hit.normal, way);
+      const std::optional<LightDirection> to = direction_to(lights[l], path.hit.point);
+      if (!to) continue;
+      const double cosine = dot(path.hit.normal, to->way);
       if (!(cosine > 0)) continue;
-      const Ray ray{path.hit.point, way};
+      const Ray ray{path.hit.point, to->way};
       rays_ += 1;
-      if (plan_.scene->surfaces->occluded(ray, 0, distance, path.hit.where)) continue;
-      segments_.add(ray, distance);
-      samples_.push_back({path.ray, p,
-                          path.throughput * path.hit.reflectivity / constants::pi * cosine * fall,
-                          l});
+      if (plan_.scene->surfaces->occluded(ray, 0, to->distance, path.hit.where)) continue;
+      segments_.add(ray, to->distance);
+      samples_.push_back(
+          {path.ray, p, path.throughput * path.hit.reflectivity / constants::pi * cosine * to->fall,
+           l});
     }
   }
   segments_.integrate(false, counters);

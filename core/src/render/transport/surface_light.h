@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "plenoflame/render/render.h"
-#include "render/estimators/emission_proposal.h"
+#include "render/transport/emission_proposal.h"
 #include "render/transport/medium_segments.h"
 
 namespace plenoflame {

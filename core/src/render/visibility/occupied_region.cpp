@@ -1,8 +1,9 @@
 #include "render/visibility/occupied_region.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "math/box_corners.h"
 
 namespace plenoflame {
 namespace {
@@ -10,14 +11,6 @@ namespace {
 constexpr double kRounding = kBeamRounding;
 constexpr int kMostParts = 8;     ///< that an oblique beam is looked at in
 constexpr double kSingle = 1e-6;  ///< relative: room for rounding
-
-std::array<Vec3, 8> corners(const Box& box) {
-  std::array<Vec3, 8> points;
-  for (std::size_t i = 0; i < 8; ++i)
-    points[i] = {(i & 1) ? box.upper.x : box.lower.x, (i & 2) ? box.upper.y : box.lower.y,
-                 (i & 4) ? box.upper.z : box.lower.z};
-  return points;
-}
 
 void include(Vec3 p, Box& box) {
   box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};

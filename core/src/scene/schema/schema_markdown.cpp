@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "base/dimension_name.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/schema/schema_cameras.h"
 
@@ -13,33 +14,7 @@ std::string code(std::string_view text) {
 }
 
 std::string type_text(const SchemaKey& key) {
-  const auto quantity = [&]() -> std::string {
-    switch (key.dimension) {
-      case Dimension::none:
-        return "number";
-      case Dimension::length:
-        return "length";
-      case Dimension::temperature:
-        return "temperature";
-      case Dimension::absorption:
-        return "absorption";
-      case Dimension::angle:
-        return "angle";
-      case Dimension::flux:
-        return "flux";
-      case Dimension::time:
-        return "time";
-      case Dimension::radiance:
-        return "radiance";
-      case Dimension::spectral_radiance:
-        return "spectral radiance";
-      case Dimension::irradiance:
-        return "irradiance";
-      case Dimension::frequency:
-        return "frequency";
-    }
-    return "";
-  };
+  const std::string_view quantity = dimension_name(key.dimension);
   switch (key.type) {
     case ValueType::boolean:
       return "boolean";
@@ -47,15 +22,15 @@ std::string type_text(const SchemaKey& key) {
     case ValueType::natural:
       return "integer";
     case ValueType::number:
-      return quantity();
+      return std::string(quantity);
     case ValueType::text:
       return "text";
     case ValueType::choice:
       return "word";
     case ValueType::vector2:
-      return fmt::format("2 x {}", quantity());
+      return fmt::format("2 x {}", quantity);
     case ValueType::vector3:
-      return fmt::format("3 x {}", quantity());
+      return fmt::format("3 x {}", quantity);
   }
   return "";
 }
@@ -86,23 +61,14 @@ std::string header_of(std::string_view table) {
 
 std::string units_text() {
   std::string text = "| quantity | units |\n|---|---|\n";
-  const struct {
-    const char* name;
-    Dimension dimension;
-  } rows[] = {{"length", Dimension::length},
-              {"temperature", Dimension::temperature},
-              {"absorption", Dimension::absorption},
-              {"angle", Dimension::angle},
-              {"flux", Dimension::flux},
-              {"radiance", Dimension::radiance},
-              {"irradiance", Dimension::irradiance},
-              {"time", Dimension::time},
-              {"frequency", Dimension::frequency}};
-  for (const auto& row : rows) {
+  for (const Dimension dimension :
+       {Dimension::length, Dimension::temperature, Dimension::absorption, Dimension::angle,
+        Dimension::flux, Dimension::radiance, Dimension::irradiance, Dimension::time,
+        Dimension::frequency}) {
     std::string units;
-    for (const std::string& unit : accepted_units(row.dimension))
+    for (const std::string& unit : accepted_units(dimension))
       units.append(units.empty() ? "" : ", ").append(code(unit));
-    text.append("| ").append(row.name).append(" | ").append(units).append(" |\n");
+    text.append("| ").append(dimension_name(dimension)).append(" | ").append(units).append(" |\n");
   }
   return text;
 }

@@ -20,7 +20,7 @@ namespace plenoflame {
 struct FlameFields {
   VoxelField temperature;  ///< [K]
   VoxelField absorption;   ///< [1/m], background 0
-  /// Of each emission line of the flame [W/m^3] into all directions, background 0.
+  /// Light of each emission line of the flame [W/m^3] into all directions, background 0.
   std::vector<VoxelField> lines = {};
   std::optional<VoxelField> albedo = {};  ///< at least 0 and below 1
 };
@@ -28,7 +28,7 @@ struct FlameFields {
 /// Grid names that are tried, in this order and without regard to case, when a scene names none.
 std::span<const std::string_view> temperature_grid_names();
 std::span<const std::string_view> absorption_grid_names();
-/// Of an emission line; none for a custom one.
+/// Names of an emission line's grid; none for a custom line.
 std::span<const std::string_view> line_grid_names(LineKind line);
 
 /// A line whose grid is known by its name; of a radical's lines the strongest stands for all.

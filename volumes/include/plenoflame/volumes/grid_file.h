@@ -36,7 +36,7 @@ struct GridInfo {
   Box world_bounds;  ///< [m] box around the active voxels' sample points; empty when there are none
 };
 
-/// What a .vdb file holds. Statistics of grids that are not float or double come from the file's
+/// The grids of a .vdb file. Statistics of grids that are not float or double come from the file's
 /// own metadata, where it has any. @throws FileError naming the file: cannot be opened, is not a
 /// .vdb, is truncated or damaged.
 /// @param statistics false leaves out what needs the voxels: background to world_bounds

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// What `plenoflame info FILE.vdb` prints.
+/// The report of `plenoflame info FILE.vdb`.
 struct VdbInfo {
   std::string file;
   std::uint64_t file_size = 0;  ///< [byte]
@@ -20,7 +20,7 @@ struct VdbInfo {
     std::string grid, kind;
   };
   std::vector<Line> lines;
-  /// What a user should know: missing grids, units that are not stated, suspicious ranges; one
+  /// Remarks for the user: missing grids, units that are not stated, suspicious ranges; one
   /// sentence each.
   std::vector<std::string> remarks;
 };

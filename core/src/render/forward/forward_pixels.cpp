@@ -1,4 +1,4 @@
-#include "render/estimators/forward_pixels.h"
+#include "render/forward/forward_pixels.h"
 
 #include <cmath>
 #include <numbers>

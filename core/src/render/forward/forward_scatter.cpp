@@ -4,8 +4,8 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/sampling/sobol.h"
-#include "render/estimators/bundle_collisions.h"
-#include "render/estimators/forward_work.h"
+#include "render/forward/bundle_collisions.h"
+#include "render/forward/forward_work.h"
 #include "render/transport/phase_function.h"
 #include "sampling/directions.h"
 

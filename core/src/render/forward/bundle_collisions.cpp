@@ -1,4 +1,4 @@
-#include "render/estimators/bundle_collisions.h"
+#include "render/forward/bundle_collisions.h"
 
 namespace plenoflame {
 

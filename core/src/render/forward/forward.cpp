@@ -1,4 +1,4 @@
-#include "render/estimators/forward.h"
+#include "render/forward/forward.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,12 +10,12 @@
 
 #include "film/image_sums.h"
 #include "plenoflame/sampling/philox.h"
-#include "render/estimators/emission_proposal.h"
-#include "render/estimators/forward_chunk.h"
-#include "render/estimators/forward_pixels.h"
-#include "render/estimators/forward_surfaces.h"
 #include "render/estimators/run_control.h"
 #include "render/estimators/run_progress.h"
+#include "render/forward/forward_chunk.h"
+#include "render/forward/forward_pixels.h"
+#include "render/forward/forward_surfaces.h"
+#include "render/transport/emission_proposal.h"
 #include "render/visibility/aperture_cone.h"
 
 namespace plenoflame {

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "render/estimators/forward_surfaces.h"
+#include "render/forward/forward_surfaces.h"
 
 namespace plenoflame {
 
