@@ -201,8 +201,8 @@ double trapped(double strength, bool trapping) {
   SolverOptions options;
   options.iterations = 2000;
   options.relative_change = 1e-10;
-  const Solution found =
-      solve_cgls({&a, b}, {penalty.get(), strength * penalty_unit(a, {}, *penalty)}, options);
+  const Solution found = solve_cgls(
+      {&a, b}, {penalty.get(), strength * a.squared_norm({}) / penalty->squared_norm({})}, options);
   double sum = 0;
   for (std::size_t j = 0; j < emission.size(); ++j) sum += std::pow(found.x[j] - emission[j], 2);
   return std::sqrt(sum / kRings);

@@ -28,6 +28,8 @@ namespace {
 constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;
+/// Strength of a first guess: enough that what no pixel tells does not run away.
+constexpr double kGuessStrength = 1e-5;
 
 /// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
 class Watch {
@@ -383,7 +385,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     options.iterations = 40;
     options.relative_change = 1e-3;
     const std::vector<double> guess =
-        first.samples(first.solve(b, 1, {}, options, watch.inner()).x);
+        first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
     weight = row_weights(measured, *a * guess, result.rays_error);
   }

@@ -25,11 +25,11 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-3, 100, 6, 0, 10, 0.003, 2, 100};
+constexpr StrengthRange kRange{1e-7, 0.1, 7, 0, 10, 0.003, 2, 100};
 /// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
 /// strength.
 constexpr int kLinearisations = 2, kTrialSteps = 4;
-constexpr double kTrialChange = 1e-3, kFirstStrength = 1;
+constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr int kTrialIterations = 200;
 constexpr double kTrialAccuracy = 1e-5;
 
@@ -134,7 +134,6 @@ class ThermalSolver {
     try {
       const auto derivative = derivative_at(x_);
       set_up_penalty(*derivative, start);
-      unit_strength_ = penalty_unit(*derivative, weights_, penalty_);
       choose_and_solve();
     } catch (const Cancelled&) {
       result_.figures.complete = false;  // x_ is kept
@@ -268,11 +267,13 @@ class ThermalSolver {
     how.solver = ReconstructionSolver::cgls;
     if (how.penalty == ReconstructionPenalty::none) how.penalty = ReconstructionPenalty::gradient;
     for (std::size_t part = 0; part < (thick() ? 2U : 1U); ++part) {
-      std::vector<double> only(x_.size(), 0.0);
-      std::fill_n(only.begin() + static_cast<std::ptrdiff_t>(part * unknowns()), unknowns(), 1.0);
-      auto penalty = make_penalty_of(how, *input_.unknowns, part == 0 ? smooth_ : start.solved);
-      const double unit = penalty_unit(ScaledColumns(derivative, only), weights_, *penalty);
-      penalty_.add(std::move(penalty), std::sqrt(unit));
+      const std::vector<char>& mask = part == 0 ? smooth_ : start.solved;
+      ChosenPenalty penalty = make_penalty_of(how, *input_.unknowns, mask);
+      std::vector<double> uniform(x_.size(), 0.0);
+      for (std::size_t j = 0; j < unknowns(); ++j)
+        uniform[part * unknowns() + j] = mask.empty() || mask[j] != 0 ? 1 : 0;
+      const double unit = penalty.unit(derivative, weights_, uniform);
+      penalty_.add(std::move(penalty.l), std::sqrt(unit));
     }
   }
 
@@ -339,19 +340,14 @@ class ThermalSolver {
     SolverOptions options;
     options.iterations = kTrialIterations;
     options.relative_change = kTrialAccuracy;
-    StrengthChoice choice = choose_strength(
-        {&moving, residual, weights_}, penalty, settings_.linear.rule, range,
+    return choose_strength(
+        {&moving, residual, weights_}, penalty, 1, settings_.linear.rule, range,
         [&](double strength, const std::vector<double>& before) {
           options.start = before;
           return solve_cgls({&moving, residual, weights_}, {&penalty, strength, prior}, options,
                             inner_);
         },
         inner_);
-    // In units of the strength that is given by hand.
-    const double unit = penalty_unit(moving, weights_, penalty) / unit_strength_;
-    choice.strength *= unit;
-    for (StrengthPoint& point : choice.curve) point.strength *= unit;
-    return choice;
   }
 
   void choose_and_solve() {
@@ -363,7 +359,7 @@ class ThermalSolver {
       figures.strength = -1;  // where a stop comes before one is chosen
       strength = kFirstStrength;
       for (int k = 0; k < kLinearisations; ++k) {
-        x_ = steps(strength * unit_strength_, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
+        x_ = steps(strength, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
         done += 0.15;
         const StrengthChoice choice = choose_linearised(*derivative_at(x_));
         if (inner_.stop.stop_requested()) return;
@@ -376,7 +372,7 @@ class ThermalSolver {
       }
     }
     figures.strength = strength;
-    strength_ = strength * unit_strength_;
+    strength_ = strength;
     const Solution solution = steps(strength_, x_, settings_.steps, 1e-5, done, 1 - done, false);
     x_ = solution.x;
     figures.reason = solution.reason;
@@ -485,7 +481,7 @@ class ThermalSolver {
   std::vector<double> b_, weights_;
   std::vector<double> x_, lower_, upper_, scale_;  // variables in their units
   std::vector<char> smooth_;                       // temperatures that take part in the penalty
-  double unit_ = 1, rows_ = 0, strength_ = 0, unit_strength_ = 1;
+  double unit_ = 1, rows_ = 0, strength_ = 0;
   BlockPenalty penalty_;
   ThermalReconstruction result_;
 };

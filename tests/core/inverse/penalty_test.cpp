@@ -70,14 +70,59 @@ TEST(Penalty, TransposesAreExact) {
   }
 }
 
-// Fails where weights or rows are left out of either trace.
-TEST(Penalty, UnitIsTheRatioOfTraces) {
+/// A field of a place in units of a tenth of the grid's longest side, at the samples' places.
+std::vector<double> along_first(const PenaltyGrid& grid, double (*field)(double)) {
+  double longest = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (grid.shape[a] > 1) longest = std::max(longest, grid.shape[a] * grid.spacing[a]);
+  std::vector<double> x;
+  for (int i = 0; i < grid.shape[0]; ++i)
+    for (int j = 0; j < grid.shape[1]; ++j)
+      for (int k = 0; k < grid.shape[2]; ++k)
+        x.push_back(field(i * grid.spacing[0] / (0.1 * longest)));
+  return x;
+}
+
+// Fields whose slope, curvature or value is 1 everywhere have the reference's penalty on every
+// grid, up to the differences that lack at the two ends of the first axis.
+TEST(Penalty, ReferenceIsThatOfTheFieldOnAnyGrid) {
+  const auto line = [](double t) { return t; };
+  const auto parabola = [](double t) { return 0.5 * t * t; };
+  const auto one = [](double) { return 1.0; };
+  for (const PenaltyGrid& grid :
+       {PenaltyGrid{{200, 1, 1}, {0.5, 1, 1}}, PenaltyGrid{{300, 4, 1}, {2e-3, 1e-3, 1}},
+        PenaltyGrid{{150, 3, 5}, {1, 4, 2}}}) {
+    const double ends = 2.5 / grid.shape[0];
+    const auto square = [&](PenaltyKind kind, double (*field)(double)) {
+      const auto l = make_penalty(kind, grid);
+      return (dense(*l) * dense(along_first(grid, field))).squaredNorm();
+    };
+    EXPECT_TRUE(relative(square(PenaltyKind::identity, one), reference_penalty(grid, 0), 1e-12));
+    EXPECT_TRUE(
+        relative(square(PenaltyKind::first_differences, line), reference_penalty(grid, 1), ends));
+    EXPECT_TRUE(relative(square(PenaltyKind::second_differences, parabola),
+                         reference_penalty(grid, 2), ends));
+    const auto gradient = make_gradient(grid);
+    double variation = 0;
+    for (const double value : plain(dense(*gradient) * dense(along_first(grid, line))))
+      variation += std::abs(value);  // along the first axis alone
+    EXPECT_TRUE(relative(variation, reference_penalty(grid, 1, 1), ends));
+  }
+}
+
+// Fails where weights are left out, or what does not take part is counted.
+TEST(Penalty, UnitIsTheMisfitOfAUniformFlame) {
   const TwinMatrix a = random_matrix(20, 12, 0.5, 4);
   const auto w = random_vector(20, 1, 3, 5);
-  const auto penalty = make_penalty(PenaltyKind::first_differences, {{3, 4, 1}});
-  const Eigen::MatrixXd wa = dense(w).asDiagonal() * a.dense, l = dense(*penalty);
-  EXPECT_TRUE(relative(penalty_unit(*make_csr_operator(a.sparse), w, *penalty),
-                       (wa.transpose() * wa).trace() / (l.transpose() * l).trace(), 1e-13));
+  const auto u = random_vector(12, 0, 1, 6);
+  const Eigen::MatrixXd wa = dense(w).asDiagonal() * a.dense;
+  EXPECT_TRUE(relative(penalty_unit(*make_csr_operator(a.sparse), w, u, 7),
+                       (wa * dense(u)).squaredNorm() / 7, 1e-13));
+  PenaltyGrid grid{{3, 4, 1}};
+  const double all = reference_penalty(grid, 1);
+  grid.mask.assign(12, 1);
+  grid.mask[3] = grid.mask[7] = grid.mask[8] = 0;
+  EXPECT_TRUE(relative(reference_penalty(grid, 1), all * 9 / 12, 1e-14));
 }
 
 TEST(Penalty, RefusesGridsThatAreNone) {
@@ -85,9 +130,8 @@ TEST(Penalty, RefusesGridsThatAreNone) {
   EXPECT_THROW(make_penalty(PenaltyKind::identity, {{2, 1, 1}, {0, 1, 1}}), InputError);
   EXPECT_THROW(make_penalty(PenaltyKind::identity, {{2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1}}),
                InputError);
-  const TwinMatrix a = random_matrix(2, 1, 1, 1);
-  const auto none = make_penalty(PenaltyKind::first_differences, {});
-  EXPECT_THROW(penalty_unit(*make_csr_operator(a.sparse), {}, *none), InputError);
+  EXPECT_THROW(reference_penalty({}, 1), InputError);
+  EXPECT_THROW(reference_penalty({{2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {0, 0}}, 0), InputError);
 }
 
 }  // namespace

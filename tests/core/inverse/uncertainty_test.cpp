@@ -43,6 +43,8 @@ struct Profile {
       }
     return m;
   }
+  /// The ratio of traces, which any number would do for.
+  double unit() const { return op->squared_norm(w) / penalty->squared_norm({}); }
   LinearProblem problem() const { return {op.get(), b, w}; }
   StrengthSolver solver() const {
     return [this](double strength, const std::vector<double>& start) {
@@ -64,9 +66,9 @@ struct Profile {
 TEST(Strength, DiscrepancyFindsTheMisfitOfTheNoise) {
   const Profile p;
   const StrengthChoice choice =
-      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, {}, p.solver());
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::discrepancy, {}, p.solver());
   EXPECT_TRUE(relative(choice.solution.misfit(), Profile::kRows, 0.01));
-  const double strength = choice.strength * penalty_unit(*p.op, p.w, *p.penalty);
+  const double strength = choice.strength * p.unit();
   EXPECT_LT(distance(choice.solution.x, p.exact(strength)), 1e-6);
   EXPECT_FALSE(choice.at_end);
 }
@@ -77,8 +79,8 @@ TEST(Strength, GcvFindsTheLeastOfItsFunction) {
   StrengthRange range;
   range.probes = 400;
   const StrengthChoice choice =
-      choose_strength(p.problem(), *p.penalty, StrengthRule::gcv, range, p.solver());
-  const double unit = penalty_unit(*p.op, p.w, *p.penalty);
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::gcv, range, p.solver());
+  const double unit = p.unit();
   const Eigen::MatrixXd wa = p.a.dense / p.sigma, l = dense(*p.penalty);
   for (const StrengthPoint& point : choice.curve) {
     const Eigen::MatrixXd normal = wa.transpose() * wa + point.strength * unit * l.transpose() * l;
@@ -99,8 +101,8 @@ TEST(Strength, LCurveComesNearTheLeastError) {
   StrengthRange range;
   range.points = 21;
   const StrengthChoice choice =
-      choose_strength(p.problem(), *p.penalty, StrengthRule::l_curve, range, p.solver());
-  const double unit = penalty_unit(*p.op, p.w, *p.penalty);
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::l_curve, range, p.solver());
+  const double unit = p.unit();
   double least = 1e300;
   for (const StrengthPoint& point : choice.curve)
     least = std::min(least, (p.exact(point.strength * unit) - dense(p.truth)).norm());
@@ -113,7 +115,8 @@ TEST(Strength, GoesOnBetweenTheStepsOfTheRange) {
   StrengthRange range;
   const double step = std::pow(range.highest / range.lowest, 1.0 / (range.points - 1));
   for (const StrengthRule rule : {StrengthRule::gcv, StrengthRule::l_curve}) {
-    const StrengthChoice choice = choose_strength(p.problem(), *p.penalty, rule, range, p.solver());
+    const StrengthChoice choice =
+        choose_strength(p.problem(), *p.penalty, p.unit(), rule, range, p.solver());
     ASSERT_EQ(choice.curve.size(), static_cast<std::size_t>(range.points) + 4);
     for (std::size_t k = 1; k + 1 < choice.curve.size(); ++k) {
       if (choice.curve[k].strength != choice.strength) continue;
@@ -122,15 +125,15 @@ TEST(Strength, GoesOnBetweenTheStepsOfTheRange) {
   }
   range.points = 9;
   const StrengthChoice whole =
-      choose_strength(p.problem(), *p.penalty, StrengthRule::l_curve, range, p.solver());
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::l_curve, range, p.solver());
   // Exactly what some step in the middle leaves is expected: the search ends there.
   for (const StrengthPoint& point : whole.curve)
     if (relative(point.strength, std::sqrt(range.lowest * range.highest), 1e-9))
       range.expected_misfit = 1.0001 * point.misfit;
   ASSERT_GT(range.expected_misfit, 0);
-  EXPECT_FALSE(
-      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, range, p.solver())
-          .at_end);
+  EXPECT_FALSE(choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::discrepancy, range,
+                               p.solver())
+                   .at_end);
 }
 
 // If no strength leaves as little as is expected: the strongest that leaves a tenth more than
@@ -139,14 +142,15 @@ TEST(Strength, SaysWhereNoiseDoesNotExplainTheData) {
   const Profile p;
   StrengthRange range;
   range.expected_misfit = 1;
-  const StrengthChoice choice =
-      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, range, p.solver());
+  const StrengthChoice choice = choose_strength(p.problem(), *p.penalty, p.unit(),
+                                                StrengthRule::discrepancy, range, p.solver());
   EXPECT_FALSE(choice.reached);
   double least = 1e300;
   for (const StrengthPoint& point : choice.curve) least = std::min(least, point.misfit);
   EXPECT_TRUE(relative(choice.solution.misfit(), 1.1 * least, 0.01));
   EXPECT_TRUE(
-      choose_strength(p.problem(), *p.penalty, StrengthRule::discrepancy, {}, p.solver()).reached);
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::discrepancy, {}, p.solver())
+          .reached);
 }
 
 // A pyramid that falls to half within two samples along one axis and one along the other; at the
@@ -304,8 +308,9 @@ TEST(Refusals, NameWhatIsMissing) {
   const Profile p;
   StrengthRange range;
   range.lowest = 0;
-  EXPECT_THROW(choose_strength(p.problem(), *p.penalty, StrengthRule::gcv, range, p.solver()),
-               UsageError);
+  EXPECT_THROW(
+      choose_strength(p.problem(), *p.penalty, p.unit(), StrengthRule::gcv, range, p.solver()),
+      UsageError);
   EXPECT_THROW(estimate_uncertainty(p.problem(), {}, 0, 1), UsageError);
   EXPECT_THROW(point_spread(p.problem(), {}, 30), UsageError);
   EXPECT_THROW(solve_gauss_newton({}, {}, {}), UsageError);

@@ -11,7 +11,7 @@ namespace plenoflame {
 
 /// The property that a solution is asked to have little of, beside the misfit.
 enum class PenaltyKind {
-  identity,            ///< the values themselves
+  identity = 0,        ///< the values themselves; the numbers are orders of differences
   first_differences,   ///< slopes: neighbouring values alike
   second_differences,  ///< curvature: slopes alike
 };
@@ -36,11 +36,18 @@ std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid
 /// total variation; rows that lead out of the grid are 0.
 std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid);
 
-/// Factor by which |L x|^2 is multiplied for a relative strength of 1: trace(A^T W^2 A) /
-/// trace(L^T L): a number that does not depend on units, brightness and the number of rows. Of
-/// differences it does depend on the grid.
-/// @param weights W, of A's rows; empty: all 1
+/// |L x|^2 of a field on the grid that changes by 1 over a tenth of the grid's longest side, whose
+/// slope changes by 1 over as much twice, or whose values are 1: what the penalty of any field is
+/// measured by, whatever the grid's step.
+/// @param order of the differences @param power 1: the sum of |L x| of total variation
+double reference_penalty(const PenaltyGrid& grid, int order, int power = 2);
+
+/// Factor by which |L x|^2 is multiplied for a relative strength of 1: |W A u|^2 / reference. The
+/// penalty of the reference's field is then as large as the misfit of leaving out the uniform flame
+/// u: a number that depends neither on units, brightness and rows nor on the grid's step.
+/// @param weights W, of A's rows; empty: all 1 @param uniform u: the value 1 in all that take part
+/// @param reference reference_penalty()
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
-                    const LinearOperator& penalty);
+                    std::span<const double> uniform, double reference);
 
 }  // namespace plenoflame

@@ -16,7 +16,7 @@ enum class StrengthRule {
 
 /// A strength that was tried.
 struct StrengthPoint {
-  double strength = 0;  ///< relative: the absolute one is penalty_unit() times it
+  double strength = 0;  ///< relative: the absolute one is the unit times it
   double misfit = 0;    ///< |W (A x - b)|^2
   double penalty = 0;   ///< |L (x - prior)|^2
   double gcv = -1;      ///< misfit / (m - trace of the influence matrix)^2; negative: not asked for
@@ -40,8 +40,6 @@ struct StrengthRange {
   double tolerance = 0.002;             ///< of discrepancy's misfit, relative, at which they end
   int probes = 4;                       ///< random vectors for GCV's trace
   int probe_iterations = 500;           ///< for each of them, at most
-  /// The penalty is a square; false: a sum of lengths (total variation), measured by the unit's root.
-  bool squares = true;
 };
 
 /// Solves a problem with a given absolute strength from a start.
@@ -51,10 +49,11 @@ using StrengthSolver = std::function<Solution(double strength, const std::vector
 /// about the best one. Where the discrepancy reaches what is expected with none (the model is wrong
 /// by more than the noise), it is the strongest one that leaves at most a tenth more than the
 /// least.
+/// @param unit the absolute strength for a relative one of 1, e.g. penalty_unit()
 /// @param solve what is solved with, e.g. solve_cgls or solve_nnls
-/// @throws UsageError for an empty range or a penalty that is missing
+/// @throws UsageError for an empty range
 StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperator& penalty,
-                               StrengthRule rule, const StrengthRange& range,
+                               double unit, StrengthRule rule, const StrengthRange& range,
                                const StrengthSolver& solve, const Execution& execution = {});
 
 }  // namespace plenoflame

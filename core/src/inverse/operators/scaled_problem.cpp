@@ -30,6 +30,20 @@ std::vector<double> seen_by_counting_rows(const LinearOperator& a,
   return transposed_times(a, counts);
 }
 
+PenaltyKind kind_of(ReconstructionPenalty penalty) {
+  switch (penalty) {
+    case ReconstructionPenalty::identity:
+      return PenaltyKind::identity;
+    case ReconstructionPenalty::gradient:
+      return PenaltyKind::first_differences;
+    case ReconstructionPenalty::curvature:
+      return PenaltyKind::second_differences;
+    case ReconstructionPenalty::none:
+      break;
+  }
+  throw UsageError("this penalty is none");
+}
+
 std::vector<char> taking_part(const std::vector<double>& scale) {
   std::vector<char> mask;
   for (const double s : scale) mask.push_back(s > 0);
@@ -38,26 +52,34 @@ std::vector<char> taking_part(const std::vector<double>& scale) {
 
 }  // namespace
 
-std::unique_ptr<LinearOperator> make_penalty_of(const ReconstructionSettings& settings,
-                                                const Unknowns& unknowns, std::vector<char> mask) {
+ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                              std::vector<char> mask) {
   PenaltyGrid grid;
   grid.shape = unknowns.shape();
   grid.spacing = unknowns.spacing();
   grid.strength = settings.penalty_axes;
   grid.mask = std::move(mask);
-  if (settings.solver == ReconstructionSolver::tv) return make_gradient(grid);
-  if (!is_penalised(settings.solver)) return nullptr;
-  switch (settings.penalty) {
-    case ReconstructionPenalty::none:
-      return nullptr;
-    case ReconstructionPenalty::identity:
-      return make_penalty(PenaltyKind::identity, grid);
-    case ReconstructionPenalty::gradient:
-      return make_penalty(PenaltyKind::first_differences, grid);
-    case ReconstructionPenalty::curvature:
-      return make_penalty(PenaltyKind::second_differences, grid);
+  ChosenPenalty chosen;
+  if (settings.solver == ReconstructionSolver::tv) {
+    // Its penalty goes with the flame's brightness, the misfit with its square: the root of the
+    // misfit is what it is measured by.
+    chosen.reference = std::pow(reference_penalty(grid, 1, 1), 2);
+    chosen.root = true;
+    chosen.l = make_gradient(grid);
+  } else if (is_penalised(settings.solver) && settings.penalty != ReconstructionPenalty::none) {
+    const PenaltyKind kind = kind_of(settings.penalty);
+    chosen.reference = reference_penalty(grid, static_cast<int>(kind));
+    chosen.l = make_penalty(kind, grid);
   }
-  return nullptr;
+  if (chosen.l && !(chosen.l->squared_norm({}) > 0))
+    throw InputError("the penalty has no rows: every strength is 0, or all unknowns stand alone");
+  return chosen;
+}
+
+double ChosenPenalty::unit(const LinearOperator& a, std::span<const double> weights,
+                           std::span<const double> uniform) const {
+  const double unit = penalty_unit(a, weights, uniform, reference);
+  return root ? std::sqrt(unit) : unit;
 }
 
 bool is_penalised(ReconstructionSolver solver) {
@@ -109,10 +131,11 @@ ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperato
       settings_(settings),
       scaled_a_(a, scale_),
       penalty_(make_penalty_of(settings, unknowns, taking_part(scale_))) {
-  if (penalty_) {
-    scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_, scale_);
-    unit_ = penalty_unit(scaled_a_, weights_, *scaled_penalty_);
-    if (settings.solver == ReconstructionSolver::tv) unit_ = std::sqrt(unit_);
+  if (penalty_.l) {
+    scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_.l, scale_);
+    std::vector<double> uniform;
+    for (const double s : scale_) uniform.push_back(s > 0 ? 1 : 0);
+    unit_ = penalty_.unit(a, weights_, uniform);
   }
   if (is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv) {
     SignSequence signs(3);
@@ -181,16 +204,16 @@ StrengthChoice ScaledProblem::choose(std::span<const double> b, double expected,
                                      const Execution& execution) const {
   if (settings_.rule == StrengthRule::gcv && settings_.solver == ReconstructionSolver::tv)
     throw UsageError("cross-validation is for penalties that are squares, not for tv");
-  StrengthRange range = kLinearRange;
+  StrengthRange range = penalty_.root ? kVariationRange : kLinearRange;
   range.expected_misfit = expected;
-  range.squares = settings_.solver != ReconstructionSolver::tv;
   bool first = true;
   const StrengthSolver solver = [&](double strength, const std::vector<double>& before) {
     const std::vector<double> from = first && !start.empty() ? scaled(start) : before;
     first = false;
     return solve_absolute(b, strength, from, options, execution);
   };
-  return choose_strength(problem(b), *scaled_penalty_, settings_.rule, range, solver, execution);
+  return choose_strength(problem(b), *scaled_penalty_, unit_, settings_.rule, range, solver,
+                         execution);
 }
 
 Solution ScaledProblem::solve_absolute(std::span<const double> b, double strength,

@@ -11,12 +11,24 @@
 namespace plenoflame {
 
 /// Strengths that are looked at.
-inline constexpr StrengthRange kLinearRange{1e-5, 1e3, 9, 0, 8, 0.01, 2, 100};
+inline constexpr StrengthRange kLinearRange{1e-9, 0.1, 9, 0, 8, 0.01, 2, 100};
+/// The same of total variation, whose unit is the root of a misfit.
+inline constexpr StrengthRange kVariationRange{1e-5, 1e3, 9, 0, 8, 0.01, 2, 100};
 
-/// The penalty of a reconstruction on one value per unknown; total variation's gradient for its
-/// solver. Unknowns of which the mask is 0 have no part in it. nullptr: none.
-std::unique_ptr<LinearOperator> make_penalty_of(const ReconstructionSettings& settings,
-                                                const Unknowns& unknowns, std::vector<char> mask);
+/// The penalty of a reconstruction on one value per unknown.
+struct ChosenPenalty {
+  std::unique_ptr<LinearOperator> l;  ///< total variation's gradient for its solver; nullptr: none
+  double reference = 0;               ///< reference_penalty(), for total variation squared
+  bool root = false;                  ///< the strength's unit is a root: of total variation
+
+  /// The absolute strength for a relative one of 1. @param uniform as of penalty_unit()
+  double unit(const LinearOperator& a, std::span<const double> weights,
+              std::span<const double> uniform) const;
+};
+
+/// @param mask unknowns of which it is 0 have no part in the penalty
+ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unknowns& unknowns,
+                              std::vector<char> mask);
 
 /// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
 class ScaledColumns final : public LinearOperator {
@@ -59,7 +71,7 @@ class ScaledProblem {
   std::vector<double> samples(std::span<const double> u) const;
   std::vector<double> scaled(std::span<const double> x) const;
   std::span<const double> weights() const { return weights_; }
-  bool has_penalty() const { return penalty_ != nullptr; }
+  bool has_penalty() const { return penalty_.l != nullptr; }
   /// Rows below 0 that count as 0.
   std::size_t clipped(std::span<const double> b) const;
 
@@ -80,7 +92,8 @@ class ScaledProblem {
   std::vector<double> weights_, scale_, prior_;
   const ReconstructionSettings& settings_;
   ScaledColumns scaled_a_;
-  std::unique_ptr<LinearOperator> penalty_, scaled_penalty_;
+  ChosenPenalty penalty_;
+  std::unique_ptr<LinearOperator> scaled_penalty_;
   double unit_ = 0;
   /// Length of A^T W n for noise n of one deviation in each row: gradients that are much shorter
   /// are an end.

@@ -71,12 +71,17 @@ std::array<std::size_t, 3> strides(const PenaltyGrid& grid) {
   return {n1 * n2, n2, 1};
 }
 
+/// The smallest spacing of the axes that have one.
+double least_spacing(const PenaltyGrid& grid) {
+  double least = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (grid.shape[a] > 1 && (least == 0 || grid.spacing[a] < least)) least = grid.spacing[a];
+  return least;
+}
+
 /// The factor of a difference of some order along an axis.
 double axis_scale(const PenaltyGrid& grid, std::size_t axis, int order) {
-  double unit = 0;
-  for (std::size_t a = 0; a < 3; ++a)
-    if (grid.shape[a] > 1 && (unit == 0 || grid.spacing[a] < unit)) unit = grid.spacing[a];
-  return grid.strength[axis] * std::pow(unit / grid.spacing[axis], order);
+  return grid.strength[axis] * std::pow(least_spacing(grid) / grid.spacing[axis], order);
 }
 
 /// Calls use(unknown, index along the axes) for every unknown.
@@ -135,13 +140,30 @@ std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid) {
   return result;
 }
 
+double reference_penalty(const PenaltyGrid& grid, int order, int power) {
+  constexpr double kPart = 0.1;  // of the longest side, over which a field changes by 1
+  const std::size_t size = size_of(grid);
+  double longest = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (grid.shape[a] > 1) longest = std::max(longest, grid.shape[a] * grid.spacing[a]);
+  if (order > 0 && !(longest > 0))
+    throw InputError("the penalty has no rows: the grid has one sample only");
+  const auto taking_part =
+      grid.mask.empty()
+          ? static_cast<double>(size)
+          : static_cast<double>(size) - static_cast<double>(std::ranges::count(grid.mask, char{0}));
+  if (!(taking_part > 0)) throw InputError("the penalty has no rows: no unknown takes part");
+  if (order == 0) return taking_part;
+  return taking_part * std::pow(least_spacing(grid) / (kPart * longest), power * order);
+}
+
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
-                    const LinearOperator& penalty) {
-  const double below = penalty.squared_norm({});
-  if (!(below > 0))
-    throw InputError(
-        "the penalty has no rows: every strength is 0, or the grid has one sample only");
-  return a.squared_norm(weights) / below;
+                    std::span<const double> uniform, double reference) {
+  const std::vector<double> image = a * uniform;
+  double sum = 0;
+  for (std::size_t i = 0; i < image.size(); ++i)
+    sum += std::pow(weights.empty() ? image[i] : weights[i] * image[i], 2);
+  return sum / reference;
 }
 
 }  // namespace plenoflame

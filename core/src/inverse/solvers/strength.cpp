@@ -93,13 +93,11 @@ std::size_t best_of(const std::vector<StrengthPoint>& curve, StrengthRule rule, 
 }  // namespace
 
 StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperator& penalty,
-                               StrengthRule rule, const StrengthRange& range,
+                               double unit, StrengthRule rule, const StrengthRange& range,
                                const StrengthSolver& solve, const Execution& execution) {
   check_problem(problem);
   if (!(range.lowest > 0) || !(range.highest > range.lowest) || range.points < 3)
     throw UsageError("strengths range from a number above 0 to a larger one, in 3 steps at least");
-  const double square = penalty_unit(*problem.a, problem.weights, penalty);
-  const double unit = range.squares ? square : std::sqrt(square);
   const double expected = range.expected_misfit > 0 ? range.expected_misfit : counted_rows(problem);
   StrengthChoice choice;
   std::vector<Solution> solutions;
