@@ -2,6 +2,7 @@
 
 import math
 import os
+import signal
 import subprocess
 
 import command
@@ -191,24 +192,37 @@ class Flame(CommandTest):
                    mentions=["a.vdb", "largest file size"])
         self.assertEqual(self.files(), [])
 
-    def test_a_killed_write_leaves_nothing(self):
-        """It is killed while its file is open in the folder, at several sizes of what is written by then."""
+    def test_a_killed_write_leaves_the_old_file(self):
+        """It is held while its file is open in the folder, at several sizes of what is written by then, and killed."""
         for least in (1, 20_000, 200_000):
-            process = subprocess.Popen([command.COMMAND, "flame", "candle", "--voxel-size", "0.2 mm", "-o", "a.vdb"],
-                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            while process.poll() is None and self.being_written(process.pid) < least:
-                pass
-            process.kill()
-            self.assertLess(process.wait(), 0)
-            self.assertEqual(self.files(), [])
+            for _ in range(20):  # what is written before it is seen tells nothing
+                self.write("a.vdb", "old")
+                if self.killed_while_writing(least):
+                    break
+            else:
+                self.fail(f"no write was seen at {least} bytes")
+            self.assertEqual(self.files(), ["a.vdb"])
+            self.assertEqual(self.read("a.vdb"), b"old")
+
+    def killed_while_writing(self, least):
+        process = subprocess.Popen([command.COMMAND, "flame", "candle", "--voxel-size", "0.2 mm", "-o", "a.vdb"],
+                                   cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while process.poll() is None and self.being_written(process.pid) < least:
+            pass
+        process.send_signal(signal.SIGSTOP)
+        writing = process.poll() is None and self.being_written(process.pid) >= least
+        process.kill()
+        process.wait()
+        return writing
 
     def being_written(self, pid):
         """Bytes of the file in the test's folder that a process has open."""
         size = 0
         try:
-            for link in os.scandir(f"/proc/{pid}/fd"):
-                if os.readlink(link.path).startswith(os.path.realpath(self.folder) + "/"):
-                    size = max(size, os.stat(link.path).st_size)
+            with os.scandir(f"/proc/{pid}/fd") as links:
+                for link in links:
+                    if os.readlink(link.path).startswith(os.path.realpath(self.folder) + "/"):
+                        size = max(size, os.stat(link.path).st_size)
         except OSError:  # closed in the meantime
             pass
         return size

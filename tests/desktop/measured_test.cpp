@@ -111,7 +111,9 @@ class MeasuredTest : public test::SceneFixture {
     QVERIFY(!child<QComboBox>("shownPicture")->isVisible());
     choose("flame.pgm");
     QVERIFY(session().measured().field());
-    QVERIFY2(image().caption().contains("measured: flame.pgm"), qPrintable(image().caption()));
+    QVERIFY(until([this] { return image().caption().contains("measured: flame.pgm"); }));
+    for (const QSize size : {QSize(1366, 768), QSize(1280, 720), QSize(1400, 900)})
+      QCOMPARE(cut_tool(*window_, size, window_->image_panel()), QString());
     // Electrons above dark, by the scene's gain and black level.
     const Image& electrons = session().measured().field()->channels[0].flux;
     for (const QPoint at : {brightest(), QPoint(3, 4), QPoint(100, 20)}) {
@@ -142,14 +144,13 @@ class MeasuredTest : public test::SceneFixture {
     const QColor grey = drawn(both.x(), both.y());
     QVERIFY2(std::abs(grey.red() - grey.green()) < 30 && grey.red() > 120, qPrintable(grey.name()));
     // Blinking shows one after the other, by its key.
-    image().setFocus();
-    QTest::keyClick(&image(), Qt::Key_B);
+    press(Qt::Key_B);
     for (const bool lamp : {true, false, true}) {
       QVERIFY(until([&] { return (drawn(5, 5).lightness() > 100) == lamp; }, 5000));
       QCOMPARE(image().caption().startsWith("measured"), lamp);
       QVERIFY(!image().overlay());
     }
-    QTest::keyClick(&image(), Qt::Key_B);
+    press(Qt::Key_B);
     QVERIFY(image().overlay());
     // After an edit the registration is of the new picture.
     type("flames[0].scale", "0.8");
@@ -181,8 +182,7 @@ class MeasuredTest : public test::SceneFixture {
     // Its lattice.
     image().set_scale(6);
     const QImage bare = image().grab().toImage();
-    image().setFocus();
-    QTest::keyClick(&image(), Qt::Key_O);
+    press(Qt::Key_O);
     QVERIFY(until([&] { return test::difference(bare, image().grab().toImage()) > 0.01; }));
     // F5 renders the scene, and the file's picture stays to be compared.
     press(Qt::Key_F5);

@@ -1,5 +1,6 @@
 #pragma once
 #include <QApplication>
+#include <QComboBox>
 #include <QDockWidget>
 #include <QFile>
 #include <QFileDialog>
@@ -13,6 +14,7 @@
 #include <QTemporaryDir>
 #include <QTest>
 #include <QThread>
+#include <QToolButton>
 #include <QTreeView>
 #include <cmath>
 #include <functional>
@@ -138,6 +140,27 @@ class WindowFixture : public QObject {
     if (!process.waitForFinished(test::kPatience) || process.exitCode() != 0)
       qWarning("%s", process.readAllStandardError().constData());
     return QString::fromUtf8(process.readAllStandardOutput());
+  }
+  /// The first button or list of this panel's toolbar that is cut at this size of the window, or
+  /// hidden without being one of `hidden`; empty: everything is seen.
+  static QString cut_tool(MainWindow& window, QSize size, const QWidget& panel,
+                          const QStringList& hidden = {}) {
+    window.resize(size);
+    if (!until([&] { return window.size() == size; })) return "the window";
+    QTest::qWait(50);
+    for (const QWidget* tool : panel.findChildren<QWidget*>()) {
+      const auto* const button = qobject_cast<const QToolButton*>(tool);
+      if (!button && !qobject_cast<const QComboBox*>(tool)) continue;
+      const QString name = button && button->defaultAction()
+                               ? button->defaultAction()->objectName() + " " + button->text()
+                               : tool->objectName() + " " + tool->toolTip();
+      if (tool->isHidden() && hidden.contains(name.section(' ', 0, 0))) continue;
+      const bool whole = tool->isVisible() &&
+                         tool->visibleRegion().boundingRect() == tool->rect() &&
+                         tool->width() >= tool->minimumSizeHint().width();
+      if (!whole) return name;
+    }
+    return {};
   }
   void raise(const char* dock) {
     auto* widget = child<QDockWidget>(dock);

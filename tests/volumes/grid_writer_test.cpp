@@ -16,6 +16,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "support/approx.h"
+#include "support/open_files.h"
 #include "volumes/support.h"
 
 namespace plenoflame::grid_writer_test {
@@ -100,21 +101,6 @@ TEST(GridWriter, RefusesWhatSixteenBitsCannotHold) {
       "singular"));
 }
 
-/// Bytes of the open file of this process in a folder, 0 while there is none.
-off_t open_in(const std::string& folder) {
-  off_t size = 0;
-  std::error_code gone;
-  for (std::filesystem::directory_iterator entry("/proc/self/fd", gone), end; !gone && entry != end;
-       entry.increment(gone)) {
-    std::error_code closed;
-    struct stat file {};
-    if (std::filesystem::read_symlink(entry->path(), closed).string().starts_with(folder + "/") &&
-        stat(entry->path().c_str(), &file) == 0 && S_ISREG(file.st_mode))
-      size = std::max(size, file.st_size);
-  }
-  return size;
-}
-
 TEST(GridWriter, WritingStoppedInItsMidstLeavesTheOldFileAlone) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.vdb");
@@ -132,7 +118,7 @@ TEST(GridWriter, WritingStoppedInItsMidstLeavesTheOldFileAlone) {
     std::stop_source stop;
     std::jthread watcher([&](const std::stop_token& over) {
       while (!over.stop_requested())
-        if (open_in(folder.path()) > 100000) stop.request_stop();
+        if (test::open_in(folder.path()) > 100000) stop.request_stop();
     });
     GridWriteOptions options;
     options.stop = stop.get_token();

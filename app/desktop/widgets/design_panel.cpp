@@ -21,16 +21,15 @@ namespace {
 constexpr int kWarningsShown = 2;  ///< more of them are folded away at first
 constexpr int kLeastRemark = 14;   ///< [characters] that the column of remarks is worth having for
 
-/// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma or
-/// bracket.
+/// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma, semicolon or bracket.
 std::array<QString, 2> value_and_remark(const QString& text) {
   int end = text.size();
-  for (const char* mark : {", ", " (", ": "}) {
+  for (const char* mark : {", ", "; ", " (", ": "}) {
     const int at = text.indexOf(mark);
     if (at > 0) end = std::min(end, at);
   }
   QString rest = text.mid(end);
-  if (rest.startsWith(", ") || rest.startsWith(": ")) rest = rest.mid(2);
+  if (rest.startsWith(", ") || rest.startsWith("; ") || rest.startsWith(": ")) rest = rest.mid(2);
   return {text.left(end), rest.trimmed()};
 }
 
@@ -57,6 +56,9 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   table_->setToolTip(
       tr("What `plenoflame design` says about this camera; it "
          "follows every change"));
+  // Remarks are wrapped anew in a column of another width.
+  connect(table_->horizontalHeader(), &QHeaderView::sectionResized, table_,
+          &QTableWidget::resizeRowsToContents);
   warnings_->setObjectName("designWarnings");
   warnings_->setWordWrap(true);
   warnings_->setMargin(4);

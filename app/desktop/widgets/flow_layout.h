@@ -8,7 +8,7 @@ namespace plenoflame::desktop {
 /// Widgets that may grow sideways share the room that is left in their line.
 class FlowLayout : public QLayout {
  public:
-  explicit FlowLayout(QWidget* parent);
+  explicit FlowLayout(QWidget* parent = nullptr);
   ~FlowLayout() override;
 
   void addItem(QLayoutItem* item) override;

@@ -208,7 +208,8 @@ void PlotWidget::paintEvent(QPaintEvent*) {
       else
         path.moveTo(at);
       pen_down = true;
-      if (series.marks) painter.drawEllipse(at, 2.5, 2.5);
+      // A line of a single point would not be seen.
+      if (series.marks || series.points.size() == 1) painter.drawEllipse(at, 2.5, 2.5);
     }
     painter.setBrush(Qt::NoBrush);
     if (series.line) painter.drawPath(path);

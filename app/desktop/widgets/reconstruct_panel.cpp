@@ -429,11 +429,24 @@ void ReconstructPanel::show_choices() {
   grid_->setToolTip(unknowns == "voxels"  ? tr("Voxels along the longest side, or NX,NY,NZ")
                     : unknowns == "rings" ? tr("Rings and heights, N,M")
                                           : tr("The number of layers"));
+  rings_axis_->setEnabled(unknowns == "rings");
   absorption_->setEnabled(find != "both");
+  ratios_->setEnabled(find == "both");
+  if (channel_->count() > 0) {
+    // A new name of an entry would replace what was typed.
+    const QString typed = channel_->currentText();
+    const bool is_typed = channel_->findText(typed) < 0;
+    channel_->setItemText(0, find == "both" ? tr("the first two") : tr("the first"));
+    if (is_typed) channel_->setEditText(typed);
+  }
   solver_->setEnabled(find == "emission");
-  const bool penalised = QStringList{"fista", "nnls", "cgls", "lsqr"}.contains(solver);
-  penalty_->setEnabled(find != "emission" || penalised);
-  channel_->setEnabled(find != "both");
+  const bool squares =
+      find != "emission" || QStringList{"fista", "nnls", "cgls", "lsqr"}.contains(solver);
+  penalty_->setEnabled(squares);
+  // What has no penalty has no strength of it; a strength that is given is not chosen.
+  const bool penalised = squares ? penalty_->currentData().toString() != "none" : solver == "tv";
+  strength_->setEnabled(penalised);
+  rule_->setEnabled(penalised && strength_->text().trimmed().isEmpty());
 }
 
 void ReconstructPanel::start() {

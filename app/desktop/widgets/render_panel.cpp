@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "plenoflame/base/error.h"
+#include "widgets/flow_layout.h"
 #include "widgets/plot_widget.h"
 
 namespace plenoflame::desktop {
@@ -65,9 +66,9 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   curve_->setObjectName("renderCurve");
   curve_->set_axes(tr("time [s]"), tr("relative RMSE"), true, true);
   curve_->set_empty_text(tr("Error against time appears while an image is rendered."));
-  auto* buttons = new QHBoxLayout;
+  auto* buttons = new FlowLayout;  // a small window has them in two lines
+  buttons->setContentsMargins(0, 0, 0, 0);
   for (QPushButton* b : {start_, pause_, stop_, finer_, coarser_}) buttons->addWidget(b);
-  buttons->addStretch(1);
   auto* form = new QFormLayout;
   skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // it is elided
   form->addRow(tr("State"), state_);
