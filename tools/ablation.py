@@ -216,7 +216,7 @@ def page_of(results):
         for device in DEVICES:
             of_device = results.get(device.name, {})
             cells = [NOTHING_TO_DO if key.split()[0] not in WHICH.get(device.name, SCENES) else
-                     f"{of_device[key][what]:.2f}" if key in of_device else "" for key in keys]
+                     f"{of_device[key][what]:.2f}" if what in of_device.get(key, {}) else "" for key in keys]
             text += f"| {device.name} | " + " | ".join(cells) + " |\n"
         text += "\n"
     text += "### Devices and their size\n| device | what it does | lines | of tests |\n|---|---|---|---|\n"
