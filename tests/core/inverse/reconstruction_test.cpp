@@ -147,7 +147,7 @@ TEST(Reconstruction, RingsFromOneCamera) {
 // Stored and followed again: the same solution; the same to the bit for any number of threads.
 TEST(Reconstruction, WithoutAMatrixAndForAnyNumberOfThreads) {
   Rig rig = ring_rig();
-  rig.settings.strength = 1;
+  rig.settings.strength = 1e-4;
   rig.settings.iterations = 50;
   Execution one, two;
   one.threads = 1;
@@ -167,7 +167,7 @@ TEST(Reconstruction, WithoutAMatrixAndForAnyNumberOfThreads) {
 TEST(Reconstruction, TwoCamerasKnowMoreThanOne) {
   Rig one = voxel_rig(false), two = voxel_rig(true);
   one.settings.probes = two.settings.probes = 4;
-  one.settings.strength = two.settings.strength = 0.3;
+  one.settings.strength = two.settings.strength = 3e-5;
   const Reconstruction single = reconstruct(one.input(0.01), one.settings),
                        both = reconstruct(two.input(0.01), two.settings);
   EXPECT_LT(two.error(both.values), 0.7 * one.error(single.values));
@@ -189,7 +189,7 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
   rig.truth.clear();
   for (std::size_t j = 0; j < rig.unknowns->size(); ++j)
     rig.truth.push_back(glow(rig.unknowns->place(j)));
-  rig.settings.strength = 1;
+  rig.settings.strength = 1e-4;
   const auto outside = [&](const Reconstruction& found) {
     double lost = 0, beyond = 0;
     for (std::size_t j = 0; j < rig.truth.size(); ++j) {
@@ -217,7 +217,7 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
 // Stated deviations against the scatter of reconstructions of independent noise.
 TEST(Reconstruction, DeviationsAreThoseOfRepeatedMeasurements) {
   Rig rig = ring_rig();
-  rig.settings.strength = 1;
+  rig.settings.strength = 1e-4;
   rig.settings.iterations = 200;
   rig.settings.support = false;
   rig.settings.draws = 30;
@@ -289,7 +289,7 @@ TEST(Reconstruction, DeviationsDoNotDependOnTheIterationsThatAreLeft) {
   Rig rig = ring_rig();
   rig.settings.draws = 3;
   rig.settings.support = false;
-  rig.settings.strength = 100;
+  rig.settings.strength = 1e-2;
   const ReconstructionInput input = rig.input(0.1);
   for (const auto solver : {ReconstructionSolver::fista, ReconstructionSolver::mlem}) {
     rig.settings.solver = solver;
@@ -480,7 +480,7 @@ TEST(Reconstruction, TemperaturesWhereTheAbsorptionIsKnown) {
 // meets is counted.
 TEST(Reconstruction, LeavesOutAndCounts) {
   Rig rig = ring_rig();
-  rig.settings.strength = 1;
+  rig.settings.strength = 1e-4;
   rig.settings.iterations = 50;
   ReconstructionInput input = rig.input(0.01);
   input.measurements[0].deviation.at(20, 30) = 0;

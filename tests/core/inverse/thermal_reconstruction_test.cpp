@@ -107,7 +107,7 @@ TEST(ThermalReconstruction, WhatIsHeldAtABoundHasNoDeviation) {
   input.channels.resize(1);
   input.absorption = flame.absorption;
   flame.settings.linear.probes = 4;
-  flame.settings.linear.strength = 1;
+  flame.settings.linear.strength = 1e-3;
   flame.settings.highest_temperature = 1650;
   const FlameEstimate found = reconstruct_thermal(input, flame.settings).estimate;
   std::size_t held = 0;
@@ -153,7 +153,7 @@ TEST(ThermalReconstruction, TemperatureAndAbsorptionOfTwoChannels) {
 // Errors of repeated measurements are as large as the deviations say where the bias is small.
 TEST(ThermalReconstruction, DeviationsAreThoseOfRepeatedMeasurements) {
   RoundFlame flame(60);
-  flame.settings.linear.strength = 0.02;
+  flame.settings.linear.strength = 1e-5;
   flame.settings.linear.probes = 30;
   const ThermalReconstruction stated = reconstruct_thermal(flame.input(0.0005), flame.settings);
   flame.settings.linear.probes = 0;
@@ -233,7 +233,7 @@ TEST(ThermalReconstruction, AStopKeepsWhatWasReached) {
   // The emission is a start.
   ThermalInput again = input;
   again.start_emission = early.estimate.emission;
-  flame.settings.linear.strength = 1;
+  flame.settings.linear.strength = 1e-3;
   flame.settings.linear.probes = 0;
   EXPECT_TRUE(reconstruct_thermal(again, flame.settings).figures.complete);
 }
