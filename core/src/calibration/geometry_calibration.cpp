@@ -19,6 +19,11 @@ constexpr double kTurnedOver = 0.95;
 constexpr int kMostTurns = 5;
 constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled normal matrix
 
+/// The plane of which the image is distorted but sharp is searched for where it would be known to
+/// this part of its distance. Distortion that is noise tells it to a half at best; and where it
+/// stays as it is, so much of it changes the picture by no more than the noise of all corners.
+constexpr double kKnownPlane = 0.1;
+
 /// The observations from which a value of the camera is known.
 enum class ValueGroup {
   optics,     ///< corners
@@ -40,6 +45,9 @@ double pitch_of(const CameraSpec& camera) {
 }
 double unity(const CameraSpec&) {
   return 1;
+}
+double plane_of(const CameraSpec& camera) {
+  return camera.lens.distortion.distance;
 }
 /// Tangent of the angle at which the sensor's corner is seen, to a power: terms of distortion
 /// change directions by it.
@@ -82,7 +90,14 @@ const FreeValue kFreeValues[]{
      1e-4, per_field<1>, ValueGroup::distortion},
     {"camera.lens.distortion.p2", [](CameraSpec& c) -> double& { return c.lens.distortion.p2; },
      1e-4, per_field<1>, ValueGroup::distortion},
+    {"camera.lens.distortion.distance",
+     [](CameraSpec& c) -> double& { return c.lens.distortion.distance; }, 1e-5, plane_of,
+     ValueGroup::distortion},
 };
+
+bool is_plane(const FreeValue* value) {
+  return value->scale == plane_of;
+}
 
 /// The camera with its stop wide open: corners may be seen by rays that its own stop ends.
 Camera open_camera(CameraSpec spec) {
@@ -319,6 +334,20 @@ class GeometryFit {
   }
 
   double corner_rms() const { return rms(residuals_, used_); }
+
+  /// Whether the plane of the distortion, one of these values, is known where the camera is now.
+  bool knows_plane(const std::vector<const FreeValue*>& free) {
+    free_ = free;
+    linearise();
+    for (const CalibratedValue& value : result(0).values)
+      if (value.key.ends_with(".distance"))
+        return std::isfinite(value.error) && value.error > 0 &&
+               value.error < kKnownPlane * value.value;
+    return false;
+  }
+
+  void put_plane(double distance) { spec_.lens.distortion.distance = distance; }
+  double plane() const { return spec_.lens.distortion.distance; }
 
   GeometryCalibration result(int steps) const {
     GeometryCalibration result;
@@ -560,21 +589,39 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   spec.array.sensor_distance = camera.microlenses()[0].sensor_distance;
   spec.array.spacing_error = 0;
   const std::vector<const FreeValue*> free = chosen(settings, !centres.empty());
+  const auto plane = std::find_if(free.begin(), free.end(), is_plane);
+  const bool finds_plane = plane != free.end();
   // Distortion that is not there yet begins with the plane in focus.
-  if (spec.lens.distortion.none())
+  if (spec.lens.distortion.none() || (finds_plane && !std::isfinite(plane_of(spec))))
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
   GeometryFit fit(spec, corners, centres);
   fit.start_poses();
   fit.solve({}, execution);
   fit.turn_poses_over(execution);
-  int steps = fit.solve(free, execution);
+  // Without distortion nothing tells of its plane: that comes last.
+  std::vector<const FreeValue*> found = free;
+  if (finds_plane) found.erase(found.begin() + (plane - free.begin()));
+  int steps = fit.solve(found, execution);
   // A better camera tells more about the poses.
   for (int round = 0; round < kMostTurns && fit.turn_poses_over(execution); ++round)
-    steps += fit.solve(free, execution);
-  steps += fit.solve(free, execution);
+    steps += fit.solve(found, execution);
+  steps += fit.solve(found, execution);
   fit.check_determined();
-  if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0)
-    steps += fit.solve(free, execution);
+  const auto solve_all = [&] {
+    steps += fit.solve(found, execution);
+    if (!finds_plane) return;
+    const double before = fit.plane();
+    const bool is_asked_for =
+        std::find(settings.free.begin(), settings.free.end(), (*plane)->key) != settings.free.end();
+    if (is_asked_for || fit.knows_plane(free)) {
+      steps += fit.solve(free, execution);
+      if (is_asked_for || fit.knows_plane(free)) return;
+      fit.put_plane(before);
+    }
+    steps += fit.solve(found, execution);
+  };
+  if (finds_plane) solve_all();
+  if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
   GeometryCalibration result = fit.result(steps);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
