@@ -142,6 +142,8 @@ class PupilFilters(CommandTest):
         for row in figures["views_see"]:
             self.assertEqual((row[0], row[3], row[6]), ("infrared", None, "red"))
         self.assertIn("a of the stop", self.run_command("design", "a.toml").stdout)
+        self.assertRegex(self.succeeds("info", "a.toml"), r"pupil filters: +red, infrared\n")
+        self.assertEqual(self.json_of("info", "a.toml")["pupil_filters"], "red, infrared")
 
     def test_what_is_refused(self):
         self.rendered(RED + INFRARED)
@@ -164,6 +166,9 @@ class PupilFilters(CommandTest):
         self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", "outside of the stop"])
         self.write("a.toml", CAMERA + far.replace("1.1 0, 2 0, 2 1", "0 0, 1") + CHANNEL + FLAME)
         self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", "corners are pairs of numbers"])
+        self.write("a.toml", CAMERA + RED + INFRARED.replace("infrared", "red") + CHANNEL + FLAME)
+        line = (CAMERA + RED).count("\n") + 2
+        self.fails(1, "render", "a.toml", mentions=[f"a.toml:{line}:", 'both named "red"; names must differ'])
         self.assertEqual(self.files(), ["a.toml"])
 
 

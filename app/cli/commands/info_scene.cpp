@@ -51,6 +51,14 @@ std::string focus_text(const FocusSpec& focus) {
          readable(focus.object_distance, Dimension::length) + " sharp on " + focus.conjugate;
 }
 
+/// "650nm, 850nm", those without a name by their numbers.
+std::string filters_text(const std::vector<PupilFilterSpec>& filters) {
+  std::string text;
+  for (std::size_t i = 0; i < filters.size(); ++i)
+    text += (i > 0 ? ", " : "") + (filters[i].name.empty() ? std::to_string(i) : filters[i].name);
+  return text;
+}
+
 std::string sensor_text(const SensorSpec& sensor) {
   return std::to_string(sensor.columns) + " x " + std::to_string(sensor.rows) + " pixels of " +
          readable(sensor.pixel().x, Dimension::length) +
@@ -67,6 +75,9 @@ void add_camera(const CameraSpec& camera, Report& report) {
   report.add("microlens array", array_text(camera.array), "microlens_array",
              array_text(camera.array));
   report.add("focus", focus_text(camera.focus), "focus", focus_text(camera.focus));
+  if (!camera.pupil_filters.empty())
+    report.add("pupil filters", filters_text(camera.pupil_filters), "pupil_filters",
+               filters_text(camera.pupil_filters));
 }
 
 nlohmann::json camera_json(const CameraSpec& camera) {
@@ -77,7 +88,8 @@ nlohmann::json camera_json(const CameraSpec& camera) {
           {"pixel_pitch_m", camera.sensor.pixel_pitch},
           {"main_lens", lens_text(camera.lens)},
           {"microlens_array", array_text(camera.array)},
-          {"focus", focus_text(camera.focus)}};
+          {"focus", focus_text(camera.focus)},
+          {"pupil_filters", filters_text(camera.pupil_filters)}};
 }
 
 std::string flame_text(const FlameSpec& flame) {
@@ -220,6 +232,8 @@ void describe_scene(const std::string& path, const std::vector<std::string>& set
       report.add_text("  main lens", lens_text(camera.lens));
       report.add_text("  microlens array", array_text(camera.array));
       report.add_text("  focus", focus_text(camera.focus));
+      if (!camera.pupil_filters.empty())
+        report.add_text("  pupil filters", filters_text(camera.pupil_filters));
       cameras.push_back(camera_json(camera));
     }
     report.add_json("cameras", cameras);

@@ -137,17 +137,6 @@ CameraRays some_rows(const CameraRays& all, std::size_t first, std::size_t end) 
   return some;
 }
 
-CsrRows<float> rows_of(const EmissionProblem& problem, const Execution& execution) {
-  const CsrMatrix<float> matrix = make_emission_matrix(problem, execution);
-  CsrRows<float> rows;
-  const auto starts = matrix.row_starts();
-  for (std::size_t i = 0; i < matrix.rows(); ++i)
-    rows.counts.push_back(static_cast<std::size_t>(starts[i + 1] - starts[i]));
-  rows.columns.assign(matrix.column_indices().begin(), matrix.column_indices().end());
-  rows.values.assign(matrix.values().begin(), matrix.values().end());
-  return rows;
-}
-
 }  // namespace
 
 /// Pieces, of which each is made here or elsewhere.
@@ -310,7 +299,7 @@ CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
     const CameraRays rays = piece(p);
     EmissionProblem own = problem;
     own.rays = &rays;
-    made[p] = rows_of(own, quiet);
+    made[p] = make_emission_rows(own, quiet);
     if (execution.progress)
       execution.progress({.fraction = static_cast<double>(p) / static_cast<double>(made.size())});
   };
@@ -347,7 +336,7 @@ bool serve_assembly(const std::vector<CameraView>& views, const Unknowns& unknow
           put(answer, reader.get<std::size_t>());
           const CameraRays rays = get_rays(reader);
           problem.rays = &rays;
-          const CsrRows<float> rows = rows_of(problem, execution);
+          const CsrRows<float> rows = make_emission_rows(problem, execution);
           put_all(answer, rows.counts);
           put_all(answer, rows.columns);
           put_all(answer, rows.values);

@@ -53,20 +53,20 @@ struct Cameras {
   CameraRaySettings settings;
 
   /// The first camera sees a window that is no multiple of a tile, the second one all.
-  std::vector<CameraView> views() const { return {{&scene, {3, 5, 85, 140}}, {&scene, {}}}; }
+  std::vector<CameraView> views() const { return {{&scene, {3, 5, 85, 70}}, {&scene, {}}}; }
 };
 
-Cameras make_cameras(int bin) {
+Cameras make_cameras(int bin, int samples) {
   const AffineTransform map = scaled(1.5e-3, {1 - 3e-3, -4e-3, -4.5e-3});
   const std::size_t size = 5 * 6 * 7;
   const GlowingGrid g{kCount, map, std::vector<double>(size, 1), std::vector<double>(size, 20)};
   Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
-  scene.camera.sensor = {90, 150, 0.064e-3};
+  scene.camera.sensor = {90, 80, 0.064e-3};
   scene.flames = {glowing_flame()};
   scene.channels = {{"430nm", ChannelKind::band, 430e-9, 20e-9}};
   Cameras cameras{compile(scene, glowing_loader(g)), nullptr, {}};
   cameras.unknowns = make_voxel_unknowns({kCount, map, VoxelInterpolation::trilinear});
-  cameras.settings.samples = 4;
+  cameras.settings.samples = samples;
   cameras.settings.bin = bin;
   return cameras;
 }
@@ -89,8 +89,9 @@ void expect_same(const CameraRays& a, const CameraRays& b) {
 }
 
 TEST(SharedAssembly, BitsOfOneProcess) {
-  for (const int bin : {1, 3}) {
-    const Cameras cameras = make_cameras(bin);
+  // Pieces are beside each other and below each other; blocks of pixels lie across tiles.
+  for (const auto& [bin, samples] : {std::pair(1, 64), std::pair(3, 4)}) {
+    const Cameras cameras = make_cameras(bin, samples);
     const Box box = cameras.unknowns->bounds();
     const CameraRays alone = draw_camera_rays(cameras.views(), box, cameras.settings);
     const std::vector<double> absorption(cameras.unknowns->size(), 20);
@@ -98,33 +99,29 @@ TEST(SharedAssembly, BitsOfOneProcess) {
       return EmissionProblem{&rays, cameras.unknowns.get(), RowModel::source, absorption};
     };
     const CsrMatrix<float> matrix = make_emission_matrix(problem(alone), {});
-    ASSERT_GT(alone.rows.size(), bin == 1 ? 8192u : 1000u);  // pieces of rows
-    for (const int ranks : {1, 3}) {
-      Post post(ranks);
-      std::vector<std::jthread> others;
-      for (int rank = 1; rank < ranks; ++rank)
-        others.emplace_back([&, rank] {
-          ThreadRank own(post, rank);
-          Execution execution;
-          execution.threads = rank;
-          EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, execution));
-        });
-      ThreadRank first(post, 0);
-      SharedAssembly assembly(first);
-      for (int frame = 0; frame < 2; ++frame) {
-        const CameraRays rays = assembly.rays(cameras.views(), box, cameras.settings, {});
-        expect_same(rays, alone);
-        const CsrMatrix<float> shared = assembly.matrix(problem(rays), {});
-        EXPECT_TRUE(std::ranges::equal(shared.row_starts(), matrix.row_starts()));
-        EXPECT_TRUE(std::ranges::equal(shared.column_indices(), matrix.column_indices()));
-        EXPECT_TRUE(std::ranges::equal(shared.values(), matrix.values()));
-      }
-    }
+    ASSERT_GT(alone.rays.size(), bin == 1 ? 1u << 18 : 1u);  // pieces of rows
+    constexpr int kRanks = 3;
+    Post post(kRanks);
+    std::vector<std::jthread> others;
+    for (int rank = 1; rank < kRanks; ++rank)
+      others.emplace_back([&, rank] {
+        ThreadRank own(post, rank);
+        Execution execution;
+        execution.threads = rank;
+        EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, execution));
+      });
+    ThreadRank first(post, 0);
+    SharedAssembly assembly(first);
+    const CameraRays rays = assembly.rays(cameras.views(), box, cameras.settings, {});
+    expect_same(rays, alone);
+    const CsrMatrix<float> shared = assembly.matrix(problem(rays), {});
+    EXPECT_TRUE(std::ranges::equal(shared.row_starts(), matrix.row_starts()));
+    EXPECT_TRUE(std::ranges::equal(shared.column_indices(), matrix.column_indices()));
+    EXPECT_TRUE(std::ranges::equal(shared.values(), matrix.values()));
   }
 }
-
 TEST(SharedAssembly, OthersDoSomeOfIt) {
-  const Cameras cameras = make_cameras(1);
+  const Cameras cameras = make_cameras(1, 4);
   Post post(2);
   int answers = 0;
   std::jthread other([&] {
@@ -159,7 +156,7 @@ TEST(SharedAssembly, OthersDoSomeOfIt) {
 }
 
 TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
-  const Cameras cameras = make_cameras(1);
+  const Cameras cameras = make_cameras(1, 4);
   Post post(2);
   ThreadRank first(post, 0), other(post, 1);
   other.send(0, rank_message::kFailed + std::string("front.toml: cannot be opened"));
@@ -178,7 +175,7 @@ TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
 }
 
 TEST(SharedAssembly, StopsWhenAsked) {
-  const Cameras cameras = make_cameras(1);
+  const Cameras cameras = make_cameras(1, 4);
   Post post(2);
   ThreadRank first(post, 0);
   SharedAssembly assembly(first);

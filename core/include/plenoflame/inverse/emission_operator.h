@@ -29,6 +29,9 @@ std::size_t estimated_entries(const EmissionProblem& problem);
 /// The matrix, row by row. The same for any number of threads. @throws Cancelled
 CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Execution& execution);
 
+/// The same as rows that become part of a larger matrix, some thousand of them.
+CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution);
+
 /// The same without a matrix: rays are followed again each time. What it points to must outlive it.
 /// apply() is the same for any number of threads, and so is apply_transpose(), which sums up parts
 /// of rows that do not depend on them.

@@ -74,6 +74,16 @@ CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Exec
   return store_rows(EmissionRows{problem}, execution);
 }
 
+CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution) {
+  check(problem);
+  std::vector<std::int64_t> starts{0};
+  CsrRows<float> rows;
+  gather_rows(EmissionRows{problem}, execution, starts, rows.columns, rows.values);
+  for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+    rows.counts.push_back(static_cast<std::size_t>(starts[i + 1] - starts[i]));
+  return rows;
+}
+
 std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,
                                                        const Execution& execution) {
   check(problem);

@@ -122,18 +122,11 @@ inline constexpr std::size_t kRowsOfBatch = 64 * kFollowedRows;
 /// taken.
 inline constexpr double kRoomForEntries = 1.2;
 
-/// The rows as a matrix, the same for any number of threads. @throws Cancelled
+/// Appends the rows to a matrix that comes about. @param starts begins with 0 @throws Cancelled
 template <class Rows>
-CsrMatrix<float> store_rows(const Rows& all, const Execution& execution) {
+void gather_rows(const Rows& all, const Execution& execution, std::vector<std::int64_t>& starts,
+                 std::vector<std::int32_t>& indices, std::vector<float>& values) {
   const std::size_t rows = all.rows(), columns = all.columns();
-  std::vector<std::int64_t> starts{0};
-  std::vector<std::int32_t> indices;
-  std::vector<float> values;
-  const auto room =
-      static_cast<std::size_t>(kRoomForEntries * static_cast<double>(estimate_entries(all)));
-  starts.reserve(rows + 1);
-  indices.reserve(room);
-  values.reserve(room);
   std::vector<CsrRows<float>> parts(kRowsOfBatch / kFollowedRows);
   std::vector<std::unique_ptr<RowSum>> sums(static_cast<std::size_t>(execution.thread_count()));
   for (std::size_t first = 0; first < rows; first += kRowsOfBatch) {
@@ -161,7 +154,21 @@ CsrMatrix<float> store_rows(const Rows& all, const Execution& execution) {
       part.counts.clear(), part.columns.clear(), part.values.clear();
     }
   }
-  return CsrMatrix<float>(columns, std::move(starts), std::move(indices), std::move(values));
+}
+
+/// The rows as a matrix, the same for any number of threads. @throws Cancelled
+template <class Rows>
+CsrMatrix<float> store_rows(const Rows& all, const Execution& execution) {
+  std::vector<std::int64_t> starts{0};
+  std::vector<std::int32_t> indices;
+  std::vector<float> values;
+  const auto room =
+      static_cast<std::size_t>(kRoomForEntries * static_cast<double>(estimate_entries(all)));
+  starts.reserve(all.rows() + 1);
+  indices.reserve(room);
+  values.reserve(room);
+  gather_rows(all, execution, starts, indices, values);
+  return CsrMatrix<float>(all.columns(), std::move(starts), std::move(indices), std::move(values));
 }
 
 }  // namespace plenoflame

@@ -3,12 +3,10 @@
 
 #include "math/kernel_math.h"
 #include "render/sampling/aim_edges_kernel.inl.h"
+#include "render/sampling/sided_aperture_kernel.inl.h"
 
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
-
-/// The share of the sides' distance by which bounds stay beyond them, for rounding.
-constexpr float kSideRoom = 2e-5F;
 
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
   // 23 bits and half a step: inside (0, 1), never its ends.
@@ -248,9 +246,12 @@ PLENOFLAME_INLINE void place_own_discs(const KernelFrame<Real>& c, Real sx, Real
 /// The bounds are four discs: those of the two apertures of the microlens, and two through the ends
 /// `low` and `high` of the part's extent along the line through the frame's centre, centred on that
 /// line. Directions are those of a unit disc that is stretched to the part's length and width.
+/// Apertures with sides bound it, too; where nothing else cuts them, directions are those of their
+/// edge: the weights of a disc's would rise towards the corners, and scatter.
 /// (In two loops: one is too long for a processor to look ahead to the next rays.)
 /// Makes PupilAims of SensorSamples and PupilExtents, in the places of most of them.
-template <class Real>
+/// @tparam kPairs of sides; 0: apertures are circles
+template <int kPairs, class Real>
 PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count,
                                 const KernelBlock<Real>& block) {
   const SensorSamples<Real> samples = sensor_samples(block, first);
@@ -263,6 +264,8 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
   alignas(64) Real away_x[kBlockRays + kBlockSlack], away_y[kBlockRays + kBlockSlack];
   alignas(64) Real inner_p[kBlockRays + kBlockSlack], inner_q[kBlockRays + kBlockSlack];
   alignas(64) Real half_length[kBlockRays + kBlockSlack], half_width[kBlockRays + kBlockSlack];
+  constexpr int kKept = kPairs > 0 ? kPairs : 1;
+  [[maybe_unused]] alignas(64) Real uncut[kPairs > 0 ? kBlockRays + kBlockSlack : 1];
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const Real sx = samples.x[i], sy = samples.y[i];
@@ -275,8 +278,24 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
     place_own_discs(c, sx, sy, ex, ey, near_p, near_q, far, far_p, far_q);
     const Real cut_low = extents.low[i], cut_high = extents.high[i];
     const Real cut_low_far = extents.low_far[i], cut_high_far = extents.high_far[i];
-    const Real low = greatest(cut_low, greatest(near_p - near, far_p - far)),
-               high = least(cut_high, least(near_p + near, far_p + far));
+    Real low = greatest(cut_low, greatest(near_p - near, far_p - far)),
+         high = least(cut_high, least(near_p + near, far_p + far));
+    [[maybe_unused]] bool between = false;
+    [[maybe_unused]] SidedAperture<Real, kKept> sided{};
+    if constexpr (kPairs > 0) {
+      sided = sided_aperture<kPairs>(c, sx, sy, ex, ey);
+      Real side_low = low, side_high = high;
+      for (int k = 0; k < kPairs; ++k) {
+        keep_between(c.near_half[k], sided.of_e[k], -sided.of_q[k] * near_q, near_p, side_low,
+                     side_high);
+        keep_between(c.far_half[k], sided.of_e[k], -sided.of_q[k] * far_q, far_p, side_low,
+                     side_high);
+      }
+      // What is left of the aperture may lie beside the line, in a corner: then discs bound it.
+      between = side_high - side_low > Real(0.02) * near;
+      low = between ? side_low : low;
+      high = between ? side_high : high;
+    }
 
     // The inner point (p, q), and half the length and the width there. Bounds that do not hold it
     // are taken to reach up to it: all of them lie near the line.
@@ -288,14 +307,32 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
     const Real near_half =
         rough_square_root(greatest(near * near - from_near * from_near, least_room));
     const Real far_half = rough_square_root(greatest(far * far - from_far * from_far, least_room));
-    const Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
-    const Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
+    Real top = least(cut_half, least(near_q + near_half, far_q + far_half));
+    Real bottom = greatest(-cut_half, greatest(near_q - near_half, far_q - far_half));
+    if constexpr (kPairs > 0) {
+      Real side_bottom = bottom, side_top = top;
+      for (int k = 0; k < kPairs; ++k) {
+        keep_between(c.near_half[k], sided.of_q[k], sided.of_e[k] * from_near, near_q, side_bottom,
+                     side_top);
+        keep_between(c.far_half[k], sided.of_q[k], sided.of_e[k] * from_far, far_q, side_bottom,
+                     side_top);
+      }
+      top = between ? side_top : top;
+      bottom = between ? side_bottom : bottom;
+    }
     away_x[i] = ex;
     away_y[i] = ey;
     inner_p[i] = p;
     inner_q[i] = Real(0.5) * (top + bottom);
     half_length[i] = half;
     half_width[i] = greatest(Real(0.5) * (top - bottom), Real(0.01) * near);
+    if constexpr (kPairs > 0) {
+      const bool is_all =
+          is_uncut<kPairs>(sided, cut_low, cut_high, cut_low_far, cut_high_far, Real(0.01) * near);
+      inner_p[i] = is_all ? sided.p : inner_p[i];
+      inner_q[i] = is_all ? sided.q : inner_q[i];
+      uncut[i] = is_all ? Real(1) : Real(0);
+    }
   }
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
@@ -308,7 +345,17 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
     const Real from_near = p - near_p, from_far = p - far_p;
     const Real t = samples.pupil_turn[i], share = samples.pupil_radius[i];
     const Real folded = least(greatest(t, Real(-0.5) - t), Real(0.5) - t);
-    const Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
+    Real vp = half * sin_turn(Real(0.25) - magnitude(t)), vq = width * sin_turn(folded);
+    Real area = Real(3.141592653589793238) * half * width;
+    if constexpr (kPairs > 0) {
+      const auto sided = sided_aperture<kPairs>(c, sx, sy, ex, ey);
+      Real edge_p, edge_q;
+      way_to_edge<kPairs>(sided, t, edge_p, edge_q);
+      const bool is_all = uncut[i] > Real(0);
+      vp = is_all ? edge_p : vp;
+      vq = is_all ? edge_q : vq;
+      area = is_all ? sided.area() : area;
+    }
     const Real v2 = vp * vp + vq * vq;
     const Real near_dq = q - near_q, far_dq = q - far_q;
     const Real low_middle = p - Real(0.5) * (cut_low + cut_low_far),
@@ -329,7 +376,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
                  greatest((cut_high - p) * (p - cut_high_far) - q * q, least_room), v2, product,
                  squares, rough_reach);
 
-    aims.area[i] = Real(3.141592653589793238) * half * width * samples.area[i];
+    aims.area[i] = area * samples.area[i];
     aims.inner_x[i] = origin_x + origin_shift * sx + ex * p - ey * q;
     aims.inner_y[i] = origin_y + origin_shift * sy + ey * p + ex * q;
     aims.way_x[i] = ex * vp - ey * vq;
@@ -338,109 +385,6 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
         least(square_root(squares) - product, square_root(near_squares) - of_near) * inverse_v2;
     aims.root_share[i] = square_root(share);
   }
-}
-
-/// A step of Newton's method from a bound that lies beyond a side back to it: the square of the
-/// step, which is more than the next one would be, is left. @param slope of what is beyond
-template <class Real>
-PLENOFLAME_INLINE Real step_to_side(Real bound, Real beyond, Real slope) {
-  const Real by = beyond / greatest(slope, Real(1e-30)) / bound;
-  const bool trusted = (slope > Real(0)) & (by > Real(0)) & (by < Real(0.15));
-  return trusted ? bound * (Real(1) - by + by * by) : bound;
-}
-
-/// Draws bounds in to where rays cross the two faces of the microlens beyond a pair of sides: the
-/// near one where the line meets its sphere, the far one by the polynomials of its rim.
-template <class Real>
-[[gnu::noinline]] void find_faces_sides(const KernelFrame<Real>& c, int pair, int first, int padded,
-                                        Real per_distance, Real* __restrict reach,
-                                        const KernelBlock<Real>& block) {
-  const SensorSamples<Real> samples = sensor_samples(block, first);
-  const PupilAims<Real> aims = pupil_aims(block, first);
-  const Real* __restrict x = samples.x;
-  const Real* __restrict y = samples.y;
-  const Real* __restrict inner_x = aims.inner_x;
-  const Real* __restrict inner_y = aims.inner_y;
-  const Real* __restrict way_x = aims.way_x;
-  const Real* __restrict way_y = aims.way_y;
-  const Real nx = c.side_x[pair], ny = c.side_y[pair], curvature = c.near_curvature;
-  const Real room = Real(1) + Real(kSideRoom), half = room * c.face_half[pair];
-#pragma omp simd
-  for (int i = 0; i < padded; ++i) {
-    const Real bound = reach[i], vx = way_x[i], vy = way_y[i];
-    const Real ux = inner_x[i] + bound * vx, uy = inner_y[i] + bound * vy;
-    // The line through u with the slope w meets the sphere at the depth behind its vertex that
-    // solves c (1 + w.w) depth^2 - 2 (1 - c u.w) depth + c u.u = 0.
-    const Real wx = per_distance * (ux - x[i]), wy = per_distance * (uy - y[i]);
-    const Real f = curvature * (ux * ux + uy * uy), g = Real(1) - curvature * (ux * wx + uy * wy);
-    const Real squares = g * g - curvature * f * (Real(1) + wx * wx + wy * wy);
-    const Real root = square_root(greatest(squares, Real(0.01)));
-    const Real depth = f / (g + root), rise = curvature * (ux * vx + uy * vy) / root;
-    const Real along = nx * wx + ny * wy, way = nx * vx + ny * vy;
-    const Real at = nx * ux + ny * uy + depth * along;
-    const Real towards = at < Real(0) ? Real(-1) : Real(1);
-    const Real slope = towards * (way + depth * per_distance * way + rise * along);
-    reach[i] = step_to_side(bound, towards * at - half, slope);
-  }
-  if (!c.finds_far) return;
-  const Real unit = c.per_unit, far = c.far_reach * room * c.face_half[pair] * c.per_far_radius;
-  const KernelCrossing<Real> crossing = c.at_far;
-#pragma omp simd
-  for (int i = 0; i < padded; ++i) {
-    const Real sx = unit * x[i], sy = unit * y[i], vx = unit * way_x[i], vy = unit * way_y[i];
-    const Real bound = reach[i];
-    const Real ux = unit * inner_x[i] + bound * vx, uy = unit * inner_y[i] + bound * vy;
-    const EdgePoint<Real> on_face = edge_point(crossing, sx, sy, ux, uy, vx, vy);
-    const Real at = nx * on_face.x + ny * on_face.y;
-    const Real change = nx * on_face.change_x + ny * on_face.change_y;
-    const Real towards = at < Real(0) ? Real(-1) : Real(1);
-    reach[i] = step_to_side(bound, towards * at - far, towards * change);
-  }
-}
-
-/// Draws the bounds in to the sides of the microlens' apertures, where the inner point lies between
-/// them: what lies beyond is stopped.
-template <class Real>
-[[gnu::noinline]] void find_sides(const KernelFrame<Real>& c, int first, int count, Real distance,
-                                  const KernelBlock<Real>& block) {
-  const SensorSamples<Real> samples = sensor_samples(block, first);
-  const PupilAims<Real> aims = pupil_aims(block, first);
-  const Real* __restrict x = samples.x;
-  const Real* __restrict y = samples.y;
-  const Real* __restrict inner_x = aims.inner_x;
-  const Real* __restrict inner_y = aims.inner_y;
-  const Real* __restrict way_x = aims.way_x;
-  const Real* __restrict way_y = aims.way_y;
-  Real* __restrict bounds = aims.bound;
-  const int padded = (count + 15) & ~15;
-  alignas(64) Real reach[kBlockRays + kBlockSlack];
-  for (int i = 0; i < padded; ++i) reach[i] = bounds[i];
-  for (int pair = 0; pair < c.side_pairs; ++pair) {
-    const Real nx = c.side_x[pair], ny = c.side_y[pair];
-    const Real near = c.near_half[pair], far = c.far_half[pair];
-    const Real near_shift = c.near_shift, far_shift = c.far_shift, far_bend = c.far_bend;
-#pragma omp simd
-    for (int i = 0; i < padded; ++i) {
-      const Real sx = x[i], sy = y[i];
-      const Real across = nx * sx + ny * sy;
-      const Real at = nx * inner_x[i] + ny * inner_y[i];
-      const Real from_near = at - near_shift * across;
-      const Real from_far = at - (far_shift + far_bend * (sx * sx + sy * sy)) * across;
-      const Real way = nx * way_x[i] + ny * way_y[i];
-      const Real inverse = Real(1) / greatest(magnitude(way), Real(1e-30));
-      const Real towards = way < Real(0) ? Real(-1) : Real(1);
-      const Real room = least(near - towards * from_near, far - towards * from_far);
-      const bool inside = (magnitude(from_near) < near) & (magnitude(from_far) < far);
-      // Once outside of a pair of sides the whole way is kept, whatever the others say.
-      const Real nearer = least(reach[i], room * inverse);
-      reach[i] = inside & (reach[i] > Real(0)) ? nearer : Real(-1);
-    }
-  }
-  if (c.finds_sides)
-    for (int pair = 0; pair < c.side_pairs; ++pair)
-      find_faces_sides(c, pair, first, padded, Real(1) / distance, reach, block);
-#pragma omp simd
-  for (int i = 0; i < padded; ++i) bounds[i] = reach[i] > Real(0) ? reach[i] : bounds[i];
 }
 
 /// Makes rays of PupilAims, in the places of all columns. All weights are exact Jacobians: a bound
@@ -492,7 +436,16 @@ PLENOFLAME_INLINE void generate_all(const KernelFrame<Real>& frame, const Kernel
   for (int i = 0; i < count; ++i) cut_rays(pixels[i], block, steps);
   const int first = pixels[0].first;
   const int rays = pixels[count - 1].first + pixels[count - 1].count - first;
-  aim_rays(c, first, rays, block);
+  switch (c.side_pairs) {
+    case 2:
+      aim_rays<2>(c, first, rays, block);
+      break;
+    case 3:
+      aim_rays<3>(c, first, rays, block);
+      break;
+    default:
+      aim_rays<0>(c, first, rays, block);
+  }
   if (c.side_pairs > 0) find_sides(c, first, rays, distance, block);
   if (c.finds_far) find_far_rim(c, first, rays, block);
   if (c.finds_stop) find_stop(c, first, rays, block);

@@ -9,6 +9,7 @@
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/optics/window_set.h"
 #include "plenoflame/scene/cameras.h"
+#include "scene/files/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {
@@ -156,6 +157,12 @@ void check_windows(const Scene& scene, Issues& issues) {
     sound = check_shape(scene.windows[i], fmt::format("windows[{}]", i),
                         window_name(scene.windows, i), issues) &&
             sound;
+  for (std::size_t i = 0; i < scene.windows.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (!scene.windows[i].name.empty() && scene.windows[i].name == scene.windows[k].name)
+        issues.error(fmt::format("windows[{}].name", i),
+                     fmt::format("windows {} and {} are both named {}; names must differ", k, i,
+                                 quote_for_message(scene.windows[i].name)));
   if (scene.windows.empty() || !sound || issues.errors() > 0) return;
   check_windows_apart(scene, issues);
   check_camera_beside(scene, WindowSet(scene.windows), issues);
