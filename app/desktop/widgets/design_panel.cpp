@@ -1,9 +1,10 @@
 #include "widgets/design_panel.h"
 
+#include <QEvent>
 #include <QHeaderView>
 #include <QLabel>
-#include <QScrollBar>
 #include <QSplitter>
+#include <QStyle>
 #include <QTableWidget>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -46,19 +47,16 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   table_->setHorizontalHeaderLabels({tr("Figure"), tr("Value"), tr("Remark")});
   table_->verticalHeader()->setVisible(false);
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
-  table_->verticalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-  table_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::ResizeToContents);
-  table_->horizontalHeader()->setSectionResizeMode(1, QHeaderView::ResizeToContents);
-  table_->horizontalHeader()->setStretchLastSection(true);
+  table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Fixed);
   table_->setWordWrap(true);
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setAlternatingRowColors(true);
   table_->setToolTip(
       tr("What `plenoflame design` says about this camera; it "
          "follows every change"));
-  // Remarks are wrapped anew in a column of another width.
-  connect(table_->horizontalHeader(), &QHeaderView::sectionResized, table_,
-          &QTableWidget::resizeRowsToContents);
+  // Columns follow the width, which must not depend on what becomes of them.
+  table_->setVerticalScrollBarPolicy(Qt::ScrollBarAlwaysOn);
+  table_->viewport()->installEventFilter(this);
   warnings_->setObjectName("designWarnings");
   warnings_->setWordWrap(true);
   warnings_->setMargin(4);
@@ -94,27 +92,32 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
 
 /// Puts remarks below their values if there is no room for three columns.
 void DesignPanel::fit_columns() {
-  const int room = width() - table_->verticalScrollBar()->sizeHint().width();
+  const int room = table_->viewport()->width();
   const QFontMetrics metrics = fontMetrics();
-  int figure = 0, value = 0;
+  const int margins = 4 * table_->style()->pixelMetric(QStyle::PM_FocusFrameHMargin) + 6;
+  int figure = table_->horizontalHeader()->sectionSizeHint(0),
+      value = table_->horizontalHeader()->sectionSizeHint(1);
   for (const auto& row : rows_) {
-    figure = std::max(figure, metrics.horizontalAdvance(row[0]));
-    value = std::max(value, metrics.horizontalAdvance(row[1]));
+    figure = std::max(figure, metrics.horizontalAdvance(row[0]) + margins);
+    value = std::max(value, metrics.horizontalAdvance(row[1]) + margins);
   }
-  const bool narrow = figure + value + kLeastRemark * metrics.averageCharWidth() > room;
+  const int rest = room - figure - value;
+  const bool narrow = rest < kLeastRemark * metrics.averageCharWidth();
   table_->setColumnHidden(2, narrow);
   for (int i = 0; i < static_cast<int>(rows_.size()); ++i) {
     const auto& row = rows_[static_cast<std::size_t>(i)];
     QTableWidgetItem* const item = table_->item(i, 1);
     if (item) item->setText(narrow && !row[2].isEmpty() ? row[1] + "\n" + row[2] : row[1]);
   }
-  table_->horizontalHeader()->setSectionResizeMode(
-      1, narrow ? QHeaderView::Stretch : QHeaderView::ResizeToContents);
+  table_->setColumnWidth(0, figure);
+  table_->setColumnWidth(1, narrow ? room - figure : value);
+  if (!narrow) table_->setColumnWidth(2, rest);
+  table_->resizeRowsToContents();
 }
 
-void DesignPanel::resizeEvent(QResizeEvent* event) {
-  QWidget::resizeEvent(event);
-  fit_columns();
+bool DesignPanel::eventFilter(QObject* object, QEvent* event) {
+  if (object == table_->viewport() && event->type() == QEvent::Resize) fit_columns();
+  return QWidget::eventFilter(object, event);
 }
 
 void DesignPanel::show_fold() {

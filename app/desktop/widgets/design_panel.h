@@ -22,7 +22,7 @@ class DesignPanel : public QWidget {
   explicit DesignPanel(DesignJob& job, QWidget* parent = nullptr);
 
  protected:
-  void resizeEvent(QResizeEvent* event) override;
+  bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
   void fill();

@@ -5,9 +5,12 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QPushButton>
+#include <QScrollBar>
 #include <QSplitter>
 #include <QTableWidget>
 #include <QVBoxLayout>
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "plenoflame/base/units.h"
@@ -17,6 +20,7 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
+constexpr std::array<double, 3> kLetters{1, 0.92, 0.84};  ///< sizes of the tables', of the panel's
 
 QString quantity(double value, Dimension dimension) {
   return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
@@ -34,15 +38,26 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
   table->verticalHeader()->setVisible(false);
   table->verticalHeader()->setDefaultSectionSize(table->fontMetrics().height() + 6);
   table->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-  table->horizontalHeader()->setStretchLastSection(true);
+  table->horizontalHeader()->setHighlightSections(false);  // bold names would be wider
   return table;
+}
+
+/// Width at which every column of a table is whole.
+int wanted_width(const QTableWidget& table) {
+  int width = 2 * table.frameWidth() + table.verticalScrollBar()->sizeHint().width();
+  for (int i = 0; i < table.columnCount(); ++i)
+    width += std::max(table.horizontalHeader()->sectionSizeHint(i),
+                      static_cast<const QAbstractItemView&>(table).sizeHintForColumn(i));
+  return width + 2;
 }
 
 }  // namespace
 
 RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
-    : QWidget(parent), rays_(rays), title_(new QLabel(this)) {
-  auto* split = new QSplitter(Qt::Horizontal, this);
+    : QWidget(parent),
+      rays_(rays),
+      title_(new QLabel(this)),
+      split_(new QSplitter(Qt::Horizontal, this)) {
   table_ = make_table(
       {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle\nat sensor"),
        tr("Angle\nin scene"), tr("Optical\nthickness"), tr("Radiance\n[W/(m\302\262 sr)]"),
@@ -56,18 +71,18 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
        tr("That it brings to the camera, first channel [W/(m\302\262 sr)]"),
        tr("Share of the pixel's etendue [m\302\262 sr]; times radiance, summed "
           "over the rays: the pixel's flux")},
-      split);
+      split_);
   table_->setObjectName("raysTable");
   surfaces_ = make_table({tr("Surface"), tr("Distance"), tr("Height"), tr("Angle"), tr("Index")},
                          {tr("What it meets, in order"), tr("Along the ray from its start"),
                           tr("From the optical axis"), tr("With the axis, behind the surface"),
                           tr("Refractive index behind the surface")},
-                         split);
+                         split_);
   surfaces_->setObjectName("surfacesTable");
-  split->addWidget(table_);
-  split->addWidget(surfaces_);
-  split->setStretchFactor(0, 3);
-  split->setStretchFactor(1, 2);
+  split_->addWidget(table_);
+  split_->addWidget(surfaces_);
+  split_->setStretchFactor(0, 3);
+  split_->setStretchFactor(1, 2);
   title_->setObjectName("raysTitle");
   title_->setWordWrap(true);
   title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
@@ -81,7 +96,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 2, 4, 2);
   layout->addLayout(top);
-  layout->addWidget(split, 1);
+  layout->addWidget(split_, 1);
   connect(&rays_, &RaySelector::rays_changed, this, &RaysPanel::fill);
   connect(table_, &QTableWidget::currentCellChanged, this, [this] {
     fill_surfaces(chosen());
@@ -95,6 +110,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
     if (ray.column >= 0) emit pixel_requested(ray.column, ray.row);
   });
   connect(export_, &QPushButton::clicked, this, &RaysPanel::export_requested);
+  connect(split_, &QSplitter::splitterMoved, this, [this] { split_by_hand_ = true; });
   fill();
 }
 
@@ -179,6 +195,32 @@ void RaysPanel::show_title() {
   title_->setText(text);
 }
 
+/// Each table gets the width that its columns take, in smaller letters where there is little room.
+void RaysPanel::fit_tables() {
+  const int room = split_->width() - split_->handleWidth();
+  if (room <= 0) return;
+  int rays = 0, surfaces = 0;
+  for (const double scale : kLetters) {
+    QFont letters = font();
+    letters.setPointSizeF(scale * letters.pointSizeF());
+    for (QTableWidget* table : {table_, surfaces_}) {
+      if (table->font() == letters) continue;
+      table->setFont(letters);
+      table->horizontalHeader()->setFont(letters);
+      table->verticalHeader()->setDefaultSectionSize(table->fontMetrics().height() + 6);
+    }
+    rays = wanted_width(*table_);
+    surfaces = wanted_width(*surfaces_);
+    if (rays + surfaces <= room) break;
+  }
+  if (!split_by_hand_) split_->setSizes({rays + (room - rays - surfaces) / 2, surfaces});
+}
+
+void RaysPanel::resizeEvent(QResizeEvent* event) {
+  QWidget::resizeEvent(event);
+  fit_tables();
+}
+
 /// The colours that the rays have in the views, as they read on this theme.
 void RaysPanel::colour_endings() {
   const auto rays = rays_.rays();
@@ -217,6 +259,7 @@ void RaysPanel::fill_surfaces(int ray) {
                             QString::number(row.index, 'g', 5)};
     for (int k = 0; k < texts.size(); ++k) surfaces_->setItem(i, k, new QTableWidgetItem(texts[k]));
   }
+  fit_tables();
 }
 
 }  // namespace plenoflame::desktop

@@ -5,6 +5,7 @@
 
 class QLabel;
 class QPushButton;
+class QSplitter;
 class QTableWidget;
 
 namespace plenoflame::desktop {
@@ -29,16 +30,20 @@ class RaysPanel : public QWidget {
 
  protected:
   void changeEvent(QEvent* event) override;
+  void resizeEvent(QResizeEvent* event) override;
 
  private:
   void fill();
   void fill_surfaces(int ray);
   void show_title();
   void colour_endings();
+  void fit_tables();
 
   RaySelector& rays_;
   QLabel* title_;
+  QSplitter* split_;
   QTableWidget *table_, *surfaces_;
+  bool split_by_hand_ = false;
   QPushButton* export_;
   QString pixel_of_picture_;
 };

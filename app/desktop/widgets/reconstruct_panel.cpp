@@ -60,19 +60,22 @@ QComboBox* choice_of(QWidget* parent, const char* name, const QString& tip,
 
 ReconstructPanel::ReconstructPanel(Session& session, QWidget* parent)
     : QWidget(parent), session_(session) {
-  auto* scroll = new QScrollArea(this);
-  scroll->setWidgetResizable(true);
-  scroll->setFrameShape(QFrame::NoFrame);
-  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  scroll->setWidget(make_form());
+  const auto scrolled = [this](QWidget* page) {  // a low window has no room for all of it
+    auto* scroll = new QScrollArea(this);
+    scroll->setWidgetResizable(true);
+    scroll->setFrameShape(QFrame::NoFrame);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    scroll->setWidget(page);
+    return scroll;
+  };
   tabs_ = new QTabWidget(this);
   tabs_->setObjectName("reconstructTabs");
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
   layout->addLayout(make_buttons());
   layout->addWidget(tabs_, 1);
-  tabs_->addTab(scroll, tr("Problem"));
-  tabs_->addTab(make_result(), tr("Result"));
+  tabs_->addTab(scrolled(make_form()), tr("Problem"));
+  tabs_->addTab(scrolled(make_result()), tr("Result"));
 
   const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
   for (QComboBox* box : {find_, unknowns_, solver_, penalty_})

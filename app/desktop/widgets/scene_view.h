@@ -136,6 +136,8 @@ class SceneView : public QWidget {
   /// Drawing of the axis of a further camera.
   Schematic schematic_of_other(std::size_t number) const;
   void aim();
+  /// All of these points, beside the bar of colours.
+  void look(const std::vector<Vec3>& drawn, const Vec3& direction, const Vec3& up);
   void follow(const std::array<double, 6>& flame_before);
   /// The selection that a click there would make.
   Selection target_at(const QPointF& place) const;

@@ -19,6 +19,8 @@ namespace plenoflame::desktop {
 
 namespace {
 
+constexpr double kBarShare = 0.16;  ///< of the view's width, that the bar of colours takes
+
 views::Subject subject_of(SceneView::Part part) {
   switch (part) {
     case SceneView::Part::scene:
@@ -128,6 +130,15 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
   return points;
 }
 
+void SceneView::look(const std::vector<Vec3>& drawn, const Vec3& direction, const Vec3& up) {
+  const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
+                        std::max(1, view_->widget->height());
+  const double bar = shows_flame() && geometry_->flame ? kBarShare : 0;
+  views::look_at(drawn, direction, up, (1 - bar) * aspect, 10, *view_->renderer);
+  view_->renderer->GetActiveCamera()->SetWindowCenter(bar, 0);
+  aimed_ = true;
+}
+
 void SceneView::aim() {
   if (!scene_ || !geometry_) return;
   const CameraSpec& spec = scene_->scene.camera;
@@ -135,10 +146,7 @@ void SceneView::aim() {
              up = cross(right, axis);
   Vec3 from;
   const std::vector<Vec3> points = drawn_subject(from);
-  const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
-                        std::max(1, view_->widget->height());
-  views::look_at(points, -from, up, aspect, 10, *view_->renderer);
-  aimed_ = true;
+  look(points, -from, up);
   view_->renderer->GetActiveCamera()->GetPosition(aimed_from_.data());
 }
 

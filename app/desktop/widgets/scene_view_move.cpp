@@ -79,8 +79,9 @@ void SceneView::add_gaps_of(std::size_t camera, vtkRenderer& renderer) {
     const double drawn = gap.drawn_end - gap.drawn_begin;
     const Vec3 middle = schematic.on_axis(0.5 * (gap.drawn_begin + gap.drawn_end));
     add_break(middle, axis, up, 0.12 * drawn, renderer);
-    views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
-                     middle + label_side * drawn * up, kLabelSize, renderer);
+    if (camera == 0)  // those of all cameras would stand in each other's way
+      views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
+                       middle + label_side * drawn * up, kLabelSize, renderer);
   }
   if (others_.empty()) return;
   const Vec3 top = spec.position + 0.75 * geometry_->cameras[camera].width * up;

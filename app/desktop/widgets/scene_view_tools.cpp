@@ -286,10 +286,7 @@ void SceneView::look_along(int axis) {
   (axis == 0 ? direction.x : axis == 1 ? direction.y : direction.z) = sign;
   const Vec3 up = axis == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   Vec3 from;
-  const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
-                        std::max(1, view_->widget->height());
-  views::look_at(drawn_subject(from), direction, up, aspect, 10, *view_->renderer);
-  aimed_ = true;
+  look(drawn_subject(from), direction, up);
   render();
 }
 
