@@ -19,6 +19,12 @@ std::string readable(double value, Dimension dimension) {
   return readable_quantity(value, dimension);
 }
 
+std::string readable_in(double value, const std::string& unit) {
+  if (unit == "W") return readable(value, Dimension::flux);
+  if (unit == "W/(m^2 sr)") return readable(value, Dimension::radiance);
+  return four_digits(value) + " " + unit;
+}
+
 std::string readable_point(Vec3 point) {
   const double largest = std::max({std::fabs(point.x), std::fabs(point.y), std::fabs(point.z)});
   const bool metres = largest >= 1 || largest == 0;

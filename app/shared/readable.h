@@ -12,6 +12,9 @@ std::string readable(double value, Dimension dimension);
 std::string readable_point(Vec3 point);
 /// A share as percentage: "1.234 %".
 std::string readable_percent(double share);
+/// A value of a light field or a picture made of one, in its unit: watts and radiances are scaled,
+/// electrons, counts and so on are not.
+std::string readable_in(double value, const std::string& unit);
 /// A number: four significant digits.
 std::string readable_number(double value);
 

@@ -11,7 +11,7 @@ import zipfile
 
 from command import CommandTest, main
 from exr import write_light_field
-from export_scenes import POINT, TILTED_ARRAY, TYPE
+from export_scenes import GLOWING_POINT, TILTED_ARRAY, TYPE
 
 SCENE = """[camera.lens]
 model = "ideal"
@@ -23,7 +23,7 @@ tilt = ["%g deg", "%g deg"]
 [camera.focus]
 mode = "distance"
 lens_distance = "56.7 mm"
-""" + TILTED_ARRAY + POINT
+""" + TILTED_ARRAY + GLOWING_POINT
 FOCAL = {"a": 0.45, "b": 0.5057, "c": 0.58, "unfocused": 0.4}
 OPTICS = ["--set", "camera.lens.focal_length=50mm", "--set", "camera.lens.f_number=4",
           "--set", "camera.focus.lens_distance=56.7mm", "--set", "camera.array.sensor_distance=0.4mm",

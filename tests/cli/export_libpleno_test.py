@@ -13,7 +13,7 @@ import math
 
 from command import CommandTest, main
 from exr import read_png, write_light_field
-from export_scenes import POINT, TILTED_ARRAY, TYPE
+from export_scenes import GLOWING_POINT, TILTED_ARRAY, TYPE
 
 SCENE = """[camera.lens]
 model = "ideal"
@@ -26,7 +26,7 @@ tilt = ["%g deg", "%g deg"]
 mode = "paraxial"
 object_distance = "1 m"
 conjugate = "array"
-""" + TILTED_ARRAY + POINT
+""" + TILTED_ARRAY + GLOWING_POINT
 FOCAL = {"a": 0.45, "b": 0.5057, "c": 0.58}
 POINTS = [(0.6, 0.0015, -0.001), (0.63, -0.002, 0.0012), (0.55, 0.0002, 0.0018)]  # world: forward, left, up
 

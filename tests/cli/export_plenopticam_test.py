@@ -9,7 +9,7 @@ import math
 
 from command import CommandTest, main
 from exr import write_light_field
-from export_scenes import LENS, POINT
+from export_scenes import GLOWING_POINT, LENS
 
 SCENE = LENS + """[camera.array]
 lattice = "%s"
@@ -26,7 +26,7 @@ focal_length = "0.5 mm"
 columns = 480
 rows = 360
 pixel_pitch = "5 um"
-""" + POINT
+""" + GLOWING_POINT
 PITCH = 20 * (1 + 0.5e-3 / (1 / (1 / 50e-3 - 1)))  # of the micro-images, pixels
 
 

@@ -50,7 +50,7 @@ TYPE = """[[camera.array.types]]
 name = "%s"
 focal_length = "%g mm"
 """
-POINT = """[[flames]]
+GLOWING_POINT = """[[flames]]
 name = "point"
 [[flames.layers]]
 name = "sphere"

@@ -155,6 +155,16 @@ class Import(CommandTest):
             for x in range(WIDTH):
                 self.same(watts["650nm"][y][x], images["650nm"][y][x] * watt, 1e-4)
 
+    def test_values_are_shown_in_the_pictures_unit(self):
+        self.write("a.toml", camera("bits = 12\ngain = 2\nblack_level = 100\nfull_well = 8000\n"))
+        self.write("a.tif", tiff([[[100 + 10 * x for x in range(WIDTH)] for _ in range(HEIGHT)]]))
+        self.imported("a.tif", "--camera", "a.toml")  # twice as many electrons as counts above black
+        text = self.succeeds("compare", "field.exr", "field.exr")
+        self.assertRegex(text, rf"mean flux: +{2 * 10 * sum(range(WIDTH)) / WIDTH:.4g} e-, reference")
+        self.assertRegex(text, "largest difference: +0 e-")
+        text = self.succeeds("develop", "field.exr", "-o", "field.png")
+        self.assertRegex(text, r"saturation: +[\d.]+ e- per pixel")
+
     def test_pixels_that_say_nothing(self):
         self.write("a.toml", camera('bits = 12\ngain = 1\nfull_well = 4000\n'))
         rows = [[100 + x for x in range(WIDTH)] for _ in range(HEIGHT)]

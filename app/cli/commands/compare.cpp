@@ -121,8 +121,8 @@ int run_compare(const CompareArguments& settings) {
              "window", {c.window.x, c.window.y, c.window.width, c.window.height});
   report.add("lit pixels", std::to_string(c.lit_pixels), "lit_pixels", c.lit_pixels);
   report.add("mean flux",
-             readable(c.mean, Dimension::flux) + ", reference " +
-                 readable(c.reference_mean, Dimension::flux),
+             readable_in(c.mean, reference.unit) + ", reference " +
+                 readable_in(c.reference_mean, reference.unit),
              "mean_W", c.mean);
   report.add_json("reference_mean_W", c.reference_mean);
   report.add("relative RMSE", readable_percent(c.relative_rmse), "relative_rmse", c.relative_rmse);
@@ -132,7 +132,7 @@ int run_compare(const CompareArguments& settings) {
              "relative_bias", c.relative_bias);
   report.add(
       "largest difference",
-      readable(c.largest_difference, Dimension::flux) + at_pixel(c.largest_column, c.largest_row),
+      readable_in(c.largest_difference, reference.unit) + at_pixel(c.largest_column, c.largest_row),
       "largest_difference_W", c.largest_difference);
   report.add_json("largest_difference_pixel", {c.largest_column, c.largest_row});
   report.add("flux in unlit pixels", readable_percent(c.stray_share), "stray_share", c.stray_share);

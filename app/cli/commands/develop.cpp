@@ -96,8 +96,9 @@ int run_develop(const DevelopArguments& settings) {
   image.picture.texts = {
       {"Software", "Plenoflame " + light_field.version},
       {"Comment", "channel " + channel + ", saturation " +
-                      format_quantity(image.saturation, Dimension::flux) + " per pixel, " +
-                      std::to_string(requested.bits) + " bits, curve " + curve}};
+                      (light_field.unit == "W" ? format_quantity(image.saturation, Dimension::flux)
+                                               : readable_in(image.saturation, light_field.unit)) +
+                      " per pixel, " + std::to_string(requested.bits) + " bits, curve " + curve}};
   write_png(output, image.picture);
   if (image.lit == 0)
     warn("no pixel of '" + settings.input + "' has a flux above 0: the picture is black");
@@ -109,7 +110,7 @@ int run_develop(const DevelopArguments& settings) {
              "size", {image.picture.width, image.picture.height});
   report.add("channel", channel, "channel", channel);
   report.add("saturation",
-             readable(image.saturation, Dimension::flux) + " per pixel" +
+             readable_in(image.saturation, light_field.unit) + " per pixel" +
                  (image.automatic ? " (automatic)" : ""),
              "saturation_W", image.saturation);
   report.add_json("automatic_exposure", image.automatic);

@@ -409,11 +409,8 @@ class ImportRun {
     if (response.exposure_time > 0)
       report.add("exposure", readable(response.exposure_time, Dimension::time), "exposure_time_s",
                  response.exposure_time);
-    report.add("largest value",
-               (settings_.unit == ImportUnit::watts
-                    ? readable(summary_.largest, Dimension::flux)
-                    : readable_number(summary_.largest) + " " + field.unit),
-               "largest", summary_.largest);
+    report.add("largest value", readable_in(summary_.largest, field.unit), "largest",
+               summary_.largest);
     report.add("saturated pixels", std::to_string(summary_.saturated), "saturated",
                summary_.saturated);
     report.add("defective pixels", std::to_string(summary_.defective), "defective",

@@ -36,11 +36,6 @@ ChannelSummary summarize(const LightFieldChannel& channel) {
   return summary;
 }
 
-/// A value of a light field in its unit: watts are scaled, electrons, kelvins and so on are not.
-std::string in_unit(double value, const std::string& unit) {
-  return unit == "W" ? readable(value, Dimension::flux) : readable_number(value) + " " + unit;
-}
-
 /// A figure among the attributes, with the unit that its name stands for.
 std::string with_unit(const std::string& key, double value) {
   constexpr std::pair<std::string_view, std::string_view> kOthers[] = {
@@ -72,8 +67,8 @@ std::string with_unit(const std::string& key, double value) {
 void describe_channel(const LightFieldChannel& channel, const std::string& unit, Report& report,
                       nlohmann::json& list) {
   const ChannelSummary summary = summarize(channel);
-  std::string text = in_unit(summary.total, unit) + " in " + std::to_string(summary.lit) +
-                     " lit pixels, largest " + in_unit(summary.largest, unit);
+  std::string text = readable_in(summary.total, unit) + " in " + std::to_string(summary.lit) +
+                     " lit pixels, largest " + readable_in(summary.largest, unit);
   // Keys end with the unit where it is one of SI.
   const std::string ending = unit == "W" || unit == "K" || unit == "m" ? "_" + unit : "";
   nlohmann::json entry = {{"name", channel.name},

@@ -99,9 +99,9 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   if (settings.all_in_focus) images.push_back({"all_in_focus", std::move(stack.all_in_focus), {}});
   ResultFolder folder(settings.raw.output);
   double white = 0;
+  const std::string unit = raw.field.unit + "/(m^2 sr)";
   folder.write([&](const std::string& path) {
-    white = write_images(path, images, raw.field.unit + "/(m^2 sr)", how.channel, settings.exr,
-                         raw.field, execution);
+    white = write_images(path, images, unit, how.channel, settings.exr, raw.field, execution);
     if (settings.all_in_focus)
       write_depth(path, stack.depth, stack.confidence, depths.front(), depths.back(), raw.field);
   });
@@ -116,7 +116,8 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   report.add("pixel on the object", readable(list[0]["pixel"].get<double>(), Dimension::length),
              "pixel", list[0]["pixel"]);
   report.add("channel", how.channel, "channel", how.channel);
-  report.add("white in the pictures", readable(white, Dimension::radiance), "white", white);
+  report.add("white in the pictures", readable_in(white, unit), "white", white);
+  report.add_json("unit", unit);
   report.print(settings.raw.json);
   return kSuccess;
 }
