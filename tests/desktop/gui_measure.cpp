@@ -4,10 +4,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <QAction>
 #include <QApplication>
 #include <QElapsedTimer>
+#include <QLineEdit>
 #include <QMetaEnum>
 #include <QSlider>
+#include <QSpinBox>
 #include <QTabWidget>
 #include <QTemporaryDir>
 #include <QTest>
@@ -18,10 +21,12 @@
 
 #include "gui_tests.h"
 #include "heartbeat.h"
+#include "widgets/film_dialog.h"
 #include "widgets/image_panel.h"
 #include "widgets/image_view.h"
 #include "widgets/light_field_panel.h"
 #include "widgets/main_window.h"
+#include "widgets/scene_panel.h"
 #include "widgets/scene_view.h"
 
 namespace plenoflame::desktop::test {
@@ -149,6 +154,35 @@ int measure(const char* scene) {
                 static_cast<long long>(quick), static_cast<long long>(since.elapsed()));
   }
   std::printf("  %s\n", heart.take().c_str());
+  // What an edit shows first, the theme, a film.
+  session.document().set_value("flames[0].scale", "0.9");
+  since.restart();
+  const auto before_edit = session.document().image();
+  until([&] { return session.document().image() != before_edit; });
+  std::printf("first picture after an edit: %lld ms\n", static_cast<long long>(since.elapsed()));
+  if (!until([&] { return window.is_settled(); })) return 1;
+  std::printf("  until it is finished: %lld ms, %s\n", static_cast<long long>(since.elapsed()),
+              heart.take().c_str());
+  auto* const dark = window.findChild<QAction*>("actionDark");
+  for (int i = 0; i < 4; ++i) {
+    since.restart();
+    dark->toggle();
+    QApplication::processEvents();  // everything is painted
+    std::printf("another theme: %lld ms\n", static_cast<long long>(since.elapsed()));
+    QTest::qWait(300);
+  }
+  std::printf("  %s\n", heart.take().c_str());
+  window.scene_panel().reveal("flames[0].scale");
+  window.findChild<QAction*>("actionFilm")->trigger();
+  auto* const film = window.findChild<FilmDialog*>();
+  window.findChild<QLineEdit*>("filmTo")->setText("1");
+  window.findChild<QSpinBox*>("filmFrames")->setValue(50);
+  since.restart();
+  film->record(folder.filePath("film.png"));
+  until([&] { return !film->is_recording(); });
+  std::printf("film of 50 steps: %.1f s, %s; %s\n", 1e-3 * static_cast<double>(since.elapsed()),
+              qPrintable(film->message()), heart.take().c_str());
+  film->close();
   // Pan, zoom, turn, edit while it renders.
   session.document().set_value("render.samples", "4096");
   for (int i = 0; i < 40; ++i) {
