@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "calibration/free_values.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
 
@@ -23,81 +24,6 @@ constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled nor
 /// this part of its distance. Distortion that is noise tells it to a half at best; and where it
 /// stays as it is, so much of it changes the picture by no more than the noise of all corners.
 constexpr double kKnownPlane = 0.1;
-
-/// The observations from which a value of the camera is known.
-enum class ValueGroup {
-  optics,     ///< corners
-  array,      ///< centres of micro-images
-  distortion  ///< corners; searched for where it is asked for
-};
-
-/// A value of the camera that can be searched for.
-struct FreeValue {
-  const char* key;
-  double& (*of)(CameraSpec& camera);
-  double step;  ///< for differences, of the camera's own size: relative to `scale`
-  double (*scale)(const CameraSpec& camera);
-  ValueGroup group;
-};
-
-double pitch_of(const CameraSpec& camera) {
-  return camera.array.pitch;
-}
-double unity(const CameraSpec&) {
-  return 1;
-}
-double plane_of(const CameraSpec& camera) {
-  return camera.lens.distortion.distance;
-}
-/// Tangent of the angle at which the sensor's corner is seen, to a power: terms of distortion
-/// change directions by it.
-template <int kPower>
-double per_field(const CameraSpec& camera) {
-  return std::pow(camera.focus.lens_distance / camera.sensor.corner(), kPower);
-}
-
-const FreeValue kFreeValues[]{
-    {"camera.lens.focal_length", [](CameraSpec& c) -> double& { return c.lens.focal_length; }, 1e-5,
-     pitch_of, ValueGroup::optics},
-    {"camera.focus.lens_distance", [](CameraSpec& c) -> double& { return c.focus.lens_distance; },
-     1e-5, pitch_of, ValueGroup::optics},
-    {"camera.array.sensor_distance",
-     [](CameraSpec& c) -> double& { return c.array.sensor_distance; }, 1e-5, pitch_of,
-     ValueGroup::optics},
-    {"camera.lens.decentre[0]", [](CameraSpec& c) -> double& { return c.lens.decentre.x; }, 1e-4,
-     pitch_of, ValueGroup::optics},
-    {"camera.lens.decentre[1]", [](CameraSpec& c) -> double& { return c.lens.decentre.y; }, 1e-4,
-     pitch_of, ValueGroup::optics},
-    {"camera.array.offset[0]", [](CameraSpec& c) -> double& { return c.array.offset.x; }, 1e-4,
-     pitch_of, ValueGroup::array},
-    {"camera.array.offset[1]", [](CameraSpec& c) -> double& { return c.array.offset.y; }, 1e-4,
-     pitch_of, ValueGroup::array},
-    {"camera.array.pitch", [](CameraSpec& c) -> double& { return c.array.pitch; }, 1e-7, pitch_of,
-     ValueGroup::array},
-    {"camera.array.rotation", [](CameraSpec& c) -> double& { return c.array.rotation; }, 1e-7,
-     unity, ValueGroup::array},
-    {"camera.array.tilt[0]", [](CameraSpec& c) -> double& { return c.array.tilt.x; }, 1e-6, unity,
-     ValueGroup::array},
-    {"camera.array.tilt[1]", [](CameraSpec& c) -> double& { return c.array.tilt.y; }, 1e-6, unity,
-     ValueGroup::array},
-    {"camera.lens.distortion.k1", [](CameraSpec& c) -> double& { return c.lens.distortion.k1; },
-     1e-4, per_field<2>, ValueGroup::distortion},
-    {"camera.lens.distortion.k2", [](CameraSpec& c) -> double& { return c.lens.distortion.k2; },
-     1e-4, per_field<4>, ValueGroup::distortion},
-    {"camera.lens.distortion.k3", [](CameraSpec& c) -> double& { return c.lens.distortion.k3; },
-     1e-4, per_field<6>, ValueGroup::distortion},
-    {"camera.lens.distortion.p1", [](CameraSpec& c) -> double& { return c.lens.distortion.p1; },
-     1e-4, per_field<1>, ValueGroup::distortion},
-    {"camera.lens.distortion.p2", [](CameraSpec& c) -> double& { return c.lens.distortion.p2; },
-     1e-4, per_field<1>, ValueGroup::distortion},
-    {"camera.lens.distortion.distance",
-     [](CameraSpec& c) -> double& { return c.lens.distortion.distance; }, 1e-5, plane_of,
-     ValueGroup::distortion},
-};
-
-bool is_plane(const FreeValue* value) {
-  return value->scale == plane_of;
-}
 
 /// The camera with its stop wide open: corners may be seen by rays that its own stop ends.
 Camera open_camera(CameraSpec spec) {
@@ -524,50 +450,7 @@ class GeometryFit {
   std::vector<Vec2> residuals_, centre_residuals_;
 };
 
-/// The values that are searched for where nothing else is said.
-std::vector<const FreeValue*> usual_values(bool with_centres) {
-  std::vector<const FreeValue*> values;
-  for (const FreeValue& value : kFreeValues)
-    if (value.group == ValueGroup::optics || (value.group == ValueGroup::array && with_centres))
-      values.push_back(&value);
-  return values;
-}
-
-std::vector<const FreeValue*> chosen(const GeometrySettings& settings, bool with_centres) {
-  if (settings.free.empty()) return usual_values(with_centres);
-  std::vector<const FreeValue*> values;
-  const auto add = [&](const FreeValue* value) {
-    if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
-  };
-  for (const std::string& name : settings.free) {
-    if (name == kUsualValues) {
-      for (const FreeValue* value : usual_values(with_centres)) add(value);
-      continue;
-    }
-    bool known = false;
-    for (const FreeValue& value : kFreeValues) {
-      // "camera.lens.decentre" means both of its numbers, "camera.lens.distortion" all terms.
-      const std::string key = value.key;
-      if (key != name && !key.starts_with(name + "[") && !key.starts_with(name + ".")) continue;
-      known = true;
-      add(&value);
-    }
-    if (!known) {
-      std::string names = kUsualValues;
-      for (const FreeValue& value : kFreeValues) names.append(", ").append(value.key);
-      throw InputError("'" + name + "' cannot be searched for; these can: " + names);
-    }
-  }
-  return values;
-}
-
 }  // namespace
-
-std::vector<std::string> calibrated_keys() {
-  std::vector<std::string> keys;
-  for (const FreeValue& value : kFreeValues) keys.emplace_back(value.key);
-  return keys;
-}
 
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
                                        const std::vector<CornerObservation>& corners,
@@ -588,11 +471,11 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   spec.array.measured_from = ArrayReference::principal_plane;
   spec.array.sensor_distance = camera.microlenses()[0].sensor_distance;
   spec.array.spacing_error = 0;
-  const std::vector<const FreeValue*> free = chosen(settings, !centres.empty());
+  const std::vector<const FreeValue*> free = chosen_values(settings, !centres.empty());
   const auto plane = std::find_if(free.begin(), free.end(), is_plane);
   const bool finds_plane = plane != free.end();
   // Distortion that is not there yet begins with the plane in focus.
-  if (spec.lens.distortion.none() || (finds_plane && !std::isfinite(plane_of(spec))))
+  if (spec.lens.distortion.none() || (finds_plane && !std::isfinite(spec.lens.distortion.distance)))
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
   GeometryFit fit(spec, corners, centres);
   fit.start_poses();

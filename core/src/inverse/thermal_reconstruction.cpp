@@ -25,7 +25,7 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-7, 0.1, 7, 0, 10, 0.003, 2, 100};
+constexpr StrengthRange kRange{1e-7, 10, 9, 0, 10, 0.003, 2, 100};
 /// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
 /// strength.
 constexpr int kLinearisations = 2, kTrialSteps = 4;

@@ -11,7 +11,7 @@
 namespace plenoflame {
 
 /// Strengths that are looked at.
-inline constexpr StrengthRange kLinearRange{1e-9, 0.1, 9, 0, 8, 0.01, 2, 100};
+inline constexpr StrengthRange kLinearRange{1e-9, 1, 10, 0, 8, 0.01, 2, 100};
 /// The same of total variation, whose unit is the root of a misfit.
 inline constexpr StrengthRange kVariationRange{1e-5, 1e3, 9, 0, 8, 0.01, 2, 100};
 
