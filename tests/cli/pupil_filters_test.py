@@ -100,10 +100,11 @@ class PupilFilters(CommandTest):
         self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "64", "--quiet")
         common = ("reconstruct", "a.toml", "--images", "a.exr", "--unknowns", "layers", "--grid", "3", "--rays", "16",
                   "--seed", "5", "--truth", "--quiet")
-        both = self.json_of(*common, "--find", "both", "-o", "both.vdb")
+        # Three layers make little of the sharp edge (chi^2 is 54): the strength is given, not chosen by a misfit that noise does not make.
+        both = self.json_of(*common, "--find", "both", "--strength", "1", "-o", "both.vdb")
         self.assertLess(both["truth_temperature_error"], 0.05)  # 0.11 with absorptions that do not fit
         # Layers make little of the flame's sharp edge: as little with filters as with an open stop.
-        known = ("--find", "temperature", "--absorption", "scene", "-o", "known.vdb")
+        known = ("--find", "temperature", "--absorption", "scene", "--strength", "1", "-o", "known.vdb")
         errors = [self.json_of(*common, *known)["truth_temperature_error"]]
         self.write("a.toml", CAMERA + CHANNEL.replace("400", "30") + flame)
         self.succeeds("render", "a.toml", "-o", "a.exr", "--samples", "64", "--quiet")
