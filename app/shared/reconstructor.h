@@ -65,7 +65,7 @@ class Reconstructor {
                 const FrameMeasurements& first, const Execution& execution);
 
   const Unknowns& unknowns() const { return *unknowns_; }
-  /// What they are made by, with the axis that was fitted.
+  /// The options that the unknowns were made by, with the axis that was fitted.
   const UnknownsRequest& unknowns_request() const { return request_.unknowns; }
   /// Lets other processes take part in frames. @param assembly must outlive them
   void share(SharedAssembly& assembly) { settings_.assembly = &assembly; }

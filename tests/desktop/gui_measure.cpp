@@ -154,7 +154,7 @@ int measure(const char* scene) {
                 static_cast<long long>(quick), static_cast<long long>(since.elapsed()));
   }
   std::printf("  %s\n", heart.take().c_str());
-  // What an edit shows first, the theme, a film.
+  // The first picture after an edit, another theme, and a film are timed.
   session.document().set_value("flames[0].scale", "0.9");
   since.restart();
   const auto before_edit = session.document().image();

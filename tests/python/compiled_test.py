@@ -37,12 +37,12 @@ class CompiledCameras(PackageTest):
 
     def test_what_it_is(self):
         region = ((0.97, -0.02, -0.04), (1.03, 0.02, 0.04))
-        # So many samples that pixels between micro-images, which see a sliver of the pupil, have a ray too.
+        # The samples are so many that pixels between micro-images, which see a sliver of the pupil, have a ray too.
         camera = self.small.compile(level=1, samples=256, window=(5, 6, 40, 30), region=region)
         self.assertEqual((camera.window, camera.seed), ((5, 6, 40, 30), 1))
         numpy.testing.assert_array_equal(camera.region, region)
         self.assertEqual(camera.pixels, 40 * 30)
-        # Of level 1 the sums of a constant and four coordinates are kept, which takes five rays behind each microlens.
+        # Level 1 keeps the sums of a constant and four coordinates, which takes five rays behind each microlens.
         self.assertGreaterEqual(camera.rays, 5 * camera.pixels)
         self.assertEqual(self.small.render(compiled=camera).flux.shape, (30, 40))
 

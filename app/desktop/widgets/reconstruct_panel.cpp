@@ -446,7 +446,7 @@ void ReconstructPanel::show_choices() {
   const bool squares =
       find != "emission" || QStringList{"fista", "nnls", "cgls", "lsqr"}.contains(solver);
   penalty_->setEnabled(squares);
-  // What has no penalty has no strength of it; a strength that is given is not chosen.
+  // A solver without penalty has no strength; a strength that is given is not chosen.
   const bool penalised = squares ? penalty_->currentData().toString() != "none" : solver == "tv";
   strength_->setEnabled(penalised);
   rule_->setEnabled(penalised && strength_->text().trimmed().isEmpty());

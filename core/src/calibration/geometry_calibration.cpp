@@ -261,7 +261,8 @@ class GeometryFit {
 
   double corner_rms() const { return rms(residuals_, used_); }
 
-  /// Whether the plane of the distortion, one of these values, is known where the camera is now.
+  /// True if the corners determine the plane of the distortion, one of these values, as the camera
+  /// is now.
   bool knows_plane(const std::vector<const FreeValue*>& free) {
     free_ = free;
     linearise();

@@ -23,8 +23,8 @@
 namespace plenoflame {
 namespace {
 
-/// Where the parts of the work end, for progress: drawing the rays, choosing the strength, the
-/// solution; then there are the deviations.
+/// Shares of the work, for progress, at which the rays are drawn, the strength is chosen and the
+/// solution is found; the deviations take the rest.
 constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;

@@ -229,7 +229,7 @@ CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box&
                                 const CameraRaySettings& settings, const Execution& execution) {
   const bool all_drawn = std::none_of(views.begin(), views.end(),
                                       [](const CameraView& view) { return view.compiled; });
-  // What a compiled camera keeps is there at once.
+  // Rays of a compiled camera are stored: there is nothing to share.
   if (settings.bin < 1 || !all_drawn) return draw_camera_rays(views, box, settings, execution);
   const std::vector<DrawnPiece> pieces = pieces_of(views, settings);
   if (pieces.size() < 2) return draw_camera_rays(views, box, settings, execution);

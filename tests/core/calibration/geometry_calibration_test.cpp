@@ -272,7 +272,7 @@ TEST(GeometryCalibration, FifteenPosesTellDistortion) {
   expect_stated_errors(found, distorting());
 }
 
-// Of a lens without distortion nothing tells which plane it would have: the plane stays where the
+// A lens without distortion does not tell which plane it would have: the plane stays where the
 // camera is in focus, and distortion is none within its errors.
 TEST(GeometryCalibration, WithoutDistortionItsPlaneStays) {
   const Seen seen = observe(truth(), 7, 0.05);

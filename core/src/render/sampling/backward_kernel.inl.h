@@ -291,7 +291,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
         keep_between(c.far_half[k], sided.of_e[k], -sided.of_q[k] * far_q, far_p, side_low,
                      side_high);
       }
-      // What is left of the aperture may lie beside the line, in a corner: then discs bound it.
+      // The visible part of the aperture may lie beside the line, in a corner: then discs bound it.
       between = side_high - side_low > Real(0.02) * near;
       low = between ? side_low : low;
       high = between ? side_high : high;

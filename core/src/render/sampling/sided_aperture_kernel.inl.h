@@ -24,7 +24,7 @@ PLENOFLAME_INLINE void keep_between(Real half, Real slope, Real offset, Real mid
   most_at = least(most_at, at + reach);
 }
 
-/// What lies between all sides of a microlens' two apertures, as if it were a regular polygon, or a
+/// The region between all sides of a microlens' two apertures, as if it were a regular polygon or a
 /// rectangle: its middle along e and across it, and half the distance of its sides.
 template <class Real, int kPairs>
 struct SidedAperture {
@@ -72,7 +72,7 @@ PLENOFLAME_INLINE bool is_uncut(const SidedAperture<Real, kPairs>& a, Real low, 
   constexpr Real kShare = Real(0.9);  // of its reach
   Real along = Real(0), across = Real(0), smallest = a.half[0];
   for (int k = 0; k < kPairs; ++k) {
-    // Of a hexagon the corners lie between two normals: 2 / 3 of the sum reach as far.
+    // Corners of a hexagon lie between two normals: 2 / 3 of the sum reach as far.
     constexpr Real kPart = kPairs == 2 ? Real(1) : Real(2.0 / 3);
     along += kPart * a.half[k] * magnitude(a.of_e[k]);
     across += kPart * a.half[k] * magnitude(a.of_q[k]);
