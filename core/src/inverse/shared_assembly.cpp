@@ -145,8 +145,6 @@ struct SharedAssembly::Work {
   std::function<std::string(std::size_t)> message;
   std::function<void(std::size_t, RankReader&)> take;
   std::function<void(std::size_t)> make;
-  /// The first piece that nobody has.
-  std::atomic<std::size_t>* next = nullptr;
 };
 
 SharedAssembly::SharedAssembly(Communicator& ranks)
@@ -185,7 +183,7 @@ bool SharedAssembly::take(const Work& work) {
 }
 
 void SharedAssembly::share(const Work& work, const Execution& execution) {
-  std::atomic<std::size_t>& next = *work.next;
+  std::atomic<std::size_t> next = 0;  // the first piece that nobody has
   std::exception_ptr failure;
   std::atomic<bool> ends = false;
   const auto out = [&] { return std::accumulate(out_.begin(), out_.end(), 0); };
@@ -234,12 +232,10 @@ CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box&
   const std::vector<DrawnPiece> pieces = pieces_of(views, settings);
   if (pieces.size() < 2) return draw_camera_rays(views, box, settings, execution);
   std::vector<CameraRays> made(pieces.size());
-  std::atomic<std::size_t> next = 0;
   Execution quiet = execution;
   quiet.progress = nullptr;
   Work work;
   work.pieces = pieces.size();
-  work.next = &next;
   work.message = [&](std::size_t p) {
     std::string bytes(1, kDraw);
     put(bytes, p);
@@ -277,12 +273,10 @@ CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
     return some_rows(all, begins[p], p + 1 < begins.size() ? begins[p + 1] : all.rows.size());
   };
   std::vector<CsrRows<float>> made(begins.size());
-  std::atomic<std::size_t> next = 0;
   Execution quiet = execution;
   quiet.progress = nullptr;
   Work work;
   work.pieces = made.size();
-  work.next = &next;
   work.message = [&](std::size_t p) {
     std::string bytes(1, kRows);
     put(bytes, p);
