@@ -31,6 +31,7 @@ class DesignJob : public QObject {
  public:
   explicit DesignJob(Document& document, QObject* parent = nullptr);
   const std::shared_ptr<const DesignResult>& result() const { return result_; }
+  bool busy() const { return task_.busy(); }
 
  signals:
   void result_changed();

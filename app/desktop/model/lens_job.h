@@ -30,6 +30,7 @@ class LensJob : public QObject {
   const std::shared_ptr<const LensDesign>& result() const { return result_; }
   const QString& failure() const { return failure_; }
   void want();
+  bool busy() const { return task_.busy(); }
 
  signals:
   void result_changed();

@@ -65,6 +65,9 @@ class LightFieldJobs : public QObject {
 
   const DerivedImage& refocused() const { return refocused_; }
   const std::shared_ptr<const FocusStack>& stack() const { return stack_; }
+  bool busy() const {
+    return micro_task_->busy() || views_task_->busy() || refocus_->busy() || stack_task_->busy();
+  }
 
  signals:
   void views_changed();

@@ -48,6 +48,8 @@ class Session : public QObject {
   /// Pictures are made of rays again.
   void follow_rays();
   const CompiledBundle& compiled_camera() const { return bundle_; }
+  /// True if nothing is being computed beside the picture and the rays, which say so themselves.
+  bool at_rest() const { return !design_.busy() && !lens_.busy() && !light_field_.busy(); }
   /// Threads for rendering; 0: one per processor.
   void set_threads(int threads) { threads_ = threads; }
 
