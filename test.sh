@@ -146,7 +146,7 @@ if [ "$quick" = no ]; then
   fi
   # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
   if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
-  if time_for "thread sanitizer" 20 &&
+  if time_for "thread sanitizer" 50 &&
     stage "build: thread sanitizer" build tsan --target "${threaded[@]}"; then
     # Programs that were not built are named NAME_NOT_BUILT by CTest.
     run_tests tsan -E '_NOT_BUILT' -LE "$tsan_only"

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A flame without symmetry from one, three and six cameras: the section of docs/validation.md.
 
-    tools/reconstruction_views.py PLENOFLAME [--grid 32] [--rays 64] [--samples 1024] [--page docs/validation.md]
+    tools/reconstruction_views.py PLENOFLAME [--grid 32 64] [--rays 64] [--samples 1024] [--page docs/validation.md]
 
 The flame is that of the page's "One slice without symmetry" in three dimensions: nested shells of an ellipsoid, each of one
 temperature, which are rendered exactly; the cameras are those of examples/ring-of-six.toml, with the noise of a sensor of
@@ -43,7 +43,7 @@ def scene_text():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command")
-    parser.add_argument("--grid", default="32")
+    parser.add_argument("--grid", nargs="+", default=["32", "64"], help="voxels along the longest side; 64 want 16 cores and 60 GB")
     parser.add_argument("--rays", default="64")
     parser.add_argument("--samples", default="1024")
     parser.add_argument("--noise", default="0.001", help="what the model may err by: the scene is known here, the voxels are finite")
@@ -65,23 +65,25 @@ def main():
         for name in CAMERAS[6]:
             run("develop", f"x-{name}.exr", "--sensor", "-o", f"{name}.exr")
         rows = ""
-        for count in options.cameras:
+        for grid, count in ((grid, count) for grid in options.grid for count in options.cameras):
             chosen = [word for name in CAMERAS[count] for word in ("--camera", name)]
             found = json.loads(run("reconstruct", "six.toml", *chosen, "--images", *[f"{name}.exr" for name in CAMERAS[count]],
-                                   "--absorption", "scene", "--noise", options.noise, "--grid", options.grid, "--rays", options.rays, "--memory", options.memory,
+                                   "--absorption", "scene", "--noise", options.noise, "--grid", grid, "--rays", options.rays, "--memory", options.memory,
                                    "--draws", "0", "--probes", "0", "--truth", "--quiet", "--json", "-o", "x.vdb"))
             emission, temperature = SLICE[count]
-            rows += (f"| {count} | {found['rows']} | {found['chi_squared']:.2f} | {emission} | "
+            rows += (f"| {grid} | {count} | {found['rows']} | {found['chi_squared']:.2f} | {emission} | "
                      f"{100 * found['truth_emission_error']:.1f} | {temperature} | {100 * found['truth_temperature_error']:.1f} |\n")
             print(rows.splitlines()[-1], flush=True)
     section = f"""{TITLE}
 `tools/reconstruction_views.py`: the same flame as the slice's, as an ellipsoid of {2 * SEMI_AXES[0]} x {2 * SEMI_AXES[1]} x \
 {2 * SEMI_AXES[2]} mm in {SHELLS} exact shells, 1 m away from cameras like those of `examples/ring-of-six.toml`, 100 x 180 pixels,
-with the noise of a sensor of 20000 electrons; {options.grid} voxels along the longest side, {options.rays} rays a pixel and
+with the noise of a sensor of 20000 electrons; voxels are counted along the longest side, {options.rays} rays a pixel and
 microlens, `--noise {options.noise}`, strength by the discrepancy. Errors in per cent, beside those of one slice with the best strength by the truth at 30 and 20 dB.
 
-| cameras | rows | chi^2 per row | emission, slice | emission, ours | temperature, slice | temperature, ours |
-|---|---|---|---|---|---|---|
+Asked of six cameras: less than 8 % of emission and 1.5 % of temperature. With 64^3 voxels noise has more room, and emission misses it.
+
+| voxels | cameras | rows | chi^2 per row | emission, slice | emission, ours | temperature, slice | temperature, ours |
+|---|---|---|---|---|---|---|---|
 {rows}"""
     if not options.page:
         print(section)
