@@ -11,7 +11,7 @@
 #include <system_error>
 #include <thread>
 
-#include "commands/render_ranks.h"
+#include "commands/render/render_ranks.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/render/ranks.h"

@@ -24,8 +24,8 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/image/atomic_file.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/main_window.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/window/main_window.h"
 
 namespace {
 

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "commands/bench_report.h"
-#include "commands/info.h"
-#include "commands/ray_counts.h"
-#include "commands/run_record.h"
+#include "commands/render/bench_report.h"
+#include "commands/render/run_record.h"
+#include "commands/scene/info.h"
+#include "commands/scene/ray_counts.h"
 #include "number_rows.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/ray_paths.h"

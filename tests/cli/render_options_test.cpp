@@ -1,5 +1,5 @@
-#include "commands/render_options.h"
-#include "commands/run_record.h"
+#include "commands/render/render_options.h"
+#include "commands/render/run_record.h"
 
 #include <gtest/gtest.h>
 #include <CLI/CLI.hpp>

@@ -13,9 +13,9 @@
 #include "gui_tests.h"
 #include "scene_fixture.h"
 #include "scenes.h"
-#include "widgets/film_dialog.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/opacity_curve.h"
+#include "widgets/flame/opacity_curve.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/window/film_dialog.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -14,8 +14,8 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/lightfield/export.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/scene_view.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/scene/scene_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

@@ -12,8 +12,8 @@
 
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
-#include "widgets/flame_panel.h"
-#include "widgets/import_dialog.h"
+#include "widgets/flame/flame_panel.h"
+#include "widgets/window/import_dialog.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

@@ -20,11 +20,11 @@
 #include "gui_tests.h"
 #include "heartbeat.h"
 #include "plenoflame/lightfield/export.h"
-#include "widgets/image_panel.h"
-#include "widgets/image_view.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/main_window.h"
-#include "widgets/scene_view.h"
+#include "widgets/image/image_panel.h"
+#include "widgets/image/image_view.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/window/main_window.h"
 
 namespace plenoflame::desktop::test {
 namespace {

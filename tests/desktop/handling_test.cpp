@@ -13,8 +13,8 @@
 #include "gui_tests.h"
 #include "plenoflame/scene/scene_file.h"
 #include "scene_fixture.h"
-#include "widgets/help_window.h"
-#include "widgets/scene_panel.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/window/help_window.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

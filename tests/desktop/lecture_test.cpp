@@ -16,11 +16,11 @@
 #include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
 #include "scenes.h"
-#include "widgets/compare_window.h"
-#include "widgets/film_dialog.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/time_bar.h"
-#include "widgets/tour_dialog.h"
+#include "widgets/controls/time_bar.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/window/compare_window.h"
+#include "widgets/window/film_dialog.h"
+#include "widgets/window/tour_dialog.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

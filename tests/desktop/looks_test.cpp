@@ -15,10 +15,10 @@
 
 #include "gui_tests.h"
 #include "scene_fixture.h"
-#include "widgets/colour_bar.h"
-#include "widgets/lens_window.h"
-#include "widgets/plot_widget.h"
-#include "widgets/preferences_dialog.h"
+#include "widgets/controls/plot_widget.h"
+#include "widgets/image/colour_bar.h"
+#include "widgets/window/lens_window.h"
+#include "widgets/window/preferences_dialog.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

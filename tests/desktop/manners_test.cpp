@@ -16,10 +16,10 @@
 
 #include "gui_tests.h"
 #include "plenoflame/scene/presets.h"
-#include "widgets/help_window.h"
-#include "widgets/render_panel.h"
-#include "widgets/scene_panel.h"
-#include "widgets/scene_view.h"
+#include "widgets/panels/render_panel.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/window/help_window.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

@@ -14,9 +14,9 @@
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/render_panel.h"
-#include "widgets/scene_panel.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/panels/render_panel.h"
+#include "widgets/panels/scene_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -19,11 +19,11 @@
 
 #include "gui_tests.h"
 #include "plenoflame/image/png_file.h"
-#include "widgets/flame_dialogs.h"
-#include "widgets/flame_panel.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/scene_panel.h"
-#include "widgets/scene_view.h"
+#include "widgets/flame/flame_dialogs.h"
+#include "widgets/flame/flame_panel.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/scene/scene_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

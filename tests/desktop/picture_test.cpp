@@ -13,12 +13,12 @@
 #include "gui_tests.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/volumes/grid_writer.h"
-#include "widgets/flame_panel.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/opacity_curve.h"
-#include "widgets/plot_widget.h"
-#include "widgets/scene_view.h"
-#include "widgets/section_view.h"
+#include "widgets/controls/plot_widget.h"
+#include "widgets/flame/flame_panel.h"
+#include "widgets/flame/opacity_curve.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/scene/section_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

@@ -13,8 +13,8 @@
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
-#include "widgets/beside_window.h"
-#include "widgets/reconstruct_panel.h"
+#include "widgets/panels/reconstruct_panel.h"
+#include "widgets/window/beside_window.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

@@ -1,8 +1,8 @@
 // A small scene in the window, and where its things are seen.
 #pragma once
 #include "plenoflame/base/error.h"
-#include "widgets/scene_view.h"
-#include "widgets/section_view.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/scene/section_view.h"
 #include "window_fixture.h"
 
 namespace plenoflame::desktop::test {

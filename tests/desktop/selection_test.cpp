@@ -24,7 +24,7 @@
 #include "gui_tests.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "scene_fixture.h"
-#include "widgets/rays_panel.h"
+#include "widgets/panels/rays_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -13,7 +13,7 @@
 #include "gui_tests.h"
 #include "scene_fixture.h"
 #include "scenes.h"
-#include "widgets/light_field_panel.h"
+#include "widgets/image/light_field_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -10,8 +10,8 @@
 
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
-#include "widgets/light_field_panel.h"
-#include "widgets/scene_view.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/scene/scene_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

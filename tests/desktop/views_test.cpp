@@ -27,7 +27,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "scene_fixture.h"
-#include "widgets/light_field_panel.h"
+#include "widgets/image/light_field_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -23,11 +23,11 @@
 #include "answers.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field.h"
-#include "widgets/file_tasks.h"
-#include "widgets/image_panel.h"
-#include "widgets/image_view.h"
-#include "widgets/main_window.h"
-#include "widgets/scene_panel.h"
+#include "widgets/image/image_panel.h"
+#include "widgets/image/image_view.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/window/file_tasks.h"
+#include "widgets/window/main_window.h"
 
 namespace plenoflame::desktop::test {
 

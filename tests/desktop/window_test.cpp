@@ -6,11 +6,11 @@
 #include <QTreeView>
 
 #include "gui_tests.h"
-#include "widgets/rays_panel.h"
-#include "widgets/render_panel.h"
-#include "widgets/scene_panel.h"
-#include "widgets/scene_view.h"
-#include "widgets/section_view.h"
+#include "widgets/panels/rays_panel.h"
+#include "widgets/panels/render_panel.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/scene/section_view.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;

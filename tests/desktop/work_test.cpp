@@ -18,8 +18,8 @@
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
-#include "widgets/flame_dialogs.h"
-#include "widgets/scene_panel.h"
+#include "widgets/flame/flame_dialogs.h"
+#include "widgets/panels/scene_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;

@@ -1,6 +1,6 @@
 #include "model/scene_target.h"
 
-#include "model/ray_selector.h"
+#include "model/jobs/ray_selector.h"
 
 namespace plenoflame::desktop {
 

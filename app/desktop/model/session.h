@@ -3,14 +3,14 @@
 #include <QObject>
 #include <QTimer>
 
-#include "model/design_job.h"
 #include "model/document.h"
-#include "model/lens_job.h"
-#include "model/light_field_jobs.h"
-#include "model/measured_picture.h"
-#include "model/ray_selector.h"
-#include "model/render_job.h"
-#include "model/scene_compiler.h"
+#include "model/jobs/design_job.h"
+#include "model/jobs/lens_job.h"
+#include "model/jobs/light_field_jobs.h"
+#include "model/jobs/measured_picture.h"
+#include "model/jobs/ray_selector.h"
+#include "model/jobs/render_job.h"
+#include "model/jobs/scene_compiler.h"
 
 namespace plenoflame::desktop {
 

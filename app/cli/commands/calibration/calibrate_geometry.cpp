@@ -1,0 +1,264 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <memory>
+
+#include "commands/calibration/calibrate.h"
+#include "commands/scene_input.h"
+#include "file_set.h"
+#include "number_rows.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/calibration/geometry_calibration.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plot.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct GeometryArguments {
+  std::string corners, camera, which, output, centres, residuals, plot, poses;
+  std::vector<std::string> set, free;
+  bool json = false;
+};
+
+int whole_number(double value, const std::string& path, int line) {
+  if (value != std::floor(value) || std::fabs(value) > 1e8)
+    throw InputError(SourcePosition{path, line}, "a pose, q and r are whole numbers");
+  return static_cast<int>(value);
+}
+
+/// How many numbers the first line that holds some has.
+std::size_t numbers_in(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line)) {
+    const auto first = line.find_first_not_of(" \t");
+    if (first == std::string::npos || line[first] == '#' ||
+        std::string_view("+-.0123456789").find(line[first]) == std::string_view::npos)
+      continue;
+    return 1 + static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+  }
+  return 0;
+}
+
+std::vector<CornerObservation> read_corners(const std::string& path) {
+  const std::size_t count = numbers_in(path) == 7 ? 7 : 5;
+  std::vector<CornerObservation> corners;
+  for (const NumberRow& row : read_number_rows(
+           path, count,
+           "a corner: pose,x,y,column,row or pose,x,y,column,row,q,r; x, y in metres")) {
+    CornerObservation corner;
+    corner.pose = whole_number(row.values[0], path, row.line);
+    corner.board = {row.values[1], row.values[2]};
+    corner.pixel = {row.values[3], row.values[4]};
+    if (count == 7)
+      corner.lens = LensIndex{whole_number(row.values[5], path, row.line),
+                              whole_number(row.values[6], path, row.line)};
+    corners.push_back(corner);
+  }
+  return corners;
+}
+
+std::vector<CentreObservation> read_lens_centres(const std::string& path) {
+  std::vector<CentreObservation> centres;
+  // The table of calibrate white: i,j,q,r,type,column,row,..., and whether the fit used it.
+  constexpr std::size_t kColumnsOfWhite = 13;
+  if (numbers_in(path) == kColumnsOfWhite) {
+    for (const NumberRow& row :
+         read_number_rows(path, kColumnsOfWhite, "a line of the table of calibrate white"))
+      if (row.values[12] > 0)
+        centres.push_back({{whole_number(row.values[2], path, row.line),
+                            whole_number(row.values[3], path, row.line)},
+                           {row.values[5], row.values[6]}});
+    return centres;
+  }
+  for (const NumberRow& row : read_number_rows(path, 4, "a micro-image's centre: q,r,column,row"))
+    centres.push_back(
+        {{whole_number(row.values[0], path, row.line), whole_number(row.values[1], path, row.line)},
+         {row.values[2], row.values[3]}});
+  return centres;
+}
+
+std::string value_text(const CalibratedValue& value) {
+  const bool length = value.key.find("distance") != std::string::npos ||
+                      value.key.find("length") != std::string::npos ||
+                      value.key.find("decentre") != std::string::npos ||
+                      value.key.find("offset") != std::string::npos ||
+                      value.key.find("pitch") != std::string::npos;
+  const bool angle = value.key.find("tilt") != std::string::npos ||
+                     value.key.find("rotation") != std::string::npos;
+  const double unit = length || angle ? 1e3 : 1;
+  return fmt::format("{:.7g} +- {:.2g}{}", unit * value.value, unit * value.error,
+                     length  ? " mm"
+                     : angle ? " mrad"
+                             : "");
+}
+
+/// Board to camera as rotation about x, then y, then z, and translation.
+std::string pose_table(const GeometryCalibration& found) {
+  std::string text = "pose,rms_pixel,x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22\n";
+  for (const BoardPose& pose : found.poses) {
+    const Vec3 t = pose.to_camera.translation;
+    text += fmt::format("{},{:.4f},{:.9g},{:.9g},{:.9g}", pose.pose, pose.rms, t.x, t.y, t.z);
+    for (const Vec3& row : pose.to_camera.rotation.rows)
+      text += fmt::format(",{:.12g},{:.12g},{:.12g}", row.x, row.y, row.z);
+    text += "\n";
+  }
+  return text;
+}
+
+/// The two values whose errors go together most.
+std::string most_correlated(const GeometryCalibration& found) {
+  std::string text = "none";
+  double most = 0;
+  for (std::size_t i = 0; i < found.values.size(); ++i)
+    for (std::size_t k = i + 1; k < found.values.size(); ++k) {
+      const double both = found.covariance[i][i] * found.covariance[k][k];
+      const double correlation = both > 0 ? found.covariance[i][k] / std::sqrt(both) : 0;
+      if (std::fabs(correlation) <= std::fabs(most)) continue;
+      most = correlation;
+      text = fmt::format("{} and {}, whose errors correlate by {:.4f}", found.values[i].key,
+                         found.values[k].key, correlation);
+    }
+  return text;
+}
+
+/// The residuals: of each corner, and outwards against the distance from the middle, in which
+/// distortion would show.
+std::vector<Plot> residual_plots(const GeometryCalibration& found,
+                                 const std::vector<CornerObservation>& corners) {
+  Plot scatter, field;
+  scatter.title = "What the fit leaves of each corner";
+  scatter.x_label = "right [pixel]";
+  scatter.y_label = "down [pixel]";
+  scatter.equal_scales = true;
+  field.title = "Outwards, over the picture";
+  field.x_label = "from the middle of the picture [pixel]";
+  field.y_label = "outwards [pixel]";
+  const SensorSpec& sensor = found.camera.sensor;
+  const Vec2 middle{0.5 * sensor.columns, 0.5 * sensor.rows};
+  PlotSeries series;
+  series.name = "observed - predicted";
+  series.colour = plot_colour(0);
+  series.style = PlotStyle::marks;
+  PlotSeries outwards = series;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 rest = found.residuals[i], away = corners[i].pixel - middle;
+    if (!std::isfinite(rest.x)) continue;
+    series.points.emplace_back(rest.x, rest.y);
+    if (length(away) > 0)
+      outwards.points.emplace_back(length(away), dot(rest, away) / length(away));
+  }
+  scatter.series.push_back(series);
+  field.series.push_back(outwards);
+  for (Plot* plot : {&scatter, &field}) plot->log_x = plot->log_y = false;
+  return {scatter, field};
+}
+
+int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop) {
+  const SceneDocument start = read_camera_scene(arguments.camera, arguments.set, arguments.which);
+  const std::vector<CornerObservation> corners = read_corners(arguments.corners);
+  std::vector<CentreObservation> centres;
+  if (!arguments.centres.empty()) centres = read_lens_centres(arguments.centres);
+  GeometrySettings settings;
+  settings.free = arguments.free;
+  Execution execution;
+  execution.stop = stop;
+  const GeometryCalibration found =
+      calibrate_geometry(start.scene.camera, corners, centres, settings, execution);
+  Scene scene = start.scene;
+  scene.camera = found.camera;
+
+  Report report;
+  report.add("camera", arguments.output, "camera", arguments.output);
+  report.add("poses", std::to_string(found.poses.size()), "poses", found.poses.size());
+  report.add("corners",
+             std::to_string(found.corners) +
+                 (found.left_out ? ", " + std::to_string(found.left_out) + " left out" : ""),
+             "corners", found.corners);
+  report.add_json("left_out", found.left_out);
+  report.add("left by the fit", fmt::format("{:.4f} pixel rms per coordinate", found.corner_rms),
+             "corner_rms_pixel", found.corner_rms);
+  if (!centres.empty())
+    report.add("micro-image centres",
+               fmt::format("{}, {:.4f} pixel rms", found.centres, found.centre_rms),
+               "centre_rms_pixel", found.centre_rms);
+  nlohmann::json values;
+  for (const CalibratedValue& value : found.values) {
+    report.add_text(value.key.substr(7), value_text(value));
+    values[value.key] = {{"value", value.value}, {"error", value.error}};
+  }
+  report.add_json("values", values);
+  report.add_json("covariance", found.covariance);
+  report.add_text("most alike", most_correlated(found));
+
+  FileSet files;
+  files.write(arguments.output, [&](const std::string& name) { write_scene_file(name, scene); });
+  if (!arguments.residuals.empty()) {
+    std::string text = "pose,x,y,column,row,residual_column,residual_row\n";
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      text += fmt::format("{},{:.9g},{:.9g},{:.4f},{:.4f},{:.4f},{:.4f}\n", corners[i].pose,
+                          corners[i].board.x, corners[i].board.y, corners[i].pixel.x,
+                          corners[i].pixel.y, found.residuals[i].x, found.residuals[i].y);
+    files.write(arguments.residuals, [&](const std::string& name) { write_file(name, text); });
+  }
+  if (!arguments.poses.empty())
+    files.write(arguments.poses,
+                [&](const std::string& name) { write_file(name, pose_table(found)); });
+  if (!arguments.plot.empty()) write_plot(arguments.plot, residual_plots(found, corners));
+  files.commit();
+  report.print(arguments.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
+  auto a = std::make_shared<GeometryArguments>();
+  CLI::App& command =
+      *calibrate.add_subcommand("geometry",
+                                "Distances, focal length and decentre from corners of a board that "
+                                "was seen in several poses");
+  command
+      .add_option(
+          "CORNERS", a->corners,
+          "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board in metres, pixels with "
+          "(0, 0) at the corner of the picture, q, r the microlens")
+      ->required();
+  command.add_option("--camera", a->camera, "The camera to start with: nominal values will do")
+      ->required()
+      ->option_text("CAMERA.toml");
+  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
+      ->option_text("NAME");
+  command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
+      ->required()
+      ->option_text("FILE.toml");
+  command
+      .add_option(
+          "--centres", a->centres,
+          "Table of the micro-images' centres in white pictures, that of calibrate white or "
+          "q,r,column,row; place and tilt of the array are searched for, too")
+      ->option_text("FILE.csv");
+  command
+      .add_option("--free", a->free,
+                  "What is searched for, in place of the usual: keys with commas between, such as "
+                  "camera.lens.focal_length,camera.lens.decentre; `usual,camera.lens.distortion` "
+                  "adds distortion to the usual")
+      ->delimiter(',')
+      ->option_text("KEY,...");
+  command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")
+      ->option_text("FILE.csv");
+  command.add_option("--poses", a->poses, "Table of the boards' places")->option_text("FILE.csv");
+  command.add_option("--plot", a->plot, "Picture of what the fit leaves")
+      ->option_text("FILE.svg|png");
+  add_set_option(command, a->set);
+  command.add_flag("--json", a->json, "Print the figures as JSON");
+  on_chosen(command, registry, [a](const std::stop_token& stop) { return run_geometry(*a, stop); });
+}
+
+}  // namespace plenoflame::cli

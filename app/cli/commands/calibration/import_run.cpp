@@ -1,0 +1,464 @@
+#include "commands/calibration/import_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "commands/light_field/develop_sensor.h"
+#include "commands/scene_input.h"
+#include "messages.h"
+#include "number_rows.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/calibration/radiometry_table.h"
+#include "plenoflame/calibration/raw_import.h"
+#include "plenoflame/camera/sensor_levels.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/lightfield/geometry.h"
+#include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/render/describe.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+double positive(const char* option, const std::string& text, Dimension dimension) {
+  const double value = quantity_option(option, text, dimension);
+  if (!(value > 0) || !std::isfinite(value)) throw UsageError(std::string(option) + ": above 0");
+  return value;
+}
+
+/// Files of each channel, in the scene's order. Without names in front of the files: the channels
+/// that all pictures have.
+struct ChannelFiles {
+  std::vector<std::string> channels;  ///< empty: as many as the pictures have
+  std::vector<std::string> files;
+};
+
+std::vector<ChannelFiles> channel_files(const ImportArguments& arguments, const Scene& scene) {
+  std::map<std::size_t, ChannelFiles> named;
+  ChannelFiles plain;
+  for (const std::string& raw : arguments.raw) {
+    const std::size_t sign = raw.find('=');
+    std::size_t channel = scene.channels.size();
+    if (sign != std::string::npos && !std::filesystem::exists(raw))
+      for (std::size_t c = 0; c < scene.channels.size(); ++c)
+        if (scene.channels[c].name == raw.substr(0, sign)) channel = c;
+    if (channel == scene.channels.size()) {
+      plain.files.push_back(raw);
+    } else {
+      named[channel].channels = {scene.channels[channel].name};
+      named[channel].files.push_back(raw.substr(sign + 1));
+    }
+  }
+  std::vector<ChannelFiles> all;
+  for (auto& [channel, files] : named) all.push_back(files);
+  if (!plain.files.empty()) {
+    if (!all.empty())
+      throw UsageError("RAW: either all files have their channel in front (NAME=FILE) or none");
+    if (!arguments.channel.empty()) plain.channels = {arguments.channel};
+    all.push_back(plain);
+  } else if (!arguments.channel.empty()) {
+    throw UsageError("--channel: the files have their channels in front");
+  }
+  return all;
+}
+
+/// The scene's number of a channel. @throws InputError that lists them
+std::size_t channel_number(const Scene& scene, const std::string& name) {
+  std::string names;
+  for (std::size_t c = 0; c < scene.channels.size(); ++c) {
+    if (scene.channels[c].name == name) return c;
+    names += (c == 0 ? "" : ", ") + scene.channels[c].name;
+  }
+  throw UsageError("--channel: the camera's file has no channel '" + name + "'; it has " + names);
+}
+
+std::vector<std::string> names_of(const ChannelFiles& files, const CountFrames& frames,
+                                  const Scene& scene, bool mosaic) {
+  const std::size_t wanted = mosaic ? 3 : frames.mean.size();
+  if (!files.channels.empty()) {
+    if (wanted != 1)
+      throw InputError(mosaic ? "a mosaic's picture has three channels; leave --channel out"
+                              : "'" + files.files.front() +
+                                    "' is a picture in colour; leave --channel out");
+    channel_number(scene, files.channels.front());
+    return files.channels;
+  }
+  std::vector<std::string> names;
+  for (const ChannelSpec& channel : scene.channels) names.push_back(channel.name);
+  if (wanted > names.size() || (wanted < names.size() && wanted == 1))
+    throw InputError(
+        fmt::format("'{}' has {} channel{}, the camera's file {}{}", files.files.front(), wanted,
+                    wanted == 1 ? "" : "s", names.size(),
+                    wanted == 1 ? ": say which it is with --channel NAME (or NAME=FILE)" : ""));
+  names.resize(wanted);
+  return names;
+}
+
+std::vector<std::uint8_t> defects_of(const ImportArguments& arguments, const CountFrames& raw,
+                                     const CountFrames* dark) {
+  if (arguments.defects.empty()) return {};
+  if (arguments.defects == "auto") {
+    if (dark == nullptr) throw UsageError("--defects auto: takes dark frames (--dark)");
+    return hot_pixels(*dark);
+  }
+  std::vector<std::uint8_t> defects(raw.pixel_count(), 0);
+  const std::filesystem::path path(arguments.defects);
+  if (path.extension() == ".csv" || path.extension() == ".txt") {
+    for (const NumberRow& row :
+         read_number_rows(arguments.defects, 2, "a defective pixel: column,row")) {
+      const double x = row.values[0], y = row.values[1];
+      if (x != std::floor(x) || y != std::floor(y) || x < 0 || y < 0 || x >= raw.width ||
+          y >= raw.height)
+        throw InputError({arguments.defects, row.line, 0}, "not a pixel of the picture");
+      defects[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
+              static_cast<std::size_t>(x)] = 1;
+    }
+    return defects;
+  }
+  RawFileOptions as_it_is = arguments.files;
+  as_it_is.shift = as_it_is.bits = 0;
+  const CountFrames map = read_frames({arguments.defects}, as_it_is, 1e9);
+  if (map.pixel_count() != raw.pixel_count() || map.width != raw.width)
+    throw InputError("'" + arguments.defects + "' is not of the picture's size");
+  for (std::size_t i = 0; i < defects.size(); ++i)
+    for (const Image& channel : map.mean) defects[i] |= channel.pixels[i] != 0;
+  return defects;
+}
+
+/// Frames of corrections, read once.
+struct CorrectionFrames {
+  std::optional<CountFrames> dark, flat, flat_dark, white, white_dark;
+  CorrectionFrames(const ImportArguments& arguments, double full) {
+    const auto read = [&](const std::vector<std::string>& files, std::optional<CountFrames>& to,
+                          double limit) {
+      if (!files.empty()) to = read_frames(files, arguments.files, limit);
+    };
+    constexpr double kNever = 1e9;
+    read(arguments.dark, dark, kNever);
+    read(arguments.flat, flat, full);
+    read(arguments.flat_dark, flat_dark, kNever);
+    read(arguments.white, white, full);
+    read(arguments.white_dark, white_dark, kNever);
+  }
+  RawCorrections corrections() const {
+    const auto pointer = [](const std::optional<CountFrames>& frames) {
+      return frames ? &*frames : nullptr;
+    };
+    return {pointer(dark),  pointer(flat),       pointer(flat_dark),
+            pointer(white), pointer(white_dark), {}};
+  }
+};
+
+double median_level(const CountFrames& frames) {
+  std::vector<float> values(frames.mean[0].pixels.begin(), frames.mean[0].pixels.end());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
+}
+
+/// The whole command, step by step.
+class ImportRun {
+ public:
+  explicit ImportRun(const ImportArguments& arguments) : arguments_(arguments) {
+    execution_.threads = arguments.threads;
+    execution_.message = [](Severity, const std::string& text) { warn(text); };
+  }
+
+  int run() {
+    static_cast<void>(arguments_.files.layout());  // bad use is found before bad files
+    for (const std::string& file : arguments_.raw)
+      check_not_overwritten("--output", arguments_.output, file);
+    read_response_options();
+    check_writable(arguments_.output);
+    document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    levels_ = resolved_levels(sensor);
+    fill_response();
+    frames_ = std::make_unique<CorrectionFrames>(arguments_, full_);
+    settings_.mosaic = sensor.mosaic;
+    LightField field;
+    for (const ChannelFiles& files : channel_files(arguments_, document_.scene)) {
+      LightField part = import_one(files);
+      if (field.channels.empty()) {
+        field = std::move(part);
+      } else {
+        add(field, std::move(part));
+      }
+    }
+    finish(field);
+    write_light_field(arguments_.output, field);
+    print(field);
+    return kSuccess;
+  }
+
+ private:
+  void read_response_options() {
+    SensorResponse& response = settings_.response;
+    if (!arguments_.gain.empty())
+      response.gain = positive("--gain", arguments_.gain, Dimension::none);
+    if (!arguments_.read_noise.empty())
+      response.read_noise = number_option("--read-noise", arguments_.read_noise, 0, 1e9);
+    if (!arguments_.black_level.empty())
+      response.black_level = number_option("--black-level", arguments_.black_level, 0, 65535);
+    if (!arguments_.exposure_time.empty())
+      response.exposure_time =
+          positive("--exposure-time", arguments_.exposure_time, Dimension::time);
+    if (!arguments_.saturation.empty()) {
+      full_ = number_option("--saturation", arguments_.saturation, 1, 65535);
+    }
+    settings_.noise = arguments_.noise == "series"  ? NoiseSource::series
+                      : arguments_.noise == "pixel" ? NoiseSource::pixel
+                                                    : NoiseSource::sensor;
+    settings_.unit =
+        arguments_.unit == "W" || (arguments_.unit.empty() && !arguments_.radiometry.empty())
+            ? ImportUnit::watts
+        : arguments_.unit == "DN" ? ImportUnit::counts
+                                  : ImportUnit::electrons;
+  }
+
+  /// The camera's file says what options do not.
+  void fill_response() {
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    SensorResponse& response = settings_.response;
+    if (arguments_.gain.empty()) response.gain = levels_.gain;
+    if (arguments_.read_noise.empty()) response.read_noise = sensor.read_noise;
+    if (arguments_.black_level.empty()) response.black_level = levels_.black_level;
+    if (arguments_.exposure_time.empty()) response.exposure_time = sensor.exposure_time;
+    response.dark_current = sensor.dark_current;
+    if (arguments_.saturation.empty() && arguments_.gain.empty()) {
+      // A full well that the amplifier's noise made a little less of is full all the same.
+      const double well =
+          levels_.black_level +
+          std::max(0.5 * sensor.full_well, sensor.full_well - 5 * sensor.read_noise) / levels_.gain;
+      full_ = std::min(well, std::ldexp(1.0, sensor.bits) - 1);
+    }
+  }
+
+  PixelWindow window_of(const CountFrames& raw, const std::string& file) const {
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    PixelWindow window{0, 0, sensor.columns, sensor.rows};
+    if (!arguments_.window.empty()) window = window_option("--window", arguments_.window);
+    if (window.x + window.width > sensor.columns || window.y + window.height > sensor.rows)
+      throw UsageError("--window: it does not lie on the sensor");
+    if (window.width != raw.width || window.height != raw.height)
+      throw InputError(fmt::format(
+          "'{}' has {} x {} pixels, the {} {} x {}: {}", file, raw.width, raw.height,
+          arguments_.window.empty() ? "camera's sensor" : "window", window.width, window.height,
+          arguments_.window.empty()
+              ? "give the camera's columns and rows, or with --window the part that was read out"
+              : "the window is the part of the sensor that was read out"));
+    return window;
+  }
+
+  LightField import_one(const ChannelFiles& files) {
+    const CountFrames raw = read_frames(files.files, arguments_.files, full_);
+    settings_.window = window_of(raw, files.files.front());
+    settings_.names =
+        names_of(files, raw, document_.scene, settings_.mosaic != MosaicPattern::none);
+    RawCorrections corrections = frames_->corrections();
+    corrections.defects = defects_of(arguments_, raw, corrections.dark);
+    corrections_defects_ = corrections.defects;
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    if (corrections.dark != nullptr && arguments_.black_level.empty() && !(sensor.black_level > 0))
+      settings_.response.black_level = median_level(*corrections.dark);
+    fit_noise(raw, corrections);
+    set_scale();
+    if (corrections.white != nullptr && settings_.model_white.empty()) {
+      const CameraSpec& camera = document_.scene.camera;
+      if (!camera.array.present)
+        throw InputError("--white: the camera has no microlens array; give a flat field");
+      settings_.model_white =
+          white_image(MicroImages(Camera(camera), true, execution_), settings_.window, execution_);
+    }
+    frames_read_ = raw.frames;
+    return import_counts(raw, corrections, settings_, summary_);
+  }
+
+  void fit_noise(const CountFrames& raw, const RawCorrections& corrections) {
+    if (raw.frames < 2) {
+      if (settings_.noise != NoiseSource::sensor)
+        throw UsageError("--noise " + arguments_.noise + ": takes several frames of one scene");
+      return;
+    }
+    if (settings_.noise == NoiseSource::pixel && raw.frames < 10)
+      throw UsageError(
+          "--noise pixel: a pixel's own scatter takes 10 frames or more; with fewer, "
+          "--noise series asks all pixels");
+    try {
+      settings_.transfer = fit_photon_transfer(
+          raw, 0, corrections.dark != nullptr ? corrections.dark->mean[0] : Image(),
+          settings_.response.black_level);
+      fitted_ = true;
+    } catch (const InputError& error) {
+      if (settings_.noise == NoiseSource::series)
+        throw InputError(std::string("--noise series: ") + error.what());
+    }
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    const PhotonTransfer& transfer = settings_.transfer;
+    // A gain that nobody states is told by the noise, where that is clear.
+    if (fitted_ && arguments_.gain.empty() && !(sensor.gain > 0) &&
+        transfer.slope > 10 * transfer.slope_error) {
+      settings_.response.gain = 1 / transfer.slope;
+      gain_from_ = "from the scatter of the series";
+    }
+  }
+
+  void set_scale() {
+    settings_.watts_per_count.clear();
+    if (settings_.unit != ImportUnit::watts) return;
+    const SensorResponse& response = settings_.response;
+    if (!(response.exposure_time > 0))
+      throw UsageError(
+          "--unit W: flux is energy by time; give --exposure-time, or "
+          "camera.sensor.exposure_time");
+    if (!arguments_.radiometry.empty()) {
+      const RadiometryTable table = read_radiometry(arguments_.radiometry);
+      const SensorSpec& sensor = document_.scene.camera.sensor;
+      if (table.columns != sensor.columns || table.rows != sensor.rows)
+        throw InputError("'" + arguments_.radiometry +
+                         "' is of another sensor: " + std::to_string(table.columns) + " x " +
+                         std::to_string(table.rows) + " pixels");
+      for (const std::string& name : settings_.names) {
+        const ChannelScale& scale = scale_of(table, name, arguments_.radiometry);
+        settings_.watts_per_count.push_back(scale.joules_per_count / response.exposure_time);
+        settings_.response.curvature = scale.curvature;
+        scale_errors_[name] = scale.relative_error;
+      }
+      return;
+    }
+    const std::vector<double> wavelengths = channel_wavelengths(document_.scene);
+    for (const std::string& name : settings_.names) {
+      const double wavelength = wavelengths[channel_number(document_.scene, name)];
+      if (!(wavelength > 0))
+        throw InputError(
+            "channel " + name +
+            " is of all wavelengths, so no flux follows from electrons; give its band, "
+            "line or response in the camera's file, or --radiometry");
+      settings_.watts_per_count.push_back(
+          response.gain / (response.exposure_time *
+                           electrons_per_joule(document_.scene.camera.sensor, wavelength)));
+    }
+  }
+
+  /// Puts the channels of another picture beside those that are there.
+  void add(LightField& field, LightField part) const {
+    if (!(part.window == field.window)) throw InputError("pictures of two channels differ in size");
+    for (LightFieldChannel& channel : part.channels) field.channels.push_back(std::move(channel));
+    Image& state = field.layers.at("sensor.state");
+    const Image& other = part.layers.at("sensor.state");
+    for (std::size_t i = 0; i < state.pixels.size(); ++i)
+      state.pixels[i] = std::max(state.pixels[i], other.pixels[i]);
+  }
+
+  void finish(LightField& field) const {
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    field.sensor_width = sensor.columns;
+    field.sensor_height = sensor.rows;
+    Scene scene = document_.scene;
+    describe(scene, Camera(scene.camera), field);
+    const SensorResponse& response = settings_.response;
+    field.numbers["sensor.gain"] = response.gain;
+    field.numbers["sensor.black_level"] = response.black_level;
+    if (response.exposure_time > 0) field.numbers["sensor.exposure_time"] = response.exposure_time;
+    if (settings_.unit == ImportUnit::electrons && frames_->dark == std::nullopt)
+      field.numbers["sensor.dark_electrons"] = response.dark_current * response.exposure_time;
+    field.numbers["import.frames"] = frames_read_;
+    for (const auto& [name, error] : scale_errors_) field.numbers["scale.error." + name] = error;
+    std::string names;
+    for (const std::string& raw : arguments_.raw)
+      names += (names.empty() ? "" : ", ") + std::filesystem::path(raw).filename().string();
+    field.texts["import.pictures"] = names;
+  }
+
+  void print(const LightField& field) const {
+    Report report;
+    report.add("light field", arguments_.output, "light_field", arguments_.output);
+    report.add("size", fmt::format("{} x {} pixels", field.window.width, field.window.height),
+               "size", {field.window.width, field.window.height});
+    std::string names;
+    nlohmann::json list = nlohmann::json::array();
+    for (const LightFieldChannel& channel : field.channels) {
+      names += (names.empty() ? "" : ", ") + channel.name;
+      list.push_back(channel.name);
+    }
+    report.add("channels", names + ", in " + field.unit, "channels", list);
+    report.add_json("unit", field.unit);
+    report.add("frames", std::to_string(frames_read_), "frames", frames_read_);
+    const SensorResponse& response = settings_.response;
+    report.add("gain", readable_number(response.gain) + " electrons per count, " + gain_text(),
+               "gain", response.gain);
+    if (fitted_) {
+      report.add("noise of the series",
+                 fmt::format("{:.3g} counts^2 + {:.4g} x counts above dark (slope +- {:.1g})",
+                             settings_.transfer.floor, settings_.transfer.slope,
+                             settings_.transfer.slope_error),
+                 "series_slope", settings_.transfer.slope);
+      report.add_json("series_slope_error", settings_.transfer.slope_error);
+      report.add_json("series_floor", settings_.transfer.floor);
+    }
+    report.add("dark level", readable_number(summary_.dark_level) + " counts", "dark_level",
+               summary_.dark_level);
+    if (response.exposure_time > 0)
+      report.add("exposure", readable(response.exposure_time, Dimension::time), "exposure_time_s",
+                 response.exposure_time);
+    report.add("largest value", readable_in(summary_.largest, field.unit), "largest",
+               summary_.largest);
+    report.add("saturated pixels", std::to_string(summary_.saturated), "saturated",
+               summary_.saturated);
+    report.add("defective pixels", std::to_string(summary_.defective), "defective",
+               summary_.defective);
+    if (summary_.white_correction > 0)
+      report.add("white correction", readable_percent(summary_.white_correction) + " RMS",
+                 "white_correction", summary_.white_correction);
+    for (const auto& [name, error] : scale_errors_)
+      report.add("scale of " + name, "known to " + readable_percent(error), "scale_error_" + name,
+                 error);
+    if (summary_.negative > 0)
+      report.add("below zero",
+                 std::to_string(summary_.negative) + " pixels, by more than 5 standard errors",
+                 "negative", summary_.negative);
+    report.print(arguments_.json);
+    if (summary_.negative > 0)
+      warn(
+          fmt::format("{} pixels are below 0 by more than 5 standard errors: is the dark frame (or "
+                      "--black-level) of this exposure?",
+                      summary_.negative));
+  }
+
+  std::string gain_text() const {
+    if (!arguments_.gain.empty()) return "as given";
+    if (!gain_from_.empty()) return gain_from_;
+    return document_.scene.camera.sensor.gain > 0 ? "of the camera's file"
+                                                  : "as if the full well filled the range";
+  }
+
+  const ImportArguments& arguments_;
+  Execution execution_;
+  SceneDocument document_;
+  SensorSpec levels_;
+  double full_ = 0;  ///< counts from which on a pixel is full
+  std::unique_ptr<CorrectionFrames> frames_;
+  ImportSettings settings_;
+  ImportSummary summary_;
+  std::vector<std::uint8_t> corrections_defects_;
+  bool fitted_ = false;
+  int frames_read_ = 0;
+  std::string gain_from_;
+  std::map<std::string, double> scale_errors_;
+};
+
+}  // namespace
+
+int run_import(const ImportArguments& arguments) {
+  return ImportRun(arguments).run();
+}
+
+}  // namespace plenoflame::cli

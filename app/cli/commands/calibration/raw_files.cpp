@@ -1,0 +1,136 @@
+#include "commands/calibration/raw_files.h"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "choice.h"
+#include "messages.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/sensor.h"
+
+namespace plenoflame::cli {
+
+RawLayout RawFileOptions::layout() const {
+  RawLayout layout;
+  if (!size.empty()) {
+    const std::array<int, 2> sides = pair_option("--size", size, "WxH", 'x');
+    constexpr int kLongest = 100000;
+    if (sides[0] < 1 || sides[1] < 1 || sides[0] > kLongest || sides[1] > kLongest)
+      throw UsageError("--size: sides from 1 to 100000 pixels");
+    layout.width = sides[0];
+    layout.height = sides[1];
+  }
+  layout.bits = bits > 0 ? bits : 16;
+  layout.big_endian = endian == "big";
+  layout.skip = whole_number_option<std::uint64_t>("--skip", skip, 0, std::uint64_t{1} << 40);
+  return layout;
+}
+
+void add_raw_file_options(CLI::App& command, RawFileOptions& options) {
+  command
+      .add_option("--size", options.size,
+                  "Columns and rows of files that hold numbers without a header")
+      ->option_text("WxH");
+  command
+      .add_option(
+          "--bits", options.bits,
+          "Bits that a number of the sensor has: of headerless files up to 8 take one byte, "
+          "more take two; elsewhere, of 12 bits in 16 (those of the file)")
+      ->check(CLI::Range(1, 16))
+      ->option_text("N");
+  command
+      .add_option("--endian", options.endian,
+                  "Order of bytes in headerless files: little or big (little)")
+      ->check(one_of({"little", "big"}))
+      ->option_text("ORDER");
+  command.add_option("--skip", options.skip, "Bytes in front of headerless numbers (0)")
+      ->option_text("N");
+  command
+      .add_option("--shift", options.shift,
+                  "Bits by which the file's numbers are too large, e.g. 4 for 12 bits at the top "
+                  "of 16 (0)")
+      ->check(CLI::Range(0, 15))
+      ->option_text("N");
+  command
+      .add_option("--turn", options.turn,
+                  "Turns the pictures clockwise to be upright: 0, 90, 180 or 270 degrees (0)")
+      ->check(CLI::IsMember({0, 90, 180, 270}))
+      ->option_text("DEGREES");
+  command.add_flag("--mirror", options.mirror, "Mirrors the pictures left to right, before --turn");
+}
+
+CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
+                        double full) {
+  const RawLayout layout = options.layout();
+  FrameSums sums(full);
+  std::string kind;
+  for (const std::string& file : files) {
+    bool told = false;
+    read_raw_pictures(file, layout, [&](RawPicture&& picture) {
+      if (picture.lossy && !told)
+        warn("'" + file +
+             "' was packed with losses (JPEG): what noise and dark pixels say is gone");
+      if (picture.display_curve && !told)
+        warn("'" + file +
+             "' has 8 bits: if they were made to be looked at, they follow a display's curve and "
+             "are "
+             "no counts; they are taken for counts");
+      told = true;
+      if (options.shift > 0) {
+        for (std::uint16_t& sample : picture.samples)
+          sample = static_cast<std::uint16_t>(sample >> options.shift);
+        picture.bits = std::max(1, picture.bits - options.shift);
+      }
+      if (options.bits > 0) {
+        const std::uint32_t largest = (1U << options.bits) - 1;
+        for (const std::uint16_t sample : picture.samples)
+          if (sample > largest)
+            throw InputError("'" + file + "' holds numbers above " + std::to_string(largest) +
+                             ", the largest of " + std::to_string(options.bits) +
+                             " bits: check --bits, or give --shift");
+        picture.bits = options.bits;
+      }
+      kind = picture.kind;
+      sums.add(turned(std::move(picture), options.turn / 90, options.mirror), "'" + file + "'");
+    });
+  }
+  CountFrames frames = sums.result();
+  if (frames.common_shift > 0 && frames.bits > 8 && options.shift == 0)
+    warn("all numbers of '" + files.front() + "' are multiples of " +
+         std::to_string(1 << frames.common_shift) + ": if these are " +
+         std::to_string(frames.bits - frames.common_shift) + " bits moved up, give --shift " +
+         std::to_string(frames.common_shift));
+  return frames;
+}
+
+Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
+               MosaicPattern mosaic) {
+  if (dark && (dark->width != frames.width || dark->height != frames.height ||
+               dark->mean.size() != frames.mean.size()))
+    throw InputError("dark frame and white picture differ in size");
+  Image light(frames.width, frames.height);
+  for (std::size_t c = 0; c < frames.mean.size(); ++c)
+    for (std::size_t i = 0; i < light.pixels.size(); ++i)
+      light.pixels[i] += frames.mean[c].pixels[i] - (dark ? dark->mean[c].pixels[i] : 0.0F);
+  if (mosaic == MosaicPattern::none) return light;
+  double sum[3] = {}, count[3] = {};
+  for (int y = 0; y < light.height; ++y)
+    for (int x = 0; x < light.width; ++x) {
+      const int colour = mosaic_colour(mosaic, x, y);
+      sum[colour] += static_cast<double>(light.at(x, y));
+      count[colour] += 1;
+    }
+  for (int y = 0; y < light.height; ++y)
+    for (int x = 0; x < light.width; ++x) {
+      const int colour = mosaic_colour(mosaic, x, y);
+      const double factor = sum[1] / count[1] * count[colour] / sum[colour];
+      if (std::isfinite(factor))
+        light.at(x, y) = static_cast<float>(factor * static_cast<double>(light.at(x, y)));
+    }
+  return light;
+}
+
+}  // namespace plenoflame::cli

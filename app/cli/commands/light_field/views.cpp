@@ -1,0 +1,135 @@
+#include "plenoflame/lightfield/views.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "commands/commands.h"
+#include "commands/render/light_field_output.h"
+#include "file_set.h"
+#include "plenoflame/base/error.h"
+#include "report.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct ViewsArguments {
+  RawArguments raw;
+  ViewArguments views;
+  std::string type;
+  int grid = ViewSettings{}.grid, epipolar_row = -1, epipolar_column = -1;
+  bool raw_flux = false, exr = false, sheet_only = false;
+};
+
+/// Number of the type of microlens with this name; -1 for an empty one.
+int type_of(const CameraSpec& camera, const std::string& name) {
+  if (name.empty()) return -1;
+  std::string names;
+  for (std::size_t k = 0; k < camera.array.types.size(); ++k) {
+    if (camera.array.types[k].name == name) return static_cast<int>(k);
+    names += (k > 0 ? ", " : "") + camera.array.types[k].name;
+  }
+  throw InputError("the camera has no type of microlens named '" + name + "'; it has: " + names);
+}
+
+int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
+  check_folder(settings.raw.output, settings.raw.force);
+  const RawLightField raw = read_raw(settings.raw);
+  ViewSettings how = settings.views.settings();
+  how.grid = settings.grid;
+  how.white_correction = !settings.raw_flux;
+  how.type = type_of(raw.camera, settings.type);
+  how.channel = find_channel(raw.field, settings.raw.channel).name;
+  Execution execution;
+  execution.threads = settings.raw.threads;
+  execution.stop = stop;
+  const MicroImages micro = raw.micro_images(how.white_correction, execution);
+  const Views views = extract_views(raw.field, micro, how, execution);
+  std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
+  if (!settings.sheet_only)
+    for (const View& view : views.views) {
+      char name[40];
+      std::snprintf(name, sizeof name, "view_%02d_%02d", view.row, view.column);
+      images.push_back({name,
+                        view.image,
+                        {{"view.column", view.column},
+                         {"view.row", view.row},
+                         {"view.offset_x", view.offset.x},
+                         {"view.offset_y", view.offset.y},
+                         {"view.lens_step", views.lens_step}}});
+    }
+  const auto add_slice = [&](const char* name, int line, bool vertical) {
+    if (line >= 0)
+      images.push_back({name, epipolar_slice(views, line, vertical), {{"epipolar.line", line}}});
+  };
+  add_slice("epipolar_row", settings.epipolar_row, false);
+  add_slice("epipolar_column", settings.epipolar_column, true);
+  ResultFolder folder(settings.raw.output);
+  double white = 0;
+  folder.write([&](const std::string& path) {
+    white = write_images(path, images, views.unit, how.channel, settings.exr, raw.field, execution);
+  });
+  folder.commit();
+
+  const Image& first = views.views.front().image;
+  Report report;
+  report.add("folder", settings.raw.output, "folder", settings.raw.output);
+  report.add("views", std::to_string(settings.grid) + " x " + std::to_string(settings.grid), "grid",
+             settings.grid);
+  report.add("size of a view", std::to_string(first.width) + " x " + std::to_string(first.height),
+             "size", {first.width, first.height});
+  report.add("channel", how.channel, "channel", how.channel);
+  report.add("resampling", settings.views.resampling, "resampling", settings.views.resampling);
+  char text[60];
+  std::snprintf(text, sizeof text, "%.4g %s", white, views.unit.c_str());
+  report.add("white in the pictures", text, "white", white);
+  report.add_json("unit", views.unit);
+  nlohmann::json list = nlohmann::json::array();
+  for (const View& view : views.views)
+    list.push_back({{"row", view.row},
+                    {"column", view.column},
+                    {"offset_pixels", {view.offset.x, view.offset.y}}});
+  report.add_json("views", list);
+  report.print(settings.raw.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_views(const Registry& registry) {
+  auto settings = std::make_shared<ViewsArguments>();
+  CLI::App& command =
+      add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
+                  "plenoflame views flame.exr -o views --grid 5");
+  add_raw_input(command, settings->raw, "Folder for contact.png and the views; made when missing");
+  command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
+      ->check(CLI::Range(1, 99))
+      ->option_text("N");
+  add_view_options(command, settings->views);
+  command
+      .add_option("--type", settings->type,
+                  "Microlenses of this type alone, by its name in the scene; without it, all")
+      ->option_text("NAME");
+  command
+      .add_option("--epipolar-row", settings->epipolar_row,
+                  "Write the epipolar slice of this row of the views, too")
+      ->check(CLI::Range(0, 100000))
+      ->option_text("ROW");
+  command
+      .add_option("--epipolar-column", settings->epipolar_column,
+                  "Write the epipolar slice of this column of the views, too")
+      ->check(CLI::Range(0, 100000))
+      ->option_text("COLUMN");
+  command.add_flag(
+      "--raw-flux", settings->raw_flux,
+      "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
+  command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
+  command.add_flag("--sheet-only", settings->sheet_only,
+                   "Write the contact sheet, not the single views");
+  add_raw_options(command, settings->raw);
+  on_chosen(command, registry,
+            [settings](const std::stop_token& stop) { return run_views(*settings, stop); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,51 @@
+#include "commands/reconstruct/operator_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "commands/part_option.h"
+#include "commands/reconstruct/unknowns_options.h"
+#include "commands/render/bundles_option.h"
+#include "commands/scene_input.h"
+
+namespace plenoflame::cli {
+
+void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
+  command.add_option("SCENE", arguments.scene, "Scene file (.toml)")->required();
+  add_set_option(command, arguments.set);
+  add_cameras_option(command, arguments.cameras);
+  command
+      .add_option("-o,--output", arguments.output,
+                  "Sparse rows: .npz for scipy.sparse.load_npz, .h5, or .mtx (MatrixMarket); "
+                  "A times samples is the flux of each row [W]")
+      ->required()
+      ->option_text("FILE");
+  command
+      .add_option(
+          "--pixels", arguments.pixels,
+          "Which pixel each row is (the first one of its block); pixels that do not see the "
+          "grid have no row")
+      ->option_text("FILE.csv");
+  command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")
+      ->option_text("FILE.csv");
+  add_unknowns_options(command, arguments.unknowns);
+  command
+      .add_option("--channel", arguments.channel,
+                  "Channel whose wavelengths the rays have; without it, the first")
+      ->option_text("NAME");
+  command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
+      ->option_text("N");
+  command.add_option("--bin", arguments.bin, "Put N x N pixels together (1)")->option_text("N");
+  command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's)")
+      ->option_text("N");
+  add_bundles_option(command, arguments.compiled);
+  add_part_option(
+      command, arguments.part,
+      "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5)");
+  command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
+  command.add_flag("--json", arguments.json, "Print the figures as JSON");
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,220 @@
+#include "commands/reconstruct/reconstruct_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "choice.h"
+#include "commands/reconstruct/unknowns_options.h"
+#include "commands/render/bundles_option.h"
+#include "commands/scene_input.h"
+#include "number_range.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+
+namespace plenoflame::cli {
+namespace {
+
+void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
+  command
+      .add_option("--find", arguments.find,
+                  "emission: the temperature follows where the absorption is known; temperature: "
+                  "with known absorption, on the renderer's own formulas; both: temperature and "
+                  "absorption, from two channels (emission)")
+      ->check(one_of({"emission", "temperature", "both"}))
+      ->option_text("WHAT");
+  add_unknowns_options(command, arguments.unknowns);
+  command
+      .add_option("--channel", arguments.channel,
+                  "Channel that is reconstructed; for both, two or more with commas between; "
+                  "without it, the pictures' first ones")
+      ->option_text("NAME");
+  command
+      .add_option("--absorption-ratios", arguments.ratio,
+                  "For both: absorption of the second channel, the third, ... over that of the "
+                  "first; without it, that of soot, in inverse proportion to the wavelengths")
+      ->option_text("R[,R]");
+  command
+      .add_option(
+          "--noise", arguments.noise,
+          "What the model may err by in each pixel besides the noise of the pictures (grid, "
+          "lens, focus), as a share of the largest value; with too little of it "
+          "reconstructions explain such errors (0.003)")
+      ->check(number_between(0.0, 1.0))
+      ->option_text("SHARE");
+  command
+      .add_option("--support", arguments.support,
+                  "Nothing is where this file's first grid is 0 (.vdb)")
+      ->option_text("FILE.vdb");
+  command.add_flag("--all-voxels", arguments.all,
+                   "Solve also for what lies behind dark pixels, which is taken for empty "
+                   "otherwise");
+}
+
+void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
+  command
+      .add_option("--solver", arguments.solver,
+                  "Least squares without negative values: fista, nnls (active sets, few "
+                  "unknowns), cgls or lsqr (negative values cut off), tv (total variation). "
+                  "Without a penalty, stopped by the noise: sirt, sart, mlem, osem, mart (fista)")
+      ->check(one_of(reconstruction_solvers()))
+      ->option_text("NAME");
+  command
+      .add_option("--penalty", arguments.penalty,
+                  "On the values (identity), their first differences (gradient), their second "
+                  "(curvature), or none (gradient)")
+      ->check(one_of({"none", "identity", "gradient", "curvature"}))
+      ->option_text("KIND");
+  command
+      .add_option("--smoothing", arguments.smoothing,
+                  "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth "
+                  "is x (1,1,1)")
+      ->option_text("A[,B,C]");
+  command
+      .add_option("--strength", arguments.strength,
+                  "Of the penalty, relative to the pictures' information; without it, by --rule")
+      ->check(number_between(0.0, 1e12))
+      ->option_text("NUMBER");
+  command
+      .add_option("--rule", arguments.rule,
+                  "Strength at which noise explains what is left (discrepancy), of least "
+                  "generalised cross-validation (gcv), or at the corner of the L-curve (l-curve) "
+                  "(discrepancy)")
+      ->check(one_of({"discrepancy", "gcv", "l-curve"}))
+      ->option_text("RULE");
+  command.add_option("--iterations", arguments.iterations, "At most, of the last solution (300)")
+      ->option_text("N");
+  command.add_option("--subsets", arguments.subsets, "Of the rows, for sart and osem (4)")
+      ->option_text("N");
+  command
+      .add_option("--relaxation", arguments.relaxation,
+                  "Of sirt (1.9), sart (1) and mart (0.05): above 0, below 2, for mart up to 1")
+      ->check(number_between(0.0, 2.0))
+      ->option_text("NUMBER");
+  command
+      .add_option("--prior", arguments.prior,
+                  "Emission of this earlier result is what the penalty draws to (.vdb)")
+      ->option_text("FILE.vdb");
+  command.add_option("--start", arguments.start, "Begin with this earlier result (.vdb)")
+      ->option_text("FILE.vdb");
+  command
+      .add_option("--resume", arguments.resume,
+                  "Go on from this result of the same command that was stopped: begin with it and "
+                  "keep its strength (.vdb)")
+      ->option_text("FILE.vdb");
+}
+
+void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
+  command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
+      ->option_text("N");
+  command.add_option("--bin", arguments.bin, "Put N x N pixels together (1)")->option_text("N");
+  command
+      .add_option("--draws", arguments.draws,
+                  "Noise draws for the standard deviations; 0: from the covariance, by the probes "
+                  "(20)")
+      ->option_text("N");
+  command
+      .add_option("--probes", arguments.probes, "Random vectors for what is resolved; 0: none (16)")
+      ->option_text("N");
+  command
+      .add_option("--spread", arguments.spreads,
+                  "Tell how wide a point at this place becomes; may be given more than once")
+      ->option_text("X,Y,Z");
+  command
+      .add_option("--memory", arguments.memory,
+                  "For a stored matrix [MB]; where it does not suffice rays are followed again in "
+                  "each iteration (2000)")
+      ->option_text("N");
+}
+
+}  // namespace
+
+void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
+  command
+      .add_option("SCENES", arguments.scenes,
+                  "Scene files (.toml), one for each camera, or one with several; their flames are "
+                  "not needed")
+      ->required();
+  add_set_option(command, arguments.set);
+  add_cameras_option(command, arguments.cameras);
+  command
+      .add_option("--images", arguments.images,
+                  "The pictures (.exr): light fields of render, or electrons of develop, in the "
+                  "order of the cameras; for a series all frames of the first camera, then of the "
+                  "second, ...")
+      ->required()
+      ->option_text("FILE.exr ...");
+  command
+      .add_option("-o,--output", arguments.output,
+                  "Grids of temperature, emission, their deviations, and what is resolved; of a "
+                  "series FILE-0001.vdb, ...")
+      ->required()
+      ->option_text("FILE.vdb");
+  add_problem_options(command, arguments);
+  add_solver_options(command, arguments);
+  add_numbers(command, arguments);
+  command
+      .add_option("--residual", arguments.residuals,
+                  "What the flame does not explain of each picture, and what it does, as layers")
+      ->option_text("FILE.exr ...");
+  command
+      .add_option("--report", arguments.reports,
+                  "The figures with the history: .json, .txt, or .html with pictures and plots; "
+                  "may be given more than once")
+      ->option_text("FILE");
+  command.add_flag("--truth", arguments.truth,
+                   "Compare with the first scene's flames, of which the pictures are renderings");
+  command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N");
+  command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's + 1000)")
+      ->option_text("N");
+  add_bundles_option(command, arguments.compiled);
+  command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
+  command.add_flag("--json", arguments.json, "Print the figures as JSON");
+}
+
+std::size_t frame_count(const ReconstructArguments& arguments, std::size_t cameras) {
+  const std::size_t images = arguments.images.size();
+  if (images == 0 || images % cameras != 0)
+    throw UsageError(
+        fmt::format("{} cameras but {} pictures: each camera needs one of its own, or "
+                    "of a series equally many",
+                    cameras, images));
+  return images / cameras;
+}
+
+std::string frame_name(const std::string& path, std::size_t frame, std::size_t frames) {
+  if (frames == 1) return path;
+  const std::filesystem::path whole(path);
+  return (whole.parent_path() /
+          (whole.stem().string() + fmt::format("-{:04}", frame + 1) + whole.extension().string()))
+      .string();
+}
+
+void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t frames) {
+  if (!arguments.residuals.empty() && arguments.residuals.size() != arguments.images.size())
+    throw UsageError("--residual: one file for each picture");
+  if (!arguments.residuals.empty() && arguments.channels().size() > 1)
+    throw UsageError("--residual is for a single channel; --report FILE.html shows those of all");
+  if (!arguments.output.ends_with(".vdb"))
+    throw UsageError("-o: '" + arguments.output + "' must end in .vdb");
+  std::vector<std::string> outputs = arguments.residuals;
+  for (const std::string& report : arguments.reports)
+    if (!report.ends_with(".json") && !report.ends_with(".txt") && !report.ends_with(".html"))
+      throw UsageError("--report: '" + report + "' must end in .json, .txt or .html");
+  for (std::size_t f = 0; f < frames; ++f) {
+    outputs.push_back(frame_name(arguments.output, f, frames));
+    for (const std::string& report : arguments.reports)
+      outputs.push_back(frame_name(report, f, frames));
+  }
+  for (const std::string& output : outputs) {
+    for (const auto* inputs : {&arguments.scenes, &arguments.images, &arguments.compiled})
+      for (const std::string& input : *inputs) check_not_overwritten("an output", output, input);
+    check_writable(output);
+  }
+}
+
+}  // namespace plenoflame::cli

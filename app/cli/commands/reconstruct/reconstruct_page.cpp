@@ -1,0 +1,207 @@
+#include "commands/reconstruct/reconstruct_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "html_page.h"
+
+namespace plenoflame::cli {
+namespace {
+
+/// A plane of unknowns: across and up are axes of their numbering.
+struct Slice {
+  std::string name;
+  std::size_t across, up;
+  std::array<int, 3> at;  ///< index of the plane along the third axis
+};
+
+/// Planes through the unknown that shines most; of rings there is one, of layers none.
+std::vector<Slice> slices(const Unknowns& unknowns, const std::vector<double>& emission) {
+  const std::array<int, 3> shape = unknowns.shape();
+  const auto brightest = static_cast<std::size_t>(
+      std::max_element(emission.begin(), emission.end()) - emission.begin());
+  const auto n1 = static_cast<std::size_t>(shape[1]), n2 = static_cast<std::size_t>(shape[2]);
+  const std::array<int, 3> at{static_cast<int>(brightest / (n1 * n2)),
+                              static_cast<int>(brightest / n2 % n1),
+                              static_cast<int>(brightest % n2)};
+  if (shape[1] < 2) return {};
+  if (shape[2] < 2) return {{"radius and height", 0, 1, at}};
+  return {{"front", 1, 2, at}, {"side", 0, 2, at}, {"from above", 0, 1, at}};
+}
+
+HeatMap map_of(const std::string& title, const std::string& unit, const Unknowns& unknowns,
+               const std::vector<double>& values, const Slice& slice, double low, double high) {
+  const std::array<int, 3> shape = unknowns.shape();
+  HeatMap map;
+  map.title = title;
+  map.unit = unit;
+  map.width = shape[slice.across];
+  map.height = shape[slice.up];
+  map.aspect = unknowns.spacing()[slice.up] / unknowns.spacing()[slice.across];
+  map.low = low;
+  map.high = high;
+  for (int row = map.height - 1; row >= 0; --row)
+    for (int column = 0; column < map.width; ++column) {
+      std::array<int, 3> at = slice.at;
+      at[slice.across] = column;
+      at[slice.up] = row;
+      map.values.push_back(
+          values[static_cast<std::size_t>((at[0] * shape[1] + at[1]) * shape[2] + at[2])]);
+    }
+  return map;
+}
+
+void add_field(HtmlPage& html, const ReconstructPage& page, const std::string& name,
+               const std::string& unit, const std::vector<double>& found,
+               const std::vector<double>* truth, double low) {
+  if (found.empty()) return;
+  double high = *std::max_element(found.begin(), found.end());
+  if (truth && !truth->empty()) high = *std::max_element(truth->begin(), truth->end());
+  if (!(high > low)) return;
+  for (const Slice& slice : slices(page.unknowns, page.result.estimate.emission)) {
+    std::vector<HeatMap> maps{
+        map_of(name + ", " + slice.name, unit, page.unknowns, found, slice, low, high)};
+    if (truth && !truth->empty()) {
+      maps.push_back(map_of("truth", unit, page.unknowns, *truth, slice, low, high));
+      std::vector<double> difference;
+      for (std::size_t j = 0; j < found.size(); ++j)
+        difference.push_back((*truth)[j] > 0 ? found[j] - (*truth)[j] : 0);
+      const double reach = 0.2 * (high - low);
+      maps.push_back(map_of("difference", unit, page.unknowns, difference, slice, -reach, reach));
+      maps.back().signed_values = true;
+    }
+    html.heat_maps(maps);
+  }
+}
+
+Plot labelled(const std::string& title, const std::string& x, const std::string& y) {
+  Plot plot;
+  plot.title = title;
+  plot.x_label = x;
+  plot.y_label = y;
+  return plot;
+}
+
+PlotSeries named(const std::string& name) {
+  PlotSeries series;
+  series.name = name;
+  return series;
+}
+
+/// A plot for layers: values over the number of the layer.
+void add_profile(HtmlPage& html, const ReconstructPage& page) {
+  Plot plot = labelled("Emission from the middle outwards", "layer", "emission [W/(m^3 sr)]");
+  plot.log_x = plot.log_y = false;
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    PlotSeries series = named(name);
+    series.colour = plot_colour(plot.series.size());
+    for (std::size_t j = 0; j < values.size(); ++j)
+      series.points.emplace_back(static_cast<double>(j), values[j]);
+    plot.series.push_back(series);
+  };
+  add("found", page.result.estimate.emission);
+  if (page.truth) add("truth", page.truth->emission);
+  html.plots({plot}, 1);
+}
+
+HeatMap picture_map(const std::string& title, const Image& image, double low, double high) {
+  HeatMap map;
+  map.title = title;
+  map.unit = "W";
+  map.width = image.width;
+  map.height = image.height;
+  map.low = low;
+  map.high = high;
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 0; column < image.width; ++column)
+      map.values.push_back(static_cast<double>(image.at(column, row)));
+  return map;
+}
+
+void add_pictures(HtmlPage& html, const ReconstructPage& page) {
+  const Reconstruction& figures = page.result.figures;
+  for (std::size_t v = 0; v < figures.residual.size(); ++v) {
+    double high = 0;
+    const Image& explained = figures.explained[v];
+    for (int row = 0; row < explained.height; ++row)
+      for (int column = 0; column < explained.width; ++column)
+        high = std::max(high, static_cast<double>(explained.at(column, row)));
+    const std::string name = v < page.pictures.size() ? page.pictures[v] : "";
+    HeatMap left =
+        picture_map("measured - explained", figures.residual[v], -0.1 * high, 0.1 * high);
+    left.signed_values = true;
+    html.heat_maps({picture_map(name + ": explained", explained, 0, high), left});
+  }
+}
+
+Plot history_plot(const Reconstruction& figures) {
+  Plot plot = labelled("History of the solution", "iteration", "chi^2 per row");
+  PlotSeries series = named("chi^2 per row");
+  series.colour = plot_colour(0);
+  series.style = PlotStyle::line;
+  for (std::size_t i = 0; i < figures.history.size(); ++i)
+    if (figures.history[i] > 0)
+      series.points.emplace_back(static_cast<double>(i + 1), figures.history[i]);
+  plot.series.push_back(series);
+  return plot;
+}
+
+std::vector<Plot> strength_plots(const Reconstruction& figures) {
+  Plot misfit = labelled("Strengths that were tried", "strength", "chi^2 per row");
+  Plot corner = labelled("L-curve", "chi^2 per row", "|L x|^2");
+  PlotSeries all = named("tried"), curve = all, chosen = named("chosen"), chosen_curve = chosen;
+  all.colour = curve.colour = plot_colour(1);
+  chosen.colour = chosen_curve.colour = plot_colour(0);
+  chosen.style = chosen_curve.style = PlotStyle::marks;
+  std::vector<Reconstruction::Trial> trials = figures.trials;
+  std::sort(trials.begin(), trials.end(),
+            [](const auto& a, const auto& b) { return a.strength < b.strength; });
+  for (const auto& trial : trials) {
+    const bool best = trial.strength == figures.strength;
+    if (trial.chi_squared > 0) {
+      all.points.emplace_back(trial.strength, trial.chi_squared);
+      if (best) chosen.points.push_back(all.points.back());
+      if (trial.penalty > 0) {
+        curve.points.emplace_back(trial.chi_squared, trial.penalty);
+        if (best) chosen_curve.points.push_back(curve.points.back());
+      }
+    }
+  }
+  misfit.series = {all, chosen};
+  corner.series = {curve, chosen_curve};
+  return {misfit, corner};
+}
+
+}  // namespace
+
+std::string reconstruct_page(const ReconstructPage& page) {
+  const Reconstruction& figures = page.result.figures;
+  const FlameEstimate& estimate = page.result.estimate;
+  HtmlPage html("Reconstruction");
+  html.table(page.report.lines());
+  html.heading("What was found");
+  const FlameTruth* const truth = page.truth;
+  if (page.unknowns.shape()[1] < 2) {
+    add_profile(html, page);
+  } else {
+    add_field(html, page, "temperature", "K", estimate.temperature,
+              truth ? &truth->temperature : nullptr, 300);
+    add_field(html, page, "emission", "W/(m^3 sr)", estimate.emission,
+              truth ? &truth->emission : nullptr, 0);
+    if (!estimate.absorption_deviation.empty())
+      add_field(html, page, "absorption", "1/m", estimate.absorption,
+                truth ? &truth->absorption : nullptr, 0);
+    add_field(html, page, "resolved", "1: by the pictures; 0: by the penalty", figures.resolved,
+              nullptr, 0);
+  }
+  html.heading("What the pictures say of it");
+  add_pictures(html, page);
+  html.heading("How it was found");
+  if (figures.trials.size() > 1) html.plots(strength_plots(figures), 2);
+  if (!figures.history.empty()) html.plots({history_plot(figures)}, 1);
+  return html.text();
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,77 @@
+#include "commands/reconstruct/reconstruct_ranks.h"
+
+#include <deque>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "commands/scene_input.h"
+#include "medium_loader.h"
+#include "plenoflame/inverse/shared_assembly.h"
+
+namespace plenoflame::cli {
+namespace {
+
+/// Calls visit(name, text) for everything that the unknowns are made by, but for a fitted axis.
+template <class Request, class Visitor>
+void visit_unknowns(Request& request, Visitor visit) {
+  visit("kind", request.kind);
+  visit("grid", request.grid);
+  visit("centre", request.centre);
+  visit("size", request.size);
+  visit("axis", request.axis);
+  visit("basis", request.basis);
+  visit("absorption", request.absorption);
+}
+
+}  // namespace
+
+void announce_reconstruction(const ReconstructArguments& arguments, const UnknownsRequest& unknowns,
+                             Communicator& ranks) {
+  nlohmann::json json{{"scenes", arguments.scenes},
+                      {"set", arguments.set},
+                      {"cameras", arguments.cameras},
+                      {"threads", arguments.threads}};
+  visit_unknowns(unknowns,
+                 [&](const char* name, const std::string& text) { json["unknowns"][name] = text; });
+  if (unknowns.fitted_axis) {
+    const auto& [p, w] = *unknowns.fitted_axis;
+    json["fitted_axis"] = {p.x, p.y, p.z, w.x, w.y, w.z};
+  }
+  const std::string text =
+      kReconstructionBegins + json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, text);
+}
+
+bool serve_reconstruction(const RankMessage& begin, Communicator& ranks, int threads,
+                          const std::stop_token& stop) {
+  const nlohmann::json json = nlohmann::json::parse(begin.bytes.substr(1));
+  const int asked = json.at("threads").get<int>();
+  Execution execution;
+  execution.threads = asked > 0 ? asked : threads;
+  execution.stop = stop;
+  UnknownsRequest request;
+  visit_unknowns(request, [&](const char* name, std::string& text) {
+    json.at("unknowns").at(name).get_to(text);
+  });
+  if (json.contains("fitted_axis")) {
+    const auto numbers = json.at("fitted_axis").get<std::vector<double>>();
+    request.fitted_axis = {{numbers.at(0), numbers.at(1), numbers.at(2)},
+                           {numbers.at(3), numbers.at(4), numbers.at(5)}};
+  }
+  std::deque<CompiledScene> scenes;
+  std::vector<CameraView> views;
+  for (const CameraScene& view :
+       read_camera_scenes(json.at("scenes").get<std::vector<std::string>>(),
+                          json.at("set").get<std::vector<std::string>>(),
+                          json.at("cameras").get<std::vector<std::string>>())) {
+    scenes.push_back(compile(view.document.scene, medium_loader(), execution,
+                             view.document.positions,
+                             {scenes.empty() ? nullptr : &scenes.front()}));
+    views.push_back({&scenes.back(), {}});
+  }
+  const std::unique_ptr<Unknowns> unknowns = unknowns_of(request, scenes.front());
+  return serve_assembly(views, *unknowns, ranks, execution);
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,109 @@
+#include "commands/render/render_ranks.h"
+
+#include <cstddef>
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#ifdef PLENOFLAME_HAS_VOLUMES
+#include "commands/reconstruct/reconstruct_ranks.h"
+#endif
+#include "commands/series/sweep_ranks.h"
+#include "medium_loader.h"
+#include "plenoflame/base/execution.h"
+#include "plenoflame/media/uniform_medium.h"
+#include "plenoflame/render/compiled_camera.h"
+#include "plenoflame/render/ranks.h"
+#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/scene/validate.h"
+
+namespace plenoflame::cli {
+namespace {
+
+constexpr char kScene = 'S';  ///< from rank 0: the scene as JSON
+
+}  // namespace
+
+void fill_with_light(CompiledScene& compiled) {
+  const auto fill = [](CompiledScene& path, double radiance) {
+    path.medium = make_uniform_medium(radiance, path.node_count());
+    path.scatterers.clear();
+  };
+  fill(compiled, 1);
+  for (CompiledScene& path : compiled.paths()) {
+    // Each of several wavelengths that stand for a channel sees a share of its light.
+    double sharing = 0;
+    for (const CompiledScene& other : compiled.paths())
+      sharing += other.film_channel == path.film_channel ? 1 : 0;
+    fill(path, 1 / sharing);
+  }
+}
+
+void announce_scene(const Scene& scene, const SceneUse& use, bool white,
+                    const std::string& compiled, int threads, Communicator& ranks) {
+  const nlohmann::json json{
+      {"scene", write_scene(scene)},
+      {"file", std::filesystem::absolute(scene.file).string()},
+      {"view", use.view},
+      {"begin", use.begin},
+      {"white", white},
+      {"compiled", compiled.empty() ? "" : std::filesystem::absolute(compiled).string()},
+      {"threads", threads}};
+  const std::string text =
+      kScene + json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, text);
+}
+
+void serve_renderings(Communicator& ranks, int threads, const std::stop_token& stop) {
+  Execution execution;
+  execution.stop = stop;
+  CompiledScenes scenes;
+  const CompiledScene* compiled = nullptr;
+  std::optional<CompiledCamera> camera;
+  std::string camera_file;
+  bool white = false;
+  for (;;) {
+    const RankMessage message = wait_for_message(ranks);
+    const char what = message.bytes.front();
+    if (what == rank_message::kQuit) return;
+    try {
+      if (what == kScene) {
+        const auto json = nlohmann::json::parse(message.bytes.substr(1));
+        const int asked = json.at("threads").get<int>();
+        execution.threads = asked > 0 ? asked : threads;
+        SceneDocument document =
+            parse_scene(json.at("scene").get<std::string>(), json.at("file").get<std::string>());
+        static_cast<void>(validate(document));
+        if (white) scenes.clear();  // its light was not the scene's
+        white = json.at("white").get<bool>();
+        const SceneUse use{json.at("view").get<std::size_t>(), json.at("begin").get<double>()};
+        compiled = nullptr;
+        compiled = &scenes.of(document.scene, use, [&](const EarlierScenes& earlier) {
+          CompiledScene made =
+              compile(document.scene, medium_loader(), execution, document.positions, earlier);
+          if (white) fill_with_light(made);
+          return made;
+        });
+        const auto file = json.at("compiled").get<std::string>();
+        if (file != camera_file) camera.reset();
+        if (!file.empty() && !camera) camera = read_bundle(file);
+        camera_file = file;
+      }
+      if (what == kSweepBegins) serve_sweep(message, ranks, threads, stop);
+#ifdef PLENOFLAME_HAS_VOLUMES
+      if (what == kReconstructionBegins && !serve_reconstruction(message, ranks, threads, stop))
+        return;
+#endif
+      if (what == rank_message::kRender && compiled &&
+          !serve_render(*compiled, camera ? &*camera : nullptr, message, ranks, execution))
+        return;
+    } catch (const std::exception& error) {
+      compiled = nullptr;
+      ranks.send(0, rank_message::kFailed + std::string(error.what()));
+    }
+  }
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,222 @@
+#include "plenoflame/camera/design.h"
+#include "choice.h"
+#include "number_range.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "commands/commands.h"
+#include "commands/scene/design_array.h"
+#include "commands/scene/design_filters.h"
+#include "commands/scene/lens_report.h"
+#include "commands/scene_input.h"
+#include "design_report.h"
+#include "messages.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/cameras.h"
+#include "plenoflame/scene/lens_file.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct DesignArguments {
+  std::string scene, camera;
+  std::vector<std::string> set;
+  bool json = false;
+  std::string plots;
+  std::string format = "png";
+  ArrayTask array;
+  LensTask lens;
+};
+
+/// Writes plots into the folder that was asked for.
+class PlotFolder {
+ public:
+  explicit PlotFolder(const DesignArguments& settings)
+      : folder_(settings.plots), format_(settings.format) {
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) throw FileError(settings.plots + ": " + error.message());
+  }
+  void write(const std::string& name, const std::vector<Plot>& plots, int columns) const {
+    if (!plots.empty()) write_plot((folder_ / (name + "." + format_)).string(), plots, columns);
+  }
+
+ private:
+  std::filesystem::path folder_;
+  std::string format_;
+};
+
+void warn_of(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) warn(warning);
+}
+
+void check_is_toml(const std::string& output) {
+  if (!output.empty() && !output.ends_with(".toml"))
+    throw UsageError("--output: '" + output + "' must end in .toml");
+}
+
+int run_lens(const DesignArguments& settings) {
+  if (!settings.array.freedom.empty())
+    throw UsageError("--solve: a lens alone has no array; give a scene");
+  if (!settings.set.empty())
+    throw UsageError("--set: " + settings.scene + " is a lens alone; give a scene");
+  check_is_toml(settings.array.output);
+  Report report;
+  LensTask task = settings.lens;
+  task.file = settings.scene;
+  MainLensSpec lens;
+  std::vector<std::string> notes;
+  const LensDesign d = add_lens_design(task, lens, notes, report);
+  warn_of(notes);
+  report.add_json("warnings", notes);
+  if (!settings.array.output.empty()) {
+    check_not_overwritten("--output", settings.array.output, settings.scene);
+    write_file(settings.array.output, write_lens(lens));
+  }
+  if (!settings.plots.empty()) {
+    const PlotFolder folder(settings);
+    folder.write("lens-spots", spot_diagrams(d), 3);
+    folder.write("lens-fans", ray_fans(d), 3);
+    folder.write("lens-fields", field_plots(d), 3);
+  }
+  report.print(settings.json);
+  return kSuccess;
+}
+
+void write_plots(const DesignArguments& settings, const Camera& camera, const CameraDesign& d,
+                 const std::vector<ResolutionPoint>& curve, const std::vector<SolvedType>& solved) {
+  const PlotFolder folder(settings);
+  if (!curve.empty()) folder.write("resolution", {resolution_plot(curve, d)}, 1);
+  folder.write("spots", spot_plots(camera, d), 2);
+  const ArraySpec& array = camera.spec().array;
+  const bool has_faces = array.present && !(std::isinf(array.types.front().radius_front) &&
+                                            std::isinf(array.types.front().radius_back));
+  if (has_faces)
+    folder.write("microlens", microlens_plots(array, solved, settings.array.freedom), 3);
+}
+
+int run_design(const DesignArguments& settings) {
+  if (is_bare_lens(settings.scene)) return run_lens(settings);
+  const ArrayTask& task = settings.array;
+  if (!task.output.empty() && task.freedom.empty())
+    throw UsageError("--output: there is nothing to write without --solve");
+  check_is_toml(task.output);
+  const LensTask& lens = settings.lens;
+  for (const auto& [option, given] : {std::pair{"--field", !lens.field.empty()},
+                                      {"--distance", !lens.distance.empty()},
+                                      {"--wavelength", !lens.wavelength.empty()},
+                                      {"--paraxial-focus", lens.paraxial_focus}})
+    if (given)
+      throw UsageError(
+          std::string(option) +
+          ": it is for a lens alone; that of a scene has its sensor, its focus and its "
+          "channels");
+  std::vector<std::string> warnings;
+  const Scene whole = read_valid_scene(settings.scene, settings.set, &warnings).scene;
+  const Scene scene = choose_camera({whole, {}}, settings.camera).scene;
+  const Camera camera(scene.camera);
+  const CameraDesign d = design(camera);
+  for (std::size_t i = 0; i < d.types.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (std::fabs(d.types[i].focal_length / d.types[k].focal_length - 1) < 1e-9)
+        throw InputError(settings.scene + ": the microlens types \"" + d.types[k].name +
+                         "\" and \"" + d.types[i].name + "\" have the same focal length, " +
+                         length_text(d.types[i].focal_length) +
+                         ": give them different ones, or leave one out");
+  warnings.insert(warnings.end(), d.warnings.begin(), d.warnings.end());
+  warn_of(warnings);
+  const auto curve = design_curve(camera, scene);
+  Report report;
+  if (!scene.camera.name.empty())
+    report.add("camera", scene.camera.name, "camera", scene.camera.name);
+  add_main_lens(d, report);
+  add_types(camera, d, report);
+  add_array(camera, d, report);
+  add_pupil_filters(camera, d, report);
+  add_resolution(curve, d, report);
+  add_spots(d, report);
+  if (!scene.windows.empty()) add_windows(camera, scene.windows, report);
+  report.add_json("warnings", warnings);
+  std::vector<SolvedType> solved;
+  if (!task.freedom.empty()) solved = solve_for_array(task, scene, report);
+  if (!task.output.empty()) {
+    check_not_overwritten("--output", task.output, settings.scene);
+    const Scene changed = with_solved_array(scene, solved, freedom_named(task.freedom));
+    write_scene_file(task.output, replace_camera(whole, changed.camera));
+  }
+  if (!settings.plots.empty()) write_plots(settings, camera, d, curve, solved);
+  report.print(settings.json);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_design(const Registry& registry) {
+  auto settings = std::make_shared<DesignArguments>();
+  CLI::App& command =
+      add_command(registry, "design", "Work out what a camera can do: pupils, depth of field, blur",
+                  "plenoflame design examples/paper-flame-1m.toml --plots out");
+  command
+      .add_option(
+          "SCENE", settings->scene,
+          "Scene file (.toml); or a lens alone: TOML with only [camera.lens], .zmx, .dat, .txt")
+      ->required();
+  add_set_option(command, settings->set);
+  add_camera_option(command, settings->camera);
+  command.add_flag("--json", settings->json, "Print the figures as JSON");
+  command
+      .add_option("--plots", settings->plots,
+                  "Folder for plots: effective resolution against distance, spots, microlenses; of "
+                  "a lens spots, ray fans, field curvature, distortion, vignetting")
+      ->option_text("DIR");
+  command.add_option("--format", settings->format, "Format of the plots")
+      ->option_text("png|svg")
+      ->check(one_of({"png", "svg"}))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--solve", settings->array.freedom,
+          "Find further microlens types whose depths of field join the first one's; free is "
+          "their index, the radius of their faces, or their thickness")
+      ->option_text("index|radius|thickness")
+      ->check(one_of({"index", "radius", "thickness"}));
+  command.add_option("--types", settings->array.types, "With --solve: number of types")
+      ->option_text("N")
+      ->check(CLI::Range(1, 3))
+      ->capture_default_str();
+  command
+      .add_option("--greatest-index", settings->array.index_limit,
+                  "With --solve: greatest refractive index of a type")
+      ->option_text("INDEX")
+      ->check(number_between(1.0, 5.0))
+      ->capture_default_str();
+  const auto text_option = [&](const char* name, std::string& value, const char* shown,
+                               const char* meaning) {
+    command.add_option(name, value, meaning)->option_text(shown);
+  };
+  text_option("--least-radius", settings->array.least_radius, "LENGTH",
+              "With --solve: smallest radius of the faces");
+  text_option("--greatest-thickness", settings->array.greatest_thickness, "LENGTH",
+              "With --solve: greatest thickness of a microlens");
+  text_option("-o,--output", settings->array.output, "FILE.toml",
+              "With --solve: the scene with the types that were found; of a lens: its "
+              "prescription (.toml)");
+  text_option("--field", settings->lens.field, "ANGLE",
+              "Of a lens: greatest field angle; without it as far as light passes");
+  text_option("--distance", settings->lens.distance, "LENGTH",
+              "Of a lens: object distance from the first vertex (infinite)");
+  text_option("--wavelength", settings->lens.wavelength, "LENGTH",
+              "Of a lens: vacuum wavelength (587.6 nm)");
+  command.add_flag("--paraxial-focus", settings->lens.paraxial_focus,
+                   "Of a lens: image plane at the paraxial focus, not at the least spot");
+  on_chosen(command, registry, [settings] { return run_design(*settings); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,391 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include "commands/commands.h"
+#include "commands/reconstruct/operator_options.h"
+#include "commands/render/bundles_option.h"
+#include "commands/render/render_options.h"
+#include "commands/scene_input.h"
+#include "commands/series/sweep_plan.h"
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/part.h"
+#include "plenoflame/image/atomic_file.h"
+#include "run.h"
+
+namespace plenoflame::cli {
+namespace {
+
+struct SubmitArguments {
+  std::vector<std::string> scenes;
+  std::string output, sweep, matrix, options, parts = "1", threads = "1", time, memory, partition;
+  bool slurm = false;
+};
+
+/// A picture of the array: of each all parts.
+struct SubmittedPicture {
+  std::string scene, camera;  ///< camera: empty where the scene has one
+  std::string whole;          ///< name of the picture without .exr
+};
+
+/// The text as one word of the shell.
+std::string shell_word(const std::string& text) {
+  if (!text.empty() &&
+      text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                             "_-+=:,./%@") == std::string::npos)
+    return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+/// The options for the command, as the shell would part them. @throws UsageError for an open quote
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  bool within = false;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote == 0 && (c == ' ' || c == '\t' || c == '\n')) {
+      within = false;
+      continue;
+    }
+    if (!within) words.emplace_back();
+    within = true;
+    if (quote == 0 && (c == '"' || c == '\''))
+      quote = c;
+    else if (c == quote)
+      quote = 0;
+    else
+      words.back() += c;
+  }
+  if (quote != 0) throw UsageError("--options: a quote is not closed");
+  return words;
+}
+
+/// Reads options as the job will, so that one that waited for a day does not end with them.
+/// @param own options that the script itself gives @param scene of the arguments, a word that is no
+/// option
+/// @throws UsageError
+void read_options(CLI::App& command, const std::vector<std::string>& words,
+                  std::initializer_list<const char*> own, const std::string& scene) {
+  try {
+    command.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(fmt::format("--options: {}", error.what()));
+  }
+  for (const char* name : own)
+    if (command.count(name) > 0)
+      throw UsageError(fmt::format("--options: the script itself says {}", name));
+  if (!scene.empty())
+    throw UsageError("--options: '" + scene + "' is no option; scenes stand before it");
+}
+
+RenderArguments checked_render_options(const std::vector<std::string>& words) {
+  RenderArguments arguments;
+  CLI::App render;
+  add_render_options(render, arguments);
+  read_options(render, words,
+               {"--output", "--part", "--resume", "--threads", "--camera", "--stats"},
+               arguments.options.scene);
+  return arguments;
+}
+
+/// Checks the sweep whole, run by run. @throws UsageError, InputError, FileError
+void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& words, int parts) {
+  if (submit.scenes.size() > 1)
+    throw UsageError("--sweep: a set is of one scene, not of " +
+                     std::to_string(submit.scenes.size()));
+  SweepArguments arguments;
+  CLI::App sweep;
+  add_sweep_options(sweep, arguments);
+  for (const char* name : {"SCENE", "--output"}) sweep.get_option(name)->required(false);
+  read_options(sweep, words, {"--output", "--part", "--threads"}, arguments.render.options.scene);
+  arguments.render.options.scene = submit.scenes.front();
+  arguments.output = submit.sweep;
+  const SweepPlan plan = plan_sweep(arguments, {});
+  if (static_cast<int>(plan.runs.size()) < parts)
+    throw UsageError(
+        fmt::format("--parts: there are {} runs, fewer than {}", plan.runs.size(), parts));
+}
+
+/// Checks what can be checked of a matrix without following rays. @throws UsageError, InputError,
+/// FileError
+void check_matrix(const SubmitArguments& submit, const std::vector<std::string>& words) {
+  if (submit.scenes.size() > 1)
+    throw UsageError("--operator: a matrix is of one scene, not of " +
+                     std::to_string(submit.scenes.size()));
+  if (!submit.matrix.ends_with(".npz") && !submit.matrix.ends_with(".h5"))
+    throw UsageError("--operator: '" + submit.matrix +
+                     "' must end in .npz or .h5, which merge reads");
+  OperatorArguments arguments;
+  CLI::App matrix;
+  add_operator_options(matrix, arguments);
+  for (const char* name : {"SCENE", "--output"}) matrix.get_option(name)->required(false);
+  read_options(matrix, words, {"--output", "--part", "--threads", "--pixels", "--places", "--json"},
+               arguments.scene);
+  check_operator(arguments);
+  const std::vector<CameraScene> views =
+      read_camera_scenes(submit.scenes, arguments.set, arguments.cameras);
+  static_cast<void>(read_bundles(arguments.compiled, views.size()));
+}
+
+std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
+                                          const RenderArguments& render) {
+  std::vector<SubmittedPicture> pictures;
+  std::set<std::string> names;
+  for (const std::string& scene : arguments.scenes) {
+    RenderArguments one = render;
+    one.options.scene = scene;
+    static_cast<void>(checked_options(one));
+    const SceneDocument document = read_valid_scene(scene, render.options.set);
+    const std::string stem = std::filesystem::path(scene).stem().string();
+    const bool several = !document.scene.cameras.empty();
+    for (const CameraScene& camera : choose_cameras(document, scene, {})) {
+      const std::string& name = camera.document.scene.camera.name;
+      pictures.push_back({scene, several ? name : "", several ? stem + "-" + name : stem});
+      if (!names.insert(pictures.back().whole).second)
+        throw UsageError(fmt::format("two pictures would be called {}.exr: rename a scene",
+                                     pictures.back().whole));
+    }
+  }
+  return pictures;
+}
+
+/// "1-02:03:04", as sbatch has it.
+std::string slurm_time(const std::string& text) {
+  const double seconds = quantity_option("--time", text, Dimension::time);
+  constexpr double kMost = 365 * 86400.0;
+  if (!(seconds >= 1 && seconds <= kMost))
+    throw UsageError("--time: from 1 s to a year, not '" + text + "'");
+  const auto whole = static_cast<long long>(std::ceil(seconds));
+  return fmt::format("{}-{:02}:{:02}:{:02}", whole / 86400, whole / 3600 % 24, whole / 60 % 60,
+                     whole % 60);
+}
+
+std::string header(const SubmitArguments& arguments, const std::string& name, std::size_t tasks,
+                   int threads) {
+  std::string text = fmt::format(
+      "#!/bin/sh\n#SBATCH --job-name={0}\n#SBATCH --array=1-{1}\n#SBATCH --ntasks=1\n"
+      "#SBATCH --cpus-per-task={2}\n#SBATCH --output={0}-%a.log\n",
+      name, tasks, threads);
+  if (!arguments.time.empty())
+    text += fmt::format("#SBATCH --time={}\n", slurm_time(arguments.time));
+  if (!arguments.memory.empty()) text += fmt::format("#SBATCH --mem={}\n", arguments.memory);
+  if (!arguments.partition.empty())
+    text += fmt::format("#SBATCH --partition={}\n", arguments.partition);
+  return text;
+}
+
+constexpr const char* kBegin = "set -eu\ncommand=${PLENOFLAME:-plenoflame}\n";
+constexpr const char* kTask =
+    "task=${SLURM_ARRAY_TASK_ID:?is not set: submit this script with sbatch}\n";
+
+constexpr const char* kIsThere =
+    "if [ -e \"$file\" ]; then\n  echo \"$file is done\"\n  exit 0\nfi\n";
+
+std::string no_further_task(int parts) {
+  return fmt::format(
+      "if [ \"$task\" -gt {} ]; then\n  echo \"there is no task $task\" >&2\n  exit 2\nfi\n",
+      parts);
+}
+
+std::string with_options(std::string text, const std::vector<std::string>& options) {
+  for (const std::string& option : options) text += ' ' + shell_word(option);
+  return text + '\n';
+}
+
+/// The script of a sweep: a task of the array makes the runs of a part, and those that are left of
+/// them when it is begun anew.
+std::string sweep_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                         int threads, const std::vector<std::string>& options) {
+  std::string folder = arguments.sweep;
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  folder = shell_word(folder);
+  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  if (parts > 1)
+    text += fmt::format(
+        "if [ \"${{1:-}}\" = merge ]; then\n"
+        "  exec \"$command\" merge {0}-part-*-of-{1} -o {0}\nfi\n",
+        folder, parts);
+  text += kTask;
+  text += no_further_task(parts);
+  text +=
+      fmt::format("exec \"$command\" sweep {} -o {}", shell_word(arguments.scenes.front()), folder);
+  if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
+/// The script of a matrix: a task of the array makes the rows of a part.
+std::string matrix_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                          int threads, const std::vector<std::string>& options) {
+  const std::string scene = shell_word(arguments.scenes.front());
+  const std::size_t dot = arguments.matrix.rfind('.');
+  const std::string stem = shell_word(arguments.matrix.substr(0, dot)),
+                    ending = arguments.matrix.substr(dot), whole = shell_word(arguments.matrix);
+  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  if (parts > 1)
+    text += fmt::format(
+        "if [ \"${{1:-}}\" = merge ]; then\n"
+        "  exec \"$command\" merge {0}-part-*-of-{1}{2} -o {3}\nfi\n",
+        stem, parts, ending, whole);
+  text += kTask;
+  text += no_further_task(parts);
+  text += parts > 1 ? fmt::format("file={}-part-$task-of-{}{}\n", stem, parts, ending)
+                    : fmt::format("file={}\n", whole);
+  text += kIsThere;
+  text += fmt::format("exec \"$command\" operator {} -o \"$file\"", scene);
+  if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
+/// The script: a task of the array renders a part, and goes on with it when it is begun anew.
+std::string script(const SubmitArguments& arguments, const std::string& name,
+                   const std::vector<SubmittedPicture>& pictures, int parts, int threads,
+                   const std::vector<std::string>& options, bool frames) {
+  std::string text =
+      header(arguments, name, pictures.size() * static_cast<std::size_t>(parts), threads) + kBegin;
+  const std::string ending = parts > 1 ? fmt::format("-part-$part-of-{}", parts) : "";
+  if (parts > 1) {
+    text += "if [ \"${1:-}\" = merge ]; then\n";
+    for (const SubmittedPicture& picture : pictures) {
+      const std::string first = fmt::format("-part-1-of-{}.exr", parts);
+      text += fmt::format(
+          "  for first in {0}{1}{2}; do\n    whole=${{first%{2}}}\n"
+          "    \"$command\" merge \"$whole\"-part-*-of-{3}.exr -o \"$whole.exr\"\n  done\n",
+          shell_word(picture.whole), frames ? ".*" : "", first, parts);
+    }
+    text += "  exit 0\nfi\n";
+  }
+  text += kTask;
+  if (parts > 1) text += fmt::format("part=$(( (task - 1) % {} + 1 ))\n", parts);
+  text += fmt::format("case $(( (task - 1) / {} )) in\n", parts);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    text +=
+        fmt::format("  {}) set -- {}{}; whole={} ;;\n", i, shell_word(pictures[i].scene),
+                    pictures[i].camera.empty() ? "" : " --camera " + shell_word(pictures[i].camera),
+                    shell_word(pictures[i].whole));
+  text += "  *) echo \"there is no task $task\" >&2; exit 2 ;;\nesac\n";
+  std::string resume;
+  if (frames) {
+    resume = " --resume \"$whole.exr\"";
+  } else {
+    text += fmt::format(
+        "file=$whole{0}.exr\nif [ -e \"$file.state\" ]; then\n"
+        "  exec \"$command\" render --resume \"$file\" --threads {1} --quiet\nfi\n",
+        ending, threads);
+    text += kIsThere;
+  }
+  text += "exec \"$command\" render \"$@\" -o \"$whole.exr\"" + resume;
+  if (parts > 1) text += fmt::format(" --part \"$part/{}\"", parts);
+  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+}
+
+/// Checks the pictures, and makes their script. @throws UsageError, InputError, FileError
+std::string picture_script(const SubmitArguments& arguments, const std::string& name, int parts,
+                           int threads, const std::vector<std::string>& options) {
+  const RenderArguments render = checked_render_options(options);
+  const std::vector<SubmittedPicture> pictures = pictures_of(arguments, render);
+  RenderArguments one = render;
+  one.options.scene = arguments.scenes.front();
+  one.part = parts > 1 ? fmt::format("1/{}", parts) : "";
+  static_cast<void>(checked_options(one));
+  std::vector<std::string> kept = options;
+  std::erase(kept, "--quiet");
+  return script(arguments, name, pictures, parts, threads, kept, !render.frames.empty());
+}
+
+int run_submit(const SubmitArguments& arguments) {
+  if (!arguments.slurm) throw UsageError("say for which batch system: --slurm");
+  for (const std::string& scene : arguments.scenes)
+    check_not_overwritten("-o", arguments.output, scene);
+  for (const auto& [option, text] :
+       {std::pair{"--memory", arguments.memory}, std::pair{"--partition", arguments.partition}})
+    if (text.find_first_of(" \t\n") != std::string::npos)
+      throw UsageError(fmt::format("{}: '{}' has blanks", option, text));
+  const std::vector<std::string> options = words_of(arguments.options);
+  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
+  const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
+  std::string name = std::filesystem::path(arguments.output).stem().string();
+  for (char& c : name)
+    if (c == ' ' || c == '%') c = '_';
+  if (!arguments.sweep.empty()) {
+    check_sweep(arguments, options, parts);
+    write_file(arguments.output, sweep_script(arguments, name, parts, threads, options));
+  } else if (!arguments.matrix.empty()) {
+    check_not_overwritten("-o", arguments.output, arguments.matrix);
+    check_matrix(arguments, options);
+    std::vector<std::string> kept = options;
+    std::erase(kept, "--quiet");
+    write_file(arguments.output, matrix_script(arguments, name, parts, threads, kept));
+  } else {
+    write_file(arguments.output, picture_script(arguments, name, parts, threads, options));
+  }
+  const std::string file = shell_word(arguments.output);
+  if (parts == 1)
+    std::cout << fmt::format("sbatch {}\n", file);
+  else
+    std::cout << fmt::format(
+        "job=$(sbatch --parsable {0})\nsbatch --dependency=afterok:$job --wrap \"sh {0} merge\"\n",
+        file);
+  return kSuccess;
+}
+
+}  // namespace
+
+void register_submit(const Registry& registry) {
+  const auto arguments = std::make_shared<SubmitArguments>();
+  CLI::App& command = add_command(
+      registry, "submit",
+      "Write a batch system's script that makes pictures, a sweep or a matrix in parts",
+      "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
+  command.add_option("SCENE", arguments->scenes, "Scene files (.toml), each for a picture")
+      ->required();
+  command.add_flag("--slurm", arguments->slurm,
+                   "A Slurm job array: a task for each part of each picture, from 1");
+  command
+      .add_option("-o,--output", arguments->output,
+                  "The script; how to submit it is printed. Pictures are written to the folder in "
+                  "which it is submitted, named after their scenes")
+      ->required()
+      ->option_text("FILE");
+  command
+      .add_option("--sweep", arguments->sweep,
+                  "A sweep of the scene into this folder, in place of pictures; which runs, the "
+                  "--options say")
+      ->option_text("DIR");
+  command
+      .add_option("--operator", arguments->matrix,
+                  "The matrix of the scene into this file (.npz, .h5), in place of pictures; which "
+                  "unknowns, the --options say")
+      ->excludes("--sweep")
+      ->option_text("FILE");
+  command
+      .add_option("--parts", arguments->parts,
+                  "Parts of each picture, or of the sweep or the matrix (1)")
+      ->option_text("N");
+  command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
+  command
+      .add_option("--time", arguments->time,
+                  "Time limit of a task, with unit, e.g. 2h; none: the "
+                  "batch system's own")
+      ->option_text("TIME");
+  command.add_option("--memory", arguments->memory, "Memory of a task as sbatch has it, e.g. 4G")
+      ->option_text("SIZE");
+  command.add_option("--partition", arguments->partition, "Partition of the cluster")
+      ->option_text("NAME");
+  command
+      .add_option(
+          "--options", arguments->options,
+          "Options for render, sweep or operator, in quotes: --options '--samples 256 --truth'")
+      ->option_text("TEXT");
+  on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
+}
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,76 @@
+#include <CLI/CLI.hpp>
+
+#include "choice.h"
+#include "commands/part_option.h"
+#include "commands/scene_input.h"
+#include "commands/series/sweep_plan.h"
+
+namespace plenoflame::cli {
+
+void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
+  RenderArguments& render = arguments.render;
+  RenderOptions& options = render.options;
+  command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
+  command
+      .add_option("--table", arguments.table,
+                  "Table of the runs (.csv): a header of keys of the scene, as --set has them, a "
+                  "run in each row")
+      ->option_text("FILE");
+  command
+      .add_option("--random", arguments.random,
+                  "Rules by which values are drawn at random (.toml): [[random]] tables")
+      ->option_text("FILE");
+  command.add_option("--runs", arguments.runs, "How many runs are drawn")->option_text("N");
+  command
+      .add_option("-o,--output", arguments.output,
+                  "Folder of the set; one that was begun is gone on with")
+      ->required()
+      ->option_text("DIR");
+  add_set_option(command, options.set);
+  add_cameras_option(command, options.cameras);
+  command
+      .add_option("--format", arguments.format,
+                  "exr: a light field for each picture; hdf5: one file set.h5 (exr)")
+      ->check(one_of({"exr", "hdf5"}))
+      ->option_text("NAME");
+  command
+      .add_option("--lattice", arguments.lattice,
+                  "Keep the truth, temperature, absorption and emission lines, on a lattice of so "
+                  "many cells along x, y and z")
+      ->option_text("NX,NY,NZ");
+  command
+      .add_option("--region", arguments.region,
+                  "Box of the lattice, two corners with units (around the flames of the scene, or "
+                  "the region of --compiled)")
+      ->option_text("X,Y,Z:X,Y,Z");
+  command
+      .add_option("--test-share", arguments.test_share,
+                  "Share of the runs that are for testing, chosen at random, e.g. 20% (0)")
+      ->option_text("SHARE");
+  command
+      .add_option("--seed", arguments.seed,
+                  "Seed of the sweep: what a run is depends on it and the run's number alone (1)")
+      ->option_text("N");
+  add_part_option(command, arguments.part,
+                  "Make only part K of N, in DIR-part-K-of-N: 'plenoflame merge' makes the set of "
+                  "all, bit by bit");
+  command.add_option("--samples", render.samples, "Rays per pixel and microlens")->option_text("N");
+  command
+      .add_option("--target-error", render.target_error,
+                  "Render each picture until its relative RMSE is below this, e.g. 1%")
+      ->option_text("SHARE");
+  command.add_option("--window", render.window, "Only W x H pixels from column X, row Y")
+      ->option_text("X,Y,W,H");
+  command
+      .add_option("--compiled", options.compiled,
+                  "Render by the rays of a camera that `plenoflame compile` has found")
+      ->option_text("FILE.bundle");
+  command.add_flag("--truth", options.truth, "Layers of ground truth of each pixel, as of render");
+  command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
+      ->check(CLI::Range(0, 4096))
+      ->option_text("N");
+  command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
+  command.add_flag("--json", options.json, "Print the figures as JSON");
+}
+
+}  // namespace plenoflame::cli

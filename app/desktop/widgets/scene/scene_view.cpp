@@ -1,0 +1,458 @@
+#include "widgets/scene/scene_view.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkDistanceWidget.h>
+#include <vtkFixedPointVolumeRayCastMapper.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkMapper.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPropCollection.h>
+#include <vtkProperty.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextProperty.h>
+#include <vtkTexture.h>
+#include <vtkVolume.h>
+
+#include <QAction>
+#include <QActionGroup>
+#include <QComboBox>
+#include <QLayout>
+#include <QMouseEvent>
+#include <QSignalBlocker>
+#include <QStyle>
+#include <QToolBar>
+#include <QToolButton>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "flame_image.h"
+#include "flame_volume.h"
+#include "model/scene_target.h"
+#include "picture_annotation.h"
+#include "picture_camera.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "plenoflame/scene/scene_file.h"
+#include "scene_props.h"
+#include "surface_props.h"
+#include "widgets/controls/notice.h"
+#include "widgets/controls/pointer.h"
+#include "widgets/flame/flame_opacity.h"
+#include "widgets/image/ruler.h"
+#include "widgets/scene/ray_lines.h"
+#include "widgets/scene/scene_geometry.h"
+#include "widgets/scene/scene_view_parts.h"
+#include "window_props.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
+constexpr int kSensorTexture = 640;
+
+/// Parts that are made for paper are seen before the dark, too.
+void stand_out(vtkActor& part) {
+  if (part.GetTexture()) return;
+  vtkProperty& look = *part.GetProperty();
+  std::array<double, 3> rgb{};
+  look.GetColor(rgb.data());
+  const double light = std::max({rgb[0], rgb[1], rgb[2]});
+  constexpr double kLeast = 0.55;
+  if (light < kLeast)
+    for (double& c : rgb) c += kLeast - light;
+  look.SetColor(rgb.data());
+  look.SetAmbientColor(rgb.data());
+  look.SetAmbient(0.3);
+}
+
+}  // namespace
+
+SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<View>()) {
+  View& v = *view_;
+  v.widget = new QVTKOpenGLNativeWidget(this);
+  v.widget->setObjectName("scene3d");
+  v.widget->setMinimumSize(160, 140);
+  v.widget->setRenderWindow(v.window);
+  v.window->SetMultiSamples(0);
+  v.window->SetAlphaBitPlanes(1);
+  v.renderer->SetUseDepthPeeling(1);
+  v.renderer->SetMaximumNumberOfPeels(4);
+  v.window->AddRenderer(v.renderer);
+  vtkRenderWindowInteractor* const interactor = v.widget->interactor();
+  interactor->SetInteractorStyle(v.style);
+  interactor->SetDesiredUpdateRate(15);
+  interactor->SetStillUpdateRate(15);
+  v.style->AutoAdjustCameraClippingRangeOff();
+  v.scale_bar = std::make_unique<ScaleBar>(*v.renderer);
+  v.before_drawing->SetClientData(&v);
+  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
+    auto* const drawn = static_cast<View*>(drawn_by);
+    fit_clipping(*drawn->renderer);
+    drawn->scale_bar->update(*drawn->renderer);
+  });
+  v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
+  v.ruler->SetInteractor(interactor);
+  set_up_ruler(*v.ruler);
+  v.ruler_moved->SetClientData(this);
+  v.ruler_moved->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
+    static_cast<SceneView*>(self)->show_measured();
+  });
+  for (const unsigned long event :
+       {vtkCommand::PlacePointEvent, vtkCommand::InteractionEvent, vtkCommand::EndInteractionEvent})
+    v.ruler->AddObserver(event, v.ruler_moved);
+  v.widget->installEventFilter(this);
+  v.add_axes_cube();
+
+  make_tools();
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
+  layout->addWidget(tools_);
+  notice_ = new Notice(this);
+  notice_->setObjectName("sceneViewNotice");
+  layout->addWidget(notice_);
+  layout->addWidget(v.widget, 1);
+  render_later_.setSingleShot(true);
+  connect(&render_later_, &QTimer::timeout, this, [this] { view_->window->Render(); });
+  show_later_.setSingleShot(true);
+  connect(&show_later_, &QTimer::timeout, this, &SceneView::show_next);
+  light_timer_.setSingleShot(true);
+  connect(&light_timer_, &QTimer::timeout, this, &SceneView::move_light);
+  // Dark in both themes: what shines is to be the brightest there is.
+  v.renderer->SetBackground(0.05, 0.055, 0.065);
+  set_ruler_dark(*v.ruler, true);
+}
+
+SceneView::~SceneView() {
+  task_.cancel();
+  view_->ruler->RemoveObserver(view_->ruler_moved);
+  view_->ruler->SetInteractor(nullptr);
+  for (const View::Handle& handle : view_->handles) handle.widget->SetInteractor(nullptr);
+  view_->axes->SetInteractor(nullptr);
+  // Another view may still watch a camera that both have.
+  view_->moved_elsewhere->SetCallback(nullptr);
+  view_->style->RemoveAllObservers();
+}
+
+double SceneView::measured() const {
+  if (!measure_->isChecked() || view_->ruler->GetWidgetState() == vtkDistanceWidget::Start)
+    return 0;
+  return ruler_length(*view_->ruler);
+}
+
+void SceneView::show_measured() {
+  const double distance = measured();
+  set_ruler_text(*view_->ruler, readable_quantity(distance, Dimension::length, 4));
+  emit measured_changed(distance);
+}
+
+void SceneView::render() {
+  // Once for all that happens before the event loop turns.
+  render_later_.start(0);
+}
+
+void SceneView::warm_up() {
+  if (warm_ || scene_) return;  // what is there must stay
+  warm_ = true;
+  view_->widget->grabFramebuffer();  // from here on there is something to draw with
+  const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
+  geometry_ = std::make_shared<SceneGeometry>(
+      scene, std::array<int, 2>{scene.camera.sensor.columns / 2, scene.camera.sensor.rows / 2});
+  geometry_->flame = small_flame();
+  temperatures_ = {1000, 2000};
+  image_ = std::make_shared<const ImagePyramid>(std::make_shared<const Image>(8, 8, 1.0F),
+                                                Execution{1, {}, {}, {}});
+  auto rays = std::make_shared<SelectedRays>();
+  rays->paths.rays.resize(1);
+  rays->paths.vertices.resize(2);
+  rays->paths.vertices[0].position = {0.1, 0, 0};
+  rays->paths.rays[0].count = 2;
+  rays_ = rays;
+  highlighted_ = 0;
+  for (const Part part : {Part::scene, Part::array}) {
+    part_ = part;
+    add_layers();
+    view_->renderer->ResetCamera();
+    view_->window->Render();
+  }
+  part_ = Part::scene;
+  highlighted_ = -1;
+  geometry_ = nullptr;
+  image_ = nullptr;
+  rays_ = nullptr;
+  temperatures_ = {0, 0};
+  for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  view_->window->Render();
+}
+
+void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes,
+                          std::vector<CameraSpec> others) {
+  scene_ = std::move(scene);
+  others_ = std::move(others);
+  if (!changes.compiled() && geometry_) return;
+  build_geometry();
+}
+
+void SceneView::clear() {
+  task_.cancel();
+  built_ = ++newest_;
+  show_all();
+  scene_ = nullptr;
+  geometry_ = nullptr;
+  rays_ = nullptr;
+  image_ = nullptr;
+  others_.clear();
+  temperatures_ = {0, 0};
+  aimed_ = false;
+  schematic_ = {};
+  other_schematics_.clear();
+  for (const char* layer : {"camera", "flame", "surroundings", "rays", "gaps"})
+    view_->replace(layer, [](vtkRenderer&) {});
+  find_ways();
+  place_handles();
+  view_->show_frame(false);
+  if (measure_->isChecked()) measure_->setChecked(false);
+  render();
+}
+
+void SceneView::set_notice(const QString& text) {
+  notice_->say(text);
+}
+
+void SceneView::build_geometry() {
+  if (!scene_) return;
+  const unsigned number = ++newest_;
+  std::array<int, 2> pixel{scene_->scene.camera.sensor.columns / 2,
+                           scene_->scene.camera.sensor.rows / 2};
+  if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
+    pixel = {rays_->selection.column, rays_->selection.row};
+  task_.request([this, scene = scene_, others = others_, number, pixel](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    try {
+      const auto built = std::make_shared<SceneGeometry>(scene->scene, pixel, others);
+      if (scene->medium)
+        built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
+      if (built->flame) show_glow(*scene->medium, *built->flame, execution);
+      built->add_surroundings(scene->scene);
+      post(this, [this, number, built] {
+        if (number != newest_) return;
+        built_ = number;
+        std::array<double, 6> before{};
+        if (geometry_ && geometry_->flame) geometry_->flame->GetBounds(before.data());
+        geometry_ = built;
+        add_geometry();
+        if (aimed_ && dragged_ < 0) follow(before);
+      });
+    } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
+      post(this, [this, number] { built_ = number; });
+    }
+  });
+}
+
+void SceneView::add_geometry() {
+  temperatures_ = {0, 0};
+  if (geometry_->flame) {
+    temperatures_ = span_of(*geometry_->flame);
+  }
+  view_->show_frame(true);
+  view_->axes->InteractiveOff();
+  update_schematic();
+  if (!aimed_) aim();
+  if (first_) {
+    // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
+    // time, and none to begin with, so that the window answers in between.
+    view_->window->Render();
+    add_layers();
+    for (const auto& [layer, props] : view_->layers)
+      for (const auto& prop : props)
+        if (prop->GetVisibility()) view_->hidden.push_back(prop);
+    for (const auto& prop : view_->hidden) prop->VisibilityOff();
+    first_ = false;
+    show_later_.start(0);
+    return;
+  }
+  show_all();
+  add_layers();
+  if (dragged_ < 0) place_handles();
+  render();
+}
+
+void SceneView::add_layers() {
+  add_camera();
+  add_flame();
+  add_surroundings();
+  add_rays();
+  add_gaps();
+}
+
+void SceneView::show_next() {
+  if (view_->hidden.empty()) return;
+  view_->hidden.back()->VisibilityOn();
+  view_->hidden.pop_back();
+  view_->window->Render();
+  if (!view_->hidden.empty()) show_later_.start(0);
+}
+
+void SceneView::show_all() {
+  for (const auto& prop : view_->hidden) prop->VisibilityOn();
+  view_->hidden.clear();
+}
+
+void SceneView::add_camera() {
+  if (!geometry_) return;
+  const bool close = is_close() && geometry_->detail;
+  const auto camera = placed(*geometry_->camera, schematic_);
+  vtkSmartPointer<vtkImageData> texture;
+  if (image_ && !image_->empty())
+    texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
+  view_->replace("camera", [&](vtkRenderer& renderer) {
+    views::add_camera(close ? *geometry_->detail : *camera, geometry_->plate_texture, texture,
+                      close ? 0.45 : 0.4, renderer);
+    for (std::size_t i = 0; i < geometry_->others.size(); ++i) {
+      const SceneGeometry::Other& other = geometry_->others[i];
+      views::add_camera(*placed(*other.camera, schematic_of_other(i)), other.plate_texture, nullptr,
+                        0.4, renderer);
+    }
+  });
+  for (const auto& prop : view_->layers["camera"])
+    if (auto* actor = vtkActor::SafeDownCast(prop)) stand_out(*actor);
+}
+
+void SceneView::add_surroundings() {
+  view_->replace("surroundings", [&](vtkRenderer& renderer) {
+    if (!geometry_) return;
+    views::SolidSurfaces solids = geometry_->solids;
+    for (views::SolidSurfaces::Part& solid : solids.parts)
+      solid.data = placed(solid.data, schematic_);
+    views::add_surfaces(solids, renderer);
+    std::vector<std::vector<Vec3>> windows = geometry_->windows;
+    for (std::vector<Vec3>& outline : windows)
+      for (Vec3& point : outline) point = schematic_.place(point);
+    views::add_windows(windows, renderer);
+  });
+  for (const auto& prop : view_->layers["surroundings"])
+    if (auto* actor = vtkActor::SafeDownCast(prop);
+        actor && !actor->GetMapper()->GetScalarVisibility())
+      stand_out(*actor);
+  view_->show("surroundings", shows_flame());
+}
+
+void SceneView::add_rays() {
+  view_->replace("rays", [&](vtkRenderer& renderer) {
+    if (!rays_ || rays_->paths.rays.empty()) return;
+    add_ray_lines(rays_->paths, highlighted_, true, schematic_, renderer);
+  });
+  find_ways();
+}
+
+void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
+  const bool moved = rays && rays->selection.kind == Selection::Kind::pixel &&
+                     !(rays_ && rays_->selection == rays->selection);
+  rays_ = std::move(rays);
+  highlighted_ = chosen;
+  add_rays();
+  if (moved && geometry_) build_geometry();  // the microlenses near the pixel
+  if (part_ == Part::pixel || part_ == Part::array) aim();
+  render();
+}
+
+void SceneView::set_highlighted(int ray) {
+  if (ray == highlighted_) return;
+  highlighted_ = ray;
+  add_rays();
+  render();
+}
+
+void SceneView::set_image(const std::shared_ptr<const ImagePyramid>& image) {
+  image_ = image;
+  if (!geometry_) return;
+  add_camera();
+  render();
+}
+
+void SceneView::set_flame_look(const FlameLook& look) {
+  look_ = look;
+  const QSignalBlocker quiet(drawing_);
+  drawing_->setCurrentIndex(static_cast<int>(look.drawing));
+  add_flame();
+  render();
+}
+
+void SceneView::show_part(Part part) {
+  show_all();
+  part_ = part;
+  part_actions_[static_cast<std::size_t>(part)]->setChecked(true);
+  const bool was_to_scale = schematic_.is_to_scale();
+  update_schematic();
+  if (was_to_scale && schematic_.is_to_scale()) {
+    add_camera();
+    for (const char* layer : {"flame", "surroundings"}) view_->show(layer, shows_flame());
+    add_gaps();
+  } else {
+    add_layers();
+  }
+  aim();
+  place_handles();
+  render();
+}
+
+/// The gaps are found anew: something that they depend on has changed.
+void SceneView::draw_to_scale() {
+  update_schematic();
+  if (geometry_) {
+    show_all();
+    add_layers();
+    aim();
+  }
+  render();
+}
+
+double SceneView::view_height() const {
+  vtkCamera* const camera = view_->renderer->GetActiveCamera();
+  return 2 * camera->GetDistance() *
+         std::tan(0.5 * camera->GetViewAngle() * 3.14159265358979 / 180);
+}
+
+std::array<double, 2> SceneView::clipping_range() const {
+  std::array<double, 2> range{};
+  view_->renderer->GetActiveCamera()->GetClippingRange(range.data());
+  return range;
+}
+
+bool SceneView::is_current() const {
+  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive();
+}
+
+QImage SceneView::picture() {
+  show_all();
+  render_later_.stop();
+  // While somebody turns the scene the flame is drawn as coarsely as the machine is slow: not here.
+  std::vector<vtkFixedPointVolumeRayCastMapper*> mappers;
+  for (const auto& prop : view_->layers["flame"])
+    if (auto* volume = vtkVolume::SafeDownCast(prop))
+      if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+        mapper->AutoAdjustSampleDistancesOff();
+        mapper->SetImageSampleDistance(1);
+        mappers.push_back(mapper);
+      }
+  view_->window->Render();
+  // A view that was resized a moment ago is drawn once more by the grab: finely, too.
+  QImage picture = view_->widget->grabFramebuffer();
+  for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
+  return picture;
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,177 @@
+#pragma once
+#include <QEvent>
+#include <QTimer>
+#include <QWidget>
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "model/flame_look.h"
+#include "model/image_display.h"
+#include "model/jobs/latest_task.h"
+#include "model/jobs/ray_selector.h"
+#include "model/scene_changes.h"
+#include "model/schematic.h"
+#include "plenoflame/scene/compile.h"
+
+class QAction;
+class QComboBox;
+class QLabel;
+class QSlider;
+class vtkRenderer;
+
+namespace plenoflame::desktop {
+
+class Notice;
+struct SceneGeometry;
+
+/// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
+///
+/// Drag turns, wheel zooms, middle drag moves. A click on the flame, the sensor or the array
+/// selects.
+class SceneView : public QWidget {
+  Q_OBJECT
+ public:
+  enum class Part { scene, flame, camera, array, pixel };
+
+  explicit SceneView(QWidget* parent = nullptr);
+  ~SceneView() override;
+
+  /// Geometry follows in the background. @param changes since the scene before
+  /// @param others further cameras, which are shown in the whole scene
+  void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes,
+                 std::vector<CameraSpec> others = {});
+  /// Shows nothing, and looks at the next scene anew.
+  void clear();
+  /// Why it does not show the present scene; empty: it does.
+  void set_notice(const QString& text);
+  /// @param chosen the ray that stands out; -1: none
+  void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
+  void set_highlighted(int ray);
+  void set_image(const std::shared_ptr<const ImagePyramid>& image);
+  void set_flame_look(const FlameLook& look);
+  const FlameLook& flame_look() const { return look_; }
+  void show_part(Part part);
+  /// Looks from where the other one does from now on: what turns one turns both.
+  void look_as(SceneView& other);
+  Part part() const { return part_; }
+  /// Draws one of each kind of thing where nobody sees it: programs for the graphics card, which
+  /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
+  /// called before the window is on the screen, but after its place on the screen was made.
+  void warm_up();
+  /// The view as it is now, without the window around it; as finely as it can be drawn, however
+  /// long that takes.
+  QImage picture();
+  /// True if everything that it was given is drawn.
+  bool is_current() const;
+  /// Temperatures [K] between which nearly all of the flame's emission lies, the ends of the
+  /// colours; 0, 0: there is none.
+  std::array<double, 2> flame_temperatures() const { return temperatures_; }
+  /// Width and height of what the camera sees at its focus [m].
+  double view_height() const;
+  std::array<double, 2> clipping_range() const;
+  /// Place at which a point of the world [m] is seen, on the widget "scene3d" [logical pixel].
+  QPointF to_widget(const Vec3& world) const;
+  /// Distance between the two clicks of *Measure* [m]; 0: there are none yet.
+  double measured() const;
+  /// Drawing of the whole scene as it is now: with shortened gaps, or to scale.
+  const Schematic& schematic() const { return schematic_; }
+  /// Places at which the front vertices of further cameras are seen, in their order [logical
+  /// pixel].
+  std::vector<QPointF> other_cameras_seen() const;
+  /// Places of the handles that move things [m] world; the last one is the camera's. None unless
+  /// *Move* is on.
+  std::vector<Vec3> handles() const;
+
+ signals:
+  void pixel_picked(int column, int row);
+  void lens_picked(const plenoflame::LensIndex& lens);
+  void point_picked(const plenoflame::Vec3& point);
+  void measured_changed(double distance);
+  void picture_requested();
+  /// A button above the view was clicked; nothing is shown yet.
+  void part_requested(int part);
+  void look_edited(const plenoflame::desktop::FlameLook& look, const QString& what);
+  /// A handle is being dragged. @param flame its number; -1: the camera
+  /// @param position [m] that it goes to  @param stroke the same for all of one drag
+  void moved(int flame, const plenoflame::Vec3& position, int stroke);
+  /// The pointer is over this; of kind none: over nothing.
+  void pointed(const plenoflame::desktop::Selection& target);
+
+ protected:
+  bool eventFilter(QObject* object, QEvent* event) override;
+
+ private:
+  struct View;
+  void make_tools();
+  QWidget* make_drawing_tools();
+  void draw_to_scale();
+  void update_schematic();
+  void add_gaps();
+  void add_gaps_of(std::size_t camera, vtkRenderer& renderer);
+  void place_handles();
+  /// @return whether it is about a handle, and nobody else's
+  bool drag_handle(QEvent::Type event, const QPointF& at);
+  void run_light(bool on);
+  void move_light();
+  void find_ways();
+  void look_along(int axis);
+  void build_geometry();
+  void add_geometry();
+  void add_layers();
+  void show_next();
+  void show_all();
+  void add_flame();
+  void add_rays();
+  void add_camera();
+  void add_surroundings();
+  /// True if flame, solid surfaces and windows belong to the present part.
+  bool shows_flame() const { return part_ == Part::scene || part_ == Part::flame; }
+  /// Corners of what the present part shows, where they are drawn [m], and from which side it is
+  /// seen.
+  std::vector<Vec3> drawn_subject(Vec3& from) const;
+  /// Place at which a point of the drawing is seen, on the widget "scene3d" [logical pixel].
+  QPointF drawn_to_widget(const Vec3& drawn) const;
+  /// Drawing of the axis of a further camera.
+  Schematic schematic_of_other(std::size_t number) const;
+  void aim();
+  /// All of these points, beside the bar of colours.
+  void look(const std::vector<Vec3>& drawn, const Vec3& direction, const Vec3& up);
+  void follow(const std::array<double, 6>& flame_before);
+  /// The selection that a click there would make.
+  Selection target_at(const QPointF& place) const;
+  void pick(const QPointF& place);
+  void show_measured();
+  void render();
+  bool is_close() const { return part_ == Part::array || part_ == Part::pixel; }
+
+  std::unique_ptr<View> view_;
+  std::shared_ptr<const CompiledScene> scene_;
+  std::vector<CameraSpec> others_;
+  std::shared_ptr<const SelectedRays> rays_;
+  std::shared_ptr<const ImagePyramid> image_;
+  std::shared_ptr<SceneGeometry> geometry_;
+  FlameLook look_;
+  Part part_ = Part::scene;
+  std::array<double, 2> temperatures_{0, 0};
+  std::array<double, 3> aimed_from_{};
+  int highlighted_ = -1;
+  bool aimed_ = false, warm_ = false;
+  bool first_ = true;  ///< geometry: its parts come one by one
+  QWidget* tools_ = nullptr;
+  QComboBox *drawing_ = nullptr, *cut_ = nullptr;
+  QSlider* cut_place_ = nullptr;
+  Notice* notice_ = nullptr;
+  std::array<QAction*, 5> part_actions_{};
+  QAction *measure_ = nullptr, *shortened_ = nullptr, *move_ = nullptr, *light_ = nullptr;
+  Schematic schematic_;
+  std::vector<Schematic> other_schematics_;  ///< of others_; fewer: those are to scale
+  int dragged_ = -1, stroke_ = 0;            ///< number of the handle that is dragged; -1: none
+  QPointF pressed_;
+  QTimer render_later_, show_later_, light_timer_;
+  unsigned newest_ = 0, built_ = 0;
+  LatestTask task_{Urgency::work};  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop

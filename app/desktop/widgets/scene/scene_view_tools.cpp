@@ -1,0 +1,356 @@
+#include <vtkAbstractVolumeMapper.h>
+#include <vtkAnnotatedCubeActor.h>
+#include <vtkCamera.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkFixedPointVolumeRayCastMapper.h>
+#include <vtkFloatArray.h>
+#include <vtkFlyingEdges3D.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkOrientationMarkerWidget.h>
+#include <vtkPlane.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextProperty.h>
+#include <vtkVolume.h>
+
+#include <QAction>
+#include <QActionGroup>
+#include <QComboBox>
+#include <QHBoxLayout>
+#include <QSlider>
+#include <QToolButton>
+#include <algorithm>
+#include <array>
+
+#include "flame_volume.h"
+#include "model/flame_glow.h"
+#include "picture_annotation.h"
+#include "picture_camera.h"
+#include "widgets/controls/flow_layout.h"
+#include "widgets/controls/glyphs.h"
+#include "widgets/flame/flame_opacity.h"
+#include "widgets/scene/scene_geometry.h"
+#include "widgets/scene/scene_view_parts.h"
+
+// The look of the flame in the 3-D view, and the buttons above it.
+namespace plenoflame::desktop {
+namespace {
+
+constexpr std::array<double, 3> kSurfaces{0.1, 0.5, 0.85};  ///< shares of the span of colours
+constexpr double kInkOfBar = 0.9;
+constexpr double kShine = 3;  ///< density of emission beside that of absorption
+
+/// The same flame with what shines in the place of what absorbs.
+vtkSmartPointer<vtkImageData> shining(vtkImageData& flame) {
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->ShallowCopy(&flame);
+  auto* const t = flame.GetPointData()->GetArray("temperature");
+  auto* const kappa = flame.GetPointData()->GetArray("absorption");
+  vtkNew<vtkFloatArray> emission;
+  emission->SetName("absorption");
+  emission->SetNumberOfValues(flame.GetNumberOfPoints());
+  for (vtkIdType i = 0; i < flame.GetNumberOfPoints(); ++i)
+    emission->SetValue(i,
+                       static_cast<float>(thermal_emission(t->GetTuple1(i), kappa->GetTuple1(i))));
+  // A clear flame may have no temperatures: what it has in place of absorption is its light.
+  if (emission->GetRange()[1] > 0) image->GetPointData()->AddArray(emission);
+  return image;
+}
+
+vtkSmartPointer<vtkActor> surface_of(vtkImageData& flame, double temperature,
+                                     vtkColorTransferFunction& colours, double opacity) {
+  vtkNew<vtkFlyingEdges3D> edges;
+  flame.GetPointData()->SetActiveScalars("temperature");
+  edges->SetInputData(&flame);
+  edges->SetValue(0, temperature);
+  edges->ComputeScalarsOff();
+  edges->ComputeNormalsOn();
+  vtkNew<vtkPolyDataMapper> mapper;
+  edges->Update();
+  mapper->SetInputData(edges->GetOutput());
+  mapper->ScalarVisibilityOff();
+  auto actor = vtkSmartPointer<vtkActor>::New();
+  actor->SetMapper(mapper);
+  std::array<double, 3> rgb{};
+  colours.GetColor(temperature, rgb.data());
+  actor->GetProperty()->SetColor(rgb.data());
+  actor->GetProperty()->SetOpacity(opacity);
+  actor->GetProperty()->SetAmbient(0.35);  // it shines by itself
+  return actor;
+}
+
+/// A flame where it is drawn; it keeps its shape.
+vtkSmartPointer<vtkImageData> placed(const vtkSmartPointer<vtkImageData>& flame,
+                                     const Schematic& schematic) {
+  if (!flame || schematic.is_to_scale()) return flame;
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->ShallowCopy(flame);
+  std::array<double, 3> centre{}, origin{};
+  flame->GetCenter(centre.data());
+  flame->GetOrigin(origin.data());
+  const Vec3 middle{centre[0], centre[1], centre[2]};
+  const Vec3 by = schematic.place(middle) - middle;
+  image->SetOrigin(origin[0] + by.x, origin[1] + by.y, origin[2] + by.z);
+  return image;
+}
+
+/// Nothing is left beyond a place along an axis.
+void cut_volume(vtkVolume& volume, int axis, double end) {
+  auto* const image = vtkImageData::SafeDownCast(volume.GetMapper()->GetDataSetInput());
+  auto* const both =
+      image ? vtkFloatArray::SafeDownCast(image->GetPointData()->GetScalars()) : nullptr;
+  if (!both || both->GetNumberOfComponents() != 2) return;
+  for (vtkIdType i = 0; i < both->GetNumberOfTuples(); ++i) {
+    std::array<double, 3> place{};
+    image->GetPoint(i, place.data());
+    if (place[static_cast<std::size_t>(axis)] > end) both->SetTypedComponent(i, 1, 0);
+  }
+  both->Modified();
+}
+
+void set_bar_style(vtkScalarBarActor& bar) {
+  bar.SetTitle("K");
+  bar.SetOrientationToVertical();
+  bar.SetTextPositionToPrecedeScalarBar();
+  bar.SetPosition(0.85, 0.2);
+  bar.SetWidth(0.13);
+  bar.SetHeight(0.6);
+  bar.SetBarRatio(0.25);
+  bar.SetLabelFormat("%.0f  ");
+  for (auto* style : {bar.GetTitleTextProperty(), bar.GetLabelTextProperty()}) {
+    style->SetColor(kInkOfBar, kInkOfBar, kInkOfBar);
+    style->SetFontSize(13);
+  }
+}
+
+}  // namespace
+
+std::array<double, 2> span_of(vtkImageData& flame) {
+  auto* const t = vtkFloatArray::SafeDownCast(flame.GetPointData()->GetArray("temperature"));
+  auto* const kappa = vtkFloatArray::SafeDownCast(flame.GetPointData()->GetArray("absorption"));
+  if (!t || !kappa) return {0, 0};
+  const auto count = static_cast<std::size_t>(flame.GetNumberOfPoints());
+  return emission_span({t->GetPointer(0), count}, {kappa->GetPointer(0), count});
+}
+
+void SceneView::View::add_axes_cube() {
+  vtkNew<vtkAnnotatedCubeActor> cube;
+  cube->SetXPlusFaceText("+X");
+  cube->SetXMinusFaceText("-X");
+  cube->SetYPlusFaceText("+Y");
+  cube->SetYMinusFaceText("-Y");
+  cube->SetZPlusFaceText("+Z");
+  cube->SetZMinusFaceText("-Z");
+  cube->SetFaceTextScale(0.5);
+  cube->GetCubeProperty()->SetColor(0.3, 0.32, 0.37);
+  cube->GetTextEdgesProperty()->SetColor(0.6, 0.62, 0.66);
+  cube->GetXPlusFaceProperty()->SetColor(0.95, 0.45, 0.4);
+  cube->GetXMinusFaceProperty()->SetColor(0.95, 0.45, 0.4);
+  cube->GetYPlusFaceProperty()->SetColor(0.55, 0.85, 0.45);
+  cube->GetYMinusFaceProperty()->SetColor(0.55, 0.85, 0.45);
+  cube->GetZPlusFaceProperty()->SetColor(0.5, 0.7, 1);
+  cube->GetZMinusFaceProperty()->SetColor(0.5, 0.7, 1);
+  axes->SetOrientationMarker(cube);
+  axes->SetInteractor(widget->interactor());
+  axes->SetViewport(0, 0, 0.17, 0.25);
+}
+
+void SceneView::make_tools() {
+  tools_ = new QWidget(this);
+  auto* flow = new FlowLayout(tools_);
+  auto* group = new QActionGroup(this);
+  const std::array<std::array<QString, 2>, 5> parts{
+      {{tr("Scene"), tr("Flame and camera from the side")},
+       {tr("Flame"), tr("The flame as large as it fits")},
+       {tr("Camera"), tr("Main lens to sensor")},
+       {tr("Array"), tr("A few microlenses and the pixels behind them")},
+       {tr("Pixel"), tr("The microlens in front of the selected pixel")}}};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    auto* action = new QAction(parts[i][0], this);
+    action->setObjectName("view" + parts[i][0]);
+    action->setToolTip(parts[i][1]);
+    action->setCheckable(true);
+    action->setChecked(i == 0);
+    group->addAction(action);
+    flow->addWidget(button_for(action, tools_));
+    part_actions_[i] = action;
+    connect(action, &QAction::triggered, this,
+            [this, i] { emit part_requested(static_cast<int>(i)); });
+  }
+  const auto tool = [&](Glyph glyph, const QString& text, const char* name, const QString& tip) {
+    auto* action = new QAction(glyph_icon(glyph), text, this);
+    action->setObjectName(name);
+    action->setToolTip(tip);
+    flow->addWidget(button_for(action, tools_, true));
+    return action;
+  };
+  shortened_ = tool(Glyph::shortened, tr("Shorten gaps"), "shortenGaps",
+                    tr("Long empty stretches between flame, main lens and array are drawn short; "
+                       "otherwise the whole scene is to scale"));
+  shortened_->setCheckable(true);
+  shortened_->setChecked(true);
+  connect(shortened_, &QAction::toggled, this, &SceneView::draw_to_scale);
+  move_ = tool(Glyph::hand, tr("Move"), "moveThings",
+               tr("Handles to drag flames and camera by, to scale; one drag is one step to undo"));
+  move_->setCheckable(true);
+  light_ = tool(Glyph::light, tr("Light"), "runLight",
+                tr("Light runs along the rays, from the scene to the sensor"));
+  light_->setCheckable(true);
+  connect(light_, &QAction::toggled, this, &SceneView::run_light);
+  measure_ =
+      tool(Glyph::ruler, tr("Measure"), "measure",
+           tr("Distance between two clicks, in the plane through the middle of the view [m]"));
+  measure_->setCheckable(true);
+  connect(measure_, &QAction::toggled, this, [this](bool on) {
+    view_->ruler->SetWidgetStateToStart();
+    view_->ruler->SetEnabled(on ? 1 : 0);
+    if (on) move_->setChecked(false);
+    emit measured_changed(0);
+    draw_to_scale();
+  });
+  connect(move_, &QAction::toggled, this, [this](bool on) {
+    if (on) measure_->setChecked(false);
+    draw_to_scale();
+    place_handles();
+  });
+  connect(tool(Glyph::picture, tr("Picture..."), "scenePicture", tr("Save this view as a picture")),
+          &QAction::triggered, this, &SceneView::picture_requested);
+  flow->addWidget(make_drawing_tools());
+}
+
+/// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
+QWidget* SceneView::make_drawing_tools() {
+  auto* const tools = new QWidget(tools_);
+  drawing_ = new QComboBox(tools);
+  drawing_->setObjectName("flameDrawing");
+  drawing_->addItems({tr("Emission"), tr("Absorption"), tr("Surfaces")});
+  drawing_->setToolTip(
+      tr("What makes the flame visible: its light, its soot, or surfaces of equal temperature"));
+  cut_ = new QComboBox(tools);
+  cut_->setObjectName("flameCut");
+  cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
+  cut_->setToolTip(tr("Leaves away what lies beyond a plane across an axis of the world"));
+  cut_place_ = new QSlider(Qt::Horizontal, tools);
+  cut_place_->setObjectName("flameCutPlace");
+  cut_place_->setRange(1, 99);
+  cut_place_->setValue(50);
+  cut_place_->setEnabled(false);
+  cut_place_->setMinimumWidth(40);
+  cut_place_->setToolTip(tr("Where the plane is"));
+  auto* row = new QHBoxLayout(tools);
+  row->setContentsMargins(0, 0, 0, 0);
+  row->setSpacing(3);
+  row->addWidget(drawing_);
+  row->addWidget(cut_);
+  row->addWidget(cut_place_, 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    auto* along = new QToolButton(tools);
+    const QString name("XYZ"[axis]);
+    along->setObjectName("along" + name);
+    along->setText(name);
+    along->setAutoRaise(true);
+    along->setToolTip(
+        tr("Looks along the %1 axis of the world; again: from the other side").arg(name));
+    row->addWidget(along);
+    connect(along, &QToolButton::clicked, this, [this, axis] { look_along(axis); });
+  }
+  const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
+  connect(drawing_, chosen, this, [this](int index) {
+    FlameLook look = look_;
+    look.drawing = static_cast<FlameDrawing>(index);
+    emit look_edited(look, tr("drawing of the flame"));
+  });
+  connect(cut_, chosen, this, [this](int index) {
+    cut_place_->setEnabled(index > 0);
+    add_flame();
+    render();
+  });
+  connect(cut_place_, &QSlider::valueChanged, this, [this] {
+    add_flame();
+    render();
+  });
+  return tools;
+}
+
+void SceneView::look_along(int axis) {
+  if (!scene_ || !geometry_) return;
+  std::array<double, 3> way{};
+  view_->renderer->GetActiveCamera()->GetDirectionOfProjection(way.data());
+  const auto k = static_cast<std::size_t>(axis);
+  Vec3 direction;
+  // ParaView's habit: from the positive side, then from the other one.
+  const double sign = way[k] < -0.99 ? 1 : -1;
+  (axis == 0 ? direction.x : axis == 1 ? direction.y : direction.z) = sign;
+  const Vec3 up = axis == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  Vec3 from;
+  look(drawn_subject(from), direction, up);
+  render();
+}
+
+void SceneView::add_flame() {
+  if (!geometry_) return;
+  const vtkSmartPointer<vtkImageData> flame = placed(geometry_->flame, schematic_);
+  const double cold = look_.automatic ? temperatures_[0] : look_.cold,
+               hot = look_.automatic ? temperatures_[1] : look_.hot;
+  view_->replace("flame", [&](vtkRenderer& renderer) {
+    if (!flame) return;
+    auto colours = views::temperature_colours(*flame);
+    colours->RemoveAllPoints();
+    constexpr int kStops = 17;
+    for (int i = 0; i < kStops; ++i) {
+      const double t = static_cast<double>(i) / (kStops - 1);
+      const Rgb c = flame_colour(look_.map, t);
+      colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
+    }
+    const int axis = cut_->currentIndex() - 1;
+    std::array<double, 6> box{};
+    flame->GetBounds(box.data());
+    if (axis >= 0) {
+      const auto k = 2 * static_cast<std::size_t>(axis);
+      box[k + 1] = box[k] + (box[k + 1] - box[k]) * cut_place_->value() / 100.0;
+    }
+    if (look_.drawing == FlameDrawing::surfaces) {
+      for (std::size_t i = 0; i < kSurfaces.size(); ++i) {
+        const auto surface = surface_of(
+            *flame, cold + kSurfaces[i] * (hot - cold), *colours,
+            std::clamp((0.15 + 0.25 * static_cast<double>(i)) * look_.density, 0.02, 1.0));
+        if (axis >= 0) {
+          vtkNew<vtkPlane> plane;
+          std::array<double, 3> normal{}, origin{};
+          normal[static_cast<std::size_t>(axis)] = -1;
+          origin[static_cast<std::size_t>(axis)] = box[2 * static_cast<std::size_t>(axis) + 1];
+          plane->SetNormal(normal.data());
+          plane->SetOrigin(origin.data());
+          surface->GetMapper()->AddClippingPlane(plane);
+        }
+        renderer.AddActor(surface);
+      }
+    } else {
+      const auto drawn =
+          look_.drawing == FlameDrawing::emission ? shining(*flame) : vtkSmartPointer(flame);
+      const auto volume = views::flame_volume(*drawn, colours);
+      FlameLook look = look_;
+      // Shining places are to be seen as such: thin hot sheets of it, too.
+      if (look.drawing == FlameDrawing::emission) look.density *= kShine;
+      apply_opacity(look, cold, hot, *volume);
+      if (axis >= 0) cut_volume(*volume, axis, box[2 * static_cast<std::size_t>(axis) + 1]);
+      if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+        mapper->SetAutoAdjustSampleDistances(1);
+        mapper->SetMinimumImageSampleDistance(1);
+        mapper->SetMaximumImageSampleDistance(8);
+      }
+      renderer.AddVolume(volume);
+    }
+    // A clear flame may have no temperatures to tell.
+    if (flame->GetPointData()->GetArray("temperature")->GetRange()[1] > 0)
+      views::add_temperature_bar(colours, renderer);
+  });
+  for (const auto& prop : view_->layers["flame"])
+    if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) set_bar_style(*bar);
+  view_->show("flame", shows_flame());
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,197 @@
+#include "widgets/window/beside_window.h"
+
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkColorTransferFunction.h>
+#include <vtkFloatArray.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkImageData.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextActor.h>
+#include <vtkTextProperty.h>
+#include <vtkVolume.h>
+
+#include <QComboBox>
+#include <QLabel>
+#include <QSignalBlocker>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <array>
+
+#include "flame_volume.h"
+#include "model/colour_map.h"
+#include "picture_camera.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+using Fields = ReconstructFields;
+
+const Fields::Field* field_named(const Fields& fields, const std::string& name) {
+  for (const Fields::Field& field : fields.fields)
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+/// Values as VTK's volumes have them. @param density how visible each place is
+vtkSmartPointer<vtkImageData> image_of(const VoxelPlace& place, const std::vector<float>& values,
+                                       const std::vector<float>& density) {
+  auto image = vtkSmartPointer<vtkImageData>::New();
+  image->SetDimensions(static_cast<int>(place.size[0]), static_cast<int>(place.size[1]),
+                       static_cast<int>(place.size[2]));
+  image->SetOrigin(place.origin.x, place.origin.y, place.origin.z);
+  image->SetSpacing(place.spacing[0], place.spacing[1], place.spacing[2]);
+  for (const auto& [name, of] : {std::pair{"temperature", &values}, {"absorption", &density}}) {
+    vtkNew<vtkFloatArray> array;
+    array->SetName(name);
+    array->SetNumberOfValues(static_cast<vtkIdType>(of->size()));
+    std::copy(of->begin(), of->end(), array->GetPointer(0));
+    image->GetPointData()->AddArray(array);
+  }
+  return image;
+}
+
+}  // namespace
+
+struct BesideWindow::View {
+  QVTKOpenGLNativeWidget* widget = nullptr;
+  vtkNew<vtkGenericOpenGLRenderWindow> window;
+  vtkNew<vtkInteractorStyleTrackballCamera> style;
+  std::array<vtkSmartPointer<vtkRenderer>, 2> renderers;
+  bool aimed = false;
+};
+
+BesideWindow::BesideWindow(QWidget* parent)
+    : QDialog(parent), view_(std::make_unique<View>()), field_(new QComboBox(this)) {
+  setObjectName("besideWindow");
+  setWindowTitle(tr("Found beside the scene"));
+  field_->setObjectName("besideField");
+  field_->setToolTip(tr("The field that gives the colours"));
+  View& v = *view_;
+  v.widget = new QVTKOpenGLNativeWidget(this);
+  v.widget->setObjectName("beside3d");
+  v.widget->setRenderWindow(v.window);
+  v.window->SetMultiSamples(0);
+  for (std::size_t side : {0U, 1U}) {
+    v.renderers[side] = vtkSmartPointer<vtkRenderer>::New();
+    v.renderers[side]->SetViewport(0.5 * static_cast<double>(side), 0,
+                                   0.5 + 0.5 * static_cast<double>(side), 1);
+    v.renderers[side]->SetBackground(0.04, 0.04, 0.05);
+    v.window->AddRenderer(v.renderers[side]);
+  }
+  // One camera: what is turned in one half is turned in both.
+  v.renderers[1]->SetActiveCamera(v.renderers[0]->GetActiveCamera());
+  v.widget->interactor()->SetInteractorStyle(v.style);
+  auto* layout = new QVBoxLayout(this);
+  layout->addWidget(field_, 0, Qt::AlignLeft);
+  layout->addWidget(v.widget, 1);
+  layout->addWidget(new QLabel(tr("Drag turns both, the wheel zooms."), this));
+  resize(900, 560);
+  connect(field_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &BesideWindow::draw);
+}
+
+BesideWindow::~BesideWindow() = default;
+
+void BesideWindow::set_fields(std::shared_ptr<const ReconstructFields> fields) {
+  fields_ = std::move(fields);
+  const QSignalBlocker quiet(field_);
+  const QString before = field_->currentText();
+  field_->clear();
+  for (const auto& field : fields_->fields)
+    if (!field.truth.empty() || fields_->fields.size() == 1)
+      field_->addItem(QString::fromStdString(field.name));
+  if (field_->count() == 0)
+    for (const auto& field : fields_->fields) field_->addItem(QString::fromStdString(field.name));
+  field_->setCurrentIndex(std::max(0, field_->findText(before)));
+  draw();
+}
+
+void BesideWindow::draw() {
+  if (!fields_) return;
+  const Fields::Field* const field = field_named(*fields_, field_->currentText().toStdString());
+  if (!field) return;
+  // The opacity of a place follows its emission, as for eyes.
+  const Fields::Field* const emission = field_named(*fields_, "emission");
+  const bool is_temperature = field->name == "temperature";
+  vtkNew<vtkColorTransferFunction> colours;
+  const double low = is_temperature ? 0.5 * field->largest : 0;
+  constexpr int kStops = 17;
+  for (int i = 0; i < kStops; ++i) {
+    const double t = static_cast<double>(i) / (kStops - 1);
+    const Rgb c = flame_colour(ColourMap::inferno, t);
+    colours->AddRGBPoint(low + t * (field->largest - low), c.red / 255.0, c.green / 255.0,
+                         c.blue / 255.0);
+  }
+  for (std::size_t side : {0U, 1U}) {
+    vtkRenderer& renderer = *view_->renderers[side];
+    renderer.RemoveAllViewProps();
+    const std::vector<float>& values = side == 0 ? field->found : field->truth;
+    const std::vector<float>* density = &values;
+    if (emission && !(side == 0 ? emission->found : emission->truth).empty())
+      density = side == 0 ? &emission->found : &emission->truth;
+    if (!values.empty()) {
+      const auto image = image_of(fields_->place, values, *density);
+      renderer.AddVolume(views::flame_volume(*image, colours));
+    }
+    vtkNew<vtkTextActor> title;
+    title->SetInput(side == 0        ? "found"
+                    : values.empty() ? "in the scene: not known"
+                                     : "in the scene");
+    title->GetTextProperty()->SetFontSize(18);
+    title->GetTextProperty()->SetColor(0.92, 0.92, 0.92);
+    title->GetTextProperty()->SetVerticalJustificationToTop();
+    title->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+    title->SetPosition(0.02, 0.98);
+    renderer.AddActor2D(title);
+  }
+  vtkNew<vtkScalarBarActor> bar;
+  bar->SetLookupTable(colours);
+  bar->SetTitle((field->name + " [" + field->unit + "]").c_str());
+  bar->SetNumberOfLabels(4);
+  bar->SetLabelFormat("%.4g");
+  bar->SetUnconstrainedFontSize(true);
+  for (auto* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    style->SetFontSize(14);
+    style->SetColor(0.92, 0.92, 0.92);
+    style->BoldOff();
+    style->ItalicOff();
+    style->ShadowOff();
+  }
+  bar->SetOrientationToHorizontal();
+  bar->SetPosition(0.2, 0.01);
+  bar->SetWidth(0.6);
+  bar->SetHeight(0.13);
+  view_->renderers[1]->AddActor2D(bar);
+  if (!view_->aimed) {
+    const VoxelPlace& place = fields_->place;
+    std::vector<Vec3> corners;
+    for (const double x : {0.0, 1.0})
+      for (const double y : {0.0, 1.0})
+        for (const double z : {0.0, 1.0})
+          corners.push_back(place.origin +
+                            Vec3{x * static_cast<double>(place.size[0]) * place.spacing[0],
+                                 y * static_cast<double>(place.size[1]) * place.spacing[1],
+                                 z * static_cast<double>(place.size[2]) * place.spacing[2]});
+    views::look_at(corners, {-0.8, 0.5, -0.25}, {0, 0, 1}, 0.9, 10, *view_->renderers[0]);
+    view_->aimed = true;
+  }
+  view_->window->Render();
+}
+
+std::array<int, 2> BesideWindow::brightness() {
+  view_->window->Render();
+  const QImage picture = view_->widget->grabFramebuffer();
+  std::array<int, 2> most{};
+  for (int y = picture.height() / 4; y < 3 * picture.height() / 4; ++y)
+    for (int x = 0; x < picture.width(); ++x) {
+      int& side = most[x < picture.width() / 2 ? 0 : 1];
+      side = std::max(side, qGray(picture.pixel(x, y)));
+    }
+  return most;
+}
+
+}  // namespace plenoflame::desktop

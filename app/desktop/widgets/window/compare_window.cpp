@@ -1,0 +1,129 @@
+#include "widgets/window/compare_window.h"
+
+#include <QGridLayout>
+#include <QLabel>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "widgets/image/image_view.h"
+#include "widgets/scene/scene_view.h"
+
+namespace plenoflame::desktop {
+
+CompareWindow::CompareWindow(Session& mine, QWidget* parent)
+    : QDialog(parent), sessions_{&mine, &own_} {
+  setObjectName("compareWindow");
+  setWindowTitle(tr("Two scenes side by side"));
+  auto* grid = new QGridLayout(this);
+  for (const std::size_t side : {0U, 1U}) {
+    Session& session = *sessions_[side];
+    titles_[side] = new QLabel(this);
+    titles_[side]->setObjectName(side == 0 ? "compareTitleLeft" : "compareTitleRight");
+    scenes_[side] = new SceneView(this);
+    images_[side] = new ImageView(this);
+    images_[side]->setObjectName(side == 0 ? "compareLeft" : "compareRight");
+    images_[side]->set_value_format(Dimension::flux);
+    const int column = static_cast<int>(side);
+    grid->addWidget(titles_[side], 0, column);
+    grid->addWidget(scenes_[side], 1, column);
+    grid->addWidget(images_[side], 2, column);
+    grid->setColumnStretch(column, 1);
+    connect(&session.document(), &Document::image_changed, this, [this, side] { fill(side); });
+    connect(&session.compiler(), &SceneCompiler::compiled_changed, this,
+            [this, side](const SceneChanges& changes) {
+              scenes_[side]->set_scene(sessions_[side]->compiler().compiled(), changes);
+              fill(side);
+            });
+    connect(&session.compiler(), &SceneCompiler::failed, this,
+            [this, side](const QString& message) { scenes_[side]->set_notice(message); });
+    connect(&session.rays(), &RaySelector::rays_changed, this,
+            [this, side] { scenes_[side]->set_rays(sessions_[side]->rays().rays()); });
+    // A selection in one is one in both.
+    connect(images_[side], &ImageView::pixel_clicked, this, [this](int column_at, int row_at) {
+      for (Session* each : sessions_)
+        each->document().select(Selection::of_pixel(column_at, row_at));
+    });
+    connect(&session.document(), &Document::selection_changed, this, [this, side] {
+      const Selection& now = sessions_[side]->document().selection();
+      sessions_[1 - side]->document().select(now);
+      images_[side]->set_selected_pixel(now.kind == Selection::Kind::pixel
+                                            ? std::optional(Pixel{now.column, now.row})
+                                            : std::nullopt);
+    });
+    connect(images_[side], &ImageView::view_changed, this, [this, side] { follow_view(side); });
+    connect(scenes_[side], &SceneView::part_requested, this, [this](int part) {
+      for (SceneView* each : scenes_) each->show_part(static_cast<SceneView::Part>(part));
+    });
+    connect(scenes_[side], &SceneView::look_edited, this, [this](const FlameLook& look) {
+      for (SceneView* each : scenes_) each->set_flame_look(look);
+    });
+  }
+  grid->setRowStretch(1, 2);
+  grid->setRowStretch(2, 3);
+  scenes_[1]->look_as(*scenes_[0]);
+  resize(1200, 820);
+  if (mine.compiler().compiled())
+    scenes_[0]->set_scene(mine.compiler().compiled(), SceneChanges::all());
+  if (mine.rays().rays()) scenes_[0]->set_rays(mine.rays().rays());
+  fill(0);
+}
+
+CompareWindow::~CompareWindow() {
+  for (const std::size_t side : {0U, 1U}) {
+    sessions_[side]->document().disconnect(this);
+    sessions_[side]->compiler().disconnect(this);
+    sessions_[side]->rays().disconnect(this);
+  }
+}
+
+void CompareWindow::open(const QString& file) {
+  own_.document().open(file.toStdString());
+  own_.document().select(sessions_[0]->document().selection());
+}
+
+void CompareWindow::fill(std::size_t side) {
+  const Document& document = sessions_[side]->document();
+  titles_[side]->setText(QString::fromStdString(document.name()));
+  const auto& field = document.image();
+  if (!field || field->channels.empty()) return images_[side]->set_image(nullptr);
+  const std::shared_ptr<const Image> flux(field, &field->channels[0].flux);
+  images_[side]->set_image(std::make_shared<const ImagePyramid>(flux, Execution{1, {}, {}, {}}));
+  titles_[side]->setText(
+      tr("%1: %2 of %3")
+          .arg(titles_[side]->text(), QString::fromStdString(field->channels[0].name))
+          .arg(field->samples, 0, 'g', 4) +
+      tr(" rays"));
+  set_tones();
+}
+
+/// One scale for both, so that brighter is brighter.
+void CompareWindow::set_tones() {
+  white_ = 0;
+  for (const ImageView* view : images_)
+    if (view->image() && !view->image()->empty()) {
+      // The level of some hundred pixels knows no single bright ones.
+      const Image& coarse = view->image()->level(view->image()->level_within(256));
+      for (const float value : coarse.pixels) white_ = std::max(white_, static_cast<double>(value));
+    }
+  ToneSettings tone;
+  tone.white = white_ > 0 ? white_ : 1;
+  for (ImageView* view : images_) view->set_tone(tone);
+}
+
+void CompareWindow::follow_view(std::size_t side) {
+  if (following_) return;
+  ImageView &from = *images_[side], &to = *images_[1 - side];
+  if (!from.image() || !to.image() || from.image()->empty() || to.image()->empty()) return;
+  following_ = true;
+  // The same part of both sensors, however many pixels they have.
+  const double ratio = static_cast<double>(to.image()->width()) / from.image()->width();
+  to.set_scale(from.scale() / ratio);
+  to.centre_on(from.centre().x() * ratio,
+               from.centre().y() * to.image()->height() / from.image()->height());
+  following_ = false;
+}
+
+}  // namespace plenoflame::desktop

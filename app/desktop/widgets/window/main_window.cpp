@@ -1,0 +1,564 @@
+#include "widgets/window/main_window.h"
+
+#include <QAction>
+#include <QApplication>
+#include <QCloseEvent>
+#include <QDockWidget>
+#include <QDragEnterEvent>
+#include <QElapsedTimer>
+#include <QFile>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QLabel>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QMimeData>
+#include <QSplitter>
+#include <QStatusBar>
+#include <QThread>
+#include <QTreeView>
+#include <QUrl>
+#include <QVBoxLayout>
+#include <QWindow>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
+#include "widgets/controls/plot_widget.h"
+#include "widgets/controls/theme.h"
+#include "widgets/controls/time_bar.h"
+#include "widgets/flame/flame_panel.h"
+#include "widgets/image/image_panel.h"
+#include "widgets/image/image_view.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/panels/design_panel.h"
+#include "widgets/panels/rays_panel.h"
+#include "widgets/panels/reconstruct_panel.h"
+#include "widgets/panels/render_panel.h"
+#include "widgets/panels/scene_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/scene/section_view.h"
+#include "widgets/window/file_tasks.h"
+#include "widgets/window/preferences_dialog.h"
+#include "widgets/window/welcome_page.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+constexpr int kAutosaveInterval = 5000;  ///< [ms]
+constexpr int kMostRecent = 10;
+constexpr int kLongestAppearance = 500;  ///< [ms]
+constexpr int kAppearanceStep = 10;      ///< [ms]
+
+}  // namespace
+
+MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& recovery_folder)
+    : settings_(std::move(settings)) {
+  setObjectName("mainWindow");
+  setAcceptDrops(true);
+  setDockNestingEnabled(true);
+  if (!recovery_folder.empty()) recovery_ = std::make_unique<Recovery>(recovery_folder);
+  pointer_label_ = new QLabel(this);
+  pointer_label_->setObjectName("pointerLabel");
+  make_views();
+  make_docks();
+  make_menus();
+  connect_session();
+  connect_selection();
+  busy_label_ = new QLabel(this);
+  busy_label_->setObjectName("busyLabel");
+  files_ = new FileTasks(this);
+  connect(files_, &FileTasks::failed, this, &MainWindow::fail);
+  connect(files_, &FileTasks::done, this, [this](const QString& what) {
+    statusBar()->showMessage(tr("%1: done").arg(what), 8000);
+  });
+  connect(files_, &FileTasks::cancelled, this, [this](const QString& what) {
+    last_message_ = tr("%1: cancelled").arg(what);
+    statusBar()->showMessage(last_message_, 8000);
+  });
+  connect(files_, &FileTasks::warned, &session_, &Session::warned);
+  statusBar()->addPermanentWidget(files_);
+  statusBar()->addPermanentWidget(pointer_label_);
+  statusBar()->addPermanentWidget(busy_label_);
+  connect(&autosave_, &QTimer::timeout, this, [this] {
+    if (!recovery_) return;
+    try {
+      recovery_->keep(session_.document());
+    } catch (const Error& error) {
+      statusBar()->showMessage(QString::fromUtf8(error.what()), 10000);
+    }
+  });
+  autosave_.start(kAutosaveInterval);
+  resize(1500, 950);
+  restoreGeometry(settings_->value("window/geometry").toByteArray());
+  restoreState(settings_->value("window/state").toByteArray());
+  set_dark(settings_->value("window/dark", false).toBool());
+  apply_preferences(preferences_of(*settings_));
+  if (const auto look = look_from_text(settings_->value("flame/look").toByteArray()))
+    session_.document().begin_look(*look);
+  update_recent();
+  update_title();
+  show_welcome(true);
+}
+
+MainWindow::~MainWindow() {
+  // Widgets go before what they show: members would be gone before children are.
+  autosave_.stop();
+  delete files_;  // waits for what is being written
+  qDeleteAll(findChildren<QDockWidget*>());
+  delete takeCentralWidget();
+}
+
+void MainWindow::make_views() {
+  welcome_ = new WelcomePage(this);
+  auto* across = new QSplitter(Qt::Horizontal, this);
+  across->setObjectName("workspace");
+  auto* left = new QSplitter(Qt::Vertical, across);
+  scene_view_ = new SceneView(left);
+  section_ = new SectionView(left);
+  left->addWidget(scene_view_);
+  left->addWidget(section_);
+  left->setStretchFactor(0, 3);
+  left->setStretchFactor(1, 2);
+  image_ = new ImagePanel(session_.document(), session_.measured(), across);
+  across->addWidget(left);
+  across->addWidget(image_);
+  across->setStretchFactor(0, 1);
+  across->setStretchFactor(1, 1);
+  auto* workspace = new QWidget(this);
+  auto* rows = new QVBoxLayout(workspace);
+  rows->setContentsMargins(0, 0, 0, 0);
+  rows->setSpacing(0);
+  rows->addWidget(across, 1);
+  rows->addWidget(new TimeBar(session_, workspace));
+  setCentralWidget(workspace);
+  connect(welcome_, &WelcomePage::example_chosen, this,
+          [this](const QString& name) { open_example(name); });
+  connect(welcome_, &WelcomePage::file_chosen, this, [this](const QString& path) { open(path); });
+  connect(welcome_, &WelcomePage::back_requested, this, [this] { show_welcome(false); });
+}
+
+QDockWidget* MainWindow::add_dock(const char* name, const QString& title, QWidget* content,
+                                  Qt::DockWidgetArea area) {
+  auto* dock = new QDockWidget(title, this);
+  dock->setObjectName(name);
+  dock->setWidget(content);
+  addDockWidget(area, dock);
+  return dock;
+}
+
+void MainWindow::make_docks() {
+  setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
+  scene_ = new ScenePanel(session_.document(), this);
+  rays_ = new RaysPanel(session_.rays(), this);
+  render_ = new RenderPanel(session_, this);
+  light_field_ = new LightFieldPanel(session_.document(), session_.light_field(), this);
+  design_ = new DesignPanel(session_.design(), this);
+  flame_ = new FlamePanel(session_.document(), session_.compiler(), this);
+  QDockWidget* const scene = add_dock("sceneDock", tr("Scene"), scene_, Qt::LeftDockWidgetArea);
+  QDockWidget* const flame = add_dock("flameDock", tr("Flame"), flame_, Qt::LeftDockWidgetArea);
+  QDockWidget* const design = add_dock("designDock", tr("Design"), design_, Qt::LeftDockWidgetArea);
+  tabifyDockWidget(scene, flame);
+  tabifyDockWidget(flame, design);
+  scene->raise();
+  QDockWidget* const light_field =
+      add_dock("lightFieldDock", tr("Light field"), light_field_, Qt::RightDockWidgetArea);
+  // Views cost time: they are made once somebody looks at them.
+  connect(light_field, &QDockWidget::visibilityChanged, this, [this](bool visible) {
+    if (visible && isVisible()) session_.set_views_wanted(true);
+  });
+  connect(light_field_, &LightFieldPanel::large_requested, this, [this, light_field] {
+    light_field->setFloating(!light_field->isFloating());
+    if (light_field->isFloating()) light_field->setGeometry(geometry().adjusted(20, 20, -20, -20));
+  });
+  connect(light_field_, &LightFieldPanel::export_requested, this, &MainWindow::export_derived);
+  connect(&session_.document(), &Document::look_changed, this, [this] {
+    const FlameLook& look = session_.document().look();
+    scene_view_->set_flame_look(look);
+    settings_->setValue("flame/look", look_to_text(look));
+  });
+  connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
+  connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
+  connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
+  reconstruct_ = new ReconstructPanel(session_, this);
+  QDockWidget* const reconstruct =
+      add_dock("reconstructDock", tr("Reconstruct"), reconstruct_, Qt::RightDockWidgetArea);
+  tabifyDockWidget(light_field, reconstruct);
+  reconstruct->hide();
+  connect(reconstruct_, &ReconstructPanel::failed, this, &MainWindow::fail);
+  connect(reconstruct_, &ReconstructPanel::warned, &session_, &Session::warned);
+  connect(reconstruct_, &ReconstructPanel::save_requested, this, &MainWindow::save_reconstruction);
+  QDockWidget* const render =
+      add_dock("renderDock", tr("Rendering"), render_, Qt::BottomDockWidgetArea);
+  QDockWidget* const rays = add_dock("raysDock", tr("Rays"), rays_, Qt::BottomDockWidgetArea);
+  QDockWidget* const histogram = add_dock("histogramDock", tr("Histogram"),
+                                          &image_->histogram_plot(), Qt::BottomDockWidgetArea);
+  QDockWidget* const profile = add_dock("profileDock", tr("Line profile"), &image_->profile_plot(),
+                                        Qt::BottomDockWidgetArea);
+  tabifyDockWidget(render, rays);
+  tabifyDockWidget(rays, histogram);
+  tabifyDockWidget(histogram, profile);
+  render->raise();
+  resizeDocks({render}, {230}, Qt::Vertical);
+  resizeDocks({scene, light_field}, {330, 300}, Qt::Horizontal);
+  connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
+          &QDockWidget::raise);
+  connect(rays_, &RaysPanel::ray_chosen, section_, &SectionView::set_highlighted);
+  connect(rays_, &RaysPanel::ray_chosen, scene_view_, &SceneView::set_highlighted);
+  connect(rays_, &RaysPanel::export_requested, this, &MainWindow::export_rays);
+  connect(render_, &RenderPanel::failed, this, &MainWindow::fail);
+  connect(scene_, &ScenePanel::failed, this, &MainWindow::fail);
+  connect(&scene_->model(), &ParameterModel::refusals_changed, this, &MainWindow::update_title);
+}
+
+bool MainWindow::guarded(const std::function<void()>& function) {
+  try {
+    function();
+    return true;
+  } catch (const std::exception& error) {
+    fail(QString::fromUtf8(error.what()));
+    return false;
+  }
+}
+
+void MainWindow::fail(const QString& message) {
+  last_message_ = message;
+  statusBar()->showMessage(message, 20000);
+  if (!unattended_) QMessageBox::warning(this, tr("Plenoflame"), message);
+}
+
+bool MainWindow::open(const QString& path, const std::function<void()>& then) {
+  const QString ending = QFileInfo(path).suffix().toLower();
+  if (QStringList{"tif", "tiff", "png", "pgm"}.contains(ending)) return open_measured(path, then);
+  // A flame is put into the scene that is open, which can be undone.
+  const bool discards = ending != "vdb";
+  if (discards && !may_discard()) return false;
+  const auto opened = [this, path, then] {
+    show_welcome(false);
+    add_recent(QFileInfo(path).absoluteFilePath());
+    if (then) then();
+  };
+  if (ending == "exr" || ending == "vdb") {
+    auto content = std::make_shared<FileContent>();
+    files_->add(
+        tr("opening %1").arg(QFileInfo(path).fileName()),
+        [content, path](const Execution& execution) {
+          *content = Document::read(path.toStdString(), execution.stop);
+        },
+        [this, content, path, opened, discards, number = scenes_opened_,
+         before = session_.document().scene()] {
+          // Changes that were made while it was being read count.
+          if (number != scenes_opened_) {
+            last_message_ = tr("%1 was not opened: another scene was, while it was being read")
+                                .arg(QFileInfo(path).fileName());
+            statusBar()->showMessage(last_message_, 20000);
+            return;
+          }
+          if (discards && !(session_.document().scene() == before) && !may_discard()) return;
+          if (guarded([&] { session_.document().open(std::move(*content)); })) opened();
+        });
+    return true;
+  }
+  if (!guarded([&] { session_.document().open(path.toStdString()); })) return false;
+  ++scenes_opened_;
+  opened();
+  return true;
+}
+
+bool MainWindow::is_file_busy() const {
+  return files_->busy();
+}
+
+bool MainWindow::open_example(const QString& name) {
+  if (!may_discard()) return false;
+  return guarded([&] {
+    QFile file(":/examples/" + name + ".toml");
+    if (!file.open(QIODevice::ReadOnly))
+      throw FileError("there is no example " + name.toStdString());
+    session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
+    ++scenes_opened_;
+    show_welcome(false);
+  });
+}
+
+bool MainWindow::open_new() {
+  if (!may_discard()) return false;
+  return guarded([&] {
+    session_.document().open_text(
+        "[camera]\npreset = \"paper-previous-60x60\"\n\n[[flames]]\npreset = \"paper-layered\"\n"
+        "position = [\"1 m\", \"0 m\", \"-29 mm\"]\n",
+        "untitled.toml");
+    ++scenes_opened_;
+    show_welcome(false);
+  });
+}
+
+bool MainWindow::save() {
+  scene_->finish_editing();
+  const std::string& file = session_.document().file();
+  if (file.empty()) return save_as();
+  const QString name = QFileInfo(QString::fromStdString(file)).fileName();
+  // A file that somebody wrote keeps its comments and its order until there is something to save.
+  if (!session_.document().is_modified() && QFileInfo::exists(QString::fromStdString(file))) {
+    statusBar()->showMessage(tr("%1 has no changes to save").arg(name) + not_taken(), 8000);
+    return true;
+  }
+  if (!guarded([&] { session_.document().save(file); })) return false;
+  statusBar()->showMessage(tr("%1 saved").arg(name) + not_taken(), 8000);
+  return true;
+}
+
+bool MainWindow::save_as() {
+  scene_->finish_editing();
+  const QString name = ask_save_name(tr("Save the scene"), "scene.toml", tr("Scenes (*.toml)"));
+  if (name.isEmpty()) return false;
+  if (!guarded([&] { session_.document().save(name.toStdString()); })) return false;
+  add_recent(QFileInfo(name).absoluteFilePath());
+  statusBar()->showMessage(tr("%1 saved").arg(QFileInfo(name).fileName()) + not_taken(), 8000);
+  return true;
+}
+
+QString MainWindow::ask_save_name(const QString& title, const QString& suggestion,
+                                  const QString& filter) {
+  const QString folder = settings_->value("files/folder").toString();
+  QString name = QFileDialog::getSaveFileName(
+      this, title, folder.isEmpty() ? suggestion : folder + "/" + suggestion, filter);
+  if (name.isEmpty()) return name;
+  if (QFileInfo(name).suffix().isEmpty()) name += "." + QFileInfo(suggestion).suffix();
+  settings_->setValue("files/folder", QFileInfo(name).absolutePath());
+  return name;
+}
+
+bool MainWindow::may_discard() {
+  if (!session_.document().is_modified() || unattended_) return true;
+  const auto answer =
+      QMessageBox::question(this, tr("Unsaved changes"),
+                            tr("The scene \"%1\" has changes that are not saved.")
+                                .arg(QString::fromStdString(session_.document().name())),
+                            QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
+  if (answer == QMessageBox::Save) return save();
+  return answer == QMessageBox::Discard;
+}
+
+bool MainWindow::begin(const QString& file, const std::function<void()>& then) {
+  if (!unattended_ && offer_recovery()) {
+    if (!file.isEmpty())
+      statusBar()->showMessage(
+          tr("%1 was not opened: what you recovered is open").arg(QFileInfo(file).fileName()),
+          20000);
+    return true;
+  }
+  return !file.isEmpty() && open(file, then);
+}
+
+bool MainWindow::offer_recovery() {
+  if (!recovery_) return false;
+  const auto left = recovery_->left_behind();
+  if (recovery_->ended_badly() && left.empty())
+    statusBar()->showMessage(
+        tr("Plenoflame ended unexpectedly the last time. Nothing was unsaved then."), 20000);
+  for (const RecoveredScene& scene : left) {
+    const QString name =
+        scene.file.empty() ? tr("a scene without a name") : QString::fromStdString(scene.file);
+    const bool wanted =
+        unattended_ ||
+        QMessageBox::question(
+            this, tr("Recovery"),
+            tr("Plenoflame ended without saving %1. Open it as it was then?").arg(name)) ==
+            QMessageBox::Yes;
+    if (wanted && guarded([&] { session_.document().recover(scene); })) {
+      show_welcome(false);
+      recovery_->keep(session_.document());
+    }
+    Recovery::discard(scene);
+    if (wanted) return true;
+  }
+  return false;
+}
+
+void MainWindow::add_recent(const QString& path) {
+  QStringList files = settings_->value("files/recent").toStringList();
+  files.removeAll(path);
+  files.prepend(path);
+  while (files.size() > kMostRecent) files.removeLast();
+  settings_->setValue("files/recent", files);
+  update_recent();
+}
+
+void MainWindow::update_title() {
+  const Document& document = session_.document();
+  setWindowTitle(document.is_empty()
+                     ? tr("Plenoflame")
+                     : tr("%1[*] - Plenoflame").arg(QString::fromStdString(document.name())));
+  setWindowModified(document.is_modified());
+  welcome_->set_open(!document.is_empty());
+  const auto& refused = scene_->model().refusals();
+  undo_->setEnabled(document.can_undo() || !refused.empty());
+  redo_->setEnabled(document.can_redo());
+  undo_->setText(!refused.empty() ? tr("Undo refused value of %1").arg(refused.back().path)
+                 : document.can_undo()
+                     ? tr("Undo %1").arg(QString::fromStdString(document.undo_text()))
+                     : tr("Undo"));
+  redo_->setText(document.can_redo()
+                     ? tr("Redo %1").arg(QString::fromStdString(document.redo_text()))
+                     : tr("Redo"));
+}
+
+/// A value that was refused is an edit, too: the last one is taken back.
+void MainWindow::undo() {
+  if (scene_->model().refusals().empty()) return session_.document().undo();
+  scene_->model().forget_refusal();
+}
+
+/// Values that are on display but were refused, and are therefore not in the file.
+QString MainWindow::not_taken() const {
+  QStringList parts;
+  for (const auto& refusal : scene_->model().refusals())
+    parts << tr("%1 = %2").arg(refusal.path, refusal.text);
+  return parts.isEmpty() ? QString()
+                         : tr("; not taken, as it was refused: %1").arg(parts.join(", "));
+}
+
+bool MainWindow::is_settled() const {
+  const Session& session = session_;
+  auto& mutable_session = const_cast<Session&>(session);
+  const RenderJob::State state = mutable_session.render().state();
+  return !files_->busy() &&
+         (mutable_session.document().is_empty() ||
+          (mutable_session.compiler().is_current() && state != RenderJob::State::running &&
+           mutable_session.document().image() && image_->pyramid() && image_->is_current() &&
+           mutable_session.rays().is_current() && scene_view_->is_current()));
+}
+
+QString MainWindow::apply_options(const QString& pixel, const QString& part, const QString& panel,
+                                  bool dark) {
+  if (dark) set_dark(true);
+  if (!pixel.isEmpty()) {
+    const QStringList parts = pixel.split(',');
+    bool x_good = false, y_good = false;
+    const int x = parts.value(0).toInt(&x_good), y = parts.value(1).toInt(&y_good);
+    if (parts.size() != 2 || !x_good || !y_good)
+      return "--pixel: '" + pixel + "' is not of the form X,Y: two whole numbers";
+    const SensorSpec& sensor = session_.document().camera().sensor;
+    if (!session_.document().is_empty() &&
+        (x < 0 || y < 0 || x >= sensor.columns || y >= sensor.rows))
+      return QString("--pixel: %1 is outside of the sensor of %2 x %3 pixels")
+          .arg(pixel)
+          .arg(sensor.columns)
+          .arg(sensor.rows);
+    session_.document().select(Selection::of_pixel(x, y));
+  }
+  if (!part.isEmpty()) {
+    const int index = QStringList{"scene", "flame", "camera", "array", "pixel"}.indexOf(part);
+    if (index < 0) return "--part: '" + part + "' is none of scene, flame, camera, array, pixel";
+    show_part(index);
+  }
+  if (!panel.isEmpty()) {
+    QStringList names;
+    for (QDockWidget* dock : findChildren<QDockWidget*>()) {
+      names << dock->windowTitle();
+      if (dock->windowTitle().compare(panel, Qt::CaseInsensitive) != 0) continue;
+      dock->show();
+      dock->raise();
+      return {};
+    }
+    return "--panel: there is no panel '" + panel + "'; there are " + names.join(", ");
+  }
+  return {};
+}
+
+void MainWindow::show_part(int index) {
+  const auto part = static_cast<SceneView::Part>(index);
+  scene_view_->show_part(part);
+  section_->show_part(static_cast<SectionView::Part>(index));
+}
+
+bool MainWindow::save_screenshot(const QString& path) {
+  scene_view_->picture();
+  // grab() draws what the graphics library drew elsewhere as well.
+  if (!grab().save(path)) {
+    fail(tr("'%1' cannot be written").arg(path));
+    return false;
+  }
+  return true;
+}
+
+void MainWindow::set_dark(bool dark) {
+  apply_theme(dark);
+  if (dark_->isChecked() != dark) dark_->setChecked(dark);
+  settings_->setValue("window/dark", dark);
+}
+
+void MainWindow::appear() {
+  show();
+  QElapsedTimer since;
+  since.start();
+  bool exposed = false;
+  while (!exposed && since.elapsed() < kLongestAppearance) {
+    exposed = windowHandle()->isExposed();
+    QApplication::processEvents(QEventLoop::ExcludeUserInputEvents, kAppearanceStep);
+    if (!exposed) QThread::msleep(1);
+  }
+}
+
+/// It covers the panels as well, which have nothing to show before there is a scene.
+void MainWindow::show_welcome(bool on) {
+  if (on) {
+    place_welcome();
+    welcome_->raise();
+    welcome_->setFocus();
+  }
+  welcome_->setVisible(on);
+  // The keyboard does not get at what is covered.
+  for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->setEnabled(!on);
+  centralWidget()->setEnabled(!on);
+}
+
+void MainWindow::place_welcome() {
+  const int top = menuBar()->isNativeMenuBar() ? 0 : menuBar()->geometry().bottom() + 1;
+  const int bottom = statusBar()->isVisible() ? statusBar()->geometry().top() : height();
+  welcome_->setGeometry(0, top, width(), bottom - top);
+}
+
+void MainWindow::resizeEvent(QResizeEvent* event) {
+  QMainWindow::resizeEvent(event);
+  place_welcome();
+}
+
+void MainWindow::showEvent(QShowEvent* event) {
+  if (!event->spontaneous()) scene_view_->warm_up();
+  QMainWindow::showEvent(event);
+  place_welcome();
+}
+
+void MainWindow::closeEvent(QCloseEvent* event) {
+  if (!may_discard()) {
+    event->ignore();
+    return;
+  }
+  if (files_->busy() && !unattended_ &&
+      QMessageBox::question(this, tr("Files are being written"),
+                            tr("Something is still being read or written. Cancel it and quit?")) !=
+          QMessageBox::Yes) {
+    event->ignore();
+    return;
+  }
+  files_->cancel_all();
+  settings_->setValue("window/geometry", saveGeometry());
+  settings_->setValue("window/state", saveState());
+  session_.render().stop();
+  event->accept();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event) {
+  const auto urls = event->mimeData()->urls();
+  if (urls.size() == 1 && urls.front().isLocalFile()) event->acceptProposedAction();
+}
+
+void MainWindow::dropEvent(QDropEvent* event) {
+  const auto urls = event->mimeData()->urls();
+  if (urls.size() != 1 || !urls.front().isLocalFile()) return;
+  event->acceptProposedAction();
+  open(urls.front().toLocalFile());
+}
+
+}  // namespace plenoflame::desktop

@@ -1,0 +1,351 @@
+#include <QAction>
+#include <QBuffer>
+#include <QDir>
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QFormLayout>
+#include <QInputDialog>
+#include <QMenu>
+#include <QMessageBox>
+#include <QStatusBar>
+#include <filesystem>
+#include <memory>
+
+#include "image_files.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/light_field.h"
+#include "plenoflame/image/png_file.h"
+#include "plenoflame/image/staging_folder.h"
+#include "plenoflame/lightfield/develop.h"
+#include "plenoflame/lightfield/export.h"
+#include "plenoflame/scene/scene_file.h"
+#include "plenoflame/volumes/flame_generators.h"
+#include "plenoflame/volumes/vdb_info.h"
+#include "vtk_commands.h"
+#include "widgets/flame/flame_dialogs.h"
+#include "widgets/image/light_field_panel.h"
+#include "widgets/panels/reconstruct_panel.h"
+#include "widgets/scene/scene_view.h"
+#include "widgets/window/file_tasks.h"
+#include "widgets/window/import_dialog.h"
+#include "widgets/window/main_window.h"
+
+// Files that the window reads and writes besides scenes: exports, generated and imported flames.
+namespace plenoflame::desktop {
+
+void MainWindow::say_written(const QString& name) {
+  statusBar()->showMessage(tr("written to %1").arg(name), 8000);
+}
+
+QString MainWindow::ask_folder(const QString& title) {
+  const QString folder =
+      QFileDialog::getExistingDirectory(this, title, settings_->value("files/folder").toString());
+  if (folder.isEmpty()) return folder;
+  if (!QDir(folder).isEmpty() && !unattended_ &&
+      QMessageBox::question(
+          this, title,
+          tr("%1 has files in it; those of the same names are replaced. Go on?").arg(folder)) !=
+          QMessageBox::Yes)
+    return {};
+  settings_->setValue("files/folder", folder);
+  return folder;
+}
+
+void MainWindow::make_export_menu(QMenu& menu) {
+  const auto add = [&](const QString& text, const char* name, auto act) {
+    QAction* const action = menu.addAction(text);
+    action->setObjectName(name);
+    connect(action, &QAction::triggered, this, act);
+  };
+  add(tr("Light field (.exr) or developed picture (.png)..."), "exportImage",
+      [this] { export_image(); });
+  add(tr("Rays of the selection..."), "exportRaysAction", [this] { export_rays(); });
+  add(tr("Picture of the 3-D view..."), "exportScenePicture",
+      [this] { export_picture_of_scene(); });
+  add(tr("Picture of the light-field panel..."), "exportDerivedAction",
+      [this] { export_derived(); });
+  add(tr("All views..."), "exportViews", [this] { export_views(); });
+  QMenu* const tools = menu.addMenu(tr("For another tool"));
+  tools->setToolTipsVisible(true);
+  for (const ExportName& format : export_formats()) {
+    QAction* const action = tools->addAction(QString(format.name) + "...");
+    action->setToolTip(format.what);
+    connect(action, &QAction::triggered, this,
+            [this, format = format.format] { export_for_tool(static_cast<int>(format)); });
+  }
+}
+
+void MainWindow::export_derived() {
+  const auto image = light_field_->shown_image();
+  const auto field = session_.document().image();
+  if (!image || !field) return fail(tr("There is no picture in the light-field panel yet."));
+  const QString name = ask_save_name(tr("Export the picture"), light_field_->shown_name() + ".png",
+                                     tr("Picture (*.png);;Values (*.exr)"));
+  if (name.isEmpty()) return;
+  const bool values = name.endsWith(".exr", Qt::CaseInsensitive);
+  if (!values && !name.endsWith(".png", Qt::CaseInsensitive))
+    return fail(tr("'%1' must end in .exr or .png").arg(name));
+  files_->add(
+      tr("export of the picture"),
+      [name, values, image, field,
+       unit =
+           light_field_->shown_name() == "depth" ? "m" : "W/(m^2 sr)"](const Execution& execution) {
+        LightField derived;
+        derived.sensor_width = image->width;
+        derived.sensor_height = image->height;
+        derived.window = {0, 0, image->width, image->height};
+        derived.channels.push_back({field->channels.front().name, *image, {}});
+        derived.unit = unit;
+        derived.estimator = field->estimator;
+        derived.seed = field->seed;
+        derived.samples = field->samples;
+        derived.version = field->version;
+        if (values) return write_light_field(name.toStdString(), derived, execution.stop);
+        DevelopSpec settings;
+        settings.bits = 16;
+        write_png(name.toStdString(), develop(derived, settings).picture, execution.stop);
+      },
+      [this, name] { say_written(name); });
+}
+
+void MainWindow::export_views() {
+  const auto field = session_.document().image();
+  const auto views = session_.light_field().views();
+  if (!field || !views)
+    return fail(tr("There are no views yet: show the light-field panel and wait for them."));
+  const QString folder = ask_folder(tr("Folder for the views"));
+  if (folder.isEmpty()) return;
+  files_->add(
+      tr("export of %1 views").arg(views->views.size()),
+      [folder, field, views](const Execution& execution) {
+        StagingFolder staging(folder.toStdString());
+        std::vector<NamedImage> images;
+        for (const View& view : views->views)
+          images.push_back({QString("view_%1_%2")
+                                .arg(view.row, 2, 10, QChar('0'))
+                                .arg(view.column, 2, 10, QChar('0'))
+                                .toStdString(),
+                            view.image,
+                            {}});
+        images.push_back({"contact", contact_sheet(*views), {}});
+        write_images(staging.path(), images, views->unit, field->channels.front().name, true,
+                     *field, execution);
+        staging.commit();
+      },
+      [] {});
+}
+
+void MainWindow::export_for_tool(int format) {
+  const auto field = session_.document().image();
+  const auto scene = session_.compiler().compiled();
+  if (!field || !scene) return fail(tr("There is no image yet."));
+  ExportSettings settings;
+  settings.format = static_cast<ExportFormat>(format);
+  // A picture that is older than the last change was taken by the camera that was there then.
+  CameraSpec spec = scene->scene.camera;
+  if (!guarded([&] {
+        if (!session_.document().image_is_current())
+          spec = parse_scene(field->scene_text, "scene of the picture").scene.camera;
+        check_export(Camera(spec), settings.format);
+      }))
+    return;
+  const QString folder = ask_folder(tr("Folder for the export"));
+  if (folder.isEmpty()) return;
+  auto result = std::make_shared<ExportResult>();
+  files_->add(
+      tr("export"),
+      [folder, field, spec, settings, result,
+       known = session_.light_field().micro_images()](const Execution& execution) {
+        const bool usable = known && known->camera().spec() == spec;
+        const auto micro =
+            usable ? known : std::make_shared<const MicroImages>(Camera(spec), true, execution);
+        StagingFolder staging(folder.toStdString());
+        *result = export_light_field(*field, *micro, settings, staging.path(), execution);
+        staging.commit();
+      },
+      [this, result, folder] {
+        // The command's notes: where the tool cannot say all that is known.
+        QStringList lines{
+            tr("%1 files written to %2").arg(result->files.size()).arg(QDir(folder).dirName())};
+        for (const std::string& note : result->notes) lines << QString::fromStdString(note);
+        last_message_ = lines.join("; ");
+        statusBar()->showMessage(last_message_, 20000);
+      });
+}
+
+void MainWindow::generate_flame() {
+  GenerateDialog dialog(this);
+  if (dialog.exec() != QDialog::Accepted) return;
+  const std::string kind = dialog.name();
+  const auto values = dialog.values();
+  const QString path = ask_save_name(tr("Save the flame"), QString::fromStdString(kind) + ".vdb",
+                                     tr("OpenVDB (*.vdb)"));
+  if (path.isEmpty()) return;
+  files_->add(
+      tr("flame %1").arg(QString::fromStdString(kind)),
+      [kind, values, path](const Execution& execution) {
+        GridWriteOptions options;
+        options.stop = execution.stop;
+        write_flame(path.toStdString(), plenoflame::generate_flame(kind, values, execution),
+                    options);
+      },
+      [this, path] { open(path); });
+}
+
+void MainWindow::import_flame() {
+  ImportDialog dialog(settings_->value("files/folder").toString(), this);
+  if (dialog.exec() != QDialog::Accepted) return;
+  FlameImportRequest request;
+  if (!guarded([&] { request = dialog.request(); })) return;
+  const QString path = ask_save_name(tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
+  if (path.isEmpty()) return;
+  files_->add(
+      tr("import"),
+      [request, path](const Execution& execution) {
+        const std::filesystem::path output(path.toStdString());
+        StagingFolder staging(output.parent_path().string());
+        FlameImportRequest staged = request;
+        staged.output = (staging.path() / output.filename()).string();
+        import_flames(staged, execution);
+        staging.commit();
+      },
+      [this, path] { open(path); });
+}
+
+void MainWindow::map_grids(int flame) {
+  Document& document = session_.document();
+  if (flame < 0 || static_cast<std::size_t>(flame) >= document.scene().flames.size())
+    return fail(tr("The scene has no flame from an OpenVDB file."));
+  const FlameSpec before = document.scene().flames[static_cast<std::size_t>(flame)];
+  const std::string file =
+      (std::filesystem::path(document.scene().file).parent_path() / before.file).string();
+  auto info = std::make_shared<VdbInfo>();
+  files_->add(
+      tr("reading the grids"), [info, file](const Execution&) { *info = vdb_info(file); },
+      [this, info, before, flame] {
+        MappingDialog dialog(before, *info, this);
+        if (dialog.exec() != QDialog::Accepted) return;
+        Scene scene = session_.document().scene();
+        const auto place = static_cast<std::size_t>(flame);
+        if (place >= scene.flames.size() || !(scene.flames[place] == before)) return;
+        scene.flames[place] = dialog.flame();
+        session_.document().change(scene, "choose grids");
+      });
+}
+
+void MainWindow::choose_measured() {
+  const QString path = QFileDialog::getOpenFileName(
+      this, tr("Measured picture"), settings_->value("files/folder").toString(),
+      tr("Pictures of a camera (*.exr *.tif *.tiff *.png *.pgm);;All files (*)"));
+  if (!path.isEmpty()) open_measured(path);
+}
+
+bool MainWindow::open_measured(const QString& path, const std::function<void()>& then) {
+  const Document& document = session_.document();
+  const QString name = QFileInfo(path).fileName();
+  if (document.is_empty() || !document.is_valid()) {
+    fail(tr("%1 is a camera's picture: open the scene of that camera first").arg(name));
+    return false;
+  }
+  auto field = std::make_shared<std::shared_ptr<const LightField>>();
+  files_->add(
+      tr("reading %1").arg(name),
+      [path, field, scene = document.scene_of_camera().scene](const Execution& execution) {
+        *field = read_measured(path.toStdString(), scene, execution);
+      },
+      [this, field, name, then, number = scenes_opened_] {
+        if (number != scenes_opened_) return;  // it was of another scene
+        session_.measured().set(*field, name);
+        if (then) then();
+      });
+  return true;
+}
+
+void MainWindow::choose_compiled_camera() {
+  if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
+  const QString path = QFileDialog::getOpenFileName(
+      this, tr("Compiled camera"), settings_->value("files/folder").toString(),
+      tr("Compiled cameras (*.bundle);;All files (*)"));
+  if (path.isEmpty()) return;
+  auto camera = std::make_shared<CompiledCamera>();
+  files_->add(
+      tr("reading the compiled camera"),
+      [path, camera](const Execution&) { *camera = read_bundle(path.toStdString()); },
+      [this, path, camera] {
+        guarded([&] { session_.use_compiled_camera(camera, path.toStdString()); });
+        show_compiled_camera();
+      });
+}
+
+void MainWindow::show_compiled_camera() {
+  const CompiledBundle& bundle = session_.compiled_camera();
+  rays_again_->setEnabled(bundle.camera != nullptr);
+  rays_again_->setText(bundle.camera
+                           ? tr("Follow rays again, without %1")
+                                 .arg(QFileInfo(QString::fromStdString(bundle.name)).fileName())
+                           : tr("Follow rays again"));
+}
+
+void MainWindow::export_rays() {
+  const auto rays = session_.rays().rays();
+  if (!rays) return fail(tr("Nothing is selected: click a pixel first."));
+  const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
+                                     tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
+  if (name.isEmpty()) return;
+  files_->add(
+      tr("export of rays"),
+      [name, rays](const Execution&) { write_ray_paths(name.toStdString(), rays->paths); },
+      [this, name, rays] {
+        statusBar()->showMessage(tr("%1 rays written to %2").arg(rays->paths.rays.size()).arg(name),
+                                 8000);
+      });
+}
+
+void MainWindow::save_reconstruction() {
+  const auto task = reconstruct_->job().result();
+  if (!task) return fail(tr("There is no reconstruction yet."));
+  const QString name = ask_save_name(tr("Save what was found"), "found.vdb", tr("OpenVDB (*.vdb)"));
+  if (name.isEmpty()) return;
+  files_->add(
+      tr("saving what was found"),
+      [name, task](const Execution&) { task->write(name.toStdString()); },
+      [this, name] { say_written(name); });
+}
+
+void MainWindow::export_image() {
+  const auto field = session_.document().image();
+  if (!field) return fail(tr("There is no image yet."));
+  const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
+                                     tr("Raw light field (*.exr);;Developed picture (*.png)"));
+  if (name.isEmpty()) return;
+  const bool raw = name.endsWith(".exr", Qt::CaseInsensitive);
+  if (!raw && !name.endsWith(".png", Qt::CaseInsensitive))
+    return fail(tr("'%1' must end in .exr or .png").arg(name));
+  files_->add(
+      tr("export of the light field"),
+      [name, raw, field,
+       settings = session_.document().scene().develop](const Execution& execution) {
+        if (raw) return write_light_field(name.toStdString(), *field, execution.stop);
+        write_png(name.toStdString(), develop(*field, settings).picture, execution.stop);
+      },
+      [this, name] { say_written(name); });
+}
+
+void MainWindow::export_picture_of_scene() {
+  const QImage picture = scene_view_->picture();
+  const QString name =
+      ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
+  if (name.isEmpty()) return;
+  files_->add(
+      tr("export of the picture"),
+      [name, picture](const Execution&) {
+        QByteArray bytes;
+        QBuffer buffer(&bytes);
+        if (!picture.save(&buffer, "PNG")) throw FileError("the picture cannot be made a PNG");
+        write_file(name.toStdString(), bytes.toStdString());
+      },
+      [this, name] { say_written(name); });
+}
+
+}  // namespace plenoflame::desktop
