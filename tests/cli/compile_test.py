@@ -1,5 +1,10 @@
 """Compiled cameras on the command line: what they make, and what a wrong bundle or option gets."""
 
+import signal
+import subprocess
+import time
+
+import command
 from command import CommandTest, main
 
 SCENE = """[camera]
@@ -63,6 +68,36 @@ class Compile(CommandTest):
                    mentions="a.bundle")
         self.assertEqual(self.read("a.bundle"), whole)
         self.assertEqual(self.files(), ["a.bundle", "a.toml"])
+
+    def test_stopped_and_killed(self):
+        self.compiled()
+        whole = self.read("a.bundle")
+        arguments = ("compile", "a.toml", *WINDOW, *ROUGH)
+        for sent in (signal.SIGINT, signal.SIGKILL):
+            # Of the whole sensor, which takes minutes: it is stopped on the way.
+            process = subprocess.Popen([command.COMMAND, "compile", "a.toml", "--error", "0.2%", "-o", "a.bundle", "--threads", "1"],
+                                       cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(process.communicate)
+            self.addCleanup(process.kill)
+            self.wait_for_signals_to_be_caught(process)
+            process.send_signal(sent)
+            out, errors = process.communicate(timeout=60)
+            if sent == signal.SIGINT:
+                self.assertEqual((process.returncode, out, errors), (1, "", "plenoflame: stopped; nothing was written\n"))
+            self.assertNotEqual(process.returncode, 0)
+            self.assertEqual(self.read("a.bundle"), whole)
+            self.assertEqual(self.files(), ["a.bundle", "a.toml"])
+        self.succeeds(*arguments, "-o", "a.bundle")
+        self.assertEqual(self.read("a.bundle"), whole)
+
+    @staticmethod
+    def wait_for_signals_to_be_caught(process):
+        """Until then the signal ends any process."""
+        caught = 0
+        while process.poll() is None and not caught >> (signal.SIGINT - 1) & 1:
+            with open(f"/proc/{process.pid}/status", encoding="ascii") as file:
+                caught = next(int(line.split()[1], 16) for line in file if line.startswith("SigCgt"))
+            time.sleep(0.01)
 
     def test_bad_options(self):
         for options, status, mentions in ((("--error", "0%"), 2, "--error"), (("--error", "soon"), 2, "--error"),

@@ -81,6 +81,28 @@ class Sweeps(CommandTest):
                       *OPTIONS[:4], "--quiet", "--seed", row["seed"], "-o", "one.exr")
         self.assertEqual(self.read("one.exr"), self.read("set/" + row["picture"]))
 
+    def test_cameras_and_exposures(self):
+        """Each camera has the picture that render makes, with what the run says of it."""
+        self.write("two.toml", """[[cameras]]
+name = "front"
+preset = "paper-previous-60x60"
+[[cameras]]
+name = "side"
+like = "front"
+position = ["1 m", "-1 m", "0 m"]
+look_direction = [0, 1, 0]
+""" + SCENE[SCENE.index("[[flames]]"):])
+        self.write("two.csv", "cameras[side].focus.object_distance,cameras.front.sensor.exposure_time\n1 m,1 ms\n0.9 m,3 ms\n")
+        common = ("two.toml", "--samples", "2", "--quiet")
+        self.succeeds("sweep", *common, "--table", "two.csv", "-o", "set")
+        rows = self.index("set")
+        self.assertEqual([(row["run"], row["camera"]) for row in rows], [("0", "front"), ("0", "side"), ("1", "front"), ("1", "side")])
+        self.succeeds("render", *common, "--set", "cameras[side].focus.object_distance=0.9 m", "--set",
+                      "cameras.front.sensor.exposure_time=3 ms", "--seed", rows[2]["seed"], "-o", "one.exr")
+        for row in rows[2:]:
+            self.assertEqual(self.read("set/" + row["picture"]), self.read(f"one-{row['camera']}.exr"), row["camera"])
+        self.assertRegex(self.succeeds("info", "set/" + rows[2]["picture"]), r"exposure.time: +3 ms")
+
     def test_bad_tables(self):
         def refused(text, *mentions):
             self.write("bad.csv", text)

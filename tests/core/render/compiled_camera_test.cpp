@@ -219,6 +219,60 @@ TEST_P(EveryCamera, SeesAnotherFlameAsTheRendererDoes) {
 
 INSTANTIATE_TEST_SUITE_P(Cameras, EveryCamera, testing::ValuesIn(cases()));
 
+/// One of many flames within 2 mm around the small one, by a generator of their own.
+Scene random_flame(Scene scene, std::mt19937_64& random) {
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  };
+  FlameSpec& flame = scene.flames.front();
+  flame.position =
+      flame.position + Vec3{between(-2e-3, 2e-3), between(-2e-3, 2e-3), between(-2e-3, 2e-3)};
+  for (EllipsoidSpec& layer : flame.layers) {
+    layer.temperature = between(1300, 1900);
+    layer.absorption = between(5, 60);
+  }
+  return scene;
+}
+
+TEST(CompiledCamera, ErrorsAreTrueAndWithoutBiasOverManyFlames) {
+  const Scene spec = small(singlet(), Lattice::square, LensModel::real);
+  CompileSettings settings = rough();
+  settings.level = 6;
+  settings.samples = 2048;
+  settings.margin = 2.5e-3;
+  const CompiledCamera camera = compile_camera(compile(spec), settings, threads(2));
+  std::mt19937_64 random(30);
+  constexpr int kFlames = 20;
+  double bias = 0, bias_variance = 0;
+  for (int i = 0; i < kFlames; ++i) {
+    const CompiledScene scene = compile(random_flame(spec, random));
+    RenderSettings plain;
+    plain.samples = 8192;
+    plain.seed = 100 + static_cast<std::uint64_t>(i);
+    const LightField few = render_compiled(scene, camera, {}, threads(2)).light_field;
+    const LightField many = render(scene, plain, threads(2)).light_field;
+    double squares = 0, stated = 0, own_variance = 0;
+    for (std::size_t k = 0; k < few.channels[0].flux.pixels.size(); ++k) {
+      const auto of = [&](const Image& image) { return static_cast<double>(image.pixels[k]); };
+      const auto &a = few.channels[0], &b = many.channels[0];
+      const double difference = of(a.flux) - of(b.flux);
+      const double ea = of(a.standard_error), eb = of(b.standard_error);
+      squares += difference * difference;
+      stated += ea * ea + eb * eb;
+      own_variance += ea * ea;
+    }
+    EXPECT_GT(own_variance, 0.5 * stated) << "the reference decides the ratio";
+    EXPECT_GT(std::sqrt(stated / squares), 0.8) << "flame " << i;
+    EXPECT_LT(std::sqrt(stated / squares), 1.25) << "flame " << i;
+    const double flux = sum_of(many.channels[0].flux);
+    bias += (sum_of(few.channels[0].flux) - flux) / (flux * kFlames);
+    bias_variance += stated / (flux * flux * kFlames);
+  }
+  // All flames are seen by the same rays: their mean is not surer than one of them.
+  EXPECT_LT(std::sqrt(bias_variance), 2e-4) << "the test sees no bias";
+  EXPECT_LT(std::abs(bias), 5e-4);
+}
+
 CompiledScene square_scene() {
   return compile(small(singlet(), Lattice::square, LensModel::real));
 }

@@ -1,6 +1,7 @@
 // A scene with settings against the same scene with the values written into its file.
 #include "plenoflame/scene/scene_settings.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -29,6 +30,40 @@ Scene with(const std::vector<std::string>& values, const std::string& text = kCa
 
 std::string error(const std::vector<std::string>& values) {
   return message_of([&] { with(values); });
+}
+
+TEST(WindowIndex, StandsInPlaceOfAGlass) {
+  const auto window = [](const std::string& keys) {
+    return kCamera + kFlames + "[[windows]]\nshape = \"plate\"\ndiameter = \"80 mm\"\n" + keys;
+  };
+  const std::string glass = "glass = \"N-BK7\"\n", index = "index = 1.46\n";
+  const auto refusal = [&](const std::string& keys, const std::vector<std::string>& values) {
+    return message_of([&] { with(values, window(keys)); });
+  };
+  const std::string both = refusal(glass + index, {});  // line 19 of the file
+  EXPECT_NE(both.find("a.toml:19:9: windows[0].index is 1.46, but the glass of the window, "
+                      "\"N-BK7\", has an index of 1.514"),
+            std::string::npos)
+      << both;
+  EXPECT_EQ(both.find('\n'), std::string::npos);
+  const std::string set = refusal(glass, {"windows[0].index=1.46"});
+  EXPECT_NE(set.find("--set windows[0].index: windows[0].index is 1.46"), std::string::npos) << set;
+  // What is set replaces what stands there.
+  const double bk7 = 1.5145;  // Schott's catalogue at 650 nm
+  EXPECT_TRUE(
+      test::relative(with({"windows[0].glass=N-BK7"}, window(index)).windows[0].index, bk7, 2e-4));
+  EXPECT_EQ(with({"windows[0].glass=", "windows[0].index=1.46"}, window(glass)).windows[0].index,
+            1.46);
+  // A scene that was written is the same again, and has no index that could grow wrong.
+  const Scene scene = with({}, window(glass));
+  const std::string text = write_scene(scene);
+  EXPECT_EQ(parse_scene(text, "a.toml").scene, scene);
+  const Scene other = with({"channels[0].wavelength=450 nm"}, text);
+  EXPECT_TRUE(test::relative(other.windows[0].index, 1.5253, 2e-4));  // the same catalogue
+  // Older ones have the glass's own index beside it.
+  std::string old = text;
+  old.insert(old.find("glass = \"N-BK7\""), fmt::format("index = {}\n", scene.windows[0].index));
+  EXPECT_EQ(parse_scene(old, "a.toml").scene, scene);
 }
 
 TEST(SceneSettings, AreAsIfTheyStoodInTheFile) {

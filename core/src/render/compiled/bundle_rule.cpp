@@ -99,17 +99,22 @@ void BundleReducer::reduce_cell(std::span<BundleRay> cell, int halvings, WalkRan
     return;
   }
   const std::array<double, 4> scale{1, 1, reach_, reach_};
+  double total = 0;
+  std::array<double, 4> first{}, second{};
+  const auto origin = cell[0].place;
+  for (const BundleRay& ray : cell) {
+    const double w = static_cast<double>(ray.weight);
+    total += w;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double x =
+          scale[k] * (static_cast<double>(ray.place[k]) - static_cast<double>(origin[k]));
+      first[k] += w * x, second[k] += w * x * x;
+    }
+  }
   std::size_t widest = 0;
   double most = -1;
   for (std::size_t k = 0; k < 4; ++k) {
-    double total = 0, first = 0, second = 0;
-    for (const BundleRay& ray : cell) {
-      const double w = static_cast<double>(ray.weight);
-      const double x =
-          scale[k] * (static_cast<double>(ray.place[k]) - static_cast<double>(cell[0].place[k]));
-      total += w, first += w * x, second += w * x * x;
-    }
-    const double variance = second / total - first * first / (total * total);
+    const double variance = second[k] / total - first[k] * first[k] / (total * total);
     if (variance > most) most = variance, widest = k;
   }
   const std::size_t half = cell.size() / 2;

@@ -22,19 +22,66 @@ double WalkRandom::uniform() {
 
 MomentWalk::MomentWalk(std::size_t functions)
     : n_(functions),
+      free_(functions),
       inverse_(functions * functions),
       weights_(functions),
       change_(functions),
       points_(functions) {}
 
 void MomentWalk::start() {
+  free_ = n_;
   std::fill(inverse_.begin(), inverse_.end(), 0.0);
   for (std::size_t i = 0; i < n_; ++i) inverse_[i * n_ + i] = 1;
   std::fill(weights_.begin(), weights_.end(), 0.0);
   std::fill(points_.begin(), points_.end(), kFree);
 }
 
+/// The new point's values take the place of those there.
+inline void MomentWalk::exchange(std::size_t place, const double* change, std::size_t n) {
+  const double pivot = 1 / change[place];
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const column = inverse_.data() + k * n;
+    const double row = column[place] * pivot;
+    for (std::size_t i = 0; i < n; ++i) column[i] -= change[i] * row;
+    column[place] = row;
+  }
+}
+
+/// Most of the time of compiling a camera is spent here, with 8 functions: no branch but one
+/// depends on what comes out.
+template <std::size_t n>
+void MomentWalk::add_to_full(std::size_t point, const double* values, double weight,
+                             WalkRandom& random) {
+  double c[n] = {};
+  for (std::size_t k = 0; k < n; ++k) {
+    const double* const column = inverse_.data() + k * n;
+    for (std::size_t i = 0; i < n; ++i) c[i] += column[i] * values[k];
+  }
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  double up[n], down[n];  // how far the walk can go until this weight vanishes
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ratio = weights_[i] / c[i];
+    up[i] = c[i] > 0 ? ratio : kNever;
+    down[i] = c[i] < 0 ? -ratio : kNever;
+  }
+  double more = kNever, less = weight;
+  for (std::size_t i = 0; i < n; ++i) {
+    more = up[i] < more ? up[i] : more;
+    less = down[i] < less ? down[i] : less;
+  }
+  const bool goes_up = random.uniform() * (more + less) < less;
+  const double step = goes_up ? more : -less;
+  const double* const way = goes_up ? up : down;
+  const auto leaves = static_cast<std::size_t>(std::find(way, way + n, std::abs(step)) - way);
+  for (std::size_t i = 0; i < n; ++i) weights_[i] = std::max(0.0, weights_[i] - step * c[i]);
+  if (leaves == n) return;  // the point itself
+  exchange(leaves, c, n);
+  points_[leaves] = point;
+  weights_[leaves] = weight + step;
+}
+
 void MomentWalk::add(std::size_t point, const double* values, double weight, WalkRandom& random) {
+  if (n_ == 8 && free_ == 0) return add_to_full<8>(point, values, weight, random);
   double* const c = change_.data();
   std::fill(change_.begin(), change_.end(), 0.0);
   for (std::size_t k = 0; k < n_; ++k) {
@@ -49,7 +96,8 @@ void MomentWalk::add(std::size_t point, const double* values, double weight, Wal
         (best == n_ || std::abs(c[i]) > std::abs(c[best])))
       best = i;
   if (best < n_) {
-    exchange(best, c);
+    exchange(best, c, n_);
+    --free_;
     points_[best] = point;
     weights_[best] = weight;
     return;
@@ -68,20 +116,9 @@ void MomentWalk::add(std::size_t point, const double* values, double weight, Wal
   for (std::size_t i = 0; i < n_; ++i)
     if (points_[i] != kFree) weights_[i] = std::max(0.0, weights_[i] - step * c[i]);
   if (leaves == n_) return;  // the point itself
-  exchange(leaves, c);
+  exchange(leaves, c, n_);
   points_[leaves] = point;
   weights_[leaves] = weight + step;
-}
-
-/// The new point's values take the place of those there.
-void MomentWalk::exchange(std::size_t place, const double* change) {
-  const double pivot = 1 / change[place];
-  for (std::size_t k = 0; k < n_; ++k) {
-    double* const column = inverse_.data() + k * n_;
-    const double row = column[place] * pivot;
-    for (std::size_t i = 0; i < n_; ++i) column[i] -= change[i] * row;
-    column[place] = row;
-  }
 }
 
 std::vector<MomentWalk::Kept> MomentWalk::kept() const {

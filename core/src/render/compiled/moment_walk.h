@@ -38,9 +38,12 @@ class MomentWalk {
 
  private:
   static constexpr std::size_t kFree = ~std::size_t{0};  ///< no point, but a unit vector
-  void exchange(std::size_t place, const double* change);
+  /// As add() where no place is free, for n functions; n is known to the compiler.
+  template <std::size_t n>
+  void add_to_full(std::size_t point, const double* values, double weight, WalkRandom& random);
+  void exchange(std::size_t place, const double* change, std::size_t n);
 
-  std::size_t n_;
+  std::size_t n_, free_;         ///< functions, and places without a point
   std::vector<double> inverse_;  ///< of the kept points' values, column by column
   std::vector<double> weights_, change_;
   std::vector<std::size_t> points_;

@@ -57,13 +57,13 @@ TileNodes TileBundles::finish() {
   std::vector<std::size_t> begin(2 * std::size_t{paths_} * parts_ * Film::kTile * Film::kTile + 1);
   for (const std::uint32_t key : keys_) ++begin[key + 1];
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
-  std::vector<BundleRay> sorted(rays_.size());
+  sorted_.resize(rays_.size());
   std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
-  for (std::size_t i = 0; i < rays_.size(); ++i) sorted[next[keys_[i]]++] = rays_[i];
+  for (std::size_t i = 0; i < rays_.size(); ++i) sorted_[next[keys_[i]]++] = rays_[i];
   TileNodes tile;
   for (std::size_t k = 0; k + 1 < begin.size(); k += 2) {
     if (begin[k] == begin[k + 2]) continue;
-    const std::span<const BundleRay> all(sorted);
+    const std::span<const BundleRay> all(sorted_);
     add_group(static_cast<std::uint32_t>(k), all.subspan(begin[k], begin[k + 1] - begin[k]),
               all.subspan(begin[k + 1], begin[k + 2] - begin[k + 1]), tile);
   }

@@ -33,8 +33,8 @@ class TileBundles {
   std::uint32_t paths_, parts_;
   BundleReducer reducer_;
   PixelWindow tile_;
-  std::vector<std::uint32_t> keys_;  ///< of each ray: pixel, path, part, set
-  std::vector<BundleRay> rays_;
+  std::vector<std::uint32_t> keys_;       ///< of each ray: pixel, path, part, set
+  std::vector<BundleRay> rays_, sorted_;  ///< kept from tile to tile: some 100 MB
   double traced_ = 0;
 };
 

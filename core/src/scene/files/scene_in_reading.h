@@ -21,10 +21,11 @@ struct SceneInReading {
   SceneDocument document;
   /// By the path of the lens; its stop is set when the glasses are known.
   std::map<std::string, FNumber> f_numbers;
-  std::set<std::string> set_paths;         ///< what settings gave, not the file
-  bool closed = false;                     ///< opens no file
-  std::vector<std::string> settings = {};  ///< "PATH=VALUE", those that are not applied yet
-  std::string option = {};                 ///< what messages call each of them
+  std::set<std::string> set_paths;           ///< what settings gave, not the file
+  std::set<std::string> indices_of_windows;  ///< what the file gave of these
+  bool closed = false;                       ///< opens no file
+  std::vector<std::string> settings = {};    ///< "PATH=VALUE", those that are not applied yet
+  std::string option = {};                   ///< what messages call each of them
 };
 
 /// Reads what is no key of the schema: `preset`, `file` and `f_number` of a table.

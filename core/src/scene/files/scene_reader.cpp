@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -343,6 +344,7 @@ class Reader {
       check_range(key, value);
       key.set(scene_, indices, value);
       positions_.set(path, position(node));
+      if (key.path == "windows[].index") reading_.indices_of_windows.insert(path);
     } catch (const InputError& error) {
       fail(*at, path + ": " + error.what());
     }
@@ -444,6 +446,25 @@ void check_one_way_to_give_cameras(const toml::table& parsed, const std::string&
       "with a name");
 }
 
+/// Refuses windows with an index beside a glass that has another. (That of the glass itself stands
+/// in scenes that were written before it was left out.)
+/// @param given the paths of the indices that count
+void check_indices_of_windows(const SceneDocument& document, const std::set<std::string>& given) {
+  const Scene& scene = document.scene;
+  std::vector<WindowSpec> windows = scene.windows;
+  set_indices(windows, design_wavelength(scene), document.positions);
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const std::string path = "windows[" + std::to_string(i) + "]";
+    if (scene.windows[i].index == windows[i].index || !given.contains(path + ".index")) continue;
+    throw InputError(
+        document.positions.find(path + ".index"),
+        fmt::format("{}.index is {:.5g}, but the glass of the window, {}, has an index of {:.5g}; "
+                    "leave one of them out",
+                    path, scene.windows[i].index, quote_for_message(windows[i].glass),
+                    windows[i].index));
+  }
+}
+
 /// Without an array the sensor is what the object is conjugate to.
 void focus_on_sensor(CameraSpec& camera, toml::node_view<const toml::node> toml,
                      const std::string& path, const SceneInReading& reading) {
@@ -476,6 +497,7 @@ SceneDocument parse_scene(std::string_view text, const std::string& name,
   const toml::table parsed = parse_toml(text, name);
   check_one_way_to_give_cameras(parsed, name);
   Reader(reading, name, 0).read_table(parsed, "", "", {});
+  if (!settings.embedded) check_indices_of_windows(reading.document, reading.indices_of_windows);
   apply_settings(reading);
   Scene& scene = reading.document.scene;
   const PositionMap& positions = reading.document.positions;
@@ -483,6 +505,8 @@ SceneDocument parse_scene(std::string_view text, const std::string& name,
   for (std::size_t i = 0; i < scene.cameras.size(); ++i)
     focus_on_sensor(scene.cameras[i], parsed["cameras"][i], "cameras[" + std::to_string(i) + "]",
                     reading);
+  // A glass that is set takes the place of the file's index, but not of one that is set as well.
+  check_indices_of_windows(reading.document, reading.set_paths);
   set_indices(scene, reading.document.positions);
   for (const auto& [lens, given] : reading.f_numbers) {
     CameraSpec& camera = given.camera ? scene.cameras.at(*given.camera) : scene.camera;

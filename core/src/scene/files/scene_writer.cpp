@@ -111,6 +111,8 @@ class Writer {
       const SchemaValue value = key.get(scene_, indices);
       // A value that was never set; absent is what reads back as it.
       if (value == default_value(key) && !in_range(key, value)) continue;
+      // Who then changes the glass or the wavelength would have to change the index, too.
+      if (key.path == "windows[].index" && !scene_.windows[indices[0]].glass.empty()) continue;
       try {
         text_.append(last_name(key.path))
             .append(" = ")
