@@ -262,7 +262,7 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
 }
 
 // Algebra: stated deviations against the scatter of reconstructions of independent noise; against
-// the truth of rendered pictures they are held in statistical/reconstruction_accuracy_test.cpp.
+// the truth of rendered pictures statistical/pulls_of_examples.cpp holds them.
 TEST(Reconstruction, DeviationsAreThoseOfRepeatedMeasurements) {
   Rig rig = ring_rig();
   rig.settings.strength = 1e-4;
