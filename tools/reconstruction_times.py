@@ -58,7 +58,7 @@ def main():
         measured([command, "render", *scene, "--samples", "1", "--seed", "7", "-o", "x.exr", "--quiet"], folder)
         images = [f"x-{name}.exr" for name in CAMERAS]
         print("| threads | rows | voxels | iterations | s a step, clock | s a step, processors | s before, clock | s before, processors "
-              "| peak MB |\n|---|---|---|---|---|---|---|---|---|", flush=True)
+              "| matrix MB | peak MB |\n|---|---|---|---|---|---|---|---|---|---|", flush=True)
         for threads in options.threads:
             def run(iterations):
                 return measured([command, "reconstruct", *scene, "--images", *images, "--grid", options.grid, "--rays",
@@ -69,7 +69,10 @@ def main():
             many, long_clock, long_processors, memory = run(options.iterations)
             steps = max(1, many["iterations"] - one["iterations"])
             print(f"| {threads} | {many['rows']} | {many['unknowns']} | {steps} | {(long_clock - clock) / steps:.3f} | "
-                  f"{(long_processors - processors) / steps:.3f} | {clock:.1f} | {processors:.1f} | {memory:.0f} |", flush=True)
+                  f"{(long_processors - processors) / steps:.3f} | {clock:.1f} | {processors:.1f} | "
+                  f"{1e-6 * many['matrix_bytes']:.0f} | {memory:.0f} |", flush=True)
+            if not many["stored"]:
+                print("the matrix is not stored: rays are followed again in each step", flush=True)
 
 
 if __name__ == "__main__":

@@ -83,12 +83,12 @@ def main():
         page += f"\n## {title}\n{text}\n\n| case | expected | ours |\n|---|---|---|\n"
         for key, (expected, found) in rows[suite].items():
             page += f"| {key} | {number(expected)} | {number(found)} |\n"
-    # The section of tools/reconstruction_views.py takes minutes and stays as it was.
+    # Sections from that of tools/reconstruction_views.py on take minutes and stay as they were.
     output = pathlib.Path(arguments.output)
     if output.exists():
         _, title, after = output.read_text().partition("\n" + TITLE)
         if title:
-            page += title + after.partition("\n## ")[0].rstrip("\n") + "\n"
+            page += title + after.rstrip("\n") + "\n"
     output.write_text(page)
 
 

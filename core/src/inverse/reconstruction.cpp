@@ -11,6 +11,7 @@
 #include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/part_of_progress.h"
+#include "inverse/row_results.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/flame_estimate.h"
@@ -223,23 +224,6 @@ std::vector<double> rendered_fluxes(const ReconstructionInput& input, const Came
   return thermal_fluxes(model, {}, execution);
 }
 
-void add_pictures(const ReconstructionInput& input, const CameraRays& rays,
-                  const MeasuredRows& measured, const std::vector<double>& explained,
-                  Reconstruction& result) {
-  for (const Measurement& measurement : input.measurements) {
-    result.explained.emplace_back(measurement.window.width, measurement.window.height);
-    result.residual.emplace_back(measurement.window.width, measurement.window.height);
-  }
-  for (std::size_t i = 0; i < rays.rows.size(); ++i) {
-    const auto v = static_cast<std::size_t>(rays.rows[i].view);
-    const int column = rays.rows[i].column - input.measurements[v].window.x,
-              row = rays.rows[i].row - input.measurements[v].window.y;
-    result.explained[v].at(column, row) = static_cast<float>(explained[i]);
-    if (measured.deviation[i] > 0)
-      result.residual[v].at(column, row) = static_cast<float>(measured.flux[i] - explained[i]);
-  }
-}
-
 void check_input(const ReconstructionInput& input) {
   if (input.views.empty() || input.views.size() != input.measurements.size())
     throw UsageError("a reconstruction needs one picture for each camera");
@@ -319,9 +303,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0);
   const Execution drawing = part_of_progress(execution, 0, kDrawingShare);
   const Box box = input.unknowns->bounds();
-  const CameraRays rays = settings.assembly
-                              ? settings.assembly->rays(views, box, settings.rays, drawing)
-                              : draw_camera_rays(views, box, settings.rays, drawing);
+  const CameraRays rays = rays_by(settings.assembly, views, box, settings.rays, drawing);
   if (rays.rows.empty())
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
@@ -361,9 +343,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
 
   const std::vector<double>& b = measured.flux;
   std::vector<double> weight = row_weights(measured, {}, {});
-  for (const double w : weight) result.left_out += !(w > 0);
-  if (result.left_out == result.rows)
-    throw InputError("every pixel that sees the grid is saturated or otherwise left out");
+  count_left_out(weight, result);
   const double rows = static_cast<double>(result.rows - result.left_out);
 
   std::vector<char> empty = settings.support ? behind_dark(*a, rays, measured, views.size())
@@ -429,7 +409,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       result.complete = false;  // the values are kept
     }
   }
-  add_pictures(input, rays, measured, explained, result);
+  add_row_pictures(input.measurements, rays, b, explained, weight, result);
   return result;
 }
 

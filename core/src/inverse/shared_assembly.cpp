@@ -301,6 +301,12 @@ CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
   return join_rows(std::move(made), problem.unknowns->size());
 }
 
+CameraRays rays_by(SharedAssembly* assembly, const std::vector<CameraView>& views, const Box& box,
+                   const CameraRaySettings& settings, const Execution& execution) {
+  return assembly ? assembly->rays(views, box, settings, execution)
+                  : draw_camera_rays(views, box, settings, execution);
+}
+
 bool serve_assembly(const std::vector<CameraView>& views, const Unknowns& unknowns,
                     Communicator& ranks, const Execution& execution) {
   EmissionProblem problem;

@@ -9,6 +9,7 @@
 #include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/vector_sums.h"
+#include "inverse/row_results.h"
 #include "inverse/step_penalty.h"
 #include "inverse/thermal_start.h"
 #include "plenoflame/base/error.h"
@@ -65,18 +66,12 @@ class ScaledDerivative final : public LinearOperator {
 class BlockPenalty final : public LinearOperator {
  public:
   void add(std::unique_ptr<LinearOperator> penalty, double factor) {
+    rows_ += penalty->rows();
+    columns_ += penalty->columns();
     blocks_.push_back({std::move(penalty), factor});
   }
-  std::size_t rows() const override {
-    std::size_t sum = 0;
-    for (const Block& block : blocks_) sum += block.penalty->rows();
-    return sum;
-  }
-  std::size_t columns() const override {
-    std::size_t sum = 0;
-    for (const Block& block : blocks_) sum += block.penalty->columns();
-    return sum;
-  }
+  std::size_t rows() const override { return rows_; }
+  std::size_t columns() const override { return columns_; }
   void apply(std::span<const double> x, std::span<double> y) const override {
     for (const Block& block : blocks_) {
       const auto part = y.first(block.penalty->rows());
@@ -111,6 +106,21 @@ class BlockPenalty final : public LinearOperator {
     double factor;
   };
   std::vector<Block> blocks_;
+  std::size_t rows_ = 0, columns_ = 0;
+};
+
+/// A linearised problem in steps of the variables that are free to move.
+struct FreeSteps {
+  FreeSteps(const LinearOperator& derivative, const LinearOperator& all, std::vector<char> may_move)
+      : free(std::move(may_move)),
+        moving(derivative, std::vector<double>(free.begin(), free.end())),
+        penalty(all, free) {}
+  FreeSteps(const FreeSteps&) = delete;
+  FreeSteps& operator=(const FreeSteps&) = delete;
+
+  std::vector<char> free;
+  ScaledColumns moving;  ///< J
+  StepPenalty penalty;
 };
 
 class ThermalSolver {
@@ -168,10 +178,8 @@ class ThermalSolver {
       const CameraRaySettings how =
           rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
       const Box box = input_.unknowns->bounds();
-      SharedAssembly* const assembly = settings_.linear.assembly;
-      rays_.push_back(
-          std::make_unique<CameraRays>(assembly ? assembly->rays(views, box, how, inner_)
-                                                : draw_camera_rays(views, box, how, inner_)));
+      rays_.push_back(std::make_unique<CameraRays>(
+          rays_by(settings_.linear.assembly, views, box, how, inner_)));
       MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
       std::vector<double> absorption = input_.absorption;
       for (double& kappa : absorption) kappa *= pictures.absorption_ratio;
@@ -203,9 +211,7 @@ class ThermalSolver {
       first += weights.size();
     }
     Reconstruction& figures = result_.figures;
-    figures.left_out = static_cast<std::size_t>(std::count(weights_.begin(), weights_.end(), 0.0));
-    if (figures.left_out == figures.rows)
-      throw InputError("every pixel that sees the grid is saturated or otherwise left out");
+    count_left_out(weights_, figures);
     rows_ = static_cast<double>(figures.rows - figures.left_out);
   }
 
@@ -328,24 +334,21 @@ class ThermalSolver {
   /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
   /// them, would follow all rays again and again.
   StrengthChoice choose_linearised(const LinearOperator& derivative) const {
-    const std::size_t n = x_.size();
-    const std::vector<char> free = free_variables();
-    std::vector<double> prior(n), residual = thermal_fluxes(model_, physical(x_), inner_);
-    for (std::size_t j = 0; j < n; ++j) prior[j] = -x_[j];
+    const FreeSteps steps(derivative, penalty_, free_variables());
+    std::vector<double> prior = x_, residual = thermal_fluxes(model_, physical(x_), inner_);
+    for (double& value : prior) value = -value;
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = b_[i] - residual[i];
-    const ScaledColumns moving(derivative, std::vector<double>(free.begin(), free.end()));
-    const StepPenalty penalty(penalty_, free);
+    const LinearProblem problem{&steps.moving, residual, weights_};
     StrengthRange range = kRange;
     range.expected_misfit = expected_misfit(rows_);
     SolverOptions options;
     options.iterations = kTrialIterations;
     options.relative_change = kTrialAccuracy;
     return choose_strength(
-        {&moving, residual, weights_}, penalty, 1, settings_.linear.rule, range,
+        problem, steps.penalty, 1, settings_.linear.rule, range,
         [&](double strength, const std::vector<double>& before) {
           options.start = before;
-          return solve_cgls({&moving, residual, weights_}, {&penalty, strength, prior}, options,
-                            inner_);
+          return solve_cgls(problem, {&steps.penalty, strength, prior}, options, inner_);
         },
         inner_);
   }
@@ -401,7 +404,14 @@ class ThermalSolver {
       if (weights_[i] > 0)
         figures.chi_squared += std::pow(weights_[i] * (explained[i] - b_[i]), 2) / rows_;
     figures.explained_by_noise = explained_by_noise(figures.chi_squared * rows_, rows_);
-    add_pictures(explained);
+    std::span<const double> fluxes = explained, weights = weights_;
+    for (std::size_t c = 0; c < measured_.size(); ++c) {
+      const std::size_t own = measured_[c].flux.size();
+      add_row_pictures(input_.channels[c].measurements, *rays_[c], measured_[c].flux,
+                       fluxes.first(own), weights.first(own), figures);
+      fluxes = fluxes.subspan(own);
+      weights = weights.subspan(own);
+    }
     const auto derivative = derivative_at(x_, true);
     // Hotter means brighter for whatever a pixel sees.
     const std::vector<double> brighter = transposed_times(*derivative, explained);
@@ -427,13 +437,11 @@ class ThermalSolver {
         emission[j] += relative * relative / probes;
       }
     };
-    const std::vector<char> free = free_variables();
-    const ScaledColumns moving(derivative, std::vector<double>(free.begin(), free.end()));
-    const StepPenalty penalty(penalty_, free);
+    const FreeSteps steps(derivative, penalty_, free_variables());
     Uncertainty found;
     try {
-      found = estimate_uncertainty({&moving, b_, weights_}, {&penalty, strength_}, probes, 1,
-                                   inner_, accuracy, add_emission);
+      found = estimate_uncertainty({&steps.moving, b_, weights_}, {&steps.penalty, strength_},
+                                   probes, 1, inner_, accuracy, add_emission);
     } catch (const Cancelled&) {
       result_.figures.complete = false;
       return;
@@ -447,27 +455,6 @@ class ThermalSolver {
       if (!thick()) continue;
       estimate.absorption_deviation.push_back(estimate.absorption[j] * found.deviation[n + j]);
       result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
-    }
-  }
-
-  void add_pictures(const std::vector<double>& explained) {
-    std::size_t i = 0;
-    for (std::size_t c = 0; c < input_.channels.size(); ++c) {
-      const std::size_t first = result_.figures.explained.size();
-      for (const Measurement& m : input_.channels[c].measurements) {
-        result_.figures.explained.emplace_back(m.window.width, m.window.height);
-        result_.figures.residual.emplace_back(m.window.width, m.window.height);
-      }
-      for (const CameraRays::Row& row : rays_[c]->rows) {
-        const auto v = static_cast<std::size_t>(row.view);
-        const PixelWindow& window = input_.channels[c].measurements[v].window;
-        const int column = row.column - window.x, line = row.row - window.y;
-        result_.figures.explained[first + v].at(column, line) = static_cast<float>(explained[i]);
-        if (weights_[i] > 0)
-          result_.figures.residual[first + v].at(column, line) =
-              static_cast<float>(b_[i] - explained[i]);
-        ++i;
-      }
     }
   }
 
@@ -491,14 +478,14 @@ class ThermalSolver {
 ThermalReconstruction reconstruct_thermal(const ThermalInput& input,
                                           const ThermalSettings& settings,
                                           const Execution& execution) {
-  if (input.channels.empty() || input.views.empty())
-    throw UsageError("a reconstruction needs one picture for each camera and channel");
-  for (const ThermalPictures& pictures : input.channels)
-    if (pictures.measurements.size() != input.views.size())
-      throw UsageError("a reconstruction needs one picture for each camera and channel");
-  for (const ThermalPictures& pictures : input.channels)
-    if (!pictures.parts.empty() && pictures.parts.size() != input.views.size())
-      throw UsageError("the parts of the stop are those of each view");
+  const std::size_t views = input.views.size();
+  bool fits = views > 0 && !input.channels.empty(), parts_fit = true;
+  for (const ThermalPictures& pictures : input.channels) {
+    fits = fits && pictures.measurements.size() == views;
+    parts_fit = parts_fit && (pictures.parts.empty() || pictures.parts.size() == views);
+  }
+  if (!fits) throw UsageError("a reconstruction needs one picture for each camera and channel");
+  if (!parts_fit) throw UsageError("the parts of the stop are those of each view");
   if (input.absorption.empty() && input.channels.size() < 2 && !has_two_colours(input))
     throw UsageError(
         "one channel knows the emission only: give the absorption, a second channel, or filters of "

@@ -93,6 +93,41 @@ TEST(CsrMatrix, LargestSingularValueIsThatOfTheDenseMatrix) {
   EXPECT_GT(found, exact * (1 - 1e-6));
 }
 
+/// Asks for a stop as soon as it is used, and counts its uses.
+class StoppingOperator final : public LinearOperator {
+ public:
+  StoppingOperator(const LinearOperator& a, std::stop_source& stop) : a_(a), stop_(stop) {}
+  std::size_t rows() const override { return a_.rows(); }
+  std::size_t columns() const override { return a_.columns(); }
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    ++uses;
+    stop_.request_stop();
+    a_.apply(x, y);
+  }
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    a_.apply_transpose(y, x);
+  }
+  mutable int uses = 0;
+
+ private:
+  const LinearOperator& a_;
+  std::stop_source& stop_;
+};
+
+// Where rays are followed each time, thirty iterations after a stop are minutes. What some of them
+// have found still is a step that leads downhill: the step is its inverse square, and twice the
+// right one is the end of that.
+TEST(CsrMatrix, LargestSingularValueEndsSoonAfterAStop) {
+  const TwinMatrix a = random_matrix(80, 40, 0.4, 7);
+  const double exact = a.dense.jacobiSvd().singularValues()[0];
+  const auto all = make_csr_operator(a.sparse);
+  std::stop_source stop;
+  const StoppingOperator stopping(*all, stop);
+  const double found = largest_singular_value(stopping, {}, kPowerIterations, stop.get_token());
+  EXPECT_LE(stopping.uses, 4);
+  EXPECT_GT(found, exact / std::sqrt(2));
+}
+
 TEST(CsrMatrix, RefusesWhatIsNoMatrix) {
   using Matrix = CsrMatrix<float>;
   EXPECT_THROW(Matrix(3, {0, 2}, {0}, {1}), InputError);

@@ -1,10 +1,15 @@
-// Reconstructions of what a linear problem was made of: the fluxes are A x* of known samples.
+// Most fluxes are A x* of known samples, by the operator that is inverted: what is tested with them
+// is the algebra of solvers, choices and deviations, and what is said of a result. Where a test
+// claims how near the truth a result is, the fluxes are those of a grid four times finer along
+// other rays, whose error counts as noise (finer_input());
+// statistical/reconstruction_accuracy_test.cpp has pictures of the forward estimator.
 #include "plenoflame/inverse/reconstruction.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/emission_operator.h"
@@ -37,22 +42,48 @@ double glow(Vec3 p) {
 
 struct Rig {
   std::vector<CompiledScene> scenes;
-  std::unique_ptr<Unknowns> unknowns;
-  std::vector<double> truth, absorption;
+  std::unique_ptr<Unknowns> unknowns, finer;  ///< the finer ones fill the same space
+  /// What the samples are of; times the factor of the place where unknowns fade beyond the last of
+  /// them, which finer ones do not.
+  std::function<double(Vec3)> field, edge = [](Vec3) { return 1.0; };
+  std::vector<double> truth, absorption;  ///< an absorption is the same everywhere
   ReconstructionSettings settings;
 
+  void set_truth() {
+    truth.clear();
+    for (std::size_t j = 0; j < unknowns->size(); ++j) truth.push_back(field(unknowns->place(j)));
+  }
+
+  /// Of the operator that is inverted.
   ReconstructionInput input(double noise, std::uint64_t seed = 5) const {
+    return measured(*unknowns, truth, absorption, settings.rays, noise, seed);
+  }
+  /// Of the same field on the finer grid, seen along other rays, and more of them.
+  ReconstructionInput finer_input(double noise) const {
+    std::vector<double> samples, absorbing;
+    for (std::size_t j = 0; j < finer->size(); ++j) {
+      const Vec3 p = finer->place(j);
+      samples.push_back(field(p) * edge(p));
+      if (!absorption.empty()) absorbing.push_back(absorption[0] * edge(p));
+    }
+    CameraRaySettings other = settings.rays;
+    other.samples *= 8;
+    other.seed += 77;
+    return measured(*finer, samples, absorbing, other, noise, 5);
+  }
+  ReconstructionInput measured(const Unknowns& shining, const std::vector<double>& samples,
+                               const std::vector<double>& absorbing, const CameraRaySettings& how,
+                               double noise, std::uint64_t seed) const {
     ReconstructionInput in;
     in.unknowns = unknowns.get();
     in.absorption = absorption;
     for (const CompiledScene& scene : scenes) in.views.push_back({&scene, {}});
-    const CameraRays rays = draw_camera_rays(in.views, unknowns->bounds(), settings.rays);
-    const EmissionProblem problem{&rays, unknowns.get(),
-                                  absorption.empty() ? RowModel::emission : RowModel::source,
-                                  absorption};
+    const CameraRays rays = draw_camera_rays(in.views, shining.bounds(), how);
+    const EmissionProblem problem{
+        &rays, &shining, absorbing.empty() ? RowModel::emission : RowModel::source, absorbing};
     const auto a = make_emission_operator(problem, {});
     std::vector<double> b(a->rows());
-    a->apply(truth, b);
+    a->apply(samples, b);
     double largest = 0;
     for (const double value : b) largest = std::max(largest, value);
     for (const CompiledScene& scene : scenes) {
@@ -91,8 +122,16 @@ Rig ring_rig() {
   grid.rings = 9;
   grid.heights = 13;
   rig.unknowns = make_ring_unknowns(grid);
-  for (std::size_t j = 0; j < rig.unknowns->size(); ++j)
-    rig.truth.push_back(glow(rig.unknowns->place(j)));
+  rig.field = glow;
+  rig.edge = [grid](Vec3 p) {
+    return std::min(1.0, grid.rings - std::hypot(p.x - grid.base.x, p.y) / grid.radial_step);
+  };
+  grid.radial_step /= 4;
+  grid.height_step /= 4;
+  grid.rings *= 4;
+  grid.heights = 4 * (grid.heights - 1) + 1;
+  rig.finer = make_ring_unknowns(grid);
+  rig.set_truth();
   rig.settings.rays.samples = 16;
   rig.settings.iterations = 400;
   rig.settings.draws = rig.settings.probes = 0;
@@ -109,10 +148,14 @@ Rig voxel_rig(bool two) {
   lattice.index_to_world.linear = {{{{1.1e-3, 0, 0}, {0, 1.1e-3, 0}, {0, 0, 2e-3}}}};
   lattice.index_to_world.translation = {1 - 4.4e-3, -4.4e-3, -8e-3};
   rig.unknowns = make_voxel_unknowns(lattice);
-  for (std::size_t j = 0; j < rig.unknowns->size(); ++j) {
-    const Vec3 p = rig.unknowns->place(j);
-    rig.truth.push_back(glow(p) * (1 + 0.5 * std::sin(900 * (p.x - 1) + 500 * p.y)));
-  }
+  rig.field = [](Vec3 p) {
+    const double end = std::max(0.0, 1 - p.z * p.z / (8e-3 * 8e-3));
+    return end * glow(p) * (1 + 0.5 * std::sin(900 * (p.x - 1) + 500 * p.y));
+  };
+  lattice.count = {33, 33, 33};
+  lattice.index_to_world.linear = {{{{0.275e-3, 0, 0}, {0, 0.275e-3, 0}, {0, 0, 0.5e-3}}}};
+  rig.finer = make_voxel_unknowns(lattice);
+  rig.set_truth();
   rig.settings.rays.samples = 16;
   rig.settings.iterations = 200;
   rig.settings.draws = rig.settings.probes = 0;
@@ -120,9 +163,9 @@ Rig voxel_rig(bool two) {
   return rig;
 }
 
-// Without noise and without a penalty the rings come back; with 1 % of noise the discrepancy
-// principle leaves as much as the noise. Fails when rows are not weighted alike in A and b.
-TEST(Reconstruction, RingsFromOneCamera) {
+// Algebra: without noise and without a penalty the rings come back. Fails when rows are not
+// weighted alike in A and b.
+TEST(Reconstruction, RingsOfTheirOwnRows) {
   Rig rig = ring_rig();
   rig.settings.penalty = ReconstructionPenalty::none;
   rig.settings.iterations = 4000;
@@ -130,18 +173,23 @@ TEST(Reconstruction, RingsFromOneCamera) {
   EXPECT_LT(rig.error(exact.values), 0.01);
   EXPECT_EQ(exact.unseen, 0u);
   EXPECT_TRUE(exact.stored);
+}
 
-  rig.settings.penalty = ReconstructionPenalty::gradient;
-  rig.settings.iterations = 400;
-  const Reconstruction noisy = reconstruct(rig.input(0.01), rig.settings);
+// Of a finer flame with 0.3 % of noise the discrepancy principle leaves as much as the noise, that
+// of the rays included, and what is found is near the truth.
+TEST(Reconstruction, RingsFromOneCamera) {
+  Rig rig = ring_rig();
+  rig.settings.ray_noise = true;
+  rig.settings.rays.samples = 256;  // 16 of them err by 10 % of a row
+  const ReconstructionInput input = rig.finer_input(0.003);
+  const Reconstruction noisy = reconstruct(input, rig.settings);
   EXPECT_LT(rig.error(noisy.values), 0.12);
   EXPECT_TRUE(relative(noisy.chi_squared, 1, 0.1));
   EXPECT_GT(noisy.strength, 0);
   EXPECT_GE(noisy.trials.size(), 4u);
   // A penalty that is a thousand times as strong flattens what is seen.
   rig.settings.strength = 1000 * noisy.strength;
-  EXPECT_GT(rig.error(reconstruct(rig.input(0.01), rig.settings).values),
-            2 * rig.error(noisy.values));
+  EXPECT_GT(rig.error(reconstruct(input, rig.settings).values), 2 * rig.error(noisy.values));
 }
 
 // Stored and followed again: the same solution; the same to the bit for any number of threads.
@@ -168,8 +216,9 @@ TEST(Reconstruction, TwoCamerasKnowMoreThanOne) {
   Rig one = voxel_rig(false), two = voxel_rig(true);
   one.settings.probes = two.settings.probes = 4;
   one.settings.strength = two.settings.strength = 3e-5;
-  const Reconstruction single = reconstruct(one.input(0.01), one.settings),
-                       both = reconstruct(two.input(0.01), two.settings);
+  one.settings.ray_noise = two.settings.ray_noise = true;
+  const Reconstruction single = reconstruct(one.finer_input(0.01), one.settings),
+                       both = reconstruct(two.finer_input(0.01), two.settings);
   EXPECT_LT(two.error(both.values), 0.7 * one.error(single.values));
   EXPECT_GT(both.resolved_unknowns, 1.3 * single.resolved_unknowns);
   for (const double r : both.resolved) EXPECT_TRUE(r >= 0 && r <= 1);
@@ -186,9 +235,7 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
   wide.rings = 20;
   wide.heights = 13;
   rig.unknowns = make_ring_unknowns(wide);
-  rig.truth.clear();
-  for (std::size_t j = 0; j < rig.unknowns->size(); ++j)
-    rig.truth.push_back(glow(rig.unknowns->place(j)));
+  rig.set_truth();
   rig.settings.strength = 1e-4;
   const auto outside = [&](const Reconstruction& found) {
     double lost = 0, beyond = 0;
@@ -214,7 +261,8 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
   EXPECT_LT(left, 0.03 * kSeeds * 104);
 }
 
-// Stated deviations against the scatter of reconstructions of independent noise.
+// Algebra: stated deviations against the scatter of reconstructions of independent noise; against
+// the truth of rendered pictures statistical/pulls_of_examples.cpp holds them.
 TEST(Reconstruction, DeviationsAreThoseOfRepeatedMeasurements) {
   Rig rig = ring_rig();
   rig.settings.strength = 1e-4;
@@ -313,9 +361,7 @@ TEST(Reconstruction, UnknownsThatNothingSeesStayEmpty) {
   high.rings = 9;
   high.heights = 61;
   rig.unknowns = make_ring_unknowns(high);
-  rig.truth.clear();
-  for (std::size_t j = 0; j < rig.unknowns->size(); ++j)
-    rig.truth.push_back(glow(rig.unknowns->place(j)));
+  rig.set_truth();
   rig.settings.support = false;
   rig.settings.iterations = 5;
   const ReconstructionInput input = rig.input(0.01);
@@ -460,20 +506,23 @@ TEST(Reconstruction, TemperaturesWhereTheAbsorptionIsKnown) {
   Rig rig = ring_rig();
   const SourceFunction source = channel_source(rig.scenes[0].scene, 0);
   rig.absorption.assign(rig.truth.size(), 30);
-  for (std::size_t j = 0; j < rig.truth.size(); ++j)
-    rig.truth[j] = source(1600 + 100 * std::cos(400 * rig.unknowns->place(j).z));
+  rig.field = [&](Vec3 p) { return source(1600 + 100 * std::cos(400 * p.z)); };
+  rig.set_truth();
   rig.settings.support = false;
-  const Reconstruction found = reconstruct(rig.input(0.002), rig.settings);
+  rig.settings.ray_noise = true;
+  rig.settings.rays.samples = 64;
+  const Reconstruction found = reconstruct(rig.finer_input(0.002), rig.settings);
   const FlameEstimate estimate = estimate_flame(found, *rig.unknowns, rig.absorption, source);
-  double worst = 0;
+  double away = 0, volume = 0;
   for (std::size_t j = 0; j < rig.truth.size(); ++j) {
     const std::size_t ring = j / 13;
     if (ring == 0 || ring > 7) continue;
     const double t = 1600 + 100 * std::cos(400 * rig.unknowns->place(j).z);
-    worst = std::max(worst, std::fabs(estimate.temperature[j] / t - 1));
+    away += rig.unknowns->volume(j) * std::fabs(estimate.temperature[j] / t - 1);
+    volume += rig.unknowns->volume(j);
     EXPECT_TRUE(relative(estimate.emission[j], 30 * found.values[j], 1e-12));
   }
-  EXPECT_LT(worst, 0.03);
+  EXPECT_LT(away, 0.02 * volume);  // 1600 K everywhere would err by 0.04
 }
 
 // A pixel that is left out, with a value that is far off, changes nothing; an unknown that no ray

@@ -1,4 +1,7 @@
-// Temperatures and absorptions back from fluxes of known ones.
+// Temperatures and absorptions back from fluxes of known ones. Tests of deviations, bounds and
+// stops take those of the model that is solved (input()): they are about its algebra. How near the
+// truth results are is told of a flame on rings of a quarter of the width along other rays
+// (finer_input()), whose error counts as noise.
 #include "plenoflame/inverse/thermal_reconstruction.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +23,9 @@ namespace {
 struct RoundFlame {
   static constexpr int kRings = 8, kHeights = 8;
   std::vector<CompiledScene> scenes;
-  std::unique_ptr<Unknowns> unknowns;
-  std::vector<double> temperature, absorption;
+  std::unique_ptr<Unknowns> unknowns, finer;  ///< the finer ones fill the same space
+  /// [K] and logarithms of 1/m at the finer unknowns; both fade where the others do.
+  std::vector<double> temperature, absorption, finer_values;
   ThermalSettings settings;
 
   explicit RoundFlame(double thickest) {
@@ -37,11 +41,31 @@ struct RoundFlame {
     grid.rings = kRings;
     grid.heights = kHeights;
     unknowns = make_ring_unknowns(grid);
-    for (std::size_t j = 0; j < unknowns->size(); ++j) {
-      const Vec3 p = unknowns->place(j);
+    const auto temperature_at = [](Vec3 p) {
       const double r = std::hypot(p.x - 1, p.y) / 4e-3, z = p.z / 6e-3;
-      temperature.push_back(1500 + 250 * std::exp(-6 * (r - 0.5) * (r - 0.5)) + 60 * z);
-      absorption.push_back(thickest * (0.35 + 0.65 * std::exp(-5 * (r - 0.6) * (r - 0.6))));
+      return 1500 + 250 * std::exp(-6 * (r - 0.5) * (r - 0.5)) + 60 * z;
+    };
+    const auto absorption_at = [thickest](Vec3 p) {
+      const double r = std::hypot(p.x - 1, p.y) / 4e-3;
+      return thickest * (0.35 + 0.65 * std::exp(-5 * (r - 0.6) * (r - 0.6)));
+    };
+    for (std::size_t j = 0; j < unknowns->size(); ++j) {
+      temperature.push_back(temperature_at(unknowns->place(j)));
+      absorption.push_back(absorption_at(unknowns->place(j)));
+    }
+    const double step = grid.radial_step;
+    grid.radial_step /= 4;
+    grid.height_step /= 4;
+    grid.rings *= 4;
+    grid.heights = 4 * (grid.heights - 1) + 1;
+    finer = make_ring_unknowns(grid);
+    const std::size_t n = finer->size();
+    finer_values.resize(2 * n);
+    for (std::size_t j = 0; j < n; ++j) {
+      const Vec3 p = finer->place(j);
+      const double edge = std::min(1.0, kRings - std::hypot(p.x - 1, p.y) / step);
+      finer_values[j] = edge * temperature_at(p);
+      finer_values[n + j] = std::log(edge * absorption_at(p));
     }
     settings.linear.rays.samples = 16;
     settings.linear.iterations = 200;
@@ -51,12 +75,21 @@ struct RoundFlame {
     settings.linear.support = false;
   }
 
+  /// Of the model that is solved, along its rays.
   ThermalInput input(double noise, std::uint64_t seed = 3) const {
+    std::vector<double> x = temperature;
+    for (const double kappa : absorption) x.push_back(std::log(kappa));
+    return measured(*unknowns, x, settings.linear.rays, noise, seed);
+  }
+  /// Of the finer flame.
+  ThermalInput finer_input(double noise) const {
+    return measured(*finer, finer_values, settings.linear.rays, noise, 3);
+  }
+  ThermalInput measured(const Unknowns& shining, const std::vector<double>& x,
+                        const CameraRaySettings& all, double noise, std::uint64_t seed) const {
     ThermalInput in;
     in.unknowns = unknowns.get();
     in.views = {{&scenes[0], {}}};
-    std::vector<double> x = temperature;
-    for (const double kappa : absorption) x.push_back(std::log(kappa));
     const SensorSpec& sensor = scenes[0].scene.camera.sensor;
     for (std::size_t c = 0; c < 2; ++c) {
       ThermalPictures pictures;
@@ -64,11 +97,11 @@ struct RoundFlame {
       pictures.source = channel_source(scenes[0].scene, c);
       pictures.absorption_ratio = c == 0 ? 1 : 650.0 / 850;
       // Each channel has rays of its own.
-      CameraRaySettings how = settings.linear.rays;
+      CameraRaySettings how = all;
       how.seed += c;
-      const CameraRays rays = draw_camera_rays(in.views, unknowns->bounds(), how);
+      const CameraRays rays = draw_camera_rays(in.views, shining.bounds(), how);
       ThermalModel model;
-      model.unknowns = unknowns.get();
+      model.unknowns = &shining;
       model.channels = {{&rays, pictures.source, pictures.absorption_ratio}};
       const std::vector<double> b = thermal_fluxes(model, x);
       double largest = 0;
@@ -125,7 +158,7 @@ TEST(ThermalReconstruction, WhatIsHeldAtABoundHasNoDeviation) {
 // Fails when the absorption of the wrong side counts.
 TEST(ThermalReconstruction, TemperaturesOfKnownAbsorption) {
   RoundFlame flame(100);
-  ThermalInput input = flame.input(0.002);
+  ThermalInput input = flame.finer_input(0.005);
   input.channels.resize(1);
   input.absorption = flame.absorption;
   const ThermalReconstruction found = reconstruct_thermal(input, flame.settings);
@@ -138,12 +171,14 @@ TEST(ThermalReconstruction, TemperaturesOfKnownAbsorption) {
 }
 
 // Two channels tell both, thin and thick; what the two have in common is the emission, which is
-// known better than either. Fails when the second channel's absorption is that of the first.
+// known better than either. One temperature everywhere would err by 4 %. Fails when the second
+// channel's absorption is that of the first.
 TEST(ThermalReconstruction, TemperatureAndAbsorptionOfTwoChannels) {
   for (const double thickest : {20.0, 150.0}) {
     RoundFlame flame(thickest);
-    const ThermalReconstruction found = reconstruct_thermal(flame.input(0.001), flame.settings);
-    EXPECT_LT(flame.error(found.estimate.temperature, flame.temperature), 0.02) << thickest;
+    const ThermalReconstruction found =
+        reconstruct_thermal(flame.finer_input(0.01), flame.settings);
+    EXPECT_LT(flame.error(found.estimate.temperature, flame.temperature), 0.025) << thickest;
     EXPECT_LT(flame.error(found.estimate.absorption, flame.absorption), 0.2) << thickest;
     EXPECT_TRUE(relative(found.figures.chi_squared, 1, 0.1)) << thickest;
     EXPECT_EQ(found.figures.explained.size(), 2u);

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 namespace plenoflame {
@@ -28,9 +29,12 @@ std::vector<double> operator*(const LinearOperator& a, std::span<const double> x
 /// A^T y.
 std::vector<double> transposed_times(const LinearOperator& a, std::span<const double> y);
 
+/// Within which the largest singular value is found to some per cent.
+inline constexpr int kPowerIterations = 30;
 /// The largest singular value of W A, from below, by power iterations from a fixed start.
 /// @param weights of the rows; empty: all 1
+/// @param stop ends them early, with what some of them have found
 double largest_singular_value(const LinearOperator& a, std::span<const double> weights,
-                              int iterations = 30);
+                              int iterations = kPowerIterations, const std::stop_token& stop = {});
 
 }  // namespace plenoflame

@@ -37,6 +37,10 @@ class SharedAssembly {
   std::vector<char> ready_;  ///< ranks that have their cameras
 };
 
+/// draw_camera_rays(), by all ranks where there is an assembly. @param assembly nullptr: none
+CameraRays rays_by(SharedAssembly* assembly, const std::vector<CameraView>& views, const Box& box,
+                   const CameraRaySettings& settings, const Execution& execution);
+
 /// The part of a rank above 0, until rank 0 is done.
 /// @param views compiled from the scenes of rank 0, in its order @param unknowns as those of rank 0
 /// @return false when rank_message::kQuit came

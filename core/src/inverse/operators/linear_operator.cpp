@@ -38,8 +38,13 @@ std::vector<double> transposed_times(const LinearOperator& a, std::span<const do
   return x;
 }
 
+namespace {
+/// Power iterations whose value is near enough for a step by it to lead downhill.
+constexpr int kLeastIterations = 3;
+}  // namespace
+
 double largest_singular_value(const LinearOperator& a, std::span<const double> weights,
-                              int iterations) {
+                              int iterations, const std::stop_token& stop) {
   // Signs beside a constant: not orthogonal to the leading vector of a matrix without negative
   // entries, nor to one of differences.
   SignSequence signs(2);
@@ -55,6 +60,7 @@ double largest_singular_value(const LinearOperator& a, std::span<const double> w
     value = norm(y);
     scale_by(weights, y);
     a.apply_transpose(y, x);
+    if (stop.stop_requested() && i + 1 >= kLeastIterations) break;
   }
   return value;
 }

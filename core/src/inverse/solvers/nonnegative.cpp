@@ -64,7 +64,8 @@ Solution solve_nnls(const LinearProblem& problem, const Regularisation& regulari
   const std::size_t columns = problem.a->columns();
   check_options(options, columns);
   check_regularisation(regularisation, columns);
-  const double largest = largest_singular_value(StackedOperator(problem, regularisation), {});
+  const double largest = largest_singular_value(StackedOperator(problem, regularisation), {},
+                                                kPowerIterations, execution.stop);
   std::vector<double> x = options.start.empty() ? std::vector<double>(columns, 0.0) : options.start;
   for (double& value : x) value = std::max(value, 0.0);
   Iteration iteration(options, execution);

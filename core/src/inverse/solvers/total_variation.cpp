@@ -29,7 +29,8 @@ Solution solve_total_variation(const LinearProblem& problem, const LinearOperato
   check_regularisation({&gradient, strength}, columns);
   if (gradient.rows() % 3 != 0)
     throw UsageError("total variation wants the rows of its gradient in groups of three");
-  const double norm_a = kNormRoom * largest_singular_value(*problem.a, problem.weights);
+  const double norm_a = kNormRoom * largest_singular_value(*problem.a, problem.weights,
+                                                           kPowerIterations, execution.stop);
   const double norm_g = kNormRoom * largest_singular_value(gradient, {});
   std::vector<double> x = options.start.empty() ? std::vector<double>(columns, 0.0) : options.start;
   for (double& value : x) value = std::max(value, 0.0);

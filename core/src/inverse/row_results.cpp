@@ -1,0 +1,33 @@
+#include "inverse/row_results.h"
+
+#include <algorithm>
+
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+
+void count_left_out(std::span<const double> weights, Reconstruction& result) {
+  result.left_out = static_cast<std::size_t>(std::count(weights.begin(), weights.end(), 0.0));
+  if (result.left_out == weights.size())
+    throw InputError("every pixel that sees the grid is saturated or otherwise left out");
+}
+
+void add_row_pictures(const std::vector<Measurement>& measurements, const CameraRays& rays,
+                      std::span<const double> flux, std::span<const double> explained,
+                      std::span<const double> weights, Reconstruction& result) {
+  const std::size_t first = result.explained.size();
+  for (const Measurement& measurement : measurements) {
+    result.explained.emplace_back(measurement.window.width, measurement.window.height);
+    result.residual.emplace_back(measurement.window.width, measurement.window.height);
+  }
+  for (std::size_t i = 0; i < rays.rows.size(); ++i) {
+    const auto v = static_cast<std::size_t>(rays.rows[i].view);
+    const PixelWindow& window = measurements[v].window;
+    const int column = rays.rows[i].column - window.x, row = rays.rows[i].row - window.y;
+    result.explained[first + v].at(column, row) = static_cast<float>(explained[i]);
+    if (weights[i] > 0)
+      result.residual[first + v].at(column, row) = static_cast<float>(flux[i] - explained[i]);
+  }
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,21 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/inverse/measurement.h"
+#include "plenoflame/inverse/reconstruction.h"
+
+/// The part of a result that is told of rows, whatever their model is.
+namespace plenoflame {
+
+/// Counts the rows that have no weight. @throws InputError where there is no other
+void count_left_out(std::span<const double> weights, Reconstruction& result);
+
+/// Adds one picture for each view of what is explained and of what is not, at the first pixel of
+/// each row. @param flux, explained [W] of the rows @param weights 0: the row is left out
+void add_row_pictures(const std::vector<Measurement>& measurements, const CameraRays& rays,
+                      std::span<const double> flux, std::span<const double> explained,
+                      std::span<const double> weights, Reconstruction& result);
+
+}  // namespace plenoflame
