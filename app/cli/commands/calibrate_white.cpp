@@ -379,7 +379,7 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option(
           "WHITE", a->white,
-          "White pictures (.tif, .png, .pgm, numbers without header), averaged. N=FILE: one "
+          "White pictures (.tif, .png, .pgm, .jpg, numbers without header), averaged. N=FILE: one "
           "at f/N. Or centres that another program found: a .csv of column,row, pixel (0, 0) "
           "having its centre at 0.5, 0.5")
       ->required();
