@@ -242,6 +242,7 @@ class Import(CommandTest):
         size = struct.pack(">HH", HEIGHT, WIDTH)
         refused("a.jpg", packed.replace(size, struct.pack(">HH", 30000, 30000)), "cut off")
         refused("a.dat", b"x" * 100, "--size")
+        refused("a.exr", b"\x76\x2f\x31\x01" + b"x" * 100, "needs no import")
         refused("a.dat", b"", "empty")
         refused("a.dat", b"x" * 100, "100 bytes", "--size", "10x8", "--bits", "12")
         refused("a.dat", b"\xff" * 16, "largest of 12", "--size", "4x2", "--bits", "12")

@@ -61,7 +61,8 @@ class MeasuredPyrometry(CommandTest):
         self.light = [[white[y][x] / most * random.uniform(0.8, 1) for x in range(WIDTH)] for y in range(HEIGHT)]
         self.recorded("white.tif", lambda x, y: 1500 * self.light[y][x], frames=8)
         self.recorded("dark.tif", lambda x, y: 0, frames=8)
-        self.bad, self.full = [(17, 21), (60, 43), (61, 43)], [(33, 33), (34, 33)]
+        lit = [(x, y) for y in range(HEIGHT) for x in range(35, WIDTH) if self.light[y][x] > 0.5]
+        self.bad, self.full = lit[100:102] + [lit[700]], lit[400:402]
         self.write("bad.csv", "column,row\n" + "".join(f"{x},{y}\n" for x, y in self.bad))
         for name, (wavelength, brightest, long, short) in CHANNELS.items():
             self.recorded(f"bb-{name}.tif", lambda x, y, b=brightest * long: b * self.light[y][x], frames=8)

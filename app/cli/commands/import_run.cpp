@@ -329,6 +329,7 @@ class ImportRun {
   void add(const ImportSummary& part) {
     ++pictures_;
     summary_.negative += part.negative;
+    summary_.too_dark = std::max(summary_.too_dark, part.too_dark);
     summary_.largest = std::max(summary_.largest, part.largest);
     summary_.white_correction = std::max(summary_.white_correction, part.white_correction);
     summary_.dark_level += (part.dark_level - summary_.dark_level) / pictures_;
@@ -498,8 +499,14 @@ class ImportRun {
                summary_.largest);
     report.add("saturated pixels", std::to_string(summary_.saturated), "saturated",
                summary_.saturated);
-    report.add("defective pixels", std::to_string(summary_.defective), "defective",
-               summary_.defective);
+    report.add("defective pixels",
+               std::to_string(summary_.defective) +
+                   (summary_.too_dark > 0 ? ", of which " + std::to_string(summary_.too_dark) +
+                                                " are too dark in the white picture or flat field "
+                                                "(dirt, edges of micro-images)"
+                                          : ""),
+               "defective", summary_.defective);
+    report.add_json("too_dark", summary_.too_dark);
     if (summary_.white_correction > 0)
       report.add("white correction", readable_percent(summary_.white_correction) + " RMS",
                  "white_correction", summary_.white_correction);

@@ -138,6 +138,10 @@ void read_raw_pictures(const std::string& path, const RawLayout& layout,
     take(picture_of_pgm(path, bytes));
   } else if (begins("\xff\xd8\xff")) {
     take(read_jpeg_picture(path, bytes));
+  } else if (begins("\x76\x2f\x31\x01")) {
+    refuse_picture(path,
+                   "an OpenEXR file is no camera's picture; a light field (.exr) is there "
+                   "already and needs no import");
   } else if (layout.width > 0) {
     read_headerless(path, bytes, layout, take);
   } else if (bytes.empty()) {
