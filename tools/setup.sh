@@ -18,6 +18,7 @@ core          libopenexr-dev           light-field images (EXR)
 core          libimath-dev             half floats and boxes of OpenEXR
 core          libpng-dev               developed pictures
 core          libtiff-dev              sensor frames (TIFF)
+core          libjpeg-dev              pictures of cameras that were saved as JPEG
 core          zlib1g-dev               compression of PNG and EXR, npz exports
 core          libpugixml-dev           exports as XML
 core          libhdf5-dev              exports as HDF5

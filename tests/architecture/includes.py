@@ -16,6 +16,7 @@ LIBRARIES = {
     "OpenEXR": re.compile(r"(OpenEXR/|Imath/|Imf|Iex|IlmThread|Imath|half\.h)"),
     "libpng": re.compile(r"png\.h$"),
     "libtiff": re.compile(r"tiffio\.h$"),
+    "libjpeg": re.compile(r"jpeglib\.h$"),
     "zlib": re.compile(r"zlib\.h$"),
     "pugixml": re.compile(r"pugixml\.hpp$"),
     "HDF5": re.compile(r"hdf5\.h$"),
@@ -40,7 +41,7 @@ LIBRARIES = {
 }
 STANDARD = re.compile(r"[a-z_0-9]+$")
 
-CORE_SRC = {"OpenEXR", "libpng", "libtiff", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "POSIX"}
+CORE_SRC = {"OpenEXR", "libpng", "libtiff", "libjpeg", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
 CLI = {"Cairo", "CLI11", "NLopt", "nlohmann-json", "fmt", "POSIX"}
 SHARED = {"Cairo", "nlohmann-json", "fmt", "POSIX"}

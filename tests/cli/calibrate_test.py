@@ -94,6 +94,43 @@ class White(CommandTest):
         self.fails(2, "calibrate", "white", "white.tif", "-o", "a.toml", mentions="--pixel-pitch")
         self.fails(2, "calibrate", mentions="subcommand")
 
+    def test_radii_against_apertures(self):
+        words = []
+        for number in (5, 7, 10):
+            self.write("stop.toml", camera(rotation=0, offset=0).replace('"11 mm"', f'"{50 / number} mm"'))
+            self.run_command("render", "stop.toml", "-o", "w.exr", "--white", "--samples", "64", "--quiet")
+            self.run_command("develop", "w.exr", "-o", f"w{number}.tif", "--exposure", "auto")
+            words.append(f"{number}=w{number}.tif")
+        figures = self.json_of("calibrate", "white", *words, "--centres", "a.csv", "--pixel-pitch", "5.5 um")
+        # The stop's radius f / 2N, seen through a microlens from the sensor, in pixels.
+        slope = 25e-3 * 0.45e-3 / (1 / (1 / 50e-3 - 1 / 0.5)) / 5.5e-6
+        self.assertEqual(len(figures["radius_lines"]), 3)
+        for line in figures["radius_lines"]:
+            # Edges of small discs that are blurred lie within by the square of the blur over the radius, 2 % at f/10.
+            self.assertLess(abs(line["slope_pixels"] / slope - 1), 0.03, line)
+            self.assertGreater(line["rest_pixels"], 0)
+
+    def test_centres_of_another_program(self):
+        random.seed(2)
+        pitch, places = 20.3, []
+        for k in range(12):
+            for l in range(10):
+                x, y = 20 + pitch * (k + 0.5 * (l % 2)), 15 + pitch * math.sqrt(0.75) * l
+                # A lattice seen aslant: w is 1 at the picture's top left, where the pitch is that of above.
+                w = 1 + 2e-5 * x - 1e-5 * y
+                places.append((k, l, x / w + random.gauss(0, 0.02), y / w + random.gauss(0, 0.02)))
+        self.write("plain.csv", "".join(f"{x},{y}\n" for _, _, x, y in places))
+        self.write("tool.csv", "k,l,u,v\n" + "".join(f"{k},{l},{x - 0.5},{y - 0.5}\n" for k, l, x, y in places))
+        words = ("--size", "270x200", "--pixel-pitch", "5.5 um", "-o", "keys.toml", "--centres", "all.csv")
+        texts = []
+        for name in ("plain.csv", "tool.csv"):
+            figures = self.json_of("calibrate", "white", name, *words)
+            self.assertEqual((figures["lattice"], figures["used"], figures["looks"]), ("hexagonal", 120, []))
+            # Noise of both coordinates, less what 14 values of the model take of 240 numbers.
+            self.assertLess(abs(figures["rms_pixels"] / (0.02 * math.sqrt(2 * (1 - 14 / 240))) - 1), 0.2)
+            texts.append(self.read("all.csv"))
+        self.assertEqual(*texts)
+
     def test_no_lattice(self):
         random.seed(1)
         noise = [[1000 + round(random.gauss(0, 30)) for _ in range(WIDTH)] for _ in range(HEIGHT)]

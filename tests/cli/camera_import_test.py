@@ -9,6 +9,8 @@ import struct
 
 import zipfile
 
+import h5py
+
 from command import CommandTest, main
 from exr import write_light_field
 from export_scenes import GLOWING_POINT, TILTED_ARRAY, TYPE
@@ -160,6 +162,92 @@ class CameraImport(CommandTest):
         # 6.6 as an f-number would make micro-images four times as wide as the lenses.
         for line in ('diameter = "6.6 mm"', 'pitch = "300 um"', 'pitch_y = "310 um"', 'lattice = "square"'):
             self.assertIn(line, text)
+
+    def test_vox(self):
+        # The file knows the distances and the pitch; its pixels are those of the views.
+        beside = ["--set", 'camera.array.offset=10 um, -7 um', "--set", "camera.sensor.pixel_pitch=2.5um"]
+        self.scene("unfocused", "square", rotation=0)
+        self.export("plenoptomos")
+        report = self.imported("out/camera.vox", *SIZE, *beside)
+        self.assertEqual(report["formats"], ["vox"])
+        self.compare("unfocused", 1e-6)
+        # Nothing else is needed for a camera.
+        self.imported("out/camera.vox")
+        self.succeeds("render", "camera.toml", "--white", "--quiet", "-o", "white.exr")
+        self.scene("b", rotation=0.3)
+        self.succeeds("export", "raw.exr", "--format", "plenoptomos", "--name", "camera", "--force", "-o", "out")
+        self.imported("out/camera.vox", *SIZE, *beside, "--set", "camera.array.lattice=hexagonal",
+                      "--set", "camera.array.rotation=0.3deg")
+        self.compare("b", 1e-6)
+
+    def test_vox_of_the_tool(self):
+        # As plenoptomos itself writes them: single precision, sizes as 0 that it does not know, an f-number.
+        def write(name, change=None):
+            with h5py.File(self.path(name), "w") as file:
+                file.attrs["description"], file.attrs["version"] = "VoxelDataFormat", "v0"
+                file["data/image"] = [[1.0]]
+                file["data/image"].attrs["mode"] = "raw"
+                camera = file.create_group("instrument/camera")
+                values = {"micro_lens/size": [15, 15], "micro_lens/physical_size": [0.31, 0.3],
+                          "micro_lens/micro_image_size": [0, 0], "micro_lens/f2": 18.6, "micro_lens/aperture": 0.3,
+                          "micro_lenses_array/size": [10, 20], "micro_lenses_array/position": [0, 0, 400],
+                          "main_lens/pixel_size": [1, 1], "main_lens/f1": 200, "main_lens/aperture": 30,
+                          "sensor/size": [100, 200], "sensor/pixel_size": [0.0065, 0.00645],
+                          "sensor/position": [0, 0, 418.6]}
+                values.update(change or {})
+                for path, value in values.items():
+                    camera.create_dataset(path, data=value, dtype="i" if path.endswith("/size") else "f")
+        write("lab.vox")
+        self.imported("lab.vox")
+        with open(self.path("camera.toml"), encoding="utf-8") as file:
+            text = file.read()
+        for key, expected in (("columns", 200), ("rows", 100)):
+            self.assertIn(f"{key} = {expected}\n", text)
+        for key, expected in (("pitch", 300e-6), ("pitch_y", 310e-6), ("pixel_pitch", 6.45e-6), ("diameter", 200e-3 / 30),
+                              ("lens_distance", 0.4), ("sensor_distance", 18.6e-3)):
+            value, unit = next(line for line in text.splitlines() if line.startswith(key + " = ")).split('"')[1].split()
+            # Single precision, after the difference of two places.
+            self.assertLess(abs(float(value) * {"mm": 1e-3, "um": 1e-6, "m": 1, "cm": 1e-2}[unit] / expected - 1), 1e-5, key)
+        for change, mentions in (({"main_lens/f1": math.nan}, "main_lens/f1 is no finite"),
+                                 ({"sensor/size": [1, 2, 3]}, "sensor/size is not 2 numbers"),
+                                 ({"sensor/position": [0, 0, 300]}, "does not stand behind")):
+            write("bad.vox", change)
+            before = self.read("camera.toml")
+            self.fails(1, "camera", "import", "bad.vox", "-o", "camera.toml", mentions=["bad.vox", mentions])
+            self.assertEqual(self.read("camera.toml"), before)
+
+    def test_lf_toolbox(self):
+        for types, lattice, tolerance in (("b", "hexagonal", 1e-6), ("unfocused", "square", 1e-6)):
+            self.scene(types, lattice, rotation=-1.5)
+            self.succeeds("export", "raw.exr", "--format", "view-grid", "--name", "camera", "--force", "-o", "out")
+            report = self.imported("out/views.json", *OPTICS, *SIZE, *focal([types]))
+            self.assertEqual(report["formats"], ["lf-toolbox"])
+            self.compare(types, tolerance)
+        # That tool counts pixels from 1, from the top left, and shifts every second row.
+        self.write("white.grid.json", json.dumps({"LensletGridModel": {
+            "HSpacing": 33, "VSpacing": 33 * math.sqrt(0.75), "HOffset": 20.0, "VOffset": 15.5, "Rot": 0, "UMax": 11,
+            "VMax": 10, "FirstPosShiftRow": 2, "Orientation": "horz"}}))
+        self.imported("white.grid.json", *OPTICS, *SIZE, *focal(["b"]))
+        centres = [image[:2] for image in self.images("--scene", "camera.toml")]
+        for expected in ((19.5, 15), (19.5 + 33, 15), (19.5 + 16.5, 15 + 33 * math.sqrt(0.75))):
+            self.assertLess(min(math.dist(expected, centre) for centre in centres) / 33, 1e-6)
+
+    def test_whole_scenes_come_back(self):
+        self.scene(decentre=(0.2, -0.1), tilt=(0.5, -0.8), array_tilt=(-0.3, 0.2))
+        self.export("hdf5")
+        report = self.imported("out/camera.h5")
+        self.assertEqual(report["formats"], ["hdf5"])
+        self.compare("abc", 1e-9)
+        self.succeeds("export", "raw.exr", "--format", "npz", "--name", "camera", "-o", "npz")
+        self.write("camera.toml", self.read("npz/camera.toml"))
+        self.compare("abc", 1e-9)
+        self.fails(1, "camera", "import", "out/camera.h5", "out/camera.h5", "-o", "b.toml", mentions=["alone"])
+        with h5py.File(self.path("other.h5"), "w") as file:
+            file["x"] = [1.0]
+        self.fails(1, "camera", "import", "other.h5", "-o", "b.toml", mentions=["other.h5", "known are libpleno"])
+        self.write("cut.h5", self.read("out/camera.h5")[:3000])
+        self.fails(1, "camera", "import", "cut.h5", "-o", "b.toml", mentions=["cut.h5"])
+        self.assertNotIn("b.toml", self.files())
 
     def test_missing_values_are_all_named(self):
         self.scene()

@@ -422,6 +422,14 @@ class Export(CommandTest):
         self.check_views(views, self.offsets(3))
         model = description["LensletGridModel"]
         self.assertLess(abs(model["HSpacing"] / (20 * (1 + 0.5e-3 / D)) - 1), 1e-3)
+        # LFToolbox counts pixels from 1: every centre is one of a microlens, and the first is the top left one.
+        pitch = 20 * (1 + 0.5e-3 / D)
+        for u, v in ((0, 0), (model["UMax"] - 1, model["VMax"] - 1)):
+            x, y = (model["HOffset"] - 0.5 + u * pitch, model["VOffset"] - 0.5 + v * pitch)
+            for place, middle, size in ((x, 300, 600), (y, 240, 480)):
+                lens = (place - middle) / pitch + 0.5
+                self.assertLess(abs(lens - round(lens)), 0.01)
+                self.assertTrue(0 <= place < size and (place < pitch or place > size - pitch), (u, v, place))
         geometry = description["geometry"]
         self.assertLess(abs(geometry["focus_distance_m"] - 1), 0.01)
         offsets = [[description["views"][3 * v + u]["offset_px"] for u in range(3)] for v in range(3)]

@@ -7,7 +7,7 @@ import struct
 
 from command import CommandTest, main
 from exr import read_exr
-from raw_pictures import headerless, pgm, png, tiff
+from raw_pictures import headerless, jpeg, pgm, png, tiff
 
 WIDTH, HEIGHT = 37, 23
 
@@ -103,6 +103,22 @@ class Import(CommandTest):
             self.write(f"{c}.tif", tiff([plane]))
         images = self.imported("650nm=650.tif", "550nm=550.tif", "--camera", "a.toml", "--unit", "DN")[1]
         self.assertEqual((images["650nm"], images["550nm"]), (planes[0], planes[1]))
+
+    def test_jpeg_is_read_with_a_warning(self):
+        def picture(blocks, c=None):
+            return [[blocks[y // 8][x // 8] if c is None else blocks[y // 8][x // 8][c] for x in range(WIDTH)]
+                    for y in range(HEIGHT)]
+        self.write("a.toml", camera("bits = 8\n"))
+        blocks = [[(37 * x + 91 * y) % 256 for x in range(5)] for y in range(3)]
+        blocks[0][1], blocks[2][4] = 0, 255
+        self.assertEqual(self.counts_of("a.jpg", jpeg(blocks, WIDTH, HEIGHT)), picture(blocks))
+        self.assertIn("'a.jpg' was packed with losses", self.warnings)
+        self.assertEqual(self.warnings.count("warning:"), 1)
+        self.write("c.toml", camera("bits = 8\n", channels=(650, 550, 450)))
+        blocks = [[(9 * x, 255 - 11 * y, 100 + x * y) for x in range(5)] for y in range(3)]
+        self.write("c.jpg", jpeg(blocks, WIDTH, HEIGHT))
+        images = self.imported("c.jpg", "--camera", "c.toml", "--unit", "DN")[1]
+        self.assertEqual([images[f"{name}nm"] for name in (650, 550, 450)], [picture(blocks, c) for c in range(3)])
 
     def test_turned(self):
         rows = numbers(8)
@@ -219,8 +235,14 @@ class Import(CommandTest):
         huge = tiff([[[0]]]).replace(struct.pack("<HHII", 256, 4, 1, 1), struct.pack("<HHII", 256, 4, 1, 30000))
         refused("a.tif", huge.replace(struct.pack("<HHII", 257, 4, 1, 1), struct.pack("<HHII", 257, 4, 1, 30000)),
                 "cut off")
-        refused("a.jpg", b"\xff\xd8\xff\xe0" + b"x" * 100, ["JPEG", "TIFF or PNG"])
+        refused("a.jpg", b"\xff\xd8\xff\xe0" + b"x" * 100, ["a.jpg", "damaged JPEG"])
+        packed = jpeg([[50 + 20 * x + y for x in range(5)] for y in range(3)], WIDTH, HEIGHT)
+        refused("a.jpg", packed[:-8], ["a.jpg", "damaged JPEG, or cut off"])
+        refused("a.jpg", packed[:len(packed) // 2], ["a.jpg", "damaged JPEG, or cut off"])
+        size = struct.pack(">HH", HEIGHT, WIDTH)
+        refused("a.jpg", packed.replace(size, struct.pack(">HH", 30000, 30000)), "cut off")
         refused("a.dat", b"x" * 100, "--size")
+        refused("a.exr", b"\x76\x2f\x31\x01" + b"x" * 100, "needs no import")
         refused("a.dat", b"", "empty")
         refused("a.dat", b"x" * 100, "100 bytes", "--size", "10x8", "--bits", "12")
         refused("a.dat", b"\xff" * 16, "largest of 12", "--size", "4x2", "--bits", "12")

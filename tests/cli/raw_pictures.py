@@ -1,4 +1,4 @@
-"""Writes pictures as cameras do: TIFF, PNG, PGM and numbers without header, with the standard library only.
+"""Writes pictures as cameras do: TIFF, PNG, PGM, JPEG and numbers without header, with the standard library only.
 
 Written from the formats' documentation, so that the tests share no code with what they test.
 """
@@ -93,6 +93,38 @@ def png(rows, bits=16, significant=0):
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)) +
             (chunk(b"sBIT", bytes([significant])) if significant else b"") +
             chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
+
+
+def jpeg(blocks, width, height):
+    """A baseline JPEG whose pixels are exact: each block of 8 x 8 has one value (or three: red, green, blue), which is its
+    first coefficient alone, undivided."""
+    colours = len(blocks[0][0]) if isinstance(blocks[0][0], tuple) else 1
+
+    def segment(marker, content):
+        return bytes([0xff, marker]) + struct.pack(">H", len(content) + 2) + content
+    bits, before = [], [0] * colours
+    for line in blocks:
+        for block in line:
+            for c, value in enumerate(block if colours > 1 else (block,)):
+                step = 8 * (value - 128) - before[c]
+                before[c] += step
+                size = abs(step).bit_length()
+                # The number of bits, the bits (of a negative number less one), and the end of the block.
+                bits.append(format(size, "04b"))
+                if size:
+                    bits.append(format(step if step > 0 else step + (1 << size) - 1, f"0{size}b"))
+                bits.append("0")
+    stream = "".join(bits)
+    stream += "1" * (-len(stream) % 8)
+    packed = bytes(int(stream[i:i + 8], 2) for i in range(0, len(stream), 8)).replace(b"\xff", b"\xff\0")
+    parts = range(1, colours + 1)
+    return (b"\xff\xd8" + (segment(0xee, b"Adobe" + bytes([0, 100, 0, 0, 0, 0, 0])) if colours > 1 else b"") +
+            segment(0xdb, bytes([0] + 64 * [1])) +
+            segment(0xc0, struct.pack(">BHHB", 8, height, width, colours) + b"".join(bytes([p, 0x11, 0]) for p in parts)) +
+            segment(0xc4, bytes([0x00] + [0, 0, 0, 12] + 12 * [0] + list(range(12)))) +
+            segment(0xc4, bytes([0x10] + [1] + 15 * [0] + [0])) +
+            segment(0xda, bytes([colours]) + b"".join(bytes([p, 0]) for p in parts) + bytes([0, 63, 0])) +
+            packed + b"\xff\xd9")
 
 
 def pgm(rows, largest):

@@ -133,13 +133,30 @@ std::string tiff_by_hand(bool tiles) {
   return bytes;
 }
 
+/// A JPEG of 9 x 7 pixels in two blocks, grey, by hand: codes of 4 bits, one of 1 bit.
+std::string jpeg_by_hand() {
+  std::string bytes("\xff\xd8\xff\xdb\0\x43\0", 7);
+  bytes.append(64, '\1');
+  bytes.append("\xff\xc0\0\x0b\x08\0\x07\0\x09\x01\x01\x11\0", 13);
+  bytes.append("\xff\xc4\0\x1f\0\0\0\0\x0c", 9);
+  bytes.append(12, '\0');
+  for (int size = 0; size < 12; ++size) bytes += static_cast<char>(size);
+  bytes.append("\xff\xc4\0\x14\x10\x01", 6);
+  bytes.append(16, '\0');
+  bytes.append("\xff\xda\0\x08\x01\x01\0\0\x3f\0", 10);
+  // 0011 101 0, a step of 5 and the end of a block; 0000 0 111, none.
+  bytes.append("\x3a\x07\xff\xd9", 4);
+  return bytes;
+}
+
 TEST(DamagedReaders, RawPictures) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.tif");
   write_tiff(path, 9, 7, std::vector<std::uint16_t>(63, 1234), "a frame");
-  const std::vector<std::string> samples{read_bytes(path), tiff_by_hand(true), tiff_by_hand(false),
-                                         "P5\n# a camera\n9 7\n4095\n" + std::string(126, '\1'),
-                                         std::string(126, '\1')};
+  const std::vector<std::string> samples{
+      read_bytes(path),       tiff_by_hand(true),
+      tiff_by_hand(false),    "P5\n# a camera\n9 7\n4095\n" + std::string(126, '\1'),
+      std::string(126, '\1'), jpeg_by_hand()};
   RawLayout layout;
   layout.width = 9;
   layout.height = 7;
@@ -158,7 +175,7 @@ TEST(DamagedReaders, RawPictures) {
   for (const std::string& sample : samples) ASSERT_NO_THROW(read(sample));
   Random random(20261133);
   read_damaged(
-      "raw pictures (.tif, .pgm, headerless)", damaged_files_wanted(3000), samples,
+      "raw pictures (.tif, .pgm, .jpg, headerless)", damaged_files_wanted(3000), samples,
       [&](const std::string& whole) { return damage_bytes(whole, 160, random); }, read);
 }
 

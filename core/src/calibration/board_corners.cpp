@@ -181,10 +181,12 @@ class BoardFinder {
     std::vector<Meeting> meetings;
     for_pairs([&](const Meeting& meeting) { meetings.push_back(meeting); });
     if (meetings.size() < kFewestPairs)
-      throw InputError("no board is seen: " + seen_text() +
-                       ", of which hardly two lie on lines that "
-                       "meet in front of the camera; is it in focus, and the camera that of the "
-                       "picture (calibrate white)?");
+      throw InputError(
+          "no board is seen: " + seen_text() +
+          ", of which hardly two lie on lines that "
+          "meet in front of the camera; does it stand away from the plane that is sharp "
+          "on the array (where a microlens sees a point of it), is it sharp in "
+          "micro-images, and is the camera that of the picture (calibrate white)?");
     const double low = 1 / (kFar * in_focus()), high = 1 / (kNear * in_focus());
     std::array<double, kDistanceBins> bins{};
     for (const Meeting& meeting : meetings) {

@@ -220,7 +220,10 @@ class Importer {
                                                middle[static_cast<std::size_t>(colour(i))];
       if (factor > kLargestFactor) {
         // Darker than it should be by far: dirt, or an edge that the model places elsewhere.
-        if (state_[i] == 0) state_[i] = static_cast<std::uint8_t>(PixelState::defective);
+        if (state_[i] == 0) {
+          state_[i] = static_cast<std::uint8_t>(PixelState::defective);
+          ++summary_.too_dark;
+        }
         continue;
       }
       const double value = static_cast<double>(signal.value.pixels[i]);

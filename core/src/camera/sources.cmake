@@ -7,4 +7,4 @@ list(APPEND core_sources src/camera/pupil/aperture_discs.cpp src/camera/pupil/ap
   src/camera/design/camera_merit.cpp src/camera/design/lens_design.cpp src/camera/sensor_levels.cpp
   src/camera/design/window_design.cpp)
 list(APPEND core_sources src/camera/import/camera_import.cpp src/camera/import/grid_import.cpp
-  src/camera/import/libpleno_import.cpp src/camera/import/optics_import.cpp)
+  src/camera/import/libpleno_import.cpp src/camera/import/optics_import.cpp src/camera/import/hdf5_import.cpp)

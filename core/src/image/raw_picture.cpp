@@ -4,6 +4,7 @@
 #include <bit>
 #include <string_view>
 
+#include "image/jpeg_picture.h"
 #include "image/tiff_pages.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -136,18 +137,20 @@ void read_raw_pictures(const std::string& path, const RawLayout& layout,
   } else if (begins("P5")) {
     take(picture_of_pgm(path, bytes));
   } else if (begins("\xff\xd8\xff")) {
-    refuse_picture(
-        path,
-        "a JPEG has lost what a measurement needs (8 bits, a display's curve, packed with "
-        "losses); save the camera's raw numbers as TIFF or PNG of 16 bits");
+    take(read_jpeg_picture(path, bytes));
+  } else if (begins("\x76\x2f\x31\x01")) {
+    refuse_picture(path,
+                   "an OpenEXR file is no camera's picture; a light field (.exr) is there "
+                   "already and needs no import");
   } else if (layout.width > 0) {
     read_headerless(path, bytes, layout, take);
   } else if (bytes.empty()) {
     refuse_picture(path, "it is empty");
   } else {
-    refuse_picture(path,
-                   "neither TIFF, PNG nor PGM; numbers without header need their layout (--size "
-                   "WxH, --bits, --endian)");
+    refuse_picture(
+        path,
+        "neither TIFF, PNG, PGM nor JPEG; numbers without header need their layout (--size "
+        "WxH, --bits, --endian)");
   }
 }
 

@@ -31,7 +31,10 @@ void check_belongs(const LightField& picture, const Scene& scene, const std::str
   if (!(own == scene.camera))
     throw InputError(what +
                      " does not belong to the scene: it was taken by another camera (lens, array, "
-                     "focus or place differ)");
+                     "focus or place differ)" +
+                     (picture.texts.contains("import.pictures")
+                          ? "; import the pictures anew with this camera (import --camera)"
+                          : ""));
 }
 
 /// Factor from a picture's values to W.

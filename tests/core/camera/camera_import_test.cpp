@@ -100,7 +100,9 @@ TEST(CameraImport, RealRaytrixR12) {
           const double ours = outer_radius(stopped, place) / spec.sensor.pixel_pitch;
           std::printf("f/%g, focal length %.4f mm: radius %.3f pixel, measured %.3f\n", f_number,
                       focal, ours, measured);
-          // Half of it is the pixel, over which the measured edge is blurred.
+          // The tool's radii are no edges: they are 2.357 times the largest standard deviation of
+          // the light in a window of 22 pixels, of toned pictures of 8 bits, on lines of one slope
+          // over 1/N. Nobody knows the tones, so that no closer agreement means anything.
           EXPECT_LT(std::fabs(ours - measured) / measured, 0.31 / measured);
           ++types;
         }

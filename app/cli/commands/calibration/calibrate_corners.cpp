@@ -110,7 +110,7 @@ class BoardCornersRun {
     std::size_t boards = 0, corners = 0;
     nlohmann::json list = nlohmann::json::array();
     PngImage picture;
-    std::string first_reason;
+    std::vector<std::string> without;  // why pictures show no board
     for (std::size_t pose = 0; pose < arguments_.boards.size(); ++pose) {
       const std::string& file = arguments_.boards[pose];
       const Image light = light_of(read_frames({file}, arguments_.files), dark, mosaic);
@@ -118,9 +118,7 @@ class BoardCornersRun {
       try {
         found = find_board(over(light, white, file), document_.scene.camera, board_, execution);
       } catch (const InputError& error) {
-        const std::string reason = "'" + file + "': " + error.what();
-        if (first_reason.empty()) first_reason = reason;
-        warn(reason);
+        without.push_back("'" + file + "': " + error.what());
         list.push_back({{"file", file}, {"pose", pose}, {"corners", 0}, {"reason", error.what()}});
         continue;
       }
@@ -143,7 +141,8 @@ class BoardCornersRun {
       if (picture.samples.empty() && !arguments_.picture.empty())
         picture = corner_picture(light, found);
     }
-    if (boards == 0) throw InputError("no picture shows the board; the first: " + first_reason);
+    if (boards == 0) throw InputError("no picture shows the board; the first: " + without.front());
+    for (const std::string& reason : without) warn(reason);
     FileSet files;
     files.write(arguments_.output, [&](const std::string& name) { write_file(name, table); });
     if (!arguments_.picture.empty())
@@ -189,9 +188,10 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       "    --white white.tif -o corners.csv --picture seen.png\n"
       "  plenoflame calibrate geometry corners.csv --camera camera.toml -o calibrated.toml");
   command
-      .add_option("BOARD", a->boards,
-                  "Raw pictures of one board (.tif, .png, .pgm, numbers without header), each in a "
-                  "pose of its own; poses are counted from 0")
+      .add_option(
+          "BOARD", a->boards,
+          "Raw pictures of one board (.tif, .png, .pgm, .jpg, numbers without header), each in a "
+          "pose of its own; poses are counted from 0")
       ->required();
   command
       .add_option("--camera", a->camera,

@@ -260,13 +260,14 @@ class RadiometryRun {
     report.add_text("channel", scale.channel + ", " + std::to_string(fit.pixels) + " pixels");
     report.add_text("energy of a count", fmt::format("{:.5e} J +- {}", scale.joules_per_count,
                                                      readable_percent(scale.relative_error)));
-    report.add_text("at the exposure", exposure_ > 0
-                                           ? fmt::format("{:.5e} W per count in {}",
-                                                         scale.joules_per_count / exposure_,
-                                                         readable(exposure_, Dimension::time))
-                                           : "not stated");
-    report.add_text("curvature", fmt::format("{:.3e} +- {:.1e} per count", scale.curvature,
-                                             scale.curvature_error));
+    if (exposure_ > 0)
+      report.add_text("at the exposure",
+                      fmt::format("{:.5e} W per count in {}", scale.joules_per_count / exposure_,
+                                  readable(exposure_, Dimension::time)));
+    report.add_text("curvature", scale.curvature_error > 0
+                                     ? fmt::format("{:.3e} +- {:.1e} per count", scale.curvature,
+                                                   scale.curvature_error)
+                                     : "not known: taken for 0 (--white, or three temperatures)");
     nlohmann::json residuals = nlohmann::json::array();
     for (std::size_t p = 0; p < fit.sources.size(); ++p) {
       const RadiometryFit::Residual& residual = fit.sources[p];

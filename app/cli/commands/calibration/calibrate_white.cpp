@@ -148,14 +148,19 @@ class WhiteRun {
           "--size: centres do not tell how large the picture is; give it, or --camera");
     if (!arguments_.picture.empty()) throw UsageError("--picture: centres have none");
     std::vector<Vec2> centres;
-    for (const NumberRow& row : read_number_rows(file, 2, "a centre: column,row in pixels"))
-      centres.push_back({row.values[0], row.values[1]});
+    // libpleno's table has column and row of the lens first, and pixels centred on whole numbers.
+    if (read_file(file).starts_with("k,l,u,v")) {
+      for (const NumberRow& row : read_number_rows(file, 4, "a centre: k,l,u,v"))
+        centres.push_back({row.values[2] + 0.5, row.values[3] + 0.5});
+    } else {
+      for (const NumberRow& row : read_number_rows(file, 2, "a centre: column,row in pixels"))
+        centres.push_back({row.values[0], row.values[1]});
+    }
     try {
       lattice_ = lattice_of_centres(centres, frames_.width, frames_.height);
     } catch (const InputError& error) {
       throw InputError("'" + file + "': " + error.what());
     }
-    looks_.push_back(lattice_.types);
     fit_camera();
     write(Image());
     print({{0, {file}}});
@@ -379,7 +384,7 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option(
           "WHITE", a->white,
-          "White pictures (.tif, .png, .pgm, numbers without header), averaged. N=FILE: one "
+          "White pictures (.tif, .png, .pgm, .jpg, numbers without header), averaged. N=FILE: one "
           "at f/N. Or centres that another program found: a .csv of column,row, pixel (0, 0) "
           "having its centre at 0.5, 0.5")
       ->required();

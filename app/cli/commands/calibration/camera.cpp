@@ -9,6 +9,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/camera_import.h"
+#include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_settings.h"
 #include "plenoflame/scene/validate.h"
 #include "report.h"
@@ -62,6 +63,11 @@ SceneDocument parse_with(const std::string& text, const std::string& name,
   }
 }
 
+/// The scene of one camera that a file holds beside pictures.
+Scene scene_in_file(const std::string& text, const std::string& path) {
+  return for_camera(parse_embedded_scene(text, path)).scene;
+}
+
 void add_camera_rows(Report& report, const CameraSpec& spec) {
   const Camera camera(spec);
   const auto millimetres = [](double metres) {
@@ -93,9 +99,15 @@ int run_camera_import(const CameraImportArguments& arguments) {
     given.lens.diameter = given.lens.focal_length > 0 ? given.lens.focal_length / f_number : 1;
   }
   ImportedCamera found = import_camera(arguments.files, given, arguments.format);
-  if (f_number > 0) found.camera.lens.diameter = found.camera.lens.focal_length / f_number;
   Scene scene;
-  scene.camera = found.camera;
+  if (found.scene_text.empty()) {
+    scene.camera = found.camera;
+  } else {
+    const Scene whole = scene_in_file(found.scene_text, arguments.files.front());
+    scene.camera = whole.camera;
+    scene.channels = whole.channels;
+  }
+  if (f_number > 0) scene.camera.lens.diameter = scene.camera.lens.focal_length / f_number;
   // Every other key that was given replaces what was found; several types that were not are none.
   std::erase_if(values, [](const std::string& value) {
     return value.starts_with("camera.focus.object_distance=");

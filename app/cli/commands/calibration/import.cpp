@@ -13,11 +13,13 @@ void register_import(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "import", "Make a light field of a real camera's pictures",
       "plenoflame import flame-*.tif --camera camera.toml --dark dark-*.tif -o flame.exr\n"
-      "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W -o flame.exr");
+      "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W "
+      "--exposure-time 650nm=2ms --exposure-time 700nm=1ms -o flame.exr");
   command
-      .add_option("RAW", a->raw,
-                  "Frames of one scene, which are averaged: .tif, .png, .pgm, or numbers without "
-                  "header (--size). NAME=FILE: a frame of that channel")
+      .add_option(
+          "RAW", a->raw,
+          "Frames of one scene, which are averaged: .tif, .png, .pgm, .jpg, or numbers without "
+          "header (--size). NAME=FILE: a frame of that channel")
       ->required();
   command.add_option("--camera", a->camera, "Scene file with the camera and its channels")
       ->required()
@@ -37,7 +39,9 @@ void register_import(const Registry& registry) {
   const auto frames = [&](const char* name, std::vector<std::string>& to, const char* text) {
     command.add_option(name, to, text)->option_text("FILE ...");
   };
-  frames("--dark", a->dark, "Dark frames of the same exposure");
+  frames("--dark", a->dark,
+         "Dark frames of the same exposure; NAME=FILE: of that channel alone, as in the options "
+         "below");
   frames("--flat", a->flat, "Flat field: the bare sensor, evenly lit");
   frames("--flat-dark", a->flat_dark, "Its dark frames (those of --dark)");
   frames("--white", a->white,
@@ -58,8 +62,12 @@ void register_import(const Registry& registry) {
       .add_option("--black-level", a->black_level,
                   "Counts without light, where there is no dark frame (of the camera's file)")
       ->option_text("COUNTS");
-  command.add_option("--exposure-time", a->exposure_time, "Of a frame (of the camera's file)")
-      ->option_text("TIME");
+  command
+      .add_option(
+          "--exposure-time", a->exposure_time,
+          "Of a frame (of the camera's file); NAME=TIME: of that channel's; may be repeated")
+      ->option_text("TIME")
+      ->allow_extra_args(false);
   command
       .add_option("--saturation", a->saturation,
                   "Counts from which on a pixel is full (full well, or the largest number)")
@@ -73,9 +81,12 @@ void register_import(const Registry& registry) {
       ->check(one_of({"sensor", "series", "pixel"}))
       ->option_text("SOURCE");
   command
-      .add_option("--radiometry", a->radiometry,
-                  "What a count stands for, from calibrate radiometry")
-      ->option_text("FILE.toml");
+      .add_option(
+          "--radiometry", a->radiometry,
+          "What a count stands for, from calibrate radiometry; may be repeated, for several "
+          "channels")
+      ->option_text("FILE.toml")
+      ->allow_extra_args(false);
   command.add_option("--window", a->window, "Part of the sensor that the pictures hold (all)")
       ->option_text("X,Y,W,H");
   add_raw_file_options(command, a->files);

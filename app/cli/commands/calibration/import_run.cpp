@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "commands/light_field/develop_sensor.h"
 #include "commands/scene_input.h"
@@ -34,6 +35,36 @@ double positive(const char* option, const std::string& text, Dimension dimension
   return value;
 }
 
+/// The channel in front of a value, NAME=VALUE; the number of channels: there is none. A file of
+/// that name is a file.
+std::size_t channel_in_front(const std::string& text, const Scene& scene) {
+  const std::size_t sign = text.find('=');
+  if (sign != std::string::npos && !std::filesystem::exists(text))
+    for (std::size_t c = 0; c < scene.channels.size(); ++c)
+      if (scene.channels[c].name == text.substr(0, sign)) return c;
+  return scene.channels.size();
+}
+
+/// Those of the values that are a channel's own, or else those with no channel in front.
+/// @param channel empty: pictures that have several channels
+std::vector<std::string> values_of_channel(const char* option,
+                                           const std::vector<std::string>& values,
+                                           const std::string& channel, const Scene& scene) {
+  std::vector<std::string> common, own;
+  for (const std::string& value : values) {
+    const std::size_t c = channel_in_front(value, scene);
+    if (c == scene.channels.size()) {
+      common.push_back(value);
+      continue;
+    }
+    if (channel.empty())
+      throw UsageError(std::string(option) +
+                       ": a channel in front (NAME=...) is for pictures of one channel");
+    if (scene.channels[c].name == channel) own.push_back(value.substr(value.find('=') + 1));
+  }
+  return own.empty() ? common : own;
+}
+
 /// Files of each channel, in the scene's order. Without names in front of the files: the channels
 /// that all pictures have.
 struct ChannelFiles {
@@ -45,16 +76,12 @@ std::vector<ChannelFiles> channel_files(const ImportArguments& arguments, const 
   std::map<std::size_t, ChannelFiles> named;
   ChannelFiles plain;
   for (const std::string& raw : arguments.raw) {
-    const std::size_t sign = raw.find('=');
-    std::size_t channel = scene.channels.size();
-    if (sign != std::string::npos && !std::filesystem::exists(raw))
-      for (std::size_t c = 0; c < scene.channels.size(); ++c)
-        if (scene.channels[c].name == raw.substr(0, sign)) channel = c;
+    const std::size_t channel = channel_in_front(raw, scene);
     if (channel == scene.channels.size()) {
       plain.files.push_back(raw);
     } else {
       named[channel].channels = {scene.channels[channel].name};
-      named[channel].files.push_back(raw.substr(sign + 1));
+      named[channel].files.push_back(raw.substr(raw.find('=') + 1));
     }
   }
   std::vector<ChannelFiles> all;
@@ -133,20 +160,22 @@ std::vector<std::uint8_t> defects_of(const ImportArguments& arguments, const Cou
   return defects;
 }
 
-/// Frames of corrections, read once.
+/// Frames of corrections of one channel.
 struct CorrectionFrames {
   std::optional<CountFrames> dark, flat, flat_dark, white, white_dark;
-  CorrectionFrames(const ImportArguments& arguments, double full) {
-    const auto read = [&](const std::vector<std::string>& files, std::optional<CountFrames>& to,
-                          double limit) {
+  CorrectionFrames(const ImportArguments& arguments, const std::string& channel, const Scene& scene,
+                   double full) {
+    const auto read = [&](const char* option, const std::vector<std::string>& values,
+                          std::optional<CountFrames>& to, double limit) {
+      const std::vector<std::string> files = values_of_channel(option, values, channel, scene);
       if (!files.empty()) to = read_frames(files, arguments.files, limit);
     };
     constexpr double kNever = 1e9;
-    read(arguments.dark, dark, kNever);
-    read(arguments.flat, flat, full);
-    read(arguments.flat_dark, flat_dark, kNever);
-    read(arguments.white, white, full);
-    read(arguments.white_dark, white_dark, kNever);
+    read("--dark", arguments.dark, dark, kNever);
+    read("--flat", arguments.flat, flat, full);
+    read("--flat-dark", arguments.flat_dark, flat_dark, kNever);
+    read("--white", arguments.white, white, full);
+    read("--white-dark", arguments.white_dark, white_dark, kNever);
   }
   RawCorrections corrections() const {
     const auto pointer = [](const std::optional<CountFrames>& frames) {
@@ -182,7 +211,6 @@ class ImportRun {
     const SensorSpec& sensor = document_.scene.camera.sensor;
     levels_ = resolved_levels(sensor);
     fill_response();
-    frames_ = std::make_unique<CorrectionFrames>(arguments_, full_);
     settings_.mosaic = sensor.mosaic;
     LightField field;
     for (const ChannelFiles& files : channel_files(arguments_, document_.scene)) {
@@ -208,9 +236,6 @@ class ImportRun {
       response.read_noise = number_option("--read-noise", arguments_.read_noise, 0, 1e9);
     if (!arguments_.black_level.empty())
       response.black_level = number_option("--black-level", arguments_.black_level, 0, 65535);
-    if (!arguments_.exposure_time.empty())
-      response.exposure_time =
-          positive("--exposure-time", arguments_.exposure_time, Dimension::time);
     if (!arguments_.saturation.empty()) {
       full_ = number_option("--saturation", arguments_.saturation, 1, 65535);
     }
@@ -231,7 +256,6 @@ class ImportRun {
     if (arguments_.gain.empty()) response.gain = levels_.gain;
     if (arguments_.read_noise.empty()) response.read_noise = sensor.read_noise;
     if (arguments_.black_level.empty()) response.black_level = levels_.black_level;
-    if (arguments_.exposure_time.empty()) response.exposure_time = sensor.exposure_time;
     response.dark_current = sensor.dark_current;
     if (arguments_.saturation.empty() && arguments_.gain.empty()) {
       // A full well that the amplifier's noise made a little less of is full all the same.
@@ -240,6 +264,16 @@ class ImportRun {
           std::max(0.5 * sensor.full_well, sensor.full_well - 5 * sensor.read_noise) / levels_.gain;
       full_ = std::min(well, std::ldexp(1.0, sensor.bits) - 1);
     }
+  }
+
+  /// The exposure time of a channel's pictures [s]; 0: nothing says it.
+  double exposure_of(const std::string& channel) const {
+    const std::vector<std::string> values =
+        values_of_channel("--exposure-time", arguments_.exposure_time, channel, document_.scene);
+    if (values.size() > 1)
+      throw UsageError("--exposure-time: one for all channels, or NAME=TIME for each");
+    return values.empty() ? document_.scene.camera.sensor.exposure_time
+                          : positive("--exposure-time", values.front(), Dimension::time);
   }
 
   PixelWindow window_of(const CountFrames& raw, const std::string& file) const {
@@ -259,16 +293,22 @@ class ImportRun {
   }
 
   LightField import_one(const ChannelFiles& files) {
+    const std::string channel = files.channels.empty() ? "" : files.channels.front();
+    settings_.response.exposure_time = exposure_of(channel);
+    frames_ = std::make_unique<CorrectionFrames>(arguments_, channel, document_.scene, full_);
     const CountFrames raw = read_frames(files.files, arguments_.files, full_);
     settings_.window = window_of(raw, files.files.front());
     settings_.names =
         names_of(files, raw, document_.scene, settings_.mosaic != MosaicPattern::none);
     RawCorrections corrections = frames_->corrections();
     corrections.defects = defects_of(arguments_, raw, corrections.dark);
-    corrections_defects_ = corrections.defects;
     const SensorSpec& sensor = document_.scene.camera.sensor;
     if (corrections.dark != nullptr && arguments_.black_level.empty() && !(sensor.black_level > 0))
       settings_.response.black_level = median_level(*corrections.dark);
+    for (const std::string& name : settings_.names) {
+      exposures_[name] = settings_.response.exposure_time;
+      if (!frames_->dark) without_dark_.insert(name);
+    }
     fit_noise(raw, corrections);
     set_scale();
     if (corrections.white != nullptr && settings_.model_white.empty()) {
@@ -279,7 +319,20 @@ class ImportRun {
           white_image(MicroImages(Camera(camera), true, execution_), settings_.window, execution_);
     }
     frames_read_ = raw.frames;
-    return import_counts(raw, corrections, settings_, summary_);
+    ImportSummary summary;
+    LightField field = import_counts(raw, corrections, settings_, summary);
+    add(summary);
+    return field;
+  }
+
+  /// Puts what is told of one channel's pictures to that of the others.
+  void add(const ImportSummary& part) {
+    ++pictures_;
+    summary_.negative += part.negative;
+    summary_.too_dark = std::max(summary_.too_dark, part.too_dark);
+    summary_.largest = std::max(summary_.largest, part.largest);
+    summary_.white_correction = std::max(summary_.white_correction, part.white_correction);
+    summary_.dark_level += (part.dark_level - summary_.dark_level) / pictures_;
   }
 
   void fit_noise(const CountFrames& raw, const RawCorrections& corrections) {
@@ -311,23 +364,38 @@ class ImportRun {
     }
   }
 
+  /// The channels of all files.
+  RadiometryTable radiometry() const {
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    RadiometryTable all;
+    for (const std::string& path : arguments_.radiometry) {
+      const RadiometryTable table = read_radiometry(path);
+      if (table.columns != sensor.columns || table.rows != sensor.rows)
+        throw InputError("'" + path + "' is of another sensor: " + std::to_string(table.columns) +
+                         " x " + std::to_string(table.rows) + " pixels");
+      for (const ChannelScale& scale : table.channels) {
+        const auto same = [&](const ChannelScale& other) { return other.channel == scale.channel; };
+        if (std::any_of(all.channels.begin(), all.channels.end(), same))
+          throw InputError("--radiometry: two of the files have a scale of channel " +
+                           scale.channel);
+        all.channels.push_back(scale);
+      }
+    }
+    return all;
+  }
+
   void set_scale() {
     settings_.watts_per_count.clear();
     if (settings_.unit != ImportUnit::watts) return;
     const SensorResponse& response = settings_.response;
     if (!(response.exposure_time > 0))
-      throw UsageError(
-          "--unit W: flux is energy by time; give --exposure-time, or "
-          "camera.sensor.exposure_time");
+      throw UsageError("--unit W: flux of channel " + settings_.names.front() +
+                       " is energy by time; give --exposure-time, or "
+                       "camera.sensor.exposure_time");
     if (!arguments_.radiometry.empty()) {
-      const RadiometryTable table = read_radiometry(arguments_.radiometry);
-      const SensorSpec& sensor = document_.scene.camera.sensor;
-      if (table.columns != sensor.columns || table.rows != sensor.rows)
-        throw InputError("'" + arguments_.radiometry +
-                         "' is of another sensor: " + std::to_string(table.columns) + " x " +
-                         std::to_string(table.rows) + " pixels");
+      const RadiometryTable table = radiometry();
       for (const std::string& name : settings_.names) {
-        const ChannelScale& scale = scale_of(table, name, arguments_.radiometry);
+        const ChannelScale& scale = scale_of(table, name, arguments_.radiometry.front());
         settings_.watts_per_count.push_back(scale.joules_per_count / response.exposure_time);
         settings_.response.curvature = scale.curvature;
         scale_errors_[name] = scale.relative_error;
@@ -358,7 +426,11 @@ class ImportRun {
       state.pixels[i] = std::max(state.pixels[i], other.pixels[i]);
   }
 
-  void finish(LightField& field) const {
+  void finish(LightField& field) {
+    for (const float state : field.layers.at("sensor.state").pixels) {
+      summary_.saturated += state == static_cast<float>(PixelState::saturated);
+      summary_.defective += state == static_cast<float>(PixelState::defective);
+    }
     const SensorSpec& sensor = document_.scene.camera.sensor;
     field.sensor_width = sensor.columns;
     field.sensor_height = sensor.rows;
@@ -367,15 +439,23 @@ class ImportRun {
     const SensorResponse& response = settings_.response;
     field.numbers["sensor.gain"] = response.gain;
     field.numbers["sensor.black_level"] = response.black_level;
-    if (response.exposure_time > 0) field.numbers["sensor.exposure_time"] = response.exposure_time;
-    if (settings_.unit == ImportUnit::electrons && frames_->dark == std::nullopt)
-      field.numbers["sensor.dark_electrons"] = response.dark_current * response.exposure_time;
+    for (const auto& [name, time] : exposures_) {
+      const std::string end = same_exposure() ? "" : "." + name;
+      if (time > 0) field.numbers["sensor.exposure_time" + end] = time;
+      if (settings_.unit == ImportUnit::electrons && without_dark_.contains(name))
+        field.numbers["sensor.dark_electrons" + end] = response.dark_current * time;
+    }
     field.numbers["import.frames"] = frames_read_;
     for (const auto& [name, error] : scale_errors_) field.numbers["scale.error." + name] = error;
     std::string names;
     for (const std::string& raw : arguments_.raw)
       names += (names.empty() ? "" : ", ") + std::filesystem::path(raw).filename().string();
     field.texts["import.pictures"] = names;
+  }
+
+  bool same_exposure() const {
+    return std::all_of(exposures_.begin(), exposures_.end(),
+                       [&](const auto& each) { return each.second == exposures_.begin()->second; });
   }
 
   void print(const LightField& field) const {
@@ -406,15 +486,27 @@ class ImportRun {
     }
     report.add("dark level", readable_number(summary_.dark_level) + " counts", "dark_level",
                summary_.dark_level);
-    if (response.exposure_time > 0)
-      report.add("exposure", readable(response.exposure_time, Dimension::time), "exposure_time_s",
-                 response.exposure_time);
+    if (same_exposure()) {
+      if (response.exposure_time > 0)
+        report.add("exposure", readable(response.exposure_time, Dimension::time), "exposure_time_s",
+                   response.exposure_time);
+    } else {
+      for (const auto& [name, time] : exposures_)
+        report.add("exposure of " + name, readable(time, Dimension::time),
+                   "exposure_time_s_" + name, time);
+    }
     report.add("largest value", readable_in(summary_.largest, field.unit), "largest",
                summary_.largest);
     report.add("saturated pixels", std::to_string(summary_.saturated), "saturated",
                summary_.saturated);
-    report.add("defective pixels", std::to_string(summary_.defective), "defective",
-               summary_.defective);
+    report.add("defective pixels",
+               std::to_string(summary_.defective) +
+                   (summary_.too_dark > 0 ? ", of which " + std::to_string(summary_.too_dark) +
+                                                " are too dark in the white picture or flat field "
+                                                "(dirt, edges of micro-images)"
+                                          : ""),
+               "defective", summary_.defective);
+    report.add_json("too_dark", summary_.too_dark);
     if (summary_.white_correction > 0)
       report.add("white correction", readable_percent(summary_.white_correction) + " RMS",
                  "white_correction", summary_.white_correction);
@@ -447,12 +539,14 @@ class ImportRun {
   double full_ = 0;  ///< counts from which on a pixel is full
   std::unique_ptr<CorrectionFrames> frames_;
   ImportSettings settings_;
-  ImportSummary summary_;
-  std::vector<std::uint8_t> corrections_defects_;
+  ImportSummary summary_;  ///< of all channels
+  int pictures_ = 0;       ///< that have their part in it
   bool fitted_ = false;
   int frames_read_ = 0;
   std::string gain_from_;
   std::map<std::string, double> scale_errors_;
+  std::map<std::string, double> exposures_;  ///< [s] of each channel
+  std::set<std::string> without_dark_;       ///< channels whose dark signal is in their electrons
 };
 
 }  // namespace

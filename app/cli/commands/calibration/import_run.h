@@ -9,8 +9,9 @@ namespace plenoflame::cli {
 /// The command line of `import`.
 struct ImportArguments {
   std::vector<std::string> raw, dark, flat, flat_dark, white, white_dark, set;
-  std::string camera, which, output, channel, unit, defects, window, radiometry, noise;
-  std::string gain, read_noise, black_level, exposure_time, saturation;
+  std::vector<std::string> exposure_time, radiometry;
+  std::string camera, which, output, channel, unit, defects, window, noise;
+  std::string gain, read_noise, black_level, saturation;
   RawFileOptions files;
   int threads = 0;
   bool json = false;

@@ -71,8 +71,11 @@ CountFrames read_frames(const std::vector<std::string>& files, const RawFileOpti
     bool told = false;
     read_raw_pictures(file, layout, [&](RawPicture&& picture) {
       if (picture.lossy && !told)
-        warn("'" + file +
-             "' was packed with losses (JPEG): what noise and dark pixels say is gone");
+        warn(
+            "'" + file +
+            "' was packed with losses (JPEG): what noise and dark pixels say is gone, and where it "
+            "was made to be looked at, its numbers follow a display's curve and are no counts; "
+            "save the camera's raw numbers as TIFF or PNG where you can");
       if (picture.display_curve && !told)
         warn("'" + file +
              "' has 8 bits: if they were made to be looked at, they follow a display's curve and "

@@ -84,6 +84,16 @@ std::optional<PixelBins> bins_of(const PyrometryArguments& settings, const Light
                           settings.bin == "view" ? settings.cells : 1);
 }
 
+/// The relative error that the scales of two channels (calibrate radiometry) bring into their
+/// ratio; 0: nothing is known.
+double scale_error_of_ratio(const LightField& field, std::size_t a, std::size_t b) {
+  const auto error_of = [&](std::size_t channel) {
+    const auto found = field.numbers.find("scale.error." + field.channels[channel].name);
+    return found == field.numbers.end() ? 0.0 : found->second;
+  };
+  return std::hypot(error_of(a), error_of(b));
+}
+
 /// The temperatures of the darkest and the brightest colour.
 std::pair<double, double> range_of(const PyrometryArguments& settings, const TemperatureMap& map) {
   double low = map.lowest, high = map.highest;
@@ -150,9 +160,7 @@ int run_with_filters(const PyrometryArguments& settings, const LightField& field
              "pixels_of_a_microlens", {found.pixels[0], found.pixels[1]});
   report.add("law", law_name, "law", law_name);
   report.add("microlenses", std::to_string(map.pixels), "microlenses", map.pixels);
-  if (found.saturated > 0)
-    report.add_text("left out", std::to_string(found.saturated) + " pixels whose well was full");
-  report.add_json("saturated", found.saturated);
+  add_left_out(found.left_out, report);
   add_temperatures(map, report);
   if (map.expected_deviation > 0)
     report.add("expected of noise", readable(map.expected_deviation, Dimension::temperature),
@@ -198,7 +206,8 @@ int run_pyrometry(const PyrometryArguments& settings) {
   how.least_signal_to_noise = settings.least_signal;
   LightFieldChannel light[2] = {light_in_proportion(field, scene, a),
                                 light_in_proportion(field, scene, b)};
-  const std::size_t saturated = leave_out_saturated(field, scene.camera.sensor.mosaic, a, b, light);
+  const LeftOutPixels left_out =
+      leave_out_bad_pixels(field, scene.camera.sensor.mosaic, a, b, light);
   const std::optional<PixelBins> bins = bins_of(settings, field, scene);
   const TemperatureMap map = two_colour_map(light[0], light[1], two, how, bins ? &*bins : nullptr);
   const auto [low, high] = range_of(settings, map);
@@ -231,12 +240,16 @@ int run_pyrometry(const PyrometryArguments& settings) {
   report.add("pixels", std::to_string(map.pixels), "pixels", map.pixels);
   if (bins) report.add("bins", std::to_string(map.bins), "bins", map.bins);
   add_temperatures(map, report);
-  if (saturated > 0)
-    report.add_text("left out", std::to_string(saturated) + " pixels whose well was full");
-  report.add_json("saturated", saturated);
+  add_left_out(left_out, report);
   if (map.expected_deviation > 0)
     report.add("expected of noise", readable(map.expected_deviation, Dimension::temperature),
                "expected_deviation_K", map.expected_deviation);
+  if (const double scale = scale_error_of_ratio(field, a, b); scale > 0) {
+    const double kelvin = scale / std::fabs(two.slope(map.mean));
+    report.add("of the counts' scales",
+               readable(kelvin, Dimension::temperature) + ", common to all pixels", "scale_error_K",
+               kelvin);
+  }
   if (truth != field.layers.end()) compare_with(truth->second, map, light[0].flux, bins, report);
   if (!settings.reference.empty())
     compare_with_reference(settings.reference, {field, scene, {a, b}, two}, light, map, bins,

@@ -5,22 +5,21 @@
 
 #include "commands/light_field/develop_sensor.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/calibration/count_frames.h"
 #include "plenoflame/lightfield/sensor.h"
 
 namespace plenoflame::cli {
 namespace {
 
-/// True if a recorded value with a full well went into a colour of a pixel: its own value, or, for
-/// another colour, a neighbour's, of which it is a mean (demosaic() in lightfield/sensor.h).
-bool was_full(const Image& raw, MosaicPattern pattern, PixelWindow window, int column, int row,
-              int colour, float limit) {
-  if (mosaic_colour(pattern, window.x + column, window.y + row) == colour)
-    return raw.at(column, row) >= limit;
+/// Calls look(x, y) for each recorded value that went into a colour of a pixel: its own, or, for
+/// another colour, the neighbours', of which it is a mean (demosaic() in lightfield/sensor.h).
+template <class Look>
+void look_at_values(const Image& raw, MosaicPattern pattern, PixelWindow window, int column,
+                    int row, int colour, const Look& look) {
+  if (mosaic_colour(pattern, window.x + column, window.y + row) == colour) return look(column, row);
   for (int y = std::max(0, row - 1); y <= std::min(raw.height - 1, row + 1); ++y)
     for (int x = std::max(0, column - 1); x <= std::min(raw.width - 1, column + 1); ++x)
-      if (mosaic_colour(pattern, window.x + x, window.y + y) == colour && raw.at(x, y) >= limit)
-        return true;
-  return false;
+      if (mosaic_colour(pattern, window.x + x, window.y + y) == colour) look(x, y);
 }
 
 }  // namespace
@@ -28,12 +27,18 @@ bool was_full(const Image& raw, MosaicPattern pattern, PixelWindow window, int c
 LightFieldChannel light_in_proportion(const LightField& field, const Scene& scene,
                                       std::size_t index) {
   LightFieldChannel channel = field.channels[index];
-  if (field.unit != "e-") return channel;
-  const double dark = channel_dark_electrons(field, channel.name);
+  // Counts above dark of an imported picture are electrons but for the gain, which is that of all
+  // channels.
+  const bool counts = field.unit == "DN";
+  if (field.unit != "e-" && !counts) return channel;
+  const double dark = counts ? 0 : channel_dark_electrons(field, channel.name);
   const double time = channel_exposure(field, channel.name);
   if (!(time > 0))
-    throw InputError("the electrons of channel " + channel.name +
-                     " have no exposure time: develop them anew");
+    throw InputError(
+        field.texts.contains("import.pictures")
+            ? "the pictures were imported without an exposure time (import --exposure-time)"
+            : "the electrons of channel " + channel.name +
+                  " have no exposure time: develop them anew");
   // Any factor that both channels share may stay.
   const double per_electron = 1e-12 / (time * channel_wavelengths(scene)[index]);
   for (float& value : channel.flux.pixels)
@@ -43,28 +48,53 @@ LightFieldChannel light_in_proportion(const LightField& field, const Scene& scen
   return channel;
 }
 
-std::size_t leave_out_saturated(const LightField& field, MosaicPattern mosaic, std::size_t a,
-                                std::size_t b, LightFieldChannel light[2]) {
+LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic, std::size_t a,
+                                   std::size_t b, LightFieldChannel light[2]) {
+  LeftOutPixels count;
+  const auto layer = [&](const char* name) {
+    const auto found = field.layers.find(name);
+    return found == field.layers.end() ? nullptr : &found->second;
+  };
+  const Image* const state = layer("sensor.state");  // of imported pictures
+  const Image* const raw = layer("sensor.raw");
   const auto full = field.numbers.find("sensor.saturated_from");
-  if (field.unit != "e-" || full == field.numbers.end()) return 0;
-  const auto limit = static_cast<float>(full->second);
-  std::size_t count = 0;
+  const bool limited = field.unit == "e-" && full != field.numbers.end();
+  if (state == nullptr && !limited) return count;
+  const float limit =
+      limited ? static_cast<float>(full->second) : std::numeric_limits<float>::infinity();
   // The mean of a full pixel and others of a mosaic may lie below the limit.
-  const auto raw = field.layers.find("sensor.raw");
-  const bool demosaiced = mosaic != MosaicPattern::none && raw != field.layers.end();
+  const bool demosaiced = mosaic != MosaicPattern::none && raw != nullptr;
   for (int row = 0; row < light[0].flux.height; ++row)
     for (int column = 0; column < light[0].flux.width; ++column) {
-      bool overflown = false;
-      for (const std::size_t c : {a, b})
-        overflown = overflown || (demosaiced ? was_full(raw->second, mosaic, field.window, column,
-                                                        row, static_cast<int>(c), limit)
-                                             : field.channels[c].flux.at(column, row) >= limit);
-      if (!overflown) continue;
+      bool saturated = false, defective = false;
+      for (const std::size_t c : {a, b}) {
+        const Image& recorded = demosaiced ? *raw : field.channels[c].flux;
+        const auto look = [&](int x, int y) {
+          const float is = state != nullptr ? state->at(x, y) : 0;
+          saturated = saturated || is == static_cast<float>(PixelState::saturated) ||
+                      recorded.at(x, y) >= limit;
+          defective = defective || is == static_cast<float>(PixelState::defective);
+        };
+        if (demosaiced)
+          look_at_values(recorded, mosaic, field.window, column, row, static_cast<int>(c), look);
+        else
+          look(column, row);
+      }
+      if (!saturated && !defective) continue;
       light[0].flux.at(column, row) = light[1].flux.at(column, row) =
           std::numeric_limits<float>::quiet_NaN();
-      ++count;
+      ++(saturated ? count.saturated : count.defective);
     }
   return count;
+}
+
+void add_left_out(const LeftOutPixels& left_out, Report& report) {
+  if (left_out.saturated > 0)
+    report.add_text("left out", std::to_string(left_out.saturated) + " pixels whose well was full");
+  if (left_out.defective > 0)
+    report.add_text("left out", std::to_string(left_out.defective) + " defective pixels");
+  report.add_json("saturated", left_out.saturated);
+  report.add_json("defective", left_out.defective);
 }
 
 }  // namespace plenoflame::cli

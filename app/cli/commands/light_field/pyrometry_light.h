@@ -3,18 +3,28 @@
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/scene.h"
+#include "report.h"
 
 namespace plenoflame::cli {
 
-/// A channel in proportion to power, without the dark signal: electrons per exposure time and
-/// wavelength, flux as it is. The factor is the same for all channels of a light field.
-/// @throws InputError for electrons without an exposure time
+/// A channel in proportion to power, without the dark signal: electrons and counts per exposure
+/// time and wavelength, flux as it is. The factor is the same for all channels of a light field.
+/// @throws InputError for electrons or counts without an exposure time
 LightFieldChannel light_in_proportion(const LightField& field, const Scene& scene,
                                       std::size_t channel);
 
-/// Makes pixels NaN whose well was full in either channel: they say nothing of a ratio.
-/// @param light of the channels a and b of the field @return how many
-std::size_t leave_out_saturated(const LightField& field, MosaicPattern mosaic, std::size_t a,
-                                std::size_t b, LightFieldChannel light[2]);
+/// Pixels that have no part in a temperature.
+struct LeftOutPixels {
+  std::size_t saturated = 0;  ///< their well was full
+  std::size_t defective = 0;  ///< of an imported picture
+};
+
+/// Makes pixels NaN whose well was full in either channel, or that are defective: they say nothing
+/// of a ratio. @param light of the channels a and b of the field
+LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic, std::size_t a,
+                                   std::size_t b, LightFieldChannel light[2]);
+
+/// The lines of a report about them.
+void add_left_out(const LeftOutPixels& left_out, Report& report);
 
 }  // namespace plenoflame::cli

@@ -12,7 +12,7 @@ namespace plenoflame::cli {
 PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std::size_t channel,
                                const std::string (&filters)[2], const AbsorptionSpectrum& law,
                                const PyrometrySettings& settings) {
-  if (field.unit != "W" && field.unit != "e-")
+  if (field.unit != "W" && field.unit != "e-" && field.unit != "DN")
     throw InputError(
         "--filters: temperatures from filters of the pupil need the flux that render writes or the "
         "electrons of develop, this light field holds " +
@@ -25,7 +25,7 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
   LightFieldChannel own[2] = {light_in_proportion(field, scene, channel), {}};
   own[1].flux = own[0].flux;
   PupilPyrometry result;
-  result.saturated = leave_out_saturated(field, scene.camera.sensor.mosaic, channel, channel, own);
+  result.left_out = leave_out_bad_pixels(field, scene.camera.sensor.mosaic, channel, channel, own);
   light.channels = {std::move(own[0])};
   const MicroImages micro{Camera(scene.camera)};
   const std::vector<PupilView> views = extract_pupil_views(light, micro);

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <string>
 
+#include "commands/pyrometry_light.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/pyrometry.h"
 #include "plenoflame/scene/scene.h"
@@ -11,9 +12,9 @@ namespace plenoflame::cli {
 /// Temperatures from the colours that two filters of the pupil make, and what to write of them.
 struct PupilPyrometry {
   TemperatureMap map;
-  LightField picture;         ///< the map as a light field, a pixel for the area of a microlens
-  std::size_t saturated = 0;  ///< pixels left out because their well was full
-  double pixels[2] = {};      ///< of the sensor, for each of its pixels and each filter
+  LightField picture;  ///< the map as a light field, a pixel for the area of a microlens
+  LeftOutPixels left_out;
+  double pixels[2] = {};  ///< of the sensor, for each of its pixels and each filter
 };
 
 /// @param channel number of the one that is looked at behind both filters

@@ -12,8 +12,8 @@
 namespace plenoflame::desktop {
 
 /// Reads a picture that a real camera took: a raw light field (.exr), as `plenoflame import` makes
-/// it, or the camera's own file (TIFF, PNG, PGM; several frames are averaged), whose counts become
-/// electrons by the gain and black level of the scene's sensor.
+/// it, or the camera's own file (TIFF, PNG, PGM, JPEG; several frames are averaged), whose counts
+/// become electrons by the gain and black level of the scene's sensor.
 /// @param scene of the camera alone @return of the whole sensor, 0 where a window left it out
 /// @throws FileError, InputError: no picture of this sensor; Cancelled
 std::shared_ptr<const LightField> read_measured(const std::string& path, const Scene& scene,

@@ -228,7 +228,8 @@ void MainWindow::fail(const QString& message) {
 
 bool MainWindow::open(const QString& path, const std::function<void()>& then) {
   const QString ending = QFileInfo(path).suffix().toLower();
-  if (QStringList{"tif", "tiff", "png", "pgm"}.contains(ending)) return open_measured(path, then);
+  if (QStringList{"tif", "tiff", "png", "pgm", "jpg", "jpeg"}.contains(ending))
+    return open_measured(path, then);
   // A flame is put into the scene that is open, which can be undone.
   const bool discards = ending != "vdb";
   if (discards && !may_discard()) return false;

@@ -237,7 +237,7 @@ void MainWindow::map_grids(int flame) {
 void MainWindow::choose_measured() {
   const QString path = QFileDialog::getOpenFileName(
       this, tr("Measured picture"), settings_->value("files/folder").toString(),
-      tr("Pictures of a camera (*.exr *.tif *.tiff *.png *.pgm);;All files (*)"));
+      tr("Pictures of a camera (*.exr *.tif *.tiff *.png *.pgm *.jpg *.jpeg);;All files (*)"));
   if (!path.isEmpty()) open_measured(path);
 }
 

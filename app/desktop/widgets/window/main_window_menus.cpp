@@ -41,7 +41,7 @@ void MainWindow::make_menus() {
     const QString path = QFileDialog::getOpenFileName(
         this, tr("Open"), settings_->value("files/folder").toString(),
         tr("Scenes, flames, light fields, a camera's pictures (*.toml *.vdb *.exr *.tif *.tiff "
-           "*.png *.pgm);;All files (*)"));
+           "*.png *.pgm *.jpg *.jpeg);;All files (*)"));
     if (path.isEmpty()) return;
     settings_->setValue("files/folder", QFileInfo(path).absolutePath());
     open(path);

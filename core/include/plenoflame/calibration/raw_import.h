@@ -59,6 +59,7 @@ struct ImportSettings {
 /// Counts of the pixels that were treated.
 struct ImportSummary {
   std::size_t saturated = 0, defective = 0;
+  std::size_t too_dark = 0;     ///< of the defective ones: darker in flat or white than they can be
   std::size_t negative = 0;     ///< pixels below 0 by more than 5 standard errors
   double largest = 0;           ///< [unit] of the good pixels
   double dark_level = 0;        ///< [counts] mean of what was taken away

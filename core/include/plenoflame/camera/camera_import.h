@@ -22,6 +22,7 @@ struct ImportedCamera {
   CameraSpec camera;
   std::vector<std::string> formats;  ///< of the files, in their order
   std::vector<std::string> notes;    ///< what was assumed or left out, one line each
+  std::string scene_text;  ///< not empty: the file holds a whole scene (TOML), `camera` is none
 };
 
 /// Puts a camera together from what calibration files say: an ideal thin main lens, ideal

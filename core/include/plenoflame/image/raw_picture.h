@@ -13,9 +13,9 @@ struct RawPicture {
   int height = 0;
   int channels = 1;            ///< 1: grey or a mosaic, 3: RGB
   int bits = 16;               ///< that a number may have, 1 to 16
-  std::string kind;            ///< "TIFF", "PNG", "PGM" or "headerless", for messages
+  std::string kind;            ///< "TIFF", "PNG", "PGM", "JPEG" or "headerless", for messages
   bool display_curve = false;  ///< the file says that its numbers follow a display's curve
-  bool lossy = false;          ///< it was packed with losses (JPEG within TIFF)
+  bool lossy = false;          ///< it was packed with losses (JPEG, also within TIFF)
   std::vector<std::uint16_t> samples;
 
   std::size_t pixel_count() const {
@@ -32,10 +32,11 @@ struct RawLayout {
 };
 
 /// Reads all pictures of a file in turn: the pages of a TIFF (strips or tiles, 1 to 16 bits), a PNG
-/// (8 or 16 bits; where it says how many bits carry information, those), a PGM (P5), or numbers
-/// without header, as `layout` says. Only one picture is held at a time.
+/// (8 or 16 bits; where it says how many bits carry information, those), a PGM (P5), a JPEG of 8
+/// bits (marked as lossy), or numbers without header, as `layout` says. Only one picture is held at
+/// a time.
 /// @throws FileError: cannot be read, no picture, cut off, damaged, of a kind that is not read
-///         (JPEG, floating point, palettes); what it claims is checked before memory is taken
+///         (floating point, palettes); what it claims is checked before memory is taken
 void read_raw_pictures(const std::string& path, const RawLayout& layout,
                        const std::function<void(RawPicture&&)>& take);
 

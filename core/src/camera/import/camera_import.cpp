@@ -70,6 +70,11 @@ constexpr CameraFormatRow kFormatRows[]{
      read_plenoptic_toolbox},
     {{"pip", "PlenopticImageProcessing: MlaDescription XML"}, is_pip, read_pip},
     {{"plenoptomos", "plenoptomos: .ini"}, is_plenoptomos, read_plenoptomos},
+    {{"vox", "plenoptomos: .vox"}, is_vox, read_vox},
+    {{"hdf5", "a file of export --format hdf5: .h5"}, is_exported_hdf5, read_exported_hdf5},
+    {{"lf-toolbox", "LFToolbox, export --format view-grid: LensletGridModel, .json"},
+     is_lf_toolbox,
+     read_lf_toolbox},
     {{"plenopticam", "plenopticam: .json of the white image"}, is_plenopticam, read_plenopticam},
     {{"centres", "libpleno: CSV of centres, k,l,u,v"}, is_centre_list, read_centre_list},
     {{"ten-parameters", "Bok, Nousias, O'Brien: K1, K2, fx, fy, cx, cy as text"},
@@ -85,8 +90,11 @@ std::string read_whole(const std::string& path) {
   std::array<char, 65536> part{};
   std::size_t count = 0;
   while ((count = std::fread(part.data(), 1, part.size(), file)) > 0 &&
-         text.size() <= kLargestCalibration)
+         text.size() <= kLargestCalibration) {
     text.append(part.data(), count);
+    // Pictures are in there, too: its readers open it by themselves.
+    if (text.starts_with(kHdf5Signature)) break;
+  }
   const bool failed = std::ferror(file) != 0;
   std::fclose(file);
   if (failed) throw FileError("cannot read '" + path + "'");
@@ -186,6 +194,13 @@ ImportedCamera import_camera(const std::vector<std::string>& files, const Camera
     const CameraFormatRow& row = format_of(file, format);
     row.read(file, found);
     result.formats.emplace_back(row.name.name);
+  }
+  if (!found.scene_text.empty()) {
+    if (files.size() > 1)
+      throw InputError(SourcePosition{files.front()},
+                       "one of the files holds a whole scene: give it alone");
+    result.scene_text = found.scene_text;
+    return result;
   }
   if (!found.placed && found.grid) {
     const auto types = static_cast<std::size_t>(found.grid->types);

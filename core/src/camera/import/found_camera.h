@@ -31,6 +31,7 @@ struct FoundCamera {
   /// True if pitch, offset and rotation of the array are in `camera`, not in `grid`.
   bool placed = false;
   std::vector<std::string> notes;
+  std::string scene_text;  ///< of a file that holds a whole scene: TOML, and nothing else counts
 
   void note(std::string text) { notes.push_back(std::move(text)); }
 };
@@ -38,8 +39,11 @@ struct FoundCamera {
 /// A file as a reader gets it.
 struct CalibrationFile {
   std::string path;
-  std::string text;
+  std::string text;  ///< of HDF5 the beginning
 };
+
+/// With what HDF5 begins.
+constexpr std::string_view kHdf5Signature{"\x89HDF\r\n\x1a\n", 8};
 
 /// Sets what nothing was said of so far.
 inline void set_new(double& known, double value) {
@@ -79,6 +83,16 @@ bool is_pip(const CalibrationFile& file);
 void read_pip(const CalibrationFile& file, FoundCamera& found);
 bool is_plenoptomos(const CalibrationFile& file);
 void read_plenoptomos(const CalibrationFile& file, FoundCamera& found);
+/// What plenoptomos' files say, by section and key of its .ini: nominal values in mm, z from the
+/// main lens. @param aperture_is_length the main lens' aperture is no f-number
+void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, double>& values,
+                      bool aperture_is_length, FoundCamera& found);
+bool is_vox(const CalibrationFile& file);
+void read_vox(const CalibrationFile& file, FoundCamera& found);
+bool is_exported_hdf5(const CalibrationFile& file);
+void read_exported_hdf5(const CalibrationFile& file, FoundCamera& found);
+bool is_lf_toolbox(const CalibrationFile& file);
+void read_lf_toolbox(const CalibrationFile& file, FoundCamera& found);
 bool is_plenopticam(const CalibrationFile& file);
 void read_plenopticam(const CalibrationFile& file, FoundCamera& found);
 bool is_centre_list(const CalibrationFile& file);

@@ -251,6 +251,48 @@ void read_plenopticam(const CalibrationFile& file, FoundCamera& found) {
   if (!found.grid) found.grid = grid;
 }
 
+bool is_lf_toolbox(const CalibrationFile& file) {
+  return file.text.find("\"LensletGridModel\"") != std::string::npos;
+}
+
+/// A hexagonal grid by the distance of its rows, and where its first micro-image lies; pixels count
+/// from 1 there.
+void read_lf_toolbox(const CalibrationFile& file, FoundCamera& found) {
+  const GridJson json = read_json(file);
+  if (!json.is_object() || !json.contains("LensletGridModel") ||
+      !json["LensletGridModel"].is_object())
+    refuse_calibration(file, "lacks the values of LensletGridModel");
+  const GridJson& model = json["LensletGridModel"];
+  const auto value = [&](const char* key) {
+    if (!model.contains(key))
+      refuse_calibration(file, std::string("LensletGridModel lacks ") + key);
+    return json_number(file, model[key], std::string("LensletGridModel: ") + key);
+  };
+  if (model.value("Orientation", GridJson("horz")) != "horz")
+    refuse_calibration(file,
+                       "LensletGridModel: Orientation is not horz; only rows that run across are "
+                       "read");
+  const double along = value("HSpacing"), across = value("VSpacing");
+  if (!(along > 1 && across > 1))
+    refuse_calibration(file, "LensletGridModel: a spacing is not above one pixel");
+  FoundGrid grid;
+  grid.rotation = value("Rot");
+  grid.origin = {value("HOffset") - 0.5, value("VOffset") - 0.5};
+  const double step = std::sqrt(0.75);
+  grid.hexagonal = std::fabs(across / along - step) < std::fabs(across / along - 1);
+  if (grid.hexagonal) {
+    const double pitch = std::sqrt(along * across / step);
+    grid.pitch = {pitch, pitch};
+    if (std::fabs(across / along / step - 1) > 1e-4)
+      found.note(
+          "LensletGridModel: HSpacing and VSpacing are those of no regular hexagons; their "
+          "mean was taken");
+  } else {
+    grid.pitch = {along, across};
+  }
+  if (!found.grid) found.grid = grid;
+}
+
 bool is_centre_list(const CalibrationFile& file) {
   return file.text.starts_with("k,l,u,v");
 }

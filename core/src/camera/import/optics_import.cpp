@@ -31,13 +31,38 @@ std::optional<double> number_in(const std::string& text) {
 
 }  // namespace
 
+namespace {
+
+/// Tells names of makers and models from what is read.
+bool is_plenoptomos_number(const std::string& key) {
+  constexpr std::array<std::string_view, 17> kKeys{"sensor.size_x",
+                                                   "sensor.size_y",
+                                                   "sensor.pixel_size_x",
+                                                   "sensor.pixel_size_y",
+                                                   "sensor.x",
+                                                   "sensor.y",
+                                                   "sensor.z",
+                                                   "main_lens.f1",
+                                                   "main_lens.aperture",
+                                                   "micro_lenses_array.x",
+                                                   "micro_lenses_array.y",
+                                                   "micro_lenses_array.z",
+                                                   "micro_lens.f2",
+                                                   "micro_lens.size_x",
+                                                   "micro_lens.size_y",
+                                                   "micro_lens.physical_size_s",
+                                                   "micro_lens.physical_size_t"};
+  return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
+}
+
+}  // namespace
+
 bool is_plenoptomos(const CalibrationFile& file) {
   return file.text.find("[micro_lenses_array]") != std::string::npos;
 }
 
-/// Nominal values in mm: z from the main lens.
 void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
-  std::map<std::string, std::string> values;
+  std::map<std::string, double> values;
   std::istringstream lines(file.text);
   std::string line, section;
   for (int number = 1; std::getline(lines, line); ++number) {
@@ -50,14 +75,21 @@ void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
     const std::size_t equals = line.find('=');
     if (equals == std::string::npos)
       throw InputError(SourcePosition{file.path, number}, "neither [section] nor name = value");
-    values[section + "." + trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
+    const std::string key = section + "." + trimmed(line.substr(0, equals));
+    const std::string text = trimmed(line.substr(equals + 1));
+    if (const std::optional<double> value = number_in(text))
+      values[key] = *value;
+    else if (!text.empty() && is_plenoptomos_number(key))
+      refuse_calibration(file, key + " is no number");
   }
+  take_plenoptomos(file, values, false, found);
+}
+
+void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, double>& values,
+                      bool aperture_is_length, FoundCamera& found) {
   const auto value = [&](const std::string& key) {
     const auto at = values.find(key);
-    if (at == values.end() || at->second.empty()) return 0.0;
-    const std::optional<double> number = number_in(at->second);
-    if (!number) refuse_calibration(file, key + " is no number");
-    return *number;
+    return at == values.end() ? 0.0 : at->second;
   };
   const auto length = [&](const std::string& key) { return kOpticsMillimetre * value(key); };
   const auto positive = [&](const std::string& key, double v) {
@@ -72,8 +104,11 @@ void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
   set_new(sensor.columns, static_cast<int>(value("sensor.size_x")));
   set_new(sensor.rows, static_cast<int>(value("sensor.size_y")));
   set_new(sensor.pixel_pitch, positive("sensor.pixel_size_x", length("sensor.pixel_size_x")));
+  // A width that was given stands for square pixels, whatever the file's height is.
   const double pixel_y = length("sensor.pixel_size_y");
-  if (pixel_y > 0 && pixel_y != sensor.pixel_pitch) set_new(sensor.pixel_pitch_y, pixel_y);
+  if (pixel_y > 0 && sensor.pixel_pitch == length("sensor.pixel_size_x") &&
+      pixel_y != sensor.pixel_pitch)
+    set_new(sensor.pixel_pitch_y, pixel_y);
   const double f = length("main_lens.f1"), n = value("main_lens.aperture");
   set_new(camera.lens.focal_length, positive("main_lens.f1", f));
   const double z_array = length("micro_lenses_array.z"), z_sensor = length("sensor.z");
@@ -86,9 +121,10 @@ void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
     const auto misfit = [&](double diameter) {
       return std::fabs(std::log(diameter * seen / cell));
     };
-    const bool is_length = cell > 0 && seen > 0 && misfit(as_length) < misfit(by_number);
+    const bool is_length =
+        aperture_is_length || (cell > 0 && seen > 0 && misfit(as_length) < misfit(by_number));
     set_new(camera.lens.diameter, is_length ? as_length : by_number);
-    if (is_length)
+    if (is_length && !aperture_is_length)
       found.note(
           "main_lens.aperture is taken for a diameter in mm: as an f-number it would make "
           "micro-images far from the size of a microlens (camera.lens.diameter)");
@@ -112,7 +148,7 @@ void read_plenoptomos(const CalibrationFile& file, FoundCamera& found) {
   if (pitch > 0 && !found.grid && !found.placed) {
     array.lattice = Lattice::square;
     set_new(array.pitch, pitch);
-    if (pitch_y > 0 && pitch_y != pitch) set_new(array.pitch_y, pitch_y);
+    if (pitch_y > 0 && pitch_y != pitch && array.pitch == pitch) set_new(array.pitch_y, pitch_y);
     // Beside the sensor's middle, as the camera's axis is.
     array.offset = {length("micro_lenses_array.x") - length("sensor.x"),
                     length("micro_lenses_array.y") - length("sensor.y")};

@@ -122,6 +122,7 @@ void export_npz(const ExportJob& job) {
   const std::vector<NamedArray> arrays = all_arrays(job);
   job.text(job.settings.name + ".npz", npz_bytes(arrays));
   job.text(job.settings.name + ".json", units_json(arrays));
+  if (!job.field.scene_text.empty()) job.text(job.settings.name + ".toml", job.field.scene_text);
 }
 
 void export_hdf5(const ExportJob& job) {

@@ -31,6 +31,39 @@ std::string pfm(const Image& image) {
   return bytes;
 }
 
+/// LFToolbox counts a grid's columns and rows from the micro-image at its top left.
+struct FirstCentre {
+  Vec2 at;  ///< [pixel] of the whole sensor
+  int columns = 0, rows = 0;
+};
+
+FirstCentre first_centre(const MicroImageGrid& grid, const PixelWindow& window) {
+  const auto is_in = [&](Vec2 p) {
+    return p.x >= window.x && p.y >= window.y && p.x < window.x + window.width &&
+           p.y < window.y + window.height;
+  };
+  // Steps to the middle of the window, then outwards as long as there is a centre.
+  const double row_step = grid.pitch * (grid.hexagonal ? std::sqrt(0.75) : 1.0);
+  const Vec2 to_middle =
+      Vec2{window.x + 0.5 * window.width, window.y + 0.5 * window.height} - grid.origin;
+  const double c = std::cos(grid.rotation), s = std::sin(grid.rotation);
+  const int j = static_cast<int>(std::lround((c * to_middle.y - s * to_middle.x) / row_step));
+  const int i = static_cast<int>(std::lround((c * to_middle.x + s * to_middle.y) / grid.pitch -
+                                             (grid.hexagonal ? 0.5 * j : 0.0)));
+  // Two rows down and one step back is straight down where rows are shifted by half a step.
+  const auto point = [&](int column, int row) {
+    return grid.point(i + column - (grid.hexagonal ? (row >= 0 ? row / 2 : -((1 - row) / 2)) : 0),
+                      j + row);
+  };
+  int left = 0, right = 0, top = 0, bottom = 0;
+  while (is_in(point(left - 1, 0))) --left;
+  while (is_in(point(right + 1, 0))) ++right;
+  while (is_in(point(0, top - 1))) --top;
+  while (is_in(point(0, bottom + 1))) ++bottom;
+  if (grid.hexagonal && top % 2 != 0) ++top;  // every second row is shifted, the first is not
+  return {point(left, top), right - left + 1, bottom - top + 1};
+}
+
 }  // namespace
 
 void export_hci(const ExportJob& job) {
@@ -175,6 +208,7 @@ void export_view_grid(const ExportJob& job) {
                     {"offset_px", {view.offset.x, view.offset.y}}});
   }
   const MicroImageGrid fit = fit_grid(job.micro, job.field.window);
+  const FirstCentre first = first_centre(fit, job.field.window);
   const ViewGeometry geometry = fit_view_geometry(job.micro, views.lens_step);
   nlohmann::ordered_json focus = nullptr;
   if (std::isfinite(geometry.focus)) focus = geometry.focus;
@@ -184,9 +218,12 @@ void export_view_grid(const ExportJob& job) {
       {"LensletGridModel",
        {{"HSpacing", fit.pitch},
         {"VSpacing", fit.hexagonal ? std::sqrt(0.75) * fit.pitch : fit.pitch},
-        {"HOffset", fit.origin.x - job.field.window.x - 0.5},
-        {"VOffset", fit.origin.y - job.field.window.y - 0.5},
+        {"HOffset", first.at.x - job.field.window.x + 0.5},
+        {"VOffset", first.at.y - job.field.window.y + 0.5},
         {"Rot", fit.rotation},
+        {"UMax", first.columns},
+        {"VMax", first.rows},
+        {"FirstPosShiftRow", 2},
         {"Orientation", "horz"}}},
       {"geometry",
        {{"pinhole_plane_m", geometry.plane},
