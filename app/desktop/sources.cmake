@@ -61,6 +61,7 @@ set(desktop_widget_sources
   widgets/ruler.cpp
   widgets/scale_bar.cpp
   widgets/scene_geometry.cpp
+  widgets/scene_labels.cpp
   widgets/scene_panel.cpp
   widgets/scene_view.cpp
   widgets/scene_view_aim.cpp
@@ -76,7 +77,7 @@ set(desktop_widget_sources
 # With macros of VTK in them.
 set(desktop_vtk_sources widgets/beside_window.cpp widgets/flame_opacity.cpp widgets/image_view.cpp widgets/main_window_menus.cpp widgets/ray_lines.cpp
   widgets/ruler.cpp widgets/scene_geometry.cpp widgets/scene_view.cpp
-  widgets/scale_bar.cpp widgets/scene_view_aim.cpp widgets/scene_view_light.cpp widgets/scene_view_move.cpp widgets/scene_view_tools.cpp)
+  widgets/scale_bar.cpp widgets/scene_labels.cpp widgets/scene_view_aim.cpp widgets/scene_view_light.cpp widgets/scene_view_move.cpp widgets/scene_view_tools.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::FiltersCore VTK::InteractionStyle VTK::InteractionWidgets
   VTK::RenderingAnnotation VTK::RenderingCore)
