@@ -233,9 +233,10 @@ void RaysPanel::fit_tables() {
 }
 
 QSize RaysPanel::sizeHint() const {
-  const QSize hint = QWidget::sizeHint();
-  const int table = wanted_height(QFontMetrics(letters(kLetters.back())));
-  return {hint.width(), hint.height() - split_->sizeHint().height() + table};
+  const QMargins margins = layout()->contentsMargins();
+  return {QWidget::sizeHint().width(),
+          margins.top() + export_->sizeHint().height() + layout()->spacing() +
+              wanted_height(QFontMetrics(letters(kLetters.back()))) + margins.bottom()};
 }
 
 void RaysPanel::resizeEvent(QResizeEvent* event) {
