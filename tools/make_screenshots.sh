@@ -36,6 +36,4 @@ else
   echo "make_screenshots.sh: desktop-medium was left out: plenoflame flame candle -o examples/candle.vdb" >&2
 fi
 shot desktop-small-light examples/three-cameras.toml --size 1366x768
-shot desktop-medium-dark examples/lenslets-30.toml --size 1600x1000 --panel Histogram --dark
 QT_SCALE_FACTOR=1.5 shot desktop-large examples/lenslets-30.toml --size 1280x720 --panel Design --part flame --dark
-QT_SCALE_FACTOR=1.5 shot desktop-large-light examples/lenslets-30.toml --size 1280x720 --pixel 150,150 --part array --panel Rays
