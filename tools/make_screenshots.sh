@@ -35,4 +35,5 @@ if [ -f examples/candle.vdb ]; then
 else
   echo "make_screenshots.sh: desktop-medium was left out: plenoflame flame candle -o examples/candle.vdb" >&2
 fi
+shot desktop-small-light examples/three-cameras.toml --size 1366x768
 QT_SCALE_FACTOR=1.5 shot desktop-large examples/lenslets-30.toml --size 1280x720 --panel Design --part flame --dark

@@ -1,6 +1,17 @@
 // The scene's drawing with shortened gaps, handles, running light; views of one type of microlenses
 // and through glass. References: where points of the world lie, the lattice of three types, what
 // the command makes of the same picture.
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextActor.h>
+
 #include <QAction>
 #include <QComboBox>
 #include <QDir>
@@ -37,6 +48,45 @@ class DrawingTest : public test::SceneFixture {
   Vec3 flame_middle() {
     const Box box = scene().medium->bounds();
     return 0.5 * (box.lower + box.upper);
+  }
+  /// What is written in the 3-D view, by the graphics library's own measure of its texts, and the
+  /// marks of shortened gaps; each with what it is, upwards from the lower left corner [pixel].
+  std::vector<std::pair<QString, QRectF>> written_in_3d() {
+    auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+    vtkRenderer& renderer = *widget->renderWindow()->GetRenderers()->GetFirstRenderer();
+    vtkPropCollection* const props = renderer.GetViewProps();
+    std::vector<std::pair<QString, QRectF>> written;
+    for (int i = 0; i < props->GetNumberOfItems(); ++i) {
+      vtkObject* const prop = props->GetItemAsObject(i);
+      if (auto* const text = vtkTextActor::SafeDownCast(prop); text && text->GetVisibility()) {
+        std::array<double, 4> box{};
+        text->GetBoundingBox(&renderer, box.data());
+        const int* const at = text->GetPositionCoordinate()->GetComputedViewportValue(&renderer);
+        written.emplace_back(text->GetInput(), QRectF(at[0] + box[0], at[1] + box[2],
+                                                      box[1] - box[0], box[3] - box[2]));
+      }
+      if (auto* const bar = vtkScalarBarActor::SafeDownCast(prop); bar && bar->GetVisibility()) {
+        const QSizeF size(renderer.GetSize()[0], renderer.GetSize()[1]);
+        const double* const corner = bar->GetPosition();
+        written.emplace_back(
+            "scale of temperatures",
+            QRectF(corner[0] * size.width(), corner[1] * size.height(),
+                   bar->GetWidth() * size.width(), bar->GetHeight() * size.height()));
+      }
+      auto* const actor = vtkActor::SafeDownCast(prop);
+      auto* const mapper = actor ? vtkPolyDataMapper::SafeDownCast(actor->GetMapper()) : nullptr;
+      vtkPolyData* const data = mapper ? mapper->GetInput() : nullptr;
+      if (!data || data->GetNumberOfPoints() != 4 || data->GetNumberOfLines() != 2) continue;
+      QPolygonF mark;  // two lines: where the axis is broken
+      for (vtkIdType k = 0; k < 4; ++k) {
+        const double* const p = data->GetPoint(k);
+        renderer.SetWorldPoint(p[0], p[1], p[2], 1);
+        renderer.WorldToDisplay();
+        mark << QPointF(renderer.GetDisplayPoint()[0], renderer.GetDisplayPoint()[1]);
+      }
+      written.emplace_back("break", mark.boundingRect());
+    }
+    return written;
   }
   /// Views or refocused pictures are there.
   bool views_there() {
@@ -79,6 +129,43 @@ class DrawingTest : public test::SceneFixture {
     QVERIFY(view().schematic().is_to_scale());
     click("measure");
     QVERIFY(!view().schematic().is_to_scale());
+  }
+
+  void textsInTheSceneNeverMeet() {
+    session().set_auto_render(false);  // nothing of it is about the image
+    const QDir folder(PLENOFLAME_EXAMPLES);
+    int drawn = 0, names = 0;
+    for (const QString& name : folder.entryList({"*.toml"}, QDir::Files)) {
+      QVERIFY2(window_->open(folder.filePath(name)), qPrintable(name));
+      QVERIFY(written());
+      QVERIFY(until([&] { return session().compiler().is_current() && view().is_current(); }));
+      if (!session().compiler().compiled()) continue;  // its flame is made by a command first
+      for (const QSize size : {QSize(1366, 768), QSize(1600, 1000), QSize(1280, 720)}) {
+        window_->resize(size);
+        QVERIFY(until([&] { return window_->size() == size; }));
+        for (const Qt::Key key : {Qt::Key_2, Qt::Key_1}) {
+          press(key, Qt::ControlModifier);
+          view().picture();
+          const auto texts = written_in_3d();
+          const QRectF whole(QPointF(0, 0), scene3d()->size());
+          for (std::size_t i = 0; i < texts.size(); ++i) {
+            const bool is_mark = texts[i].first == "break";
+            if (!is_mark)
+              QVERIFY2(whole.contains(texts[i].second), qPrintable(name + ": " + texts[i].first));
+            for (std::size_t k = 0; k < i; ++k)
+              if (!is_mark || texts[k].first != "break")
+                QVERIFY2(!texts[i].second.intersects(texts[k].second),
+                         qPrintable(QString("%1, %2 wide: %3 on %4")
+                                        .arg(name)
+                                        .arg(size.width())
+                                        .arg(texts[i].first, texts[k].first)));
+          }
+          names += static_cast<int>(texts.size());
+          ++drawn;
+        }
+      }
+    }
+    QVERIFY2(drawn > 60 && names > 2 * drawn, qPrintable(QString("%1 %2").arg(drawn).arg(names)));
   }
 
   void flameAndCameraAreDragged() {

@@ -56,7 +56,13 @@ class FilesTest : public test::WindowFixture {
     when_shown<ImportDialog>([&](ImportDialog& dialog) {
       const auto type = [&](const char* name, const QString& text) {
         auto* edit = dialog.findChild<QLineEdit*>(name);
-        edit->setFocus();
+        // A field tells that it was left when it had the focus, which a dialog that is not active
+        // does not give; there is no window manager to activate it.
+        QVERIFY(until([&] {
+          QApplication::setActiveWindow(&dialog);
+          edit->setFocus();
+          return edit->hasFocus();
+        }));
         edit->selectAll();
         QTest::keyClicks(edit, text);
       };

@@ -1,12 +1,23 @@
 // The drawing of the flame, and its viewpoint; the section's parts; bars of colours;
 // one view alone. References: where points of the world are seen, the values of
 // the image, the design's own lines.
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor2D.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
+#include <vtkTextActor.h>
+
 #include <QAction>
 #include <QCheckBox>
 #include <QClipboard>
 #include <QComboBox>
 #include <QDialogButtonBox>
 #include <QDockWidget>
+#include <QHeaderView>
 #include <QLabel>
 #include <QScrollBar>
 #include <QSpinBox>
@@ -14,6 +25,7 @@
 #include <QToolButton>
 
 #include "gui_tests.h"
+#include "plenoflame/base/units.h"
 #include "scene_fixture.h"
 #include "widgets/controls/plot_widget.h"
 #include "widgets/image/colour_bar.h"
@@ -93,9 +105,9 @@ class LooksTest : public test::SceneFixture {
       }
       return true;
     };
-    for (const int width : {300, 900}) {
-      window_->resizeDocks({dock}, {width}, Qt::Horizontal);
-      QVERIFY(until([&] { return std::abs(dock->width() - width) < 60; }));
+    for (const int width : {0, 300, 900}) {  // 0: as wide as it is
+      if (width > 0) window_->resizeDocks({dock}, {width}, Qt::Horizontal);
+      QVERIFY(until([&] { return width == 0 || std::abs(dock->width() - width) < 60; }));
       const bool narrow = width < 500;
       QVERIFY(until([&] { return table->isColumnHidden(2) == narrow; }));
       QVERIFY(until([&] { return table->horizontalScrollBar()->maximum() == 0; }));
@@ -112,6 +124,48 @@ class LooksTest : public test::SceneFixture {
     QVERIFY(!child<QLabel>("designWarnings")->isVisible());
     QTest::mouseClick(fold, Qt::LeftButton);
     QVERIFY(child<QLabel>("designWarnings")->isVisible());
+  }
+
+  void windowsOfEachSizeHoldTheirTablesAndPanels() {
+    // A window as the program makes it, with no settings from before.
+    MainWindow fresh(std::make_unique<QSettings>(file("none.ini"), QSettings::IniFormat), {});
+    fresh.set_unattended(true);
+    fresh.show();
+    QVERIFY(QTest::qWaitForWindowExposed(&fresh));
+    QVERIFY(fresh.open_example("lenslets-30"));
+    QVERIFY(until([&] { return fresh.is_settled(); }));
+    fresh.session().document().select(Selection::of_pixel(150, 150));
+    QVERIFY(until([&] { return fresh.session().rays().rays() != nullptr; }));
+    auto* const rays = fresh.findChild<QTableWidget*>("raysTable");
+    auto* const left_out = fresh.findChild<QLabel*>("renderLeftOut");
+    for (const QSize size : {QSize(1600, 1000), QSize(1366, 768), QSize(1280, 720)}) {
+      fresh.resize(size);
+      QVERIFY(until([&] { return fresh.size() == size; }));
+      fresh.findChild<QDockWidget*>("renderDock")->raise();
+      QVERIFY(until([&] { return left_out->isVisible(); }));
+      QTest::qWait(50);
+      // What was left out is said in full.
+      const QRect words = left_out->fontMetrics().boundingRect(
+          QRect(0, 0, left_out->width(), 10000), Qt::TextWordWrap, left_out->text());
+      QVERIFY(left_out->text().contains("microlens") && !left_out->text().contains("..."));
+      QVERIFY(!left_out->text().contains(QChar(0x2026)));
+      QVERIFY(words.height() <= left_out->height() && words.width() <= left_out->width());
+      QVERIFY(left_out->visibleRegion().boundingRect() == left_out->rect());
+      fresh.findChild<QDockWidget*>("raysDock")->raise();
+      for (const char* name : {"raysTable", "surfacesTable"}) {
+        const auto* const table = fresh.findChild<QTableWidget*>(name);
+        QVERIFY(table->rowCount() > 0);
+        QVERIFY2(until([&] { return table->horizontalScrollBar()->maximum() == 0; }, 5000), name);
+        const QHeaderView& header = *table->horizontalHeader();
+        for (int i = 0; i < header.count(); ++i)
+          QVERIFY2(header.sectionSize(i) >= header.sectionSizeHint(i), name);
+      }
+      // Ten rays are seen, each as high as its letters.
+      const QRect tenth = rays->visualItemRect(rays->item(9, 0));
+      QVERIFY2(rays->viewport()->rect().contains(tenth.adjusted(0, 0, -1, -1)),
+               qPrintable(QString("%1 of %2").arg(tenth.bottom()).arg(rays->viewport()->height())));
+      QVERIFY(tenth.height() >= rays->fontMetrics().height());
+    }
   }
 
   void flameIsBrighterThanWhatIsAroundItInBothThemes() {
@@ -234,6 +288,104 @@ class LooksTest : public test::SceneFixture {
     const auto& curve = window->plots()[0]->series()[1].points;
     QVERIFY(std::abs(curve.front().y() - 1) < 1e-12);
     QVERIFY(curve.back().y() < 1);
+  }
+
+  void sceneIsSeenAlongEachAxisAndBesideAScale() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_2));
+    const Box box = scene().medium->bounds();
+    const Vec3 middle = 0.5 * (box.lower + box.upper);
+    const double step = 0.1 * (box.upper.z - box.lower.z);
+    // Right-handed axes: what points to the right and up in the view from the positive side.
+    struct Seen {
+      const char* button;
+      Vec3 depth, right, up;
+    };
+    for (const Seen& seen : {Seen{"alongX", {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                             Seen{"alongY", {0, 1, 0}, {-1, 0, 0}, {0, 0, 1}},
+                             Seen{"alongZ", {0, 0, 1}, {1, 0, 0}, {0, 1, 0}}})
+      for (const double side : {1.0, -1.0}) {  // a second click looks from the other side
+        QTest::mouseClick(child<QToolButton>(seen.button), Qt::LeftButton);
+        view().picture();
+        const QPointF at = view().to_widget(middle);
+        const auto way = [&](const Vec3& direction) {
+          return view().to_widget(middle + step * direction) - at;
+        };
+        const double length = std::hypot(way(seen.up).x(), way(seen.up).y());
+        QVERIFY2(-way(seen.up).y() > 0.99 * length, seen.button);
+        QVERIFY2(side * way(seen.right).x() > 0.9 * length, seen.button);
+        QVERIFY2(std::hypot(way(seen.depth).x(), way(seen.depth).y()) < 0.1 * length, seen.button);
+        // The bar is as long as it says, in the plane through the middle.
+        auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+        vtkPropCollection* const props =
+            widget->renderWindow()->GetRenderers()->GetFirstRenderer()->GetViewProps();
+        double says = 0, drawn = 0;  // [m], [pixel]
+        for (int i = 0; i < props->GetNumberOfItems(); ++i) {
+          vtkObject* const prop = props->GetItemAsObject(i);
+          if (auto* const text = vtkTextActor::SafeDownCast(prop); text && text->GetVisibility())
+            says = parse_quantity(text->GetInput(), Dimension::length);
+          auto* const line = vtkActor2D::SafeDownCast(prop);
+          auto* const mapper =
+              line ? vtkPolyDataMapper2D::SafeDownCast(line->GetMapper()) : nullptr;
+          if (mapper && mapper->GetInput()) {
+            std::array<double, 6> bounds{};
+            mapper->GetInput()->GetBounds(bounds.data());
+            drawn = bounds[1] - bounds[0];
+          }
+        }
+        QVERIFY2(says > 0 && std::abs(drawn / says / (length / step) - 1) < 0.03,
+                 qPrintable(QString("%1 m, %2 pixels").arg(says).arg(drawn)));
+      }
+  }
+
+  void spotsAndFansAreThoseOfARoundLens() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(click_menu({"View", "Main lens", "Spot diagram..."}));
+    auto* const spots = child<LensDiagrams>("spotWindow");
+    QVERIFY(until([&] { return spots->plots()[0]->series().size() == 2; }));
+    const QVector<QPointF> axis = spots->plots()[0]->series()[1].points;  // [um]
+    QVERIFY(axis.size() > 20);
+    // On the axis a round lens has a round spot about it: what is on one side is on the other.
+    double squares = 0, x = 0, y = 0;
+    for (const QPointF& at : axis) {
+      squares += at.x() * at.x() + at.y() * at.y();
+      x += at.x();
+      y += at.y();
+    }
+    const double rms = std::sqrt(squares / axis.size());
+    QVERIFY(std::hypot(x, y) / axis.size() < 0.02 * rms);
+    // Its radius is the one that is told, to the digits that are written.
+    QString told;
+    for (const QLabel* label : spots->findChildren<QLabel*>())
+      if (label->text().startsWith("at 0.00 deg")) told = label->text();
+    const double radius =
+        parse_quantity(told.section("RMS radius ", 1).toStdString(), Dimension::length);
+    QVERIFY2(std::abs(1e6 * radius / rms - 1) < 0.01, qPrintable(told));
+    // Off the axis there is coma and astigmatism as well.
+    QVERIFY(spots->plots()[2]->series()[1].points != axis);
+    spots->close();
+    QVERIFY(click_menu({"View", "Main lens", "Ray fans..."}));
+    auto* const fans = child<LensDiagrams>("fanWindow");
+    QVERIFY(until([&] { return fans->plots()[0]->series().size() == 2; }));
+    const auto fan = [&] { return fans->plots()[0]->series()[0].points; };
+    const QVector<QPointF> before = fan();
+    double most = 0;
+    for (const QPointF& at : before) most = std::max(most, std::abs(at.y()));
+    QVERIFY(most > 0);
+    // Odd on the axis, and the same in both planes.
+    const QVector<QPointF> sagittal = fans->plots()[0]->series()[1].points;
+    for (int i = 0; i < before.size(); ++i) {
+      const QPointF &one = before[i], &other = before[before.size() - 1 - i];
+      QVERIFY(std::abs(one.x() + other.x()) < 1e-6);
+      QVERIFY(std::abs(one.y() + other.y()) < 1e-3 * most);
+      QVERIFY(std::abs(one.y() - sagittal[i].y()) < 1e-3 * most);
+    }
+    // They follow every change.
+    const double curved = session().document().camera().lens.surfaces[0].radius;
+    session().document().set_value("camera.lens.surfaces[0].radius",
+                                   format_quantity(1.1 * curved, Dimension::length));
+    QVERIFY(until([&] { return !fan().isEmpty() && fan() != before; }));
+    fans->close();
   }
 
   void preferencesHoldAtOnceAndAreKept() {

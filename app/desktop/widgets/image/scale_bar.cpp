@@ -12,6 +12,7 @@
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -76,6 +77,21 @@ void ScaleBar::update(vtkRenderer& renderer) {
   text_->SetInput(views::length_label(length_).c_str());
   text_->SetDisplayPosition(static_cast<int>(0.5 * (left + right)),
                             static_cast<int>(kBottom + 2 * kTick));
+}
+
+ScreenBox ScaleBar::box(vtkRenderer& renderer) const {
+  ScreenBox box;
+  for (vtkIdType i = 0; i < points_->GetNumberOfPoints(); ++i) {
+    std::array<double, 3> p{};
+    points_->GetPoint(i, p.data());
+    box.add(p[0], p[1]);
+  }
+  std::array<double, 4> text{};
+  text_->GetBoundingBox(&renderer, text.data());
+  const double* const at = text_->GetPosition();
+  box.add(at[0] + text[0], at[1] + text[2]);
+  box.add(at[0] + text[1], at[1] + text[3]);
+  return box;
 }
 
 }  // namespace plenoflame::desktop

@@ -1,6 +1,8 @@
 #pragma once
 #include <vtkSmartPointer.h>
 
+#include "widgets/scene/scene_labels.h"
+
 class vtkActor2D;
 class vtkPoints;
 class vtkRenderer;
@@ -16,7 +18,8 @@ class ScaleBar {
   /// To be called before each drawing.
   void update(vtkRenderer& renderer);
   void set_visible(bool on);
-  double length() const { return length_; }  ///< [m]
+  double length() const { return length_; }    ///< [m]
+  ScreenBox box(vtkRenderer& renderer) const;  ///< bar and text
 
  private:
   vtkSmartPointer<vtkPoints> points_;

@@ -20,11 +20,21 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
+constexpr int kRows = 10;                                 ///< that are seen at first
 constexpr std::array<double, 3> kLetters{1, 0.92, 0.84};  ///< sizes of the tables', of the panel's
 
 QString quantity(double value, Dimension dimension) {
   return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
                               : QString::fromUtf8("\xe2\x80\x93");
+}
+
+int row_height(const QFontMetrics& letters) {
+  return letters.height() + 2;
+}
+
+/// Height of a table with a header of two lines and all the rows that are to be seen.
+int wanted_height(const QFontMetrics& letters) {
+  return 2 * letters.height() + 8 + kRows * row_height(letters);
 }
 
 QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QWidget* parent) {
@@ -36,7 +46,8 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
   table->setSelectionMode(QAbstractItemView::SingleSelection);
   table->setAlternatingRowColors(true);
   table->verticalHeader()->setVisible(false);
-  table->verticalHeader()->setDefaultSectionSize(table->fontMetrics().height() + 6);
+  table->verticalHeader()->setMinimumSectionSize(1);  // the style's would be higher than letters
+  table->verticalHeader()->setDefaultSectionSize(row_height(table->fontMetrics()));
   table->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   table->horizontalHeader()->setHighlightSections(false);  // bold names would be wider
   return table;
@@ -195,25 +206,37 @@ void RaysPanel::show_title() {
   title_->setText(text);
 }
 
+QFont RaysPanel::letters(double scale) const {
+  QFont scaled = font();
+  scaled.setPointSizeF(scale * scaled.pointSizeF());
+  return scaled;
+}
+
 /// Each table gets the width that its columns take, in smaller letters where there is little room.
 void RaysPanel::fit_tables() {
   const int room = split_->width() - split_->handleWidth();
   if (room <= 0) return;
   int rays = 0, surfaces = 0;
   for (const double scale : kLetters) {
-    QFont letters = font();
-    letters.setPointSizeF(scale * letters.pointSizeF());
+    const QFont smaller = letters(scale);
     for (QTableWidget* table : {table_, surfaces_}) {
-      if (table->font() == letters) continue;
-      table->setFont(letters);
-      table->horizontalHeader()->setFont(letters);
-      table->verticalHeader()->setDefaultSectionSize(table->fontMetrics().height() + 6);
+      if (table->font() == smaller) continue;
+      table->setFont(smaller);
+      table->horizontalHeader()->setFont(smaller);
+      table->verticalHeader()->setDefaultSectionSize(row_height(table->fontMetrics()));
     }
     rays = wanted_width(*table_);
     surfaces = wanted_width(*surfaces_);
-    if (rays + surfaces <= room) break;
+    if (rays + surfaces <= room && wanted_height(table_->fontMetrics()) <= split_->height()) break;
   }
   if (!split_by_hand_) split_->setSizes({rays + (room - rays - surfaces) / 2, surfaces});
+}
+
+QSize RaysPanel::sizeHint() const {
+  const QMargins margins = layout()->contentsMargins();
+  return {QWidget::sizeHint().width(),
+          margins.top() + export_->sizeHint().height() + layout()->spacing() +
+              wanted_height(QFontMetrics(letters(kLetters.back()))) + margins.bottom()};
 }
 
 void RaysPanel::resizeEvent(QResizeEvent* event) {

@@ -21,6 +21,8 @@ class RaysPanel : public QWidget {
   void set_pixel_of_picture(const QString& text);
   /// Number of the ray that is chosen; -1: none.
   int chosen() const;
+  /// With room for ten rays.
+  QSize sizeHint() const override;
 
  signals:
   void ray_chosen(int ray);
@@ -37,6 +39,7 @@ class RaysPanel : public QWidget {
   void fill_surfaces(int ray);
   void show_title();
   void colour_endings();
+  QFont letters(double scale) const;
   void fit_tables();
 
   RaySelector& rays_;

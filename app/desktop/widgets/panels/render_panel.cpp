@@ -58,6 +58,9 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   rays_ = value(tr("Rays traced per second, and in this pass"));
   time_ = value(tr("Time spent, and time that remains for all passes"));
   skipped_ = value(tr("What did not need to be computed in the last pass"));
+  skipped_->setWordWrap(true);
+  skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Minimum);
+  skipped_->setObjectName("renderLeftOut");
   error_->setObjectName("renderError");
   state_->setObjectName("renderState");
   rays_->setObjectName("renderRays");
@@ -70,12 +73,10 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   buttons->setContentsMargins(0, 0, 0, 0);
   for (QPushButton* b : {start_, pause_, stop_, finer_, coarser_}) buttons->addWidget(b);
   auto* form = new QFormLayout;
-  skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // it is elided
   form->addRow(tr("State"), state_);
   form->addRow(tr("Error"), error_);
   form->addRow(tr("Rays"), rays_);
   form->addRow(tr("Time"), time_);
-  form->addRow(tr("Left out"), skipped_);
   auto* left = new QVBoxLayout;
   left->addLayout(buttons);
   auto* second = new QHBoxLayout;
@@ -84,10 +85,13 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   left->addLayout(second);
   left->addLayout(form);
   left->addStretch(1);
-  auto* layout = new QHBoxLayout(this);
+  auto* upper = new QHBoxLayout;
+  upper->addLayout(left, 1);
+  upper->addWidget(curve_, 1);
+  auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(6, 4, 6, 4);
-  layout->addLayout(left, 1);
-  layout->addWidget(curve_, 1);
+  layout->addLayout(upper, 1);
+  layout->addWidget(skipped_);  // it needs the whole width
 
   RenderJob& job = session_.render();
   connect(&job, &RenderJob::state_changed, this, &RenderPanel::show_status);
@@ -175,12 +179,7 @@ void RenderPanel::show_status() {
     left_out << tr("%1 % of the microlenses").arg(share(s.lenses_skipped, s.lenses));
   if (s.tiles_skipped > 0) left_out << tr("%1 % of the tiles").arg(share(s.tiles_skipped, s.tiles));
   for (const std::string& phrase : s.left_out) left_out << QString::fromStdString(phrase);
-  // One line of it fits; the tooltip has the rest.
-  const QString all = left_out.join(", ");
-  skipped_->setText(left_out.isEmpty() ? QString::fromUtf8("\xe2\x80\x93")
-                                       : skipped_->fontMetrics().elidedText(all, Qt::ElideRight,
-                                                                            skipped_->width()));
-  skipped_->setToolTip(tr("What did not need to be computed in the last pass: ") + all);
+  skipped_->setText(left_out.isEmpty() ? QString() : tr("Left out: ") + left_out.join(", "));
   // By itself a bar draws at once, and with it the whole window, before all the rest that changes
   // here is drawn in its turn.
   bar_->setUpdatesEnabled(false);

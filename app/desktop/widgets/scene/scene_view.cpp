@@ -101,6 +101,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
     auto* const drawn = static_cast<View*>(drawn_by);
     fit_clipping(*drawn->renderer);
     drawn->scale_bar->update(*drawn->renderer);
+    drawn->place_labels();
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.ruler->SetInteractor(interactor);

@@ -105,7 +105,7 @@ class SceneView : public QWidget {
  private:
   struct View;
   void make_tools();
-  QWidget* make_drawing_tools();
+  std::array<QWidget*, 3> make_drawing_tools();
   void draw_to_scale();
   void update_schematic();
   void add_gaps();

@@ -5,15 +5,14 @@
 #include <vtkProperty.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkSphereHandleRepresentation.h>
-#include <vtkTextActor.h>
-#include <vtkTextProperty.h>
 
 #include <QAction>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
-#include "picture_annotation.h"
 #include "picture_camera.h"
 #include "plenoflame/base/units.h"
 #include "widgets/scene/scene_geometry.h"
@@ -23,20 +22,23 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr int kHandlePixels = 9;     ///< radius of a handle on the screen
-constexpr double kHandleReach = 12;  ///< [logical pixel] from a handle's middle to the pointer
-constexpr int kLabelSize = 13;       ///< [screen pixel]
+constexpr int kHandlePixels = 9;      ///< radius of a handle on the screen
+constexpr double kHandleReach = 12;   ///< [logical pixel] from a handle's middle to the pointer
+constexpr int kLabelSize = 13;        ///< [layout pixel]
+constexpr double kMountShare = 0.65;  ///< radius of a drawn lens with its mount, of its width
 
-/// Two short slanted lines where the axis is broken.
-void add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size,
-               vtkRenderer& renderer) {
+/// Two short slanted lines where the axis is broken; their ends.
+std::vector<Vec3> add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size,
+                            vtkRenderer& renderer) {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
+  std::vector<Vec3> ends;
   for (const double side : {-1.0, 1.0}) {
     cells->InsertNextCell(2);
     for (const double end : {-1.0, 1.0}) {
       const Vec3 p = middle + size * ((0.3 * side + 0.25 * end) * axis + end * up);
       cells->InsertCellPoint(points->InsertNextPoint(p.x, p.y, p.z));
+      ends.push_back(p);
     }
   }
   vtkNew<vtkPolyData> lines;
@@ -50,6 +52,7 @@ void add_break(const Vec3& middle, const Vec3& axis, const Vec3& up, double size
   actor->GetProperty()->LightingOff();
   actor->GetProperty()->SetLineWidth(2);
   renderer.AddActor(actor);
+  return ends;
 }
 
 }  // namespace
@@ -73,34 +76,43 @@ void SceneView::add_gaps_of(std::size_t camera, vtkRenderer& renderer) {
   const CameraSpec& spec = camera == 0 ? scene_->scene.camera : others_[camera - 1];
   const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
              up = cross(right, axis);
-  // Above the axis, where the scale bar is far; names of several cameras are there already.
-  const double label_side = others_.empty() ? 0.7 : -0.7;
+  const double width = geometry_->cameras[camera].width;
   for (const Schematic::Gap& gap : schematic.gaps()) {
     const double drawn = gap.drawn_end - gap.drawn_begin;
     const Vec3 middle = schematic.on_axis(0.5 * (gap.drawn_begin + gap.drawn_end));
-    add_break(middle, axis, up, 0.12 * drawn, renderer);
-    if (camera == 0)  // those of all cameras would stand in each other's way
-      views::add_label(readable_quantity(gap.end - gap.begin, Dimension::length, 3),
-                       middle + label_side * drawn * up, kLabelSize, renderer);
+    std::vector<Vec3> mark = add_break(middle, axis, up, 0.12 * drawn, renderer);
+    view_->labels.avoid(mark, SceneLabels::Keep::off);
+    if (camera > 0) continue;  // lengths of all cameras would stand in each other's way
+    // Rays pass through the mark; where there is room the length stands beside them.
+    if (others_.empty()) mark = {middle - 0.5 * width * up, middle + 0.5 * width * up};
+    view_->labels.add(readable_quantity(gap.end - gap.begin, Dimension::length, 3), std::move(mark),
+                      kLabelSize, renderer);
   }
-  if (others_.empty()) return;
-  const Vec3 top = spec.position + 0.75 * geometry_->cameras[camera].width * up;
-  views::add_label(spec.name, schematic.place(top), kLabelSize, renderer);
+  std::vector<Vec3> lens;
+  constexpr int kCorners = 8;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCorners;
+    lens.push_back(schematic.place(
+        spec.position + kMountShare * width * (std::cos(angle) * right + std::sin(angle) * up)));
+  }
+  view_->labels.avoid(lens, SceneLabels::Keep::off_if_possible);
+  if (!others_.empty()) view_->labels.add(spec.name, std::move(lens), kLabelSize, renderer);
 }
 
 /// The true lengths of what is shortened, and the names of several cameras.
 void SceneView::add_gaps() {
   view_->replace("gaps", [&](vtkRenderer& renderer) {
+    view_->labels.clear();
     if (!scene_ || !geometry_ || part_ != Part::scene) return;
     const std::size_t count = std::min(others_.size() + 1, geometry_->cameras.size());
     for (std::size_t i = 0; i < count; ++i) add_gaps_of(i, renderer);
+    if (!geometry_->flame) return;
+    std::vector<Vec3> flame;
+    std::array<double, 6> box{};
+    geometry_->flame->GetBounds(box.data());
+    for (const Vec3& corner : views::corners(box)) flame.push_back(schematic_.place(corner));
+    view_->labels.avoid(std::move(flame), SceneLabels::Keep::off_if_possible);
   });
-  for (const auto& prop : view_->layers["gaps"])
-    if (auto* text = vtkTextActor::SafeDownCast(prop)) {
-      text->GetTextProperty()->SetColor(0.85, 0.87, 0.9);
-      text->GetTextProperty()->SetBackgroundOpacity(0);
-      text->GetTextProperty()->SetJustificationToCentered();
-    }
 }
 
 std::vector<Vec3> SceneView::handles() const {

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "widgets/image/scale_bar.h"
+#include "widgets/scene/scene_labels.h"
 #include "widgets/scene/scene_view.h"
 
 class vtkImageData;
@@ -41,6 +42,7 @@ struct SceneView::View {
   vtkNew<vtkCallbackCommand> ruler_moved;
   vtkNew<vtkOrientationMarkerWidget> axes;
   std::unique_ptr<ScaleBar> scale_bar;
+  SceneLabels labels;  ///< of the layer "gaps"
   /// Something of the scene that is dragged by the pointer.
   struct Handle {
     vtkSmartPointer<vtkHandleWidget> widget;
@@ -62,6 +64,7 @@ struct SceneView::View {
   std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
 
   void add_axes_cube();
+  void place_labels();
   /// Axes and scale bar, which an empty view has none of.
   void show_frame(bool on) {
     if ((axes->GetEnabled() != 0) != on) axes->SetEnabled(on ? 1 : 0);

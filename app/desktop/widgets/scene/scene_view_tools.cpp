@@ -41,7 +41,9 @@ namespace {
 
 constexpr std::array<double, 3> kSurfaces{0.1, 0.5, 0.85};  ///< shares of the span of colours
 constexpr double kInkOfBar = 0.9;
-constexpr double kShine = 3;  ///< density of emission beside that of absorption
+constexpr ScreenBox kBar{0.85, 0.2, 0.98, 0.8};  ///< of temperatures, in shares of the view
+constexpr ScreenBox kCube{0, 0, 0.17, 0.25};     ///< of the axes, in shares of the view
+constexpr double kShine = 3;                     ///< density of emission beside that of absorption
 
 /// The same flame with what shines in the place of what absorbs.
 vtkSmartPointer<vtkImageData> shining(vtkImageData& flame) {
@@ -115,9 +117,9 @@ void set_bar_style(vtkScalarBarActor& bar) {
   bar.SetTitle("K");
   bar.SetOrientationToVertical();
   bar.SetTextPositionToPrecedeScalarBar();
-  bar.SetPosition(0.85, 0.2);
-  bar.SetWidth(0.13);
-  bar.SetHeight(0.6);
+  bar.SetPosition(kBar.left, kBar.bottom);
+  bar.SetWidth(kBar.right - kBar.left);
+  bar.SetHeight(kBar.top - kBar.bottom);
   bar.SetBarRatio(0.25);
   bar.SetLabelFormat("%.0f  ");
   for (auto* style : {bar.GetTitleTextProperty(), bar.GetLabelTextProperty()}) {
@@ -155,7 +157,16 @@ void SceneView::View::add_axes_cube() {
   cube->GetZMinusFaceProperty()->SetColor(0.5, 0.7, 1);
   axes->SetOrientationMarker(cube);
   axes->SetInteractor(widget->interactor());
-  axes->SetViewport(0, 0, 0.17, 0.25);
+  axes->SetViewport(kCube.left, kCube.bottom, kCube.right, kCube.top);
+}
+
+void SceneView::View::place_labels() {
+  const int* const size = renderer->GetSize();
+  std::vector<ScreenBox> furniture{scale_bar->box(*renderer)};
+  for (const ScreenBox& share : {kBar, kCube})
+    furniture.push_back(
+        {share.left * size[0], share.bottom * size[1], share.right * size[0], share.top * size[1]});
+  labels.place(*renderer, furniture);
 }
 
 void SceneView::make_tools() {
@@ -218,18 +229,18 @@ void SceneView::make_tools() {
   });
   connect(tool(Glyph::picture, tr("Picture..."), "scenePicture", tr("Save this view as a picture")),
           &QAction::triggered, this, &SceneView::picture_requested);
-  flow->addWidget(make_drawing_tools());
+  for (QWidget* tools : make_drawing_tools()) flow->addWidget(tools);
 }
 
 /// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
-QWidget* SceneView::make_drawing_tools() {
+std::array<QWidget*, 3> SceneView::make_drawing_tools() {
   auto* const tools = new QWidget(tools_);
-  drawing_ = new QComboBox(tools);
+  drawing_ = new QComboBox(tools_);
   drawing_->setObjectName("flameDrawing");
   drawing_->addItems({tr("Emission"), tr("Absorption"), tr("Surfaces")});
   drawing_->setToolTip(
       tr("What makes the flame visible: its light, its soot, or surfaces of equal temperature"));
-  cut_ = new QComboBox(tools);
+  cut_ = new QComboBox(tools_);
   cut_->setObjectName("flameCut");
   cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
   cut_->setToolTip(tr("Leaves away what lies beyond a plane across an axis of the world"));
@@ -243,8 +254,6 @@ QWidget* SceneView::make_drawing_tools() {
   auto* row = new QHBoxLayout(tools);
   row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(3);
-  row->addWidget(drawing_);
-  row->addWidget(cut_);
   row->addWidget(cut_place_, 1);
   for (int axis = 0; axis < 3; ++axis) {
     auto* along = new QToolButton(tools);
@@ -272,7 +281,7 @@ QWidget* SceneView::make_drawing_tools() {
     add_flame();
     render();
   });
-  return tools;
+  return {drawing_, cut_, tools};
 }
 
 void SceneView::look_along(int axis) {

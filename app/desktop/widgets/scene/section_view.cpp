@@ -406,32 +406,37 @@ void SectionView::draw_names(QPainter& painter) {
   const CameraSpec& spec = camera.spec();
   struct Name {
     QString text;
-    double z, height;
+    double begin, end, height;  ///< [m] along the axis, and from it
   };
   std::vector<Name> names;
   const double sensor = 0.5 * (horizontal_ ? spec.sensor.size().x : spec.sensor.size().y);
   if (!flame_.isNull())
-    names.push_back({tr("flame"), flame_place_.center().x(), flame_place_.top()});
+    names.push_back({tr("flame"), flame_place_.left(), flame_place_.right(), flame_place_.top()});
   double lens = 0.5 * spec.lens.diameter, last = 0;
   for (const SurfaceSpec& surface : spec.lens.surfaces) {
     lens = std::max(lens, 0.5 * surface.diameter);
     last -= &surface == &spec.lens.surfaces.back() ? 0 : surface.thickness;
   }
-  names.push_back({tr("main lens"), 0.5 * last, lens});
+  names.push_back({tr("main lens"), last, 0, lens});
   if (spec.array.present)
-    names.push_back(
-        {tr("microlenses"), 0.5 * (camera.array_front() + camera.array_back()), sensor});
-  names.push_back({tr("sensor"), camera.sensor(), sensor});
+    names.push_back({tr("microlenses"), camera.array_back(), camera.array_front(), sensor});
+  names.push_back({tr("sensor"), camera.sensor(), camera.sensor(), sensor});
   const QFontMetrics metrics = painter.fontMetrics();
   std::vector<QRectF> taken;
   painter.setPen(palette().color(QPalette::Text));
   for (const Name& name : names) {
-    const double x = to_widget(name.z, 0).x();
+    const double x = to_widget(0.5 * (name.begin + name.end), 0).x();
     if (x < 0 || x > width()) continue;
     const double wide = metrics.horizontalAdvance(name.text), high = metrics.height();
-    const double left = std::clamp(x - 0.5 * wide, 4.0, std::max(4.0, width() - wide - 4));
-    double top = std::clamp(to_widget(name.z, name.height).y() - high - 3, 2.0 * high,
-                            std::max(2.0 * high, this->height() - 3.0 * high));
+    const double above = to_widget(name.begin, name.height).y() - high - 3;
+    double left = x - 0.5 * wide;
+    if (above < 2 * high) {  // there is no room above it
+      const double a = to_widget(name.begin, 0).x(), b = to_widget(name.end, 0).x();
+      left = std::max(a, b) + 6;
+      if (left + wide > width()) left = std::min(a, b) - 6 - wide;
+    }
+    left = std::clamp(left, 4.0, std::max(4.0, width() - wide - 4));
+    double top = std::clamp(above, 2.0 * high, std::max(2.0 * high, this->height() - 3.0 * high));
     const auto meets = [&](const QRectF& r) {
       return r.intersects(QRectF(left - 4, top, wide + 8, high));
     };

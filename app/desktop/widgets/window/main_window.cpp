@@ -198,7 +198,8 @@ void MainWindow::make_docks() {
   tabifyDockWidget(rays, histogram);
   tabifyDockWidget(histogram, profile);
   render->raise();
-  resizeDocks({render}, {230}, Qt::Vertical);
+  const int frame = 2 * (fontMetrics().height() + 10);  // title and tabs
+  resizeDocks({render}, {rays_->sizeHint().height() + frame}, Qt::Vertical);
   resizeDocks({scene, light_field}, {330, 300}, Qt::Horizontal);
   connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
           &QDockWidget::raise);
