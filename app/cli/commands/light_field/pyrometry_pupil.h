@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <string>
 
-#include "commands/pyrometry_light.h"
+#include "commands/light_field/pyrometry_light.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/pyrometry.h"
 #include "plenoflame/scene/scene.h"
