@@ -136,10 +136,16 @@ class DrawingTest : public test::SceneFixture {
     const QDir folder(PLENOFLAME_EXAMPLES);
     int drawn = 0, names = 0;
     for (const QString& name : folder.entryList({"*.toml"}, QDir::Files)) {
-      QVERIFY2(window_->open(folder.filePath(name)), qPrintable(name));
+      QVERIFY2(window_->open(folder.filePath(name)),
+               qPrintable(name + ": " + window_->last_message()));
       QVERIFY(written());
-      QVERIFY(until([&] { return session().compiler().is_current() && view().is_current(); }));
-      if (!session().compiler().compiled()) continue;  // its flame is made by a command first
+      const SceneCompiler& compiler = session().compiler();
+      QVERIFY2(until([&] {
+                 return !compiler.failure().isEmpty() ||
+                        (compiler.is_current() && view().is_current());
+               }),
+               qPrintable(name));
+      if (!compiler.failure().isEmpty()) continue;  // its flame is made by a command first
       for (const QSize size : {QSize(1366, 768), QSize(1600, 1000), QSize(1280, 720)}) {
         window_->resize(size);
         QVERIFY(until([&] { return window_->size() == size; }));

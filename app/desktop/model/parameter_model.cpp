@@ -149,9 +149,7 @@ struct ParameterModel::Node {
 ParameterModel::ParameterModel(Document& document, QObject* parent)
     : QAbstractItemModel(parent), document_(document), root_(std::make_unique<Node>()) {
   connect(&document_, &Document::scene_changed, this, [this] { refresh(); });
-  connect(&document_, &Document::issues_changed, this, [this] {
-    for (const auto& child : root_->children) announce(*child);
-  });
+  connect(&document_, &Document::issues_changed, this, [this] { follow(); });
   rebuild();
 }
 
@@ -212,6 +210,11 @@ void ParameterModel::refresh() {
     refused_.clear();
     emit refusals_changed();
   }
+  follow();
+}
+
+/// Issues may be those of a scene of which the model has not been told yet.
+void ParameterModel::follow() {
   const auto paths =
       document_.is_empty() ? std::vector<std::string>{} : scene_paths(document_.scene());
   if (paths != paths_ || root_->children.empty()) {

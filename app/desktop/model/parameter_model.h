@@ -76,6 +76,7 @@ class ParameterModel : public QAbstractItemModel {
   struct Node;
   void rebuild();
   void refresh();
+  void follow();
   Node* node_of(const QModelIndex& index) const;
   QString message_of(const Node& node, bool* is_error) const;
   void announce(Node& node);

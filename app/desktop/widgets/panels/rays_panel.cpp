@@ -20,8 +20,9 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
-constexpr int kRows = 10;                                 ///< that are seen at first
-constexpr std::array<double, 3> kLetters{1, 0.92, 0.84};  ///< sizes of the tables', of the panel's
+constexpr int kRows = 10;  ///< that are seen at first
+constexpr std::array<double, 4> kLetters{1, 0.92, 0.84,
+                                         0.8};  ///< sizes of the tables', of the panel's
 
 QString quantity(double value, Dimension dimension) {
   return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
