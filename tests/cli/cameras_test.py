@@ -135,7 +135,8 @@ class Cameras(CommandTest):
                 self.assertIn(part.read("data.npy")[128:], whole.read("data.npy")[128:])
 
     def test_a_stopped_run_goes_on_with_its_camera(self):
-        for delay in [0.1 * 1.35 ** k for k in range(14)]:
+        # On a busy machine runs differ in speed: a stop may meet one before its first samples or just after its last.
+        for delay in [0.1 * 1.2 ** k for k in range(24)] * 3:
             run = subprocess.Popen([command.COMMAND, "render", "lab.toml", "-o", "out.exr", "--samples", "4096", "--quiet",
                                     "--window", "290,200,20,200"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
             time.sleep(delay)
