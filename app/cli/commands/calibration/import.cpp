@@ -13,8 +13,7 @@ void register_import(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "import", "Make a light field of a real camera's pictures",
       "plenoflame import flame-*.tif --camera camera.toml --dark dark-*.tif -o flame.exr\n"
-      "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W "
-      "--exposure-time 650nm=2ms --exposure-time 700nm=1ms -o flame.exr");
+      "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W -o flame.exr");
   command
       .add_option(
           "RAW", a->raw,
