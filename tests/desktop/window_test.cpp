@@ -1,6 +1,9 @@
 // The window, driven by clicks and keys as a person would.
+#include <QDir>
 #include <QFile>
+#include <QFileInfo>
 #include <QLabel>
+#include <QPushButton>
 #include <QTableWidget>
 #include <QToolButton>
 #include <QTreeView>
@@ -58,6 +61,27 @@ class WindowTest : public test::WindowFixture {
       const QTreeView& tree = fresh.scene_panel().tree();
       QVERIFY(tree.isColumnHidden(2) || tree.width() > 400);
     }
+  }
+
+  // Every example that needs no file of a flame is on the page, with a picture, as it is in its
+  // file.
+  void welcomePageHasEveryExample() {
+    const QDir folder(PLENOFLAME_EXAMPLES);
+    int seen = 0;
+    for (const QString& name : folder.entryList({"*.toml"}, QDir::Files)) {
+      QFile file(folder.filePath(name));
+      QVERIFY(file.open(QIODevice::ReadOnly));
+      const QByteArray text = file.readAll();
+      if (text.contains(".vdb\"")) continue;
+      auto* const button =
+          child<QPushButton>(qPrintable("example-" + QFileInfo(name).completeBaseName()));
+      QVERIFY2(button && button->isVisible(), qPrintable(name));
+      QVERIFY2(!button->icon().pixmap(48, 48).isNull(), qPrintable(name));
+      QFile kept(":/examples/" + name);
+      QVERIFY2(kept.open(QIODevice::ReadOnly) && kept.readAll() == text, qPrintable(name));
+      ++seen;
+    }
+    QVERIFY(seen > 10);
   }
 
   void welcomePageCoversEmptyPanels() {

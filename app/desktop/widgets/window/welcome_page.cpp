@@ -2,6 +2,7 @@
 
 #include <QCommandLinkButton>
 #include <QFileInfo>
+#include <QGridLayout>
 #include <QHBoxLayout>
 #include <QIcon>
 #include <QKeyEvent>
@@ -9,12 +10,14 @@
 #include <QListWidget>
 #include <QPainter>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QVBoxLayout>
 
 namespace plenoflame::desktop {
 namespace {
 
 constexpr int kThumbnail = 48;  ///< [logical pixel]
+constexpr int kColumns = 2;     ///< of examples
 
 /// An example to open: Return does what a click does, and the focus is seen.
 class ExampleButton : public QCommandLinkButton {
@@ -49,14 +52,17 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   head->addWidget(icon);
   head->addWidget(title, 1);
   auto* left = new QVBoxLayout;
+  auto* examples = new QWidget(this);
+  auto* grid = new QGridLayout(examples);
+  grid->setContentsMargins(0, 0, 0, 0);
   const auto example = [&](const char* name, const QString& text, const QString& about) {
-    auto* button = new ExampleButton(text, about, this);
+    auto* button = new ExampleButton(text, about, examples);
     button->setObjectName(QString("example-") + name);
     button->setIcon(QIcon(QString(":/thumb/%1.png").arg(name)));
     button->setIconSize(QSize(kThumbnail, kThumbnail));
     connect(button, &QCommandLinkButton::clicked, this,
             [this, name] { emit example_chosen(QString(name)); });
-    left->addWidget(button);
+    grid->addWidget(button, grid->count() / kColumns, grid->count() % kColumns);
   };
   example("paper-flame-1m", tr("The paper's flame"),
           tr("A layered flame 1 m before a multi-focus plenoptic camera of 3000 x 3000 pixels"));
@@ -66,6 +72,31 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
       "paper-previous-60x60", tr("An unfocused camera"),
       tr("60 x 60 square microlenses of 10 x 10 pixels: views and refocusing at their plainest"));
   example("lenslets-30", tr("A small camera"), tr("30 microlenses across, rendered in a blink"));
+  example("square-lenses", tr("Square microlenses"), tr("The small camera without gaps"));
+  example("three-cameras", tr("Three cameras"),
+          tr("Two plenoptic ones at right angles, and an ordinary one between them"));
+  example("ring-of-six", tr("Six cameras"), tr("Around a flame, for tomography"));
+  example("three-filters", tr("Three colours in one picture"),
+          tr("A filter before each third of the main lens, for pyrometry"));
+  example("smoke", tr("Smoke"), tr("A flame lights a puff before a chequered wall"));
+  example("calibration-plate", tr("Calibration boards"),
+          tr("Checkerboards and dots at four poses"));
+  example("paper-objects-5m", tr("The paper's objects"),
+          tr("Ball, cylinder and cone through its multi-focus camera"));
+  example("paper-objects-5m-60x60", tr("The same, unfocused"),
+          tr("Through the camera of 60 x 60 microlenses"));
+  example("paper-objects-5m-no-array", tr("The same, ordinary"),
+          tr("Through the camera without its array"));
+  example("paper-objects-r29", tr("Objects before an R29"),
+          tr("28.8 million pixels: it takes its time"));
+  grid->setRowStretch(grid->rowCount(), 1);
+  auto* scroll = new QScrollArea(this);
+  scroll->setObjectName("welcomeExamples");
+  scroll->setFrameShape(QFrame::NoFrame);
+  scroll->setWidgetResizable(true);
+  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  scroll->setWidget(examples);
+  left->addWidget(scroll, 1);
   auto* open = new QPushButton(tr("Open a file..."), this);
   open->setObjectName("welcomeOpen");
   open->setAutoDefault(true);
@@ -77,7 +108,6 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   back_->setToolTip(tr("What was open before is still there"));
   back_->hide();
   left->addWidget(back_, 0, Qt::AlignLeft);
-  left->addStretch(1);
   auto* right = new QVBoxLayout;
   right->addWidget(new QLabel(tr("Recent files"), this));
   recent_->setObjectName("recentFiles");
