@@ -74,7 +74,7 @@ class Compile(CommandTest):
         whole = self.read("a.bundle")
         arguments = ("compile", "a.toml", *WINDOW, *ROUGH)
         for sent in (signal.SIGINT, signal.SIGKILL):
-            # Of the whole sensor, which takes minutes: it is stopped on the way.
+            # A bundle of the whole sensor takes minutes: it is stopped on the way.
             process = subprocess.Popen([command.COMMAND, "compile", "a.toml", "--error", "0.2%", "-o", "a.bundle", "--threads", "1"],
                                        cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             self.addCleanup(process.communicate)

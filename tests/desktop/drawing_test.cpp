@@ -49,7 +49,7 @@ class DrawingTest : public test::SceneFixture {
     const Box box = scene().medium->bounds();
     return 0.5 * (box.lower + box.upper);
   }
-  /// What is written in the 3-D view, by the graphics library's own measure of its texts, and the
+  /// The texts of the 3-D view, by the graphics library's own measure of its texts, and the
   /// marks of shortened gaps; each with what it is, upwards from the lower left corner [pixel].
   std::vector<std::pair<QString, QRectF>> written_in_3d() {
     auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());

@@ -144,7 +144,7 @@ class LooksTest : public test::SceneFixture {
       fresh.findChild<QDockWidget*>("renderDock")->raise();
       QVERIFY(until([&] { return left_out->isVisible(); }));
       QTest::qWait(50);
-      // What was left out is said in full.
+      // The line of what was left out is seen in full.
       const QRect words = left_out->fontMetrics().boundingRect(
           QRect(0, 0, left_out->width(), 10000), Qt::TextWordWrap, left_out->text());
       QVERIFY(left_out->text().contains("microlens") && !left_out->text().contains("..."));

@@ -114,9 +114,9 @@ class StoppingOperator final : public LinearOperator {
   std::stop_source& stop_;
 };
 
-// Where rays are followed each time, thirty iterations after a stop are minutes. What some of them
-// have found still is a step that leads downhill: the step is its inverse square, and twice the
-// right one is the end of that.
+// Thirty iterations after a stop are minutes where rays are followed each time. The value that a
+// few of them have found still is a step that leads downhill: the step is its inverse square, and
+// twice the right one is the end of that.
 TEST(CsrMatrix, LargestSingularValueEndsSoonAfterAStop) {
   const TwinMatrix a = random_matrix(80, 40, 0.4, 7);
   const double exact = a.dense.jacobiSvd().singularValues()[0];

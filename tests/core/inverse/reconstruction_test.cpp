@@ -43,8 +43,8 @@ double glow(Vec3 p) {
 struct Rig {
   std::vector<CompiledScene> scenes;
   std::unique_ptr<Unknowns> unknowns, finer;  ///< the finer ones fill the same space
-  /// What the samples are of; times the factor of the place where unknowns fade beyond the last of
-  /// them, which finer ones do not.
+  /// The samples are of this field; times the factor of the place where unknowns fade beyond the
+  /// last of them, which finer ones do not.
   std::function<double(Vec3)> field, edge = [](Vec3) { return 1.0; };
   std::vector<double> truth, absorption;  ///< an absorption is the same everywhere
   ReconstructionSettings settings;
@@ -54,11 +54,11 @@ struct Rig {
     for (std::size_t j = 0; j < unknowns->size(); ++j) truth.push_back(field(unknowns->place(j)));
   }
 
-  /// Of the operator that is inverted.
+  /// Fluxes of the operator that is inverted.
   ReconstructionInput input(double noise, std::uint64_t seed = 5) const {
     return measured(*unknowns, truth, absorption, settings.rays, noise, seed);
   }
-  /// Of the same field on the finer grid, seen along other rays, and more of them.
+  /// Fluxes of the same field on the finer grid, seen along other rays, and more of them.
   ReconstructionInput finer_input(double noise) const {
     std::vector<double> samples, absorbing;
     for (std::size_t j = 0; j < finer->size(); ++j) {
@@ -175,7 +175,7 @@ TEST(Reconstruction, RingsOfTheirOwnRows) {
   EXPECT_TRUE(exact.stored);
 }
 
-// Of a finer flame with 0.3 % of noise the discrepancy principle leaves as much as the noise, that
+// The discrepancy principle leaves as much of a finer flame's fluxes as their noise of 0.3 %, that
 // of the rays included, and what is found is near the truth.
 TEST(Reconstruction, RingsFromOneCamera) {
   Rig rig = ring_rig();

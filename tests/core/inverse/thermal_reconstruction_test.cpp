@@ -75,13 +75,13 @@ struct RoundFlame {
     settings.linear.support = false;
   }
 
-  /// Of the model that is solved, along its rays.
+  /// Fluxes of the model that is solved, along its rays.
   ThermalInput input(double noise, std::uint64_t seed = 3) const {
     std::vector<double> x = temperature;
     for (const double kappa : absorption) x.push_back(std::log(kappa));
     return measured(*unknowns, x, settings.linear.rays, noise, seed);
   }
-  /// Of the finer flame.
+  /// Fluxes of the finer flame.
   ThermalInput finer_input(double noise) const {
     return measured(*finer, finer_values, settings.linear.rays, noise, 3);
   }

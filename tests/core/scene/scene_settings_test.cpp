@@ -48,7 +48,7 @@ TEST(WindowIndex, StandsInPlaceOfAGlass) {
   EXPECT_EQ(both.find('\n'), std::string::npos);
   const std::string set = refusal(glass, {"windows[0].index=1.46"});
   EXPECT_NE(set.find("--set windows[0].index: windows[0].index is 1.46"), std::string::npos) << set;
-  // What is set replaces what stands there.
+  // A value that is set replaces the one of the file.
   const double bk7 = 1.5145;  // Schott's catalogue at 650 nm
   EXPECT_TRUE(
       test::relative(with({"windows[0].glass=N-BK7"}, window(index)).windows[0].index, bk7, 2e-4));

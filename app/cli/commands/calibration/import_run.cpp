@@ -45,7 +45,7 @@ std::size_t channel_in_front(const std::string& text, const Scene& scene) {
   return scene.channels.size();
 }
 
-/// Those of the values that are a channel's own, or else those with no channel in front.
+/// The values that are a channel's own, or else the ones with no channel in front.
 /// @param channel empty: pictures that have several channels
 std::vector<std::string> values_of_channel(const char* option,
                                            const std::vector<std::string>& values,

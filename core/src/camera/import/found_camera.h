@@ -83,8 +83,8 @@ bool is_pip(const CalibrationFile& file);
 void read_pip(const CalibrationFile& file, FoundCamera& found);
 bool is_plenoptomos(const CalibrationFile& file);
 void read_plenoptomos(const CalibrationFile& file, FoundCamera& found);
-/// What plenoptomos' files say, by section and key of its .ini: nominal values in mm, z from the
-/// main lens. @param aperture_is_length the main lens' aperture is no f-number
+/// The values of plenoptomos' files, by section and key of its .ini: nominal values in mm, z from
+/// the main lens. @param aperture_is_length the main lens' aperture is no f-number
 void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, double>& values,
                       bool aperture_is_length, FoundCamera& found);
 bool is_vox(const CalibrationFile& file);
