@@ -4,6 +4,9 @@
 # <cmath>-free headers of its own (see docs/developer/architecture.md).
 function(plenoflame_kernels target)
   set(common -O3 -fno-trapping-math -fopenmp-simd)
+  if(PLENOFLAME_SANITIZE)
+    list(TRANSFORM common REPLACE -O3 -O1)  # minutes of optimising checks
+  endif()
   set(flags_baseline "")
   set(flags_avx2 -march=x86-64-v3)
   set(flags_avx512 -march=x86-64-v4 -mprefer-vector-width=512)

@@ -172,5 +172,5 @@ if chosen design; then
   done
 fi
 
-# Those of docs/desktop.md, where the desktop application was built.
+# The pictures of docs/desktop.md are made where the desktop application was built.
 if chosen desktop && [ -x build/release/app/desktop/plenoflame-desktop ]; then tools/make_screenshots.sh; fi

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Makes the thumbnails of the desktop's welcome page: app/desktop/resources/thumb-*.png, a small picture of each example that
-# needs no file of a flame.
+# Makes the thumbnails of the desktop's welcome page: app/desktop/resources/thumb-*.png, a small picture of each example. Flames
+# that an example reads are made first, by the commands at its head.
 #
 #   tools/make_thumbnails.sh [EXAMPLE ...]    only these; without any, all
 #
@@ -10,10 +10,11 @@ cd "$(dirname "$0")/.."
 command=${COMMAND:-build/release/app/cli/plenoflame}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-[ $# -gt 0 ] || set -- $(grep -L '\.vdb"' examples/*.toml | sed 's#.*/\(.*\)\.toml#\1#')
+[ $# -gt 0 ] || set -- $(ls examples/*.toml | sed 's#.*/\(.*\)\.toml#\1#')
 for name in "$@"; do
+  sed -n 's/^#  *plenoflame \(flame .*\)/\1/p' "examples/$name.toml" | while read -r flame; do eval "'$command' $flame" >/dev/null; done
   "$command" render "examples/$name.toml" --samples 8 --quiet -o "$folder/out.exr"
-  # Of several cameras the first.
+  # The first of several cameras stands for the scene.
   picture=$(ls -tr "$folder"/out*.exr | head -1)
   "$command" develop "$picture" --curve display -o "$folder/out.png" >/dev/null
   # In the colours in which the window shows it.

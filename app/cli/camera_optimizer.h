@@ -15,8 +15,8 @@ struct OptimizerTask {
   MicrolensFreedom freedom = MicrolensFreedom::index;
   MicrolensLimits limits;
   double time_limit = 50;  ///< [s] for the part with rays
-  /// How far micro-images may overlap [pixels]; none: not at all, or, where nothing that is varied
-  /// could change it, as far as at the start.
+  /// The overlap that micro-images may have [pixels]; none: not at all, or, where nothing that is
+  /// varied could change it, as far as at the start.
   std::optional<double> overlap;
 };
 

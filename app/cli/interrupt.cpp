@@ -90,8 +90,13 @@ InterruptHandler::InterruptHandler() {
     if (previous_actions[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
 }
 
+void InterruptHandler::ignore_from_now() {
+  for (const int number : kSignals) signal(number, SIG_IGN);
+  restores_ = false;
+}
+
 InterruptHandler::~InterruptHandler() {
-  for (std::size_t i = 0; i < kSignals.size(); ++i)
+  for (std::size_t i = 0; restores_ && i < kSignals.size(); ++i)
     sigaction(kSignals[i], &previous_actions[i], nullptr);
   const int end = write_end.load();
   const ssize_t written = write(end, &kEnd, 1);

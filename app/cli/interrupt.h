@@ -16,6 +16,9 @@ class InterruptHandler {
   InterruptHandler& operator=(const InterruptHandler&) = delete;
 
   std::stop_token token() const { return stop_.get_token(); }
+  /// The work is done and stands: signals are ignored from here on, also after this object is gone.
+  /// Otherwise one in the last moment would end a process whose results are there as a failure.
+  void ignore_from_now();
   /// True if a signal came.
   bool interrupted() const { return stop_.stop_requested(); }
 
@@ -24,6 +27,7 @@ class InterruptHandler {
 
   std::stop_source stop_;
   int read_end_ = -1;
+  bool restores_ = true;  ///< what was there before
   std::jthread watcher_;
 };
 

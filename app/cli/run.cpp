@@ -131,7 +131,9 @@ int run(int argc, const char* const* argv) {
   } catch (const std::exception&) {
     // Without a thread to wait for signals they have their usual effect.
   }
-  return run(argc, argv, interrupt);
+  const int status = run(argc, argv, interrupt);
+  if (interrupt) interrupt->ignore_from_now();
+  return status;
 }
 
 namespace {

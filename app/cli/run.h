@@ -16,7 +16,8 @@ inline constexpr int kBadUse = 2;   ///< the command line is at fault
 /// @return the exit status
 int run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt);
 
-/// The same, with a handler of signals where the system has a thread for it.
+/// The same for a whole process, with a handler of signals where the system has a thread for it.
+/// Once a command that looks at signals has returned, they are ignored: the process ends at once.
 int run(int argc, const char* const* argv);
 
 }  // namespace plenoflame::cli

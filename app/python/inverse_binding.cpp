@@ -37,7 +37,7 @@ py::array places_of(const Unknowns& unknowns) {
   return given(std::move(places), {count, 3});
 }
 
-/// What vtkPlenoflameOperator does.
+/// Makes an operator, as vtkPlenoflameOperator does.
 class OperatorRun : public Runnable {
  public:
   void run(const Execution& execution) override {
@@ -110,7 +110,7 @@ void bind_operator(py::module_& module) {
       .def("GetNumberOfColumns",
            [](const Run& r) { return r.problem ? r.problem->unknowns->size() : 0; })
       .def("GetNumberOfRays",
-           [](const Run& r) { return r.problem ? r.problem->rays.rays.size() : 0; })
+           [](const Run& r) { return r.problem ? r.problem->rays.ray_count() : 0; })
       .def("GetMatrixBytes",
            [](const Run& r) {
              return kBytesOfEntry * static_cast<double>(estimated_entries(r.problem->problem));
@@ -142,7 +142,7 @@ void bind_operator(py::module_& module) {
       .def("Times", &Run::times);
 }
 
-/// What vtkPlenoflameReconstruction does.
+/// Reconstructs, as vtkPlenoflameReconstruction does.
 class ReconstructionRun : public Runnable {
  public:
   void run(const Execution& execution) override { task.run(execution); }

@@ -43,7 +43,7 @@ void bind_values(py::class_<SceneHandle, std::shared_ptr<SceneHandle>>& scene) {
       });
 }
 
-/// Where a key stands in the scene's schema, and what is said about it there.
+/// The keys of the scene's schema, and what is said about each there.
 py::list schema() {
   py::list keys;
   for (const SchemaKey& key : schema_keys())

@@ -7,7 +7,7 @@
 
 namespace plenoflame::python {
 
-/// What stands for vtkPlenoflameScene where there is no VTK.
+/// A scene without VTK, in place of vtkPlenoflameScene.
 struct SceneHandle : SceneSession {
   std::vector<std::string> warnings;  ///< not fetched yet
 };

@@ -11,7 +11,7 @@
 
 namespace plenoflame::python {
 
-/// What stands for a vtkImageData with a flame's fields where there is no VTK.
+/// A flame's fields without VTK, in place of a vtkImageData.
 struct Voxels {
   VoxelPlace place;
   std::vector<VoxelArray> arrays;

@@ -25,7 +25,7 @@ struct CameraMesh {
   std::size_t polygons() const { return offsets.size() - 1; }
 };
 
-/// How finely surfaces of revolution are cut up.
+/// The fineness with which surfaces of revolution are cut up.
 struct Tessellation {
   int sectors = 64;  ///< around the axis
   int rings = 12;    ///< from the vertex to the edge
@@ -63,7 +63,7 @@ class SurfaceBuilder {
   LensIndex lens_;
 };
 
-/// How far it is from the middle of a microlens to its edge [m]. @param angle from x towards y
+/// The distance from the middle of a microlens to its edge [m]. @param angle from x towards y
 double reach_of(const MicrolensAperture& aperture, double angle);
 
 /// z of a surface at height r over its vertex [m]; at most at its equator.

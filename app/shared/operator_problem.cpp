@@ -13,6 +13,7 @@
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/scene/scene_file.h"
+#include "rows_option.h"
 
 namespace plenoflame {
 
@@ -60,7 +61,8 @@ void set_option(OperatorRequest& request, const std::string& name, const std::st
       {"axis", &unknowns.axis},      {"basis", &unknowns.basis},
       {"channel", &request.channel}, {"absorption", &unknowns.absorption},
       {"rays", &request.rays},       {"bin", &request.bin},
-      {"seed", &request.seed}};
+      {"cells", &request.cells},     {"seed", &request.seed},
+      {"form", &request.form}};
   const auto found = texts.find(name);
   if (found == texts.end()) throw UsageError("there is no option --" + name);
   *found->second = text;
@@ -68,10 +70,12 @@ void set_option(OperatorRequest& request, const std::string& name, const std::st
 
 void check_operator(const OperatorRequest& request) {
   check_unknowns(request.unknowns);
+  check_choice("--form", request.form, {"auto", "rays", "drawn"});
   if (request.unknowns.fits_axis())
     throw UsageError("--axis fit takes pictures, which reconstruct has: give a direction");
   whole_number_option("--rays", request.rays, 2, kMostSamples);
-  whole_number_option("--bin", request.bin, 1, 10000);
+  CameraRaySettings ignored;
+  rows_option(request.bin, request.cells, ignored);
   if (!request.seed.empty()) whole_number_option<std::uint64_t>("--seed", request.seed, 0);
 }
 
@@ -83,7 +87,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
   how.samples = whole_number_option("--rays", request.rays, 2, kMostSamples);
-  how.bin = whole_number_option("--bin", request.bin, 1, 10000);
+  rows_option(request.bin, request.cells, how);
   how.seed = request.seed.empty() ? scene.scene.render.seed
                                   : whole_number_option<std::uint64_t>("--seed", request.seed, 0);
   std::size_t channel = 0;
@@ -114,8 +118,13 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
     views[v].compiled_name = compiled[v].first;
     views[v].compiled = compiled[v].second.get();
   }
+  if (how.cells > 0 && !part.is_whole())
+    throw UsageError("--part: micro-images lie across parts; take pixels or blocks (--bin N)");
   const std::vector<int> numbers = restrict_to(part, how.bin, views);
-  result->rays = draw_camera_rays(views, result->unknowns->bounds(), how, execution);
+  const OperatorForm form = request.form == "drawn"  ? OperatorForm::drawn
+                            : request.form == "rays" ? OperatorForm::rays
+                                                     : OperatorForm::automatic;
+  result->rays = rays_of_form(form, views, result->unknowns->bounds(), how, execution);
   for (CameraRays::Row& row : result->rays.rows)
     row.view = numbers[static_cast<std::size_t>(row.view)];
   if (result->rays.rows.empty() && part.is_whole())
@@ -129,9 +138,10 @@ std::string operator_work(const OperatorRequest& request,
                           const NamedBundles& compiled) {
   const UnknownsRequest& unknowns = request.unknowns;
   std::string text;
-  for (const std::string* word : {&unknowns.kind, &unknowns.grid, &unknowns.centre, &unknowns.size,
-                                  &unknowns.axis, &unknowns.basis, &unknowns.absorption,
-                                  &request.channel, &request.rays, &request.bin, &request.seed})
+  for (const std::string* word :
+       {&unknowns.kind, &unknowns.grid, &unknowns.centre, &unknowns.size, &unknowns.axis,
+        &unknowns.basis, &unknowns.absorption, &request.channel, &request.rays, &request.bin,
+        &request.cells, &request.seed})
     text += *word + '\n';
   for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
   for (const auto& [name, camera] : compiled)

@@ -15,7 +15,7 @@ namespace plenoflame {
 struct OperatorRequest {
   UnknownsRequest unknowns;
   std::string channel;  ///< empty: the first
-  std::string rays = "64", bin = "1", seed;
+  std::string rays = "64", bin = "1", cells = "3", seed, form = "auto";
 };
 
 /// Sets an option by its name, "unknowns" or "rays". @throws UsageError for an unknown name

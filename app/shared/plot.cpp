@@ -242,7 +242,7 @@ class Painter {
     cairo_set_font_size(c_, kFontSize);
   }
 
-  /// How much of the lines and marks lies under a rectangle.
+  /// The amount of lines and marks that lies under a rectangle.
   double hidden(double left, double top, double width, double height) const {
     double sum = 0;
     for (const PlotSeries& series : plot_.series)

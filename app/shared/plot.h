@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// How the points of a series are drawn.
+/// The way in which the points of a series are drawn.
 enum class PlotStyle { line_with_marks, line, dashed, marks };
 
 /// One line of a plot. On a logarithmic axis its values are positive. A point that is not finite

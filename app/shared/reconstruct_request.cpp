@@ -9,6 +9,7 @@
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/render/render.h"
+#include "rows_option.h"
 
 namespace plenoflame {
 namespace {
@@ -19,6 +20,11 @@ std::map<std::string, ReconstructionSolver> solvers() {
   using enum ReconstructionSolver;
   return {{"fista", fista}, {"nnls", active_set}, {"cgls", cgls}, {"lsqr", lsqr}, {"tv", tv},
           {"sirt", sirt},   {"sart", sart},       {"mlem", mlem}, {"osem", osem}, {"mart", mart}};
+}
+
+std::map<std::string, OperatorForm> forms() {
+  using enum OperatorForm;
+  return {{"auto", automatic}, {"matrix", matrix}, {"rays", rays}, {"drawn", drawn}};
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -58,6 +64,7 @@ void check_words(const ReconstructRequest& request) {
   check_choice("--find", request.find, {"emission", "temperature", "both"});
   check_choice("--solver", request.solver, reconstruction_solvers());
   check_choice("--penalty", request.penalty, {"", "none", "identity", "gradient", "curvature"});
+  check_choice("--form", request.form, {"auto", "matrix", "rays", "drawn"});
   check_choice("--rule", request.rule, {"", "discrepancy", "gcv", "l-curve"});
   check_unknowns(request.unknowns);
 }
@@ -166,9 +173,11 @@ void set_option(ReconstructRequest& request, const std::string& name, const std:
                                                   {"draws", &request.draws},
                                                   {"probes", &request.probes},
                                                   {"bin", &request.bin},
+                                                  {"cells", &request.cells},
                                                   {"seed", &request.seed},
                                                   {"subsets", &request.subsets},
-                                                  {"memory", &request.memory}};
+                                                  {"memory", &request.memory},
+                                                  {"form", &request.form}};
   if (const auto found = texts.find(name); found != texts.end()) {
     *found->second = text;
   } else if (name == "strength") {
@@ -193,7 +202,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   ReconstructionSettings result;
   result.rays.samples = whole_number_option("--rays", request.rays, 2, kMostSamples);
   result.rays.seed = seed;
-  result.rays.bin = whole_number_option("--bin", request.bin, 1, 10000);
+  rows_option(request.bin, request.cells, result.rays);
   result.solver = solvers().at(request.solver);
   result.penalty = request.penalty == "none"        ? ReconstructionPenalty::none
                    : request.penalty == "identity"  ? ReconstructionPenalty::identity
@@ -212,12 +221,16 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   result.draws = whole_number_option("--draws", request.draws, 0, 100000);
   result.probes = whole_number_option("--probes", request.probes, 0, 100000);
   result.memory = 1e6 * whole_number_option("--memory", request.memory, 0, 100000000);
+  result.form = forms().at(request.form);
   for (const std::string& spread : request.spreads) point_option("--spread", spread);
   check_solver(request, result.solver);
   check_sought(request);
   refuse(wants_matrix(result.solver) && !(result.memory > 0), "--memory 0",
          "leaves no room for the stored matrix, whose rows --solver " + request.solver +
              " goes through; the others follow the rays again");
+  refuse(wants_matrix(result.solver) && (request.form == "rays" || request.form == "drawn"),
+         "--form " + request.form,
+         "has no matrix, through whose rows --solver " + request.solver + " goes");
   const bool start = !request.start.empty() || request.start_values;
   if (start && !request.resume.empty()) throw UsageError("--start or --resume, not both");
   return result;

@@ -126,9 +126,12 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
              reconstruction.empty);
   report.add("matrix",
              fmt::format("{:.4g} MB{}", 1e-6 * reconstruction.matrix_bytes,
-                         reconstruction.stored ? "" : " would be too much: rays followed again"),
+                         reconstruction.stored  ? ""
+                         : reconstruction.drawn ? " is not stored: rays drawn again"
+                                                : " is not stored: rays followed again"),
              "matrix_bytes", reconstruction.matrix_bytes);
   report.add_json("stored", reconstruction.stored);
+  report.add_json("rays_kept", !reconstruction.drawn);
   report.add("error of the rays", readable_percent(reconstruction.rays_error.overall) + " of a row",
              "ray_error", reconstruction.rays_error.overall);
   // A run that was stopped early may have chosen no strength.

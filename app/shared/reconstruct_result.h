@@ -29,7 +29,7 @@ struct ReconstructedField {
   std::string unit;
   const std::vector<double>* values;  ///< of the unknowns
 };
-/// Those that there are, in the order in which they are written.
+/// The fields that there are, in the order in which they are written.
 std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& result);
 
 /// Everything that was found, as grids of one file, under a temporary name that is renamed.

@@ -6,6 +6,7 @@ import math
 import random
 
 from command import CommandTest, main
+from exr import read_exr
 from raw_pictures import tiff
 
 WIDTH, HEIGHT = 260, 200
@@ -72,7 +73,7 @@ class White(CommandTest):
         self.write("nominal.toml", camera(126.9, 0, 0))
         figures = self.json_of("calibrate", "white", "white.tif", "--camera", "nominal.toml", "-o", "found.toml",
                                "--centres", "centres.csv", "--picture", "seen.png")
-        self.assertEqual((figures["lattice"], figures["types"]), ("hexagonal", figures["types"]))
+        self.assertEqual((figures["lattice"], figures["types"]), ("hexagonal", 3))
         self.assertLess(abs(figures["pitch_m"] - 127.4e-6), 4 * figures["pitch_error_m"])
         self.assertLess(abs(figures["array_rotation_rad"] - math.radians(0.8)), 4 * figures["rotation_error_rad"])
         self.assertLess(figures["camera_rms_pixels"], 0.03)
@@ -109,6 +110,48 @@ class White(CommandTest):
             # Edges of small discs that are blurred lie within by the square of the blur over the radius, 2 % at f/10.
             self.assertLess(abs(line["slope_pixels"] / slope - 1), 0.03, line)
             self.assertGreater(line["rest_pixels"], 0)
+
+        # Files that change places, that are one and the same, and an f-number that is another's.
+        before = self.files()
+        for words in (("10=w5.tif", "5=w10.tif"), ("5=w5.tif", "10=w5.tif"), ("5=w5.tif", "7=w10.tif", "10=w7.tif"),
+                      ("5=w5.tif", "6=w10.tif")):
+            with self.subTest(words=words):
+                self.fails(1, "calibrate", "white", *words, "--centres", "b.csv", "--pixel-pitch", "5.5 um",
+                           mentions="are the f-numbers those of the files")
+                self.assertEqual(self.files(), before)
+
+    def test_what_is_no_good_white_picture_is_said(self):
+        def told(*words):
+            result = self.run_command("calibrate", "white", *words, "--camera", "true.toml", "--centres", "a.csv")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return result.stderr
+        self.assertEqual(told("white.tif"), "")
+        # The full well counts, far below the largest number: 9000 e- are 3970 counts, and the converter goes on to 4095.
+        self.run_command("develop", "white.exr", "-o", "bright.tif", "--exposure", "10 s")
+        self.assertRegex(told("bright.tif"), r"\d+ % of the pixels of 'bright.tif' are full")
+        # 12 bits at the top of 16.
+        self.write("top.tif", tiff([[[v << 4 for v in row] for row in self.counts("white.tif")]]))
+        self.assertIn("numbers up to", told("top.tif"))
+        # A lamp that shines on the left half alone.
+        corner = [[v if x < 125 else 60 for x, v in enumerate(row)] for row in self.counts("white.tif")]
+        self.write("corner.tif", tiff([corner]))
+        self.assertIn("micro-images take part in the model: is 'corner.tif' a white picture", told("corner.tif"))
+        # The part in the middle of a larger sensor.
+        self.write("large.toml", camera().replace("columns = 260", "columns = 300"))
+        self.fails(1, "calibrate", "white", "white.tif", "--camera", "large.toml", "-o", "b.toml",
+                   mentions=["300 x 200", "260 x 200", "--set camera.sensor.columns=260"])
+        self.assertNotIn("b.toml", self.files())
+
+    def test_a_flame_can_be_added_to_the_camera(self):
+        self.write("nominal.toml", camera())
+        self.succeeds("calibrate", "white", "white.tif", "--camera", "nominal.toml", "-o", "found.toml")
+        self.write("scene.toml", self.read("found.toml").decode() + source(1500))
+        self.succeeds("info", "scene.toml")
+
+    def counts(self, name):
+        """Rows of numbers of a TIFF that develop wrote: imported as counts, black level added."""
+        self.succeeds("import", name, "--camera", "true.toml", "--unit", "DN", "-o", "counts.exr")
+        return [[round(v) + 60 for v in row] for row in read_exr(self.path("counts.exr"))[1]["red"]]
 
     def test_centres_of_another_program(self):
         random.seed(2)
@@ -176,6 +219,72 @@ class Radiometry(CommandTest):
         self.assertEqual(watts["unit"], "W")
         self.assertLess(abs(watts["scale_error_red"] / channel["relative_error"] - 1), 1e-3)
         self.assertLess(abs(watts["largest"] / plain["largest"] / (1 + off) - 1), 1e-4)
+
+    def test_a_vignetted_camera(self):
+        """The camera loses light from the left to the right, by a wedge and by the pixels' own gains, which its file
+        does not know: white picture and flat field tell it, and the scale is that of the light."""
+        random.seed(5)
+        temperature, k = 1700, 3e-5
+        self.write("camera.toml", camera(exposure="0.1 ms").replace("black_level = 60", "black_level = 0"))
+        self.write("bb.toml", camera(exposure="0.1 ms") + source(temperature))
+        for name, words in (("bb", ()), ("white", ("--white",))):
+            self.succeeds("render", "bb.toml", "-o", f"{name}.exr", *words, "--samples", "32", "--quiet")
+        light, white = (read_exr(self.path(f"{name}.exr"))[1]["red"] for name in ("bb", "white"))
+        most = {"bb": max(map(max, light)), "white": max(map(max, white))}
+        loss = [[(1 - 0.4 * x / WIDTH) * random.uniform(0.95, 1.05) for x in range(WIDTH)] for _ in range(HEIGHT)]
+        own = [[random.uniform(0.9, 1.1) for _ in range(WIDTH)] for _ in range(HEIGHT)]
+        joules = most["bb"] * 1e-4 / 3000  # 3000 counts at a pixel that loses nothing
+
+        def bent(linear):
+            return (math.sqrt(1 + 4 * k * linear) - 1) / (2 * k)
+
+        def counts(values, top, gains=own):
+            return [[round(bent(values[y][x] * loss[y][x] * gains[y][x] / top * 3000)) for x in range(WIDTH)]
+                    for y in range(HEIGHT)]
+        self.write("bb.tif", tiff([counts(light, most["bb"])]))
+        self.write("white.tif", tiff([counts(white, most["white"])]))
+        self.write("flat.tif", tiff([[[round(bent(2500 * own[y][x])) for x in range(WIDTH)] for y in range(HEIGHT)]]))
+        self.write("zero.tif", tiff([[[0] * WIDTH] * HEIGHT]))
+        for time in (1, 2, 4, 6):
+            self.write(f"w{time}.tif", tiff([[[round(bent(500.0 * time))] * WIDTH] * HEIGHT]))
+        series = [f"{time} ms=w{time}.tif" for time in (1, 2, 4, 6)]
+        words = (f"{temperature} K=bb.tif", "--camera", "camera.toml", "--dark", "zero.tif", "-o", "scale.toml", "--json")
+        corrections = ("--white", "white.tif", "--flat", "flat.tif")
+
+        def scale(*more):
+            result = self.run_command("calibrate", "radiometry", *words, *more)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return json.loads(result.stdout)["channels"][0]
+        # Without them the scale is off by the mean loss, in silence.
+        plain = scale("--white", *series)
+        self.assertGreater(plain["joules_per_count"] / joules, 1.2)
+        # The blackbody fills the left part, which loses less than the others.
+        found = scale("--white", "white.tif", *series, "--flat", "flat.tif", "--part", f"0,0,80,{HEIGHT}")
+        self.assertLess(abs(found["curvature"] / k - 1), 0.02)
+        # A picture that is imported with both is the light that went in; the white picture alone knows it up to
+        # a factor, which is that of the pixel in the middle.
+        imported = self.run_command("import", "bb.tif", "--camera", "camera.toml", "--dark", "zero.tif", *corrections,
+                                    "--radiometry", "scale.toml", "-o", "a.exr", "--json")
+        self.assertEqual((imported.returncode, imported.stderr), (0, ""))
+        images = read_exr(self.path("a.exr"))[1]
+        bright = [(y, x) for y in range(HEIGHT) for x in range(WIDTH) if light[y][x] > 0.8 * most["bb"]]
+        ratios = [images["red"][y][x] / light[y][x] for y, x in bright]
+        self.assertGreater(len(ratios), 1000)
+        # Single pixels have the noise of two renderings.
+        noise = math.sqrt(sum((r - 1) ** 2 for r in ratios) / len(ratios))
+        self.assertLess(noise, 0.1)
+        for half in (0, 1):
+            of_half = [r for r, (_, x) in zip(ratios, bright) if (2 * x >= WIDTH) == half]
+            self.assertLess(abs(sum(of_half) / len(of_half) - 1), 4 * noise / math.sqrt(len(of_half)))
+        # A scale for pictures that are evened out is not for others, and the other way round.
+        for more in ((), ("--white", "white.tif"), ("--flat", "flat.tif")):
+            result = self.run_command("import", "bb.tif", "--camera", "camera.toml", "--dark", "zero.tif", *more,
+                                      "--radiometry", "scale.toml", "-o", "b.exr")
+            self.assertEqual((result.returncode, result.stderr.count("to both commands")), (0, 2 - len(more) // 2))
+        self.write("short.tif", tiff([[[9] * WIDTH] * 3]))
+        self.fails(1, "calibrate", "radiometry", *words, "--white", "short.tif", mentions=["short.tif", "260 x 3"])
+        self.fails(2, "calibrate", "radiometry", *words[:3], "--dark", "0.1ms=zero.tif", "1ms=zero.tif", "-o", "b.toml",
+                   "--white", "white.tif", mentions="--white-dark")
 
     def test_curvature_of_a_sensor(self):
         """Counts of whites at five exposures, bent by hand."""

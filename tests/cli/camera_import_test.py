@@ -116,8 +116,113 @@ class CameraImport(CommandTest):
             line = next(line for line in found.splitlines() if line.startswith(key + " "))
             self.assertLess(abs(float(line.split("=")[1]) / value - 1), 1e-9)
 
+    def test_libpleno_projects_points_as_its_own_model(self):
+        """A point's image by the file's numbers: thin lens, moved by the polynomials in mm, from there straight through the
+        middle of a microlens. Rays of the camera, through the middle of their microlenses by a line through where they arrive.
+        """
+        f, pitch, pixel, width, height, array_z, sensor_z = 50.0, 0.1, 0.004, 500, 400, -58.0, -58.3
+        radial, tangential = (3e-2, -2e-3, 1e-5), (1e-2, -5e-3)
+        first, corner = (-2.6, -2.2), (-1.1, -0.7)
+        turn = 0.01
+        c, s = math.cos(turn), math.sin(turn)
+        self.write("camera.js", json.dumps({
+            "I": 1, "dist_focus": 450, "distortions": {"radial": [radial], "tangential": [tangential]},
+            "main_lens": {"f": f, "aperture": 4},
+            "sensor": {"width": width, "height": height, "scale": pixel, "pose": {"translation": [[*corner, sensor_z]]}},
+            "mla": {"focal_lengths": [0.5], "mesh": {"geometry": 1, "width": 60, "height": 60, "pitch": [[pitch, pitch]], "pose": {
+                "rotation": [[c, s, 0], [-s, c, 0], [0, 0, 1]], "translation": [[*first, array_z]]}}}}))
+        def node(k, l):
+            x, y = pitch * (k + (0.5 if l % 2 == 0 else 0)), pitch * l * math.sqrt(0.75)
+            return first[0] + c * x - s * y, first[1] + s * x + c * y
+        nodes = [node(k, l) for k in range(60) for l in range(60)]
+        middle = [corner[0] + (width - 1) / 2 * pixel, corner[1] + (height - 1) / 2 * pixel]
+        def image(x, y, z, moved):
+            scale = -f / (z - f)
+            x, y = scale * x, scale * y
+            r2, (p, q) = x * x + y * y, tangential
+            k = 1 + sum(a * r2 ** (i + 1) for i, a in enumerate(radial))
+            if moved:
+                x, y = k * x + p * (r2 + 2 * x * x) + 2 * q * x * y, k * y + q * (r2 + 2 * y * y) + 2 * p * x * y
+            return x, y, scale * z
+        def misses(point):
+            """[(from the model, moved by the distortion)] in pixels, by microlens."""
+            world = (point[2], middle[0] - point[0], middle[1] - point[1])
+            self.succeeds("rays", "camera.toml", "--point", ", ".join("%.15g mm" % x for x in world), "--rays", "3000",
+                          "--status", "reached", "-o", "rays.json")
+            through = {}
+            for ray in json.loads(self.read("rays.json"))["rays"]:
+                if ray["pixel"][0] >= 0:
+                    through.setdefault(tuple(ray["microlens"]), []).append(
+                        [(-1e3 * v["position"][1] + middle[0], -1e3 * v["position"][2] + middle[1]) for v in ray["vertices"][2:4]])
+            found = []
+            for rays in through.values():
+                if len(rays) < 10:
+                    continue
+                mean = [[sum(ray[i][j] for ray in rays) / len(rays) for j in (0, 1)] for i in (0, 1)]
+                steps = [(ray[0][j] - mean[0][j], ray[1][j] - mean[1][j]) for ray in rays for j in (0, 1)]
+                slope = sum(a * b for a, b in steps) / sum(a * a for a, _ in steps)
+                lens = min(nodes, key=lambda n: math.dist(n, mean[0]))
+                arrives = [mean[1][j] + slope * (lens[j] - mean[0][j]) for j in (0, 1)]
+                places = []
+                for moved in (True, False):
+                    there = image(*point, moved)
+                    t = (sensor_z - array_z) / (there[2] - array_z)
+                    places.append([lens[j] + t * (there[j] - lens[j]) for j in (0, 1)])
+                found.append((math.dist(arrives, places[0]) / pixel, math.dist(*places) / pixel))
+            self.assertGreater(len(found), 1)
+            return found
+        # The map is exact for objects at dist_focus, or at the distance that is given.
+        for distance, options in ((450, []), (300, ["--set", "camera.lens.distortion.distance=300mm"])):
+            report = self.imported("camera.js", *options)
+            self.assertIn("%d mm" % distance, "".join(report["notes"]))
+            self.write("camera.toml", self.read("camera.toml").decode().replace("flames = []\n", "") + GLOWING_POINT.replace(
+                "[[flames.layers]]", 'position = ["1 m", "0 m", "0 m"]\n[[flames.layers]]\nsemi_axes = ["1 mm", "1 mm", "1 mm"]'))
+            worst = moved = 0
+            for x, y in ((-5, 3), (4.5, 4)):
+                for miss, effect in misses((x * distance / 450, y * distance / 450, distance)):
+                    worst, moved = max(worst, miss), max(moved, effect)
+            self.assertLess(worst / moved, 1e-9)
+        self.fails(1, "camera", "import", "camera.js", "-o", "b.toml", "--set", "camera.lens.distortion.distance=40mm",
+                   mentions=["within the focal length"])
+        self.assertNotIn("b.toml", self.files())
+
     def imported(self, *arguments):
         return self.json_of("camera", "import", *arguments, "-o", "camera.toml")
+
+    def test_libpleno_centres_are_those_of_its_own_model(self):
+        """Micro-images' centres by the file's numbers, as libpleno projects them: nodes of the array, turned and moved by its pose,
+        straight from the middle of the main lens to the sensor. Its pictures are turned by 180 degrees.
+        """
+        pitch, pixel, width, height, array_z, sensor_z = 0.1, 0.0025, 400, 300, -56.7, -57.1
+        corner, first, about = (-0.31, -0.52), (-0.61, -0.75), (0.004, -0.006, 0.003)
+        (cx, sx), (cy, sy), (cz, sz) = ((math.cos(a), math.sin(a)) for a in about)
+        columns = ((cy * cz, cy * sz, -sy), (sx * sy * cz - cx * sz, sx * sy * sz + cx * cz, sx * cy),
+                   (cx * sy * cz + sx * sz, cx * sy * sz - sx * cz, cx * cy))
+        across, down = 16, 18
+        self.write("camera.js", json.dumps({
+            "I": 3, "dist_focus": 450, "main_lens": {"f": 50, "aperture": 4},
+            "sensor": {"width": width, "height": height, "scale": pixel, "pose": {"translation": [[*corner, sensor_z]]}},
+            "mla": {"focal_lengths": [0.58, 0.5, 0.55], "mesh": {
+                "geometry": 1, "width": across, "height": down, "pitch": [[pitch, pitch]],
+                "pose": {"rotation": columns, "translation": [[*first, array_z]]}}}}))
+        expected = []
+        for l in range(down):
+            for k in range(across):
+                x, y = pitch * (k + (0.5 if l % 2 == 0 else 0)), pitch * l * math.sqrt(0.75)
+                node = [t + x * columns[0][i] + y * columns[1][i] for i, t in enumerate((*first, array_z))]
+                u, v = ((sensor_z / node[2] * node[i] - corner[i]) / pixel for i in (0, 1))
+                expected.append((width - 0.5 - u, height - 0.5 - v))
+        self.imported("camera.js")
+        self.scene()
+        found = [(x, y) for x, y, _, _ in self.images("--scene", "camera.toml")]
+        inside = [c for c in found if 20 < c[0] < width - 20 and 20 < c[1] < height - 20]
+        self.assertGreater(len(inside), 50)
+        worst = max(min(math.dist(c, e) for e in expected) for c in inside)
+        self.assertLess(worst * pixel / pitch, 1e-6)
+        # Each of its nodes has a micro-image, too.
+        for e in expected:
+            if 20 < e[0] < width - 20 and 20 < e[1] < height - 20:
+                self.assertLess(min(math.dist(c, e) for c in found) * pixel / pitch, 1e-6)
 
     def test_libpleno(self):
         self.scene(decentre=(0.2, -0.1), tilt=(0.5, -0.8), array_tilt=(-0.3, 0.2))

@@ -110,6 +110,19 @@ class Colour(CommandTest):
     def electrons(self, image, column, row, seconds):
         return image[row][column] * seconds * 0.5 * 650e-9 / (H * C)
 
+    def test_errors_of_a_frame_hold_those_of_its_rendering(self):
+        images = self.render(self.scene(RED, self.SENSOR.replace("full_well = 30000", "full_well = 300000000")
+                                        .replace("0.5 ms", "5 s")))
+        self.succeeds("develop", "raw.exr", "--sensor", "-o", "e.exr")
+        frame = read_exr(self.path("e.exr"))[1]
+        squares = lambda image: sum(value * value for row in image for value in row)
+        counted = sum(max(value, 0) + 25 for row in frame["red"] for value in row)
+        # Electrons, of noise and of the rendering: as a whole they are those that it states.
+        of_rays = squares([[self.electrons(images["red.error"], x, y, 5) for x in range(len(row))]
+                           for y, row in enumerate(images["red.error"])])
+        self.assertGreater(of_rays, 0.1 * counted)
+        self.assertLess(abs(squares(frame["red.error"]) / (counted + of_rays) - 1), 1e-2)
+
     def test_digital_numbers_and_electrons(self):
         images = self.render(self.scene(RED + INFRARED, self.SENSOR))
         self.succeeds("develop", "raw.exr", "--noise", "dark", "-o", "a.png")

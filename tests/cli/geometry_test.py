@@ -123,7 +123,7 @@ class Boards(CommandTest):
         # A scene that opens: its cameras are called as their files are, and there is no flame yet.
         opened = self.run_command("info", "rig.toml")
         self.assertEqual(opened.returncode, 0, opened.stderr)
-        self.assertRegex(opened.stderr, r"\A[^\n]*warning: rig.toml:1:10: the scene has no flame[^\n]*\n\Z")
+        self.assertRegex(opened.stderr, r"\A[^\n]*warning: rig.toml: the scene has no flame[^\n]*\n\Z")
         for name in ("found", "found-2"):
             self.assertIn(f'name = "{name}"\n', text)
 
@@ -141,12 +141,26 @@ class Boards(CommandTest):
                    "--cell", "2.5 mm", "--board", "5x4",
                    mentions="no picture shows the board; the first: 'grey.tif': no board is seen")
         self.assertEqual(self.files(), before)
+        # Pictures and corners of another sensor.
+        self.write("other.toml", camera().replace("columns = 560", "columns = 300"))
+        for pair in (("corners", names[0], "--board", "5x4", "--cell", "2.5 mm", "--camera", "other.toml"),):
+            self.fails(1, "calibrate", *pair, "-o", "a.csv", mentions=["560 x 440", "300 x 440"])
+        self.assertEqual(self.files(), sorted([*before, "other.toml"]))
         # A picture that shows none is named and left out.
         result = self.run_command("calibrate", "corners", names[0], "grey.tif", "--camera", "real.toml", "-o", "a.csv",
                                   "--cell", "2.5 mm", "--board", "5x4")
         self.assertEqual(result.returncode, 0)
         self.assertIn("warning: 'grey.tif': no board is seen", result.stderr)
         self.assertIn("1 of 2 pictures", result.stdout)
+        self.fails(1, "calibrate", "geometry", "a.csv", "--camera", "other.toml", "-o", "b.toml",
+                   mentions=["a corner of pose 0", "sensor of 300 x 440"])
+        # One pose does not tell lengths from each other; what is found with more values than that is named.
+        self.fails(1, "calibrate", "geometry", "a.csv", "--camera", "real.toml", "-o", "b.toml",
+                   mentions="do not determine")
+        self.assertNotIn("b.toml", self.files())
+        result = self.run_command("calibrate", "geometry", "a.csv", "--camera", "real.toml", "-o", "b.toml",
+                                  "--free", "camera.array.sensor_distance,camera.lens.distortion.k3")
+        self.assertIn("these poses hardly tell camera.lens.distortion.k3", result.stderr)
 
 
 class ByLens(CommandTest):

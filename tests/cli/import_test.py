@@ -4,6 +4,7 @@ import json
 import math
 import random
 import struct
+import zlib
 
 from command import CommandTest, main
 from exr import read_exr
@@ -171,6 +172,40 @@ class Import(CommandTest):
             for x in range(WIDTH):
                 self.same(watts["650nm"][y][x], images["650nm"][y][x] * watt, 1e-4)
 
+    def test_each_channel_has_its_own_curvature(self):
+        """Counts c of a channel of J joules a count and curvature k, exposed for t, are J c (1 + k c) / t."""
+        names, k, j, time = ("650nm", "550nm", "450nm"), (6e-5, -2e-5, 1e-5), (2e-16, 3e-16, 5e-16), 2e-3
+        sensor = 'bits = 16\ngain = 1\nfull_well = 1e9\nexposure_time = "2 ms"\n'
+        self.write("a.toml", camera(sensor, channels=(650, 550, 450)))
+        self.write("m.toml", camera(sensor + 'mosaic = "rggb"\n', channels=(650, 550, 450)))
+        self.write("scale.toml", f"columns = {WIDTH}\nrows = {HEIGHT}\n" + "".join(
+            f'[[channels]]\nname = "{name}"\njoules_per_count = {of}\nrelative_error = 0.01\ncurvature = {bend}\n'
+            for name, of, bend in zip(names, j, k)))
+
+        def light(c, counts):
+            return j[c] * counts * (1 + k[c] * counts) / time
+        counts = (3000, 5000, 7000)
+        words = ("--radiometry", "scale.toml", "--black-level", "0")
+        self.write("a.tif", tiff([[[c for _ in range(WIDTH) for c in counts]] * HEIGHT], channels=3))
+        images = self.imported("a.tif", "--camera", "a.toml", *words)[1]
+        for c, name in enumerate(names):
+            self.same(images[name][4][5], light(c, counts[c]), 1e-6)
+        colour = [[((0, 1), (1, 2))[y % 2][x % 2] for x in range(WIDTH)] for y in range(HEIGHT)]
+        self.write("m.tif", tiff([[[counts[c] for c in row] for row in colour]]))
+        images = self.imported("m.tif", "--camera", "m.toml", *words)[1]
+        for c, name in enumerate(names):
+            self.same(images[name][4][5], light(c, counts[c]), 1e-6)
+        # The counts of a flat field are bent as those of the picture are: of the same light, the picture is even.
+        def bent(c, linear):
+            return (math.sqrt(1 + 4 * k[c] * linear) - 1) / (2 * k[c])
+        self.write("a.tif", tiff([[[round(bent(c, 4000 * (1 + x / WIDTH))) for x in range(WIDTH) for c in range(3)]]
+                                  * HEIGHT], channels=3))
+        images = self.imported("a.tif", "--camera", "a.toml", *words, "--flat", "a.tif")[1]
+        for c, name in enumerate(names):
+            # A count of 4000 is rounded by half of one.
+            for x in (0, WIDTH // 2, WIDTH - 1):
+                self.same(images[name][4][x], images[name][4][WIDTH // 3], 2e-4)
+
     def test_values_are_shown_in_the_pictures_unit(self):
         self.write("a.toml", camera("bits = 12\ngain = 2\nblack_level = 100\nfull_well = 8000\n"))
         self.write("a.tif", tiff([[[100 + 10 * x for x in range(WIDTH)] for _ in range(HEIGHT)]]))
@@ -220,10 +255,11 @@ class Import(CommandTest):
         good = ("--camera", "a.toml", "-o", "field.exr")
 
         def refused(name, content, mentions, *words, status=1):
-            self.write(name, content)
-            before = self.files()
-            self.fails(status, "import", name, *good, *words, mentions=mentions)
-            self.assertEqual(self.files(), before)
+            with self.subTest(name=name, mentions=mentions):
+                self.write(name, content)
+                before = self.files()
+                self.fails(status, "import", name, *good, *words, mentions=mentions)
+                self.assertEqual(self.files(), before)
         refused("a.tif", whole[:len(whole) // 2], ["a.tif", "cut off"])
         refused("a.tif", tiff([rows], extra=[(339, 3, [3])]), "floating-point")
         refused("a.tif", tiff([rows], photometric=5), "palettes")
@@ -252,6 +288,25 @@ class Import(CommandTest):
         refused("a.tif", whole, "several frames", "--noise", "series", status=2)
         refused("a.tif", whole, "dark frames", "--defects", "auto", status=2)
         refused("a.tif", whole, "WxH", "--size", "3", status=2)
+
+    def test_a_png_of_few_bits_packs_tightly(self):
+        """Stripes of one bit shrink to a thousandth of what they are read as: no sign of damage."""
+        columns, rows = 1600, 800
+        line = b"\0" + b"\xff\0" * (columns // 16)
+        def chunk(kind, content):
+            return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+        content = (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 1, 0, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(line * rows, 9)) + chunk(b"IEND", b""))
+        self.assertLess(len(content), columns * rows / 1032)
+        self.write("a.toml", camera("bits = 8\n", columns=columns, rows=rows))
+        counts = self.counts_of("a.png", content)
+        self.assertEqual([row[:24] for row in counts[:2]], [[255] * 8 + [0] * 8 + [255] * 8] * 2)
+
+    def test_the_black_level_has_its_unit(self):
+        self.write("a.toml", camera("bits = 12\ngain = 1\nblack_level = 70\n"))
+        self.write("a.tif", tiff([numbers(12)]))
+        self.imported("a.tif", "--camera", "a.toml")
+        self.assertRegex(self.run_command("info", "field.exr").stdout, r"sensor\.black_level: +70 counts\n")
 
     def test_what_is_probably_not_meant_is_said(self):
         self.write("a.toml", camera("bits = 16\ngain = 1\nfull_well = 1e9\n"))

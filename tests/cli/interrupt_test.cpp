@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "plenoflame/base/error.h"
@@ -64,6 +65,20 @@ TEST(InterruptDeathTest, SecondSignalEndsAtOnce) {
   };
   EXPECT_EXIT(twice(SIGINT, SIGINT), testing::KilledBySignal(SIGINT), "");
   EXPECT_EXIT(twice(SIGINT, SIGTERM), testing::KilledBySignal(SIGTERM), "");
+}
+
+TEST(InterruptDeathTest, SignalsAreIgnoredOnceTheWorkIsDone) {
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  const auto last_moment = [](bool done) {
+    {
+      InterruptHandler handler;
+      if (done) handler.ignore_from_now();
+    }
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) raise(number);
+    std::exit(0);
+  };
+  EXPECT_EXIT(last_moment(true), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(last_moment(false), testing::KilledBySignal(SIGINT), "");
 }
 
 // As from timeout(1), which signals its child and then the group that the child is in.

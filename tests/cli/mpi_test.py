@@ -195,6 +195,7 @@ look_direction = [0, 1, 0]
                 ("two-colours", (1, 3), ("--find", "both", "--rays", "8", "--bin", "5", "--iterations", "1"))):
             shutil.copy(EXAMPLES / f"reconstruct-{scene}.toml", self.path(f"{scene}.toml"))
             self.succeeds("render", f"{scene}.toml", "--samples", "8", "--quiet", "-o", "p.exr")
+            shutil.copy(self.path("p.exr"), self.path(f"{scene}.exr"))
             options = ("reconstruct", f"{scene}.toml", "--images", "p.exr", *common, *more, "-o", "r.vdb", "--report", "r.json")
             found = []
             for ranks in all_ranks:
@@ -202,6 +203,15 @@ look_direction = [0, 1, 0]
                 self.assertEqual(result.returncode, 0, result.stderr)
                 found.append([self.read("r.json"), self.read("r.exr")])
                 self.assertEqual(found[-1], found[0], (scene, ranks))
+        # Rays that are drawn again are the first rank's own, and the same.
+        found = []
+        for form in ("rays", "drawn"):
+            result = self.shared(2, "reconstruct", "front.toml", "--images", "front.exr", *common, "--rays", "4", "--bin", "8", "--iterations", "2",
+                                 "--strength", "1e-4", "--form", form, "--threads", "1", "--json", "-o", "x.vdb")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            found.append(json.loads(result.stdout))
+            self.assertEqual(found[-1].pop("rays_kept"), form == "rays")
+        self.assertEqual(found[0], found[1])
         result = self.shared(3, *options[:3], "none.exr", "-o", "x.vdb")
         lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
         self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)

@@ -406,6 +406,40 @@ class Reconstruct(CommandTest):
         self.assertGreater(stored["matrix_bytes"], 0)
         self.assertLess(abs(again["largest_emission"] / stored["largest_emission"] - 1), 1e-5)
         self.assertLess(abs(again["chi_squared"] / stored["chi_squared"] - 1), 1e-5)
+        # Drawn again they have the same bits; the matrix that is made of them, too.
+        small = ("front.toml", "--images", "front-electrons.exr", "--grid", "8", "--rays", "2", "--bin", "4", "--strength", "1e-4",
+                 "--iterations", "3", "--draws", "0", "--probes", "0")
+        drawn, _ = self.reconstruct(*small, "--form", "drawn", "-o", "drawn.vdb", "--threads", "1")
+        kept, _ = self.reconstruct(*small, "--form", "rays", "-o", "kept.vdb", "--threads", "3")
+        for name in ("chi_squared", "largest_emission", "rays", "rows", "matrix_bytes"):
+            self.assertEqual(drawn[name], kept[name], name)
+        self.assertEqual((drawn["stored"], drawn["rays_kept"], kept["rays_kept"], stored["rays_kept"]), (False, False, True, True))
+        self.fails(2, "reconstruct", *common, "--form", "none", "-o", "x.vdb", mentions=["--form", "drawn"])
+        self.fails(2, "reconstruct", *common[:9], "--form", "drawn", "--solver", "sart", "-o", "x.vdb", mentions=["--form drawn", "sart"])
+        self.fails(1, "reconstruct", "front.toml", "--images", "front.exr", *small[3:], "--form", "matrix", "--memory", "0", "-o", "x.vdb", mentions=["stored matrix", "MB"])
+        # Bounds of the matrix and of the rays suffice for a refusal before any of them is drawn.
+        many = ("reconstruct", "front.toml", "--images", "front.exr", "--grid", "24", "--strength", "1e-4", "-o", "x.vdb", "--quiet")
+        self.fails(1, *many, "--rays", "64", "--bin", "2", "--form", "matrix", "--memory", "1",
+                   mentions=["at least", "MB of the 1.00 MB", "'rays' or 'drawn'"])
+        self.fails(1, *many, "--rays", "8192", "--form", "rays", "--threads", "1", address_space=2 << 30,
+                   mentions=["rays would take some", "GB are to be had", "'drawn'"])
+        for form in ("rays", "drawn"):
+            self.succeeds("operator", "front.toml", "--grid", "6", "--rays", "4", "--bin", "2", "--form", form, "--quiet",
+                          "-o", f"{form}.npz")
+        kept, drawn = (open(self.path(f"{form}.npz"), "rb").read() for form in ("rays", "drawn"))
+        self.assertEqual(kept, drawn)
+
+    def test_drawn_rays_of_another_channel(self):
+        """Rays of the second channel are drawn again as they were: the figures of kept ones."""
+        self.run_command("render", "two-colours.toml", "--samples", "4", "--quiet", "-o", "two-colours.exr")
+        found = []
+        for form, threads in (("rays", "2"), ("drawn", "1")):
+            figures, _ = self.reconstruct("two-colours.toml", "--images", "two-colours.exr", "--channel", "850nm", "--rays", "2", "--unknowns", "rings",
+                                          "--grid", "8,16", "--bin", "10", "--strength", "1e-4", "--iterations", "2", "--draws", "0",
+                                          "--probes", "0", "--form", form, "--threads", threads, "-o", "x.vdb")
+            self.assertEqual(figures.pop("rays_kept"), form == "rays")
+            found.append(figures)
+        self.assertEqual(found[0], found[1])
 
 
 if __name__ == "__main__":

@@ -145,7 +145,8 @@ look_direction = [0, 1, 0]
     def test_no_room_for_a_run_leaves_those_that_are_done(self):
         self.sweep("set")
         os.remove(self.path("set/runs/000002.json"))
-        self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, largest_file=20000, mentions="000002")
+        self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, largest_file=20000,
+                   mentions=["000002", "2 of 3 runs are in set; the same command goes on"])
         self.assertIn("000001.json", os.listdir(self.path("set/runs")))
         self.sweep("set")
 
@@ -155,7 +156,7 @@ look_direction = [0, 1, 0]
         shutil.rmtree(self.path("set"))
         # Each run's picture has room, all three together have not.
         self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, "--format", "hdf5",
-                   largest_file=len(whole) * 2 // 3, mentions="set.h5")
+                   largest_file=len(whole) * 2 // 3, mentions=["set.h5", "3 of 3 runs are in set; the same command goes on"])
         self.assertEqual(sorted(n for n in os.listdir(self.path("set/runs")) if n.endswith(".json")),
                          [f"00000{k}.json" for k in range(3)])
         self.assertNotIn("set.h5", os.listdir(self.path("set")))

@@ -1,6 +1,7 @@
 // The way from values to colours. References: closed forms, and the published ends of the colour
 // maps.
 #include "model/image_display.h"
+#include "model/jobs/coarse_picture.h"
 #include "model/schematic.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +10,12 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <vector>
+
+#include "emission_span.h"
+#include "plenoflame/scene/compile.h"
+#include "plenoflame/scene/scene_file.h"
+#include "scenes.h"
 
 #include "support/approx.h"
 
@@ -25,6 +32,26 @@ double lightness(Rgb c) {
   };
   const double y = 0.2126 * linear(c.red) + 0.7152 * linear(c.green) + 0.0722 * linear(c.blue);
   return y > 0.008856 ? 116 * std::cbrt(y) - 16 : 903.3 * y;
+}
+
+// 1000 places of equal absorption and one temperature each, in steps of 1 K: the sums of T^4 from
+// the coldest on are those of the integral, (T^5 - 1000^5) / (2000^5 - 1000^5), to a step of 1 K.
+// Places that are hotter and absorb nothing have no part.
+TEST(EmissionSpan, LeavesOutWhatHardlyShines) {
+  std::vector<float> temperature, absorption;
+  for (int k = 0; k < 1000; ++k) {
+    temperature.push_back(1000.5F + static_cast<float>(k));
+    absorption.push_back(2);
+  }
+  temperature.push_back(3000);
+  absorption.push_back(0);
+  const auto with_share_below = [](double share) {
+    return std::pow(std::pow(1000, 5) + share * (std::pow(2000, 5) - std::pow(1000, 5)), 0.2);
+  };
+  const auto [low, high] = emission_span(temperature, absorption);
+  EXPECT_TRUE(relative(low, with_share_below(0.01), 2e-3));
+  EXPECT_TRUE(relative(high, with_share_below(0.999), 2e-3));
+  EXPECT_EQ(emission_span({temperature.data() + 1000, 1}, {absorption.data() + 1000, 1})[1], 0);
 }
 
 TEST(ColourMap, HasThePublishedEnds) {
@@ -164,6 +191,29 @@ TEST(LineProfile, FollowsTheLine) {
   ASSERT_EQ(down.size(), 6U);
   EXPECT_EQ(down[2], 2905);
   EXPECT_TRUE(std::isnan(down[3]));
+}
+
+TEST(CoarsePicture, HasTheSameBitsWhateverIsKept) {
+  Scene scene = parse_scene(small_scene_text(), "small.toml").scene;
+  SensorSpec& sensor = scene.camera.sensor;
+  sensor.columns *= 2;  // of pixels that large ones can stand for
+  sensor.rows *= 2;
+  sensor.pixel_pitch *= 0.5;
+  CoarseScene kept;
+  PixelValues before;
+  // The scene as it is, another place of the flame, another camera, the flame again.
+  for (int step = 0; step < 4; ++step) {
+    if (step % 2 == 1) scene.flames[0].position.z += 3e-3;
+    if (step == 2) scene.camera.focus.object_distance *= 1.1;
+    const CompiledScene compiled = compile(scene);
+    const auto picture = coarse_picture(compiled, {}, kept);
+    CoarseScene nothing;
+    const auto fresh = coarse_picture(compiled, {}, nothing);
+    ASSERT_TRUE(picture && fresh);
+    EXPECT_EQ(picture->channels[0].flux.pixels, fresh->channels[0].flux.pixels) << step;
+    EXPECT_NE(picture->channels[0].flux.pixels, before) << step;
+    before = picture->channels[0].flux.pixels;
+  }
 }
 
 TEST(Schematic, ShortensEmptyStretchesAlone) {

@@ -3,8 +3,11 @@
 // the command makes of the same picture.
 #include <QVTKOpenGLNativeWidget.h>
 #include <vtkActor.h>
+#include <vtkActor2D.h>
+#include <vtkCell.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
+#include <vtkPolyDataMapper2D.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
@@ -15,11 +18,15 @@
 #include <QAction>
 #include <QComboBox>
 #include <QDir>
+#include <QProgressBar>
+#include <QPushButton>
 #include <QSpinBox>
 #include <QStandardPaths>
 #include <QTabWidget>
 #include <QToolButton>
 #include <cmath>
+#include <map>
+#include <numbers>
 
 #include "gui_tests.h"
 #include "scene_fixture.h"
@@ -87,6 +94,26 @@ class DrawingTest : public test::SceneFixture {
       written.emplace_back("break", mark.boundingRect());
     }
     return written;
+  }
+  /// Lines on the screen from texts to their things; the scale bar, of four points, is none.
+  std::vector<QLineF> leaders() {
+    auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+    vtkPropCollection* const props =
+        widget->renderWindow()->GetRenderers()->GetFirstRenderer()->GetViewProps();
+    std::vector<QLineF> lines;
+    for (int i = 0; i < props->GetNumberOfItems(); ++i) {
+      auto* const drawn = vtkActor2D::SafeDownCast(props->GetItemAsObject(i));
+      auto* const mapper = drawn ? vtkPolyDataMapper2D::SafeDownCast(drawn->GetMapper()) : nullptr;
+      vtkPolyData* const data = mapper ? mapper->GetInput() : nullptr;
+      for (vtkIdType k = 0; data && k < data->GetNumberOfCells(); ++k) {
+        if (data->GetCell(k)->GetNumberOfPoints() != 2) continue;
+        std::array<double, 3> a{}, b{};
+        data->GetCell(k)->GetPoints()->GetPoint(0, a.data());
+        data->GetCell(k)->GetPoints()->GetPoint(1, b.data());
+        lines.emplace_back(a[0], a[1], b[0], b[1]);
+      }
+    }
+    return lines;
   }
   /// Views or refocused pictures are there.
   bool views_there() {
@@ -172,6 +199,64 @@ class DrawingTest : public test::SceneFixture {
       }
     }
     QVERIFY2(drawn > 60 && names > 2 * drawn, qPrintable(QString("%1 %2").arg(drawn).arg(names)));
+  }
+
+  void namesThatStandAwayAreLedToTheirCameras() {
+    session().set_auto_render(false);
+    int led = 0;
+    for (const char* name : {"ring-of-six", "three-cameras"}) {
+      QVERIFY(window_->open_example(name));
+      QVERIFY(written());
+      QVERIFY(until([&] { return session().compiler().is_current() && view().is_current(); }));
+      press(Qt::Key_1, Qt::ControlModifier);
+      for (const QSize size : {QSize(1280, 720), QSize(1600, 1000)}) {
+        window_->resize(size);
+        QVERIFY(until([&] { return window_->size() == size; }));
+        view().picture();
+        const double height = scene3d()->height();
+        std::map<QString, QPointF> seen;  // front vertices, upwards from the lower left corner
+        const std::string chosen = scene().scene.camera.name;
+        std::size_t other = 0;
+        for (const CameraSpec& camera : session().document().scene().cameras) {
+          const QPointF at = camera.name == chosen ? view().to_widget(camera.position)
+                                                   : view().other_cameras_seen()[other++];
+          seen[QString::fromStdString(camera.name)] = {at.x(), height - at.y()};
+        }
+        // All of them have the same lens: how far its rim is seen from its vertex.
+        double diameter = 0, reach = 0;
+        for (const SurfaceSpec& surface : scene().scene.camera.lens.surfaces)
+          diameter = std::max(diameter, surface.diameter);
+        for (int k = 0; k < 12; ++k) {
+          const double angle = k * std::numbers::pi / 6, r = 0.5 * diameter;
+          const Vec3 rim = world({r * std::cos(angle), r * std::sin(angle), 0});
+          reach = std::max(reach, apart(view().to_widget(rim), view().to_widget(world({}))));
+        }
+        const std::vector<QLineF> lines = leaders();
+        for (const auto& [text, box] : written_in_3d()) {
+          const auto of = seen.find(text);
+          if (of == seen.end()) continue;
+          // Either the name stands beside its lens, or a line leads from it to there: from the
+          // vertex it is as far as to the rim, a corner at most, and from there less than a line;
+          // for large lenses, too, no farther than three lines from the rim.
+          const double line = box.height();
+          const double away = std::hypot(
+              std::max({box.left() - of->second.x(), of->second.x() - box.right(), 0.0}),
+              std::max({box.top() - of->second.y(), of->second.y() - box.bottom(), 0.0}));
+          bool is_led = false;
+          for (const QLineF& leader : lines)
+            is_led |= box.adjusted(-3, -3, 3, 3).contains(leader.p1()) &&
+                      apart(leader.p2(), of->second) < away;
+          led += is_led ? 1 : 0;
+          QVERIFY2(is_led || away < std::min(std::numbers::sqrt2 * reach + line, reach + 3 * line),
+                   qPrintable(QString("%1, %2 wide: %3 is %4 away")
+                                  .arg(name)
+                                  .arg(size.width())
+                                  .arg(text)
+                                  .arg(away)));
+        }
+      }
+    }
+    QVERIFY(led > 0);
   }
 
   void flameAndCameraAreDragged() {
@@ -320,6 +405,55 @@ class DrawingTest : public test::SceneFixture {
     film->close();
   }
 
+  void filmShowsFinishedPicturesAndStops() {
+    QVERIFY(open_example("lenslets-30"));
+    window_->scene_panel().reveal("flames[0].scale");
+    QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+    auto* const film = child<FilmDialog>("filmDialog");
+    auto* const to = child<QLineEdit>("filmTo");
+    const auto film_of = [&](const char* what, const char* name, int frames) {
+      auto* const of = child<QComboBox>("filmView");
+      of->setCurrentText(what);
+      to->setFocus();
+      to->selectAll();
+      QTest::keyClicks(to, "0.5");
+      child<QSpinBox>("filmFrames")->setValue(frames);
+      answer_file_dialog(file(name));
+      QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
+    };
+    // One scale of brightness, in the films and after them.
+    auto* const white = child<QLineEdit>("white");
+    QTest::keyClicks(white, "5 nW");
+    QTest::keyClick(white, Qt::Key_Return);
+    const QPointF lens = view().to_widget(world({}));
+    film_of("the picture", "picture.png", 2);
+    QVERIFY(until([&] { return !film->is_recording(); }));
+    QVERIFY(settled());
+    QVERIFY(apart(view().to_widget(world({})), lens) < 1);
+    film_of("the 3-D view", "space.png", 2);
+    QVERIFY(until([&] { return !film->is_recording(); }));
+    QVERIFY(test::difference(QImage(file("space.0001.png")), QImage(file("space.0002.png"))) >
+            1e-3);
+    QVERIFY(settled());
+    // In the midst: no file is left, and the scene is as it was.
+    film_of("the picture", "stopped.mp4", 50);
+    auto* const bar = film->findChild<QProgressBar*>();
+    QVERIFY(until([&] { return bar->value() >= 2 || !film->is_recording(); }));
+    QTest::mouseClick(child<QPushButton>("filmStop"), Qt::LeftButton);
+    QVERIFY(!film->is_recording());
+    QVERIFY(film->message().contains("stopped"));
+    QVERIFY(!QFile::exists(file("stopped.mp4")));
+    QCOMPARE(session().document().scene().flames[0].scale, 1.0);
+    film->close();
+    QVERIFY(settled());
+    // The last picture of the film is what the scene with its value looks like, finished.
+    const QImage last(file("picture.0002.png"));
+    type("flames[0].scale", "0.5");
+    QVERIFY(settled());
+    QVERIFY(test::difference(last, image().grab().toImage()) < 1e-3);
+    QVERIFY(test::difference(QImage(file("picture.0001.png")), last) > 1e-2);
+  }
+
   void filmsByFfmpegHaveAllPictures() {
     write(file("small.toml"), test::small_scene_text().c_str());
     QVERIFY(window_->open(file("small.toml")));
@@ -348,10 +482,18 @@ class DrawingTest : public test::SceneFixture {
       }
       QVERIFY2(QFile::exists(file(name)), qPrintable(film->message()));
       // Its own reader counts the pictures.
-      const QString said =
-          run("ffprobe", {"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
-                          "stream=nb_read_frames", "-of", "csv=p=0", file(name)});
-      QVERIFY2(said.trimmed().remove(',') == "5", qPrintable(name + ": " + said));
+      const QString said = run(
+          "ffprobe", {"-v", "error", "-count_frames", "-select_streams", "v:0", "-show_entries",
+                      "stream=nb_read_frames,width,height,duration", "-of", "csv=p=0", file(name)});
+      const QStringList figures = said.trimmed().split(',');  // width, height, duration, frames
+      QVERIFY2(figures.size() == 4 && figures[3] == "5", qPrintable(name + ": " + said));
+      // As large as the picture in the window; sides of .mp4 are even.
+      const QSize shown = image().size() * image().devicePixelRatioF();
+      const auto even = [&](int side) { return name.endsWith("mp4") ? side + side % 2 : side; };
+      QCOMPARE(QSize(figures[0].toInt(), figures[1].toInt()),
+               QSize(even(shown.width()), even(shown.height())));
+      // Twelve pictures in a second; .gif counts hundredths.
+      QVERIFY2(std::abs(figures[2].toDouble() / (5 / 12.0) - 1) < 0.05, qPrintable(said));
       // The flame shrinks, and with it the light.
       run("ffmpeg", {"-y", "-loglevel", "error", "-i", file(name), file("frame%d.png")});
       const auto light = [&](int frame) {

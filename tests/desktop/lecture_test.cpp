@@ -4,6 +4,7 @@
 #include <QDockWidget>
 #include <QLabel>
 #include <QLineEdit>
+#include <QScreen>
 #include <QSlider>
 #include <QSpinBox>
 #include <QTabWidget>
@@ -13,10 +14,12 @@
 #include <set>
 
 #include "gui_tests.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
 #include "scenes.h"
 #include "widgets/controls/time_bar.h"
+#include "widgets/image/colour_bar.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/window/compare_window.h"
 #include "widgets/window/film_dialog.h"
@@ -166,6 +169,20 @@ class LectureTest : public test::SceneFixture {
     for (const char* name : {"film.0001.png", "film.0002.png", "film.0003.png"})
       QVERIFY(!QImage(file(name)).isNull());
     QVERIFY(!QFile::exists(file("film.0004.png")));
+    // All have one scale of brightness. A quarter of the light is 0.25^(1/2.2), 0.53 of the white
+    // of a display, and colours of less light are darker.
+    const auto light = [this](const char* name) {
+      const QImage picture(file(name));
+      double sum = 0;
+      for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+          const QColor c(picture.pixel(x, y));
+          if (c.red() > 1.2 * c.blue() + 10) sum += c.red();  // not the ground beside it
+        }
+      return sum;
+    };
+    QVERIFY2(light("film.0003.png") < 0.7 * light("film.0001.png"),
+             qPrintable(QString("%1 %2").arg(light("film.0001.png")).arg(light("film.0003.png"))));
     QCOMPARE(session().document().scene().flames[0].brightness, 1.0);
     QVERIFY(!session().document().is_modified());
     film->close();
@@ -225,6 +242,19 @@ class LectureTest : public test::SceneFixture {
     QVERIFY(until([&] { return right->image() && right->image()->largest() > 0; }));
     QVERIFY(std::abs(right->image()->largest() / left->image()->largest() / 2.0F - 1) < 1e-5F);
     QCOMPARE(left->tone_settings().white, right->tone_settings().white);
+    // The colours are those of the picture in the main window, told by a bar, and within the
+    // screen.
+    for (const ImageView* each : {left, right}) {
+      QCOMPARE(each->tone_settings().map, image().tone_settings().map);
+      QCOMPARE(each->tone_settings().scale, image().tone_settings().scale);
+    }
+    for (const ColourBar* bar : window->findChildren<ColourBar*>()) {
+      QVERIFY(bar->isVisible());
+      QCOMPARE(bar->labels().back(), QString::fromStdString(readable_quantity(
+                                         left->tone_settings().white, Dimension::flux, 3)));
+    }
+    QVERIFY(window->screen()->availableGeometry().width() >= window->width() &&
+            window->screen()->availableGeometry().height() >= window->height());
     // Both views show the same part.
     left->set_scale(7);
     left->centre_on(50, 60);
@@ -233,6 +263,13 @@ class LectureTest : public test::SceneFixture {
     QVERIFY(selection() == Selection::of_pixel(52, 61));
     QVERIFY(other.document().selection() == selection());
     QVERIFY(until([&] { return other.rays().rays() != nullptr; }));
+    // A pixel of half the side gets a quarter of the light, and looks as bright.
+    other.document().set_value(
+        "camera.sensor.pixel_pitch",
+        format_quantity(0.5 * scene().scene.camera.sensor.pixel_pitch, Dimension::length));
+    QVERIFY(until([&] {
+      return std::abs(right->tone_settings().white / left->tone_settings().white - 0.25) < 1e-6;
+    }));
     const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR");
     if (!folder.isEmpty()) window->grab().save(folder + "/compare.png");
     window->close();

@@ -20,6 +20,7 @@
 #include <QHeaderView>
 #include <QLabel>
 #include <QScrollBar>
+#include <QSlider>
 #include <QSpinBox>
 #include <QTableWidget>
 #include <QToolButton>
@@ -192,6 +193,32 @@ class LooksTest : public test::SceneFixture {
     QVERIFY(cold > 1300);
   }
 
+  void slidersThatMoveNothingAreGreyInBothThemes() {
+    QVERIFY(open_example("lenslets-30"));
+    auto* const cut = child<QComboBox>("flameCut");
+    auto* const place = child<QSlider>("flameCutPlace");
+    // The strongest colour that is seen of it, of 255.
+    const auto colour = [&] {
+      const QImage picture = place->grab().toImage();
+      int most = 0;
+      for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+          const QColor here(picture.pixel(x, y));
+          const auto [least, largest] = std::minmax({here.red(), here.green(), here.blue()});
+          most = std::max(most, largest - least);
+        }
+      return most;
+    };
+    for (const bool dark : {false, true}) {
+      child<QAction>("actionDark")->setChecked(dark);
+      cut->setFocus();
+      QTest::keyClick(cut, Qt::Key_Down);
+      QVERIFY2(until([&] { return colour() > 80; }, 2000), qPrintable(QString::number(colour())));
+      QTest::keyClick(cut, Qt::Key_Up);
+      QVERIFY2(until([&] { return colour() < 40; }, 2000), qPrintable(QString::number(colour())));
+    }
+  }
+
   void flameIsCutAndDrawnInThreeWays() {
     QVERIFY(open_example("lenslets-30"));
     QVERIFY(part(Qt::Key_2));
@@ -246,6 +273,108 @@ class LooksTest : public test::SceneFixture {
     QVERIFY(before < 4 * pitch && before > pitch);
   }
 
+  void sectionNamesItsParts() {
+    QVERIFY(open_example("lenslets-30"));
+    const Camera& camera = scene().camera;
+    const double sensor = 0.5 * camera.spec().sensor.size().y;
+    const Box box = scene().medium->bounds();
+    // The names that each part of the section shows, by their place along the axis.
+    struct Part {
+      const char* button;
+      QStringList names;
+    };
+    for (const Part& part :
+         {Part{"viewScene", {"flame", "main lens", "sensor"}}, Part{"viewFlame", {"flame"}},
+          Part{"viewCamera", {"main lens", "microlenses", "sensor"}},
+          Part{"viewArray", {"microlenses", "sensor"}},
+          Part{"viewPixel", {"microlenses", "sensor"}}}) {
+      auto* const action = child<QAction>(part.button);
+      for (auto* candidate : window_->findChildren<QToolButton*>())
+        if (candidate->defaultAction() == action) QTest::mouseClick(candidate, Qt::LeftButton);
+      QVERIFY(settled());
+      section().grab();
+      QStringList told;
+      for (const auto& [name, place] : section().names()) {
+        told << name;
+        QVERIFY2(QRectF(section().rect()).contains(place), qPrintable(name));
+        QVERIFY(place.width() >= section().fontMetrics().horizontalAdvance(name));
+        for (const auto& [other, its] : section().names())
+          QVERIFY2(other == name || !its.intersects(place), qPrintable(name + other));
+        // No name crosses the line of the sensor, where it is as high as that.
+        const QRectF line(section().to_widget(camera.sensor(), sensor),
+                          section().to_widget(camera.sensor(), -sensor));
+        const bool beside = place.right() < line.left() || place.left() > line.left();
+        const bool above = place.bottom() < line.top() || place.top() > line.bottom();
+        QVERIFY2(beside || above, qPrintable(QString(part.button) + ": " + name));
+      }
+      for (const QString& name : part.names)
+        QVERIFY2(told.contains(name),
+                 qPrintable(QString("%1: %2").arg(part.button, told.join(", "))));
+      // Each is nearest to its own part, of those that stand apart on the screen.
+      const auto along = [&](const QString& name) {
+        return name == "flame"       ? section().to_widget(0.5 * (box.lower.x + box.upper.x), 0).x()
+               : name == "main lens" ? section().to_widget(0, 0).x()
+               : name == "sensor"    ? section().to_widget(camera.sensor(), 0).x()
+                                     : section().to_widget(camera.array_front(), 0).x();
+      };
+      for (const auto& [name, place] : section().names()) {
+        const double own = std::abs(place.center().x() - along(name));
+        for (const QString& other : part.names)
+          QVERIFY2(std::abs(along(other) - along(name)) < place.width() ||
+                       own < std::abs(place.center().x() - along(other)),
+                   qPrintable(QString("%1: %2, %3").arg(part.button, name, other)));
+      }
+    }
+  }
+
+  void cubeTellsWhereTheAxesPoint() {
+    const auto corner = [this] {
+      const QImage picture = view().picture();
+      return picture.copy(0, picture.height() * 3 / 4, picture.width() * 17 / 100,
+                          picture.height() / 4);
+    };
+    // The letters of x are red, those of y green, those of z blue.
+    const auto letters = [](const QImage& picture) {
+      std::array<int, 3> count{};
+      for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+          const QColor c(picture.pixel(x, y));
+          const int r = c.red(), g = c.green(), b = c.blue();
+          if (r > g + 40 && r > b + 40) ++count[0];
+          if (g > r + 40 && g > b + 40) ++count[1];
+          if (b > r + 40 && b > g + 20) ++count[2];
+        }
+      return count;
+    };
+    const auto none = letters(corner());  // an empty view has no cube
+    QCOMPARE(none[0] + none[1] + none[2], 0);
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_2));
+    std::size_t axis = 0;
+    for (const char* name : {"alongX", "alongY", "alongZ"}) {
+      std::array<QImage, 2> sides;  // the face with + and that with -
+      for (QImage& side : sides) {
+        QTest::mouseClick(child<QToolButton>(name), Qt::LeftButton);
+        side = corner();
+        const auto seen = letters(side);
+        const int others = seen[0] + seen[1] + seen[2] - seen[axis];
+        QVERIFY2(seen[axis] > 20 && others == 0,
+                 qPrintable(QString("%1: %2 %3").arg(name).arg(seen[axis]).arg(others)));
+      }
+      // One side has a plus where the other one has a minus, which takes fewer pixels.
+      QVERIFY2(letters(sides[0])[axis] > letters(sides[1])[axis], name);
+      ++axis;
+    }
+    // Turned by the pointer it shows more than one face.
+    const QPoint middle = scene3d()->rect().center();
+    QTest::mousePress(scene3d(), Qt::LeftButton, {}, middle);
+    for (int i = 1; i <= 10; ++i) QTest::mouseMove(scene3d(), middle + QPoint(8 * i, 8 * i));
+    QTest::mouseRelease(scene3d(), Qt::LeftButton, {}, middle + QPoint(80, 80));
+    const auto turned = letters(corner());
+    QVERIFY2((turned[0] > 0) + (turned[1] > 0) + (turned[2] > 0) >= 2,
+             qPrintable(QString("%1 %2 %3").arg(turned[0]).arg(turned[1]).arg(turned[2])));
+  }
+
   void lensDataCanBeTypedAndDiagramsFollow() {
     QVERIFY(open_example("lenslets-30"));
     QVERIFY(click_menu({"View", "Main lens", "Lens data..."}));
@@ -281,8 +410,8 @@ class LooksTest : public test::SceneFixture {
     child<LensTable>("lensTableWindow")->close();
     press(Qt::Key_Z, Qt::ControlModifier);
     QVERIFY(until([this] { return !child<LensTable>("lensTableWindow"); }));
-    for (QAction* action : window_->findChildren<QAction*>())
-      if (action->text() == "MTF...") action->trigger();
+    QApplication::setActiveWindow(window_.get());  // as a window manager would
+    QVERIFY(click_menu({"View", "Main lens", "MTF..."}));
     auto* const window = child<LensDiagrams>("mtfWindow");
     QVERIFY(until([&] { return window->plots()[0]->series().size() == 3; }));
     const auto& curve = window->plots()[0]->series()[1].points;
@@ -324,7 +453,11 @@ class LooksTest : public test::SceneFixture {
           vtkObject* const prop = props->GetItemAsObject(i);
           if (auto* const text = vtkTextActor::SafeDownCast(prop); text && text->GetVisibility())
             says = parse_quantity(text->GetInput(), Dimension::length);
-          auto* const line = vtkActor2D::SafeDownCast(prop);
+          // Neither the texts, which are drawn as actors, too, nor the hidden line of Measure.
+          auto* const line = vtkTextActor::SafeDownCast(prop) || !vtkProp::SafeDownCast(prop) ||
+                                     !vtkProp::SafeDownCast(prop)->GetVisibility()
+                                 ? nullptr
+                                 : vtkActor2D::SafeDownCast(prop);
           auto* const mapper =
               line ? vtkPolyDataMapper2D::SafeDownCast(line->GetMapper()) : nullptr;
           if (mapper && mapper->GetInput()) {
@@ -335,6 +468,13 @@ class LooksTest : public test::SceneFixture {
         }
         QVERIFY2(says > 0 && std::abs(drawn / says / (length / step) - 1) < 0.03,
                  qPrintable(QString("%1 m, %2 pixels").arg(says).arg(drawn)));
+        // It is a round length, the longest that is no more than a quarter of the width.
+        const double power = std::pow(10.0, std::floor(std::log10(says) + 1e-9));
+        const double digit = says / power, next = digit < 1.5 ? 2 : digit < 3 ? 2.5 : 2;
+        QVERIFY2(std::abs(digit - 1) < 1e-9 || std::abs(digit / 2 - 1) < 1e-9 ||
+                     std::abs(digit / 5 - 1) < 1e-9,
+                 qPrintable(QString::number(says)));
+        QVERIFY(4 * drawn < (1 + 1e-6) * widget->width() && 4 * next * drawn > widget->width());
       }
   }
 
@@ -363,10 +503,26 @@ class LooksTest : public test::SceneFixture {
     QVERIFY2(std::abs(1e6 * radius / rms - 1) < 0.01, qPrintable(told));
     // Off the axis there is coma and astigmatism as well.
     QVERIFY(spots->plots()[2]->series()[1].points != axis);
+    // Its shape is drawn as it is: a length is as long across as up, and in all three.
+    spots->grab();
+    const auto unit = [](double range, double length) { return range / length; };
+    const double across =
+        unit(spots->plots()[0]->range().width(), spots->plots()[0]->area().width());
+    for (const PlotWidget* plot : spots->plots()) {
+      QVERIFY(std::abs(unit(plot->range().width(), plot->area().width()) / across - 1) < 1e-9);
+      QVERIFY(std::abs(unit(plot->range().height(), plot->area().height()) / across - 1) < 1e-9);
+    }
     spots->close();
+    QApplication::setActiveWindow(window_.get());  // as a window manager would
     QVERIFY(click_menu({"View", "Main lens", "Ray fans..."}));
     auto* const fans = child<LensDiagrams>("fanWindow");
-    QVERIFY(until([&] { return fans->plots()[0]->series().size() == 2; }));
+    QVERIFY(until([&] { return fans->plots()[0]->series().size() == 3; }));
+    // One scale for all three, with no aberration in its middle.
+    fans->grab();
+    for (const PlotWidget* plot : fans->plots()) {
+      QCOMPARE(plot->range().bottom(), fans->plots()[2]->range().bottom());
+      QVERIFY(std::abs(plot->range().center().y()) < 1e-9 * plot->range().height());
+    }
     const auto fan = [&] { return fans->plots()[0]->series()[0].points; };
     const QVector<QPointF> before = fan();
     double most = 0;

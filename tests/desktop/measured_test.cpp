@@ -184,6 +184,23 @@ class MeasuredTest : public test::SceneFixture {
     const QImage bare = image().grab().toImage();
     press(Qt::Key_O);
     QVERIFY(until([&] { return test::difference(bare, image().grab().toImage()) > 0.01; }));
+    // It ends with the picture, though its microlenses go on beyond the sensor.
+    const auto outside = [this](const QImage& picture) {
+      const double ratio = picture.devicePixelRatio();
+      const QRectF sensor(ratio * image().to_widget(QPointF(-1, -1)),
+                          ratio * image().to_widget(QPointF(kColumns + 1, kRows + 1)));
+      QImage without = picture;
+      for (int y = 0; y < without.height(); ++y)
+        for (int x = 0; x < without.width(); ++x)
+          if (sensor.contains(x, y)) without.setPixel(x, y, 0);
+      return without;
+    };
+    image().set_scale(1);
+    const QImage lattice = image().grab().toImage();
+    press(Qt::Key_O);
+    QVERIFY(until([&] { return test::difference(lattice, image().grab().toImage()) > 1e-3; }));
+    QCOMPARE(outside(lattice), outside(image().grab().toImage()));
+    press(Qt::Key_O);
     // F5 renders the scene, and the file's picture stays to be compared.
     press(Qt::Key_F5);
     QVERIFY(until([this] { return session().document().image() != session().measured().field(); }));

@@ -32,13 +32,13 @@ class MomentsTest : public test::SceneFixture {
           "file = \"burns.vdb\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n");
     return file("flame.toml");
   }
-  void write_flame_of_file() {
+  void write_flame_of_file(float kelvin = 1600) {
     VoxelField field;
     field.brick_origins = {{0, 0, 0}};
     field.index_to_world.linear.rows = {{{4e-3, 0, 0}, {0, 4e-3, 0}, {0, 0, 4e-3}}};
     VoxelField hot = field, sooty = field;
     hot.name = "temperature";
-    hot.values.assign(512, 1600);
+    hot.values.assign(512, kelvin);
     sooty.name = "absorption";
     sooty.values.assign(512, 12);
     const std::array<GridOutput, 2> grids{{{&hot, "K"}, {&sooty, "1/m"}}};
@@ -60,6 +60,28 @@ class MomentsTest : public test::SceneFixture {
  private slots:
   void init() { begin(); }
   void cleanup() { end(); }
+
+  // A flame that is made larger or moved keeps what was read of it, unless its file is another one.
+  void editedFlameIsReadAgainOnlyWhenItsFileIsAnother() {
+    write_flame_of_file();
+    QVERIFY(window_->open(scene_of_file()));
+    const auto rendered = [this] {
+      return until([this] { return session().document().image_is_current(); }) && settled();
+    };
+    const auto light = [this] { return sum(session().document().image()->channels[0].flux); };
+    QVERIFY(rendered());
+    const int loads = session().compiler().flames().loads();
+    const double before = light();
+    session().document().set_value("flames[0].scale", "1.5");
+    QVERIFY(rendered());
+    QCOMPARE(session().compiler().flames().loads(), loads);
+    QVERIFY(light() > 1.5 * before);  // it is wider and thicker
+    write_flame_of_file(2000);
+    session().document().set_value("flames[0].scale", "1");
+    QVERIFY(rendered());
+    QCOMPARE(session().compiler().flames().loads(), loads + 1);
+    QVERIFY(light() > 2 * before);
+  }
 
   void brokenFlameFileClearsTheSceneBefore() {
     QVERIFY(open_example("lenslets-30"));

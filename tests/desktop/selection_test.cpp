@@ -65,7 +65,7 @@ class SelectionTest : public test::SceneFixture {
         QTest::mouseClick(&image(), Qt::LeftButton, {}, at);
         QCOMPARE(selection().column, column);
         QCOMPARE(selection().row, row);
-        // And it is what is drawn there.
+        // The value is the one that is drawn there.
         const QColor drawn(shown.pixel(QPoint(static_cast<int>((at.x() + 0.5) * ratio),
                                               static_cast<int>((at.y() + 0.5) * ratio))));
         const QColor meant(table(flux.at(column, row)));

@@ -166,25 +166,60 @@ class SurroundingsTest : public test::SceneFixture {
     const bool left = view().to_widget(flame_middle()).x() < view().to_widget(world({})).x();
     QVERIFY(left);  // light runs from left to right, as in the section
     run(PLENOFLAME_COMMAND, {"picture", PLENOFLAME_EXAMPLES "/lenslets-30.toml", "--no-insets",
-                             "-o", file("picture.png")});
+                             "--no-axes", "-o", file("picture.png")});
     const QImage picture(file("picture.png"));
     QVERIFY(!picture.isNull());
-    // On paper the flame is orange, the lens bluish grey; the axes are red, green and blue, and the
-    // bar of colours stands at the bottom.
+    // The flame is purple, the lens bluish grey; the bar of colours stands at the bottom.
     double flame = 0, glass = 0;
     int of_flame = 0, of_glass = 0;
     for (int y = 0; y < picture.height() * 8 / 10; ++y)
       for (int x = 0; x < picture.width(); ++x) {
         const QColor c(picture.pixel(x, y));
-        const bool orange = c.red() > c.green() + 20 && c.green() > c.blue() + 20;
+        const bool purple = c.red() > c.green() + 40 && c.blue() > c.green() + 10;
         const bool grey_blue = c.blue() > c.red() + 15 && c.blue() < c.red() + 80 &&
-                               c.blue() < 245 && c.green() > c.red();
-        if (orange) flame += x, ++of_flame;
+                               c.green() > c.red() && c.blue() > c.green();
+        if (purple) flame += x, ++of_flame;
         if (grey_blue) glass += x, ++of_glass;
       }
     QVERIFY(of_flame > 50 && of_glass > 50);
     QVERIFY2(flame / of_flame < glass / of_glass,
              qPrintable(QString("%1 %2").arg(flame / of_flame).arg(glass / of_glass)));
+  }
+
+  void flamesHaveTheSameColoursInTheWindowAndInTheCommandsPicture() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_2));
+    run(PLENOFLAME_COMMAND, {"picture", PLENOFLAME_EXAMPLES "/lenslets-30.toml", "--no-insets",
+                             "-o", file("picture.png")});
+    // Inferno, as it was published, from 0.4 to 1 of its length.
+    const std::array<QColor, 5> published{QColor(148, 38, 102), QColor(206, 67, 71),
+                                          QColor(243, 120, 25), QColor(250, 191, 39),
+                                          QColor(252, 255, 164)};
+    const QImage window = view().picture(), picture(file("picture.png"));
+    // Bars are drawn in 256 steps and end one before the map's end. The steepest channel, blue near
+    // the end, goes from 105 to 164 in 0.0625 of the whole map: 2.2 in a step of 0.6 / 256 of it,
+    // and one more by rounding.
+    constexpr int kSteps = 4;
+    const auto has = [](const QImage& image, const QRect& bar, const QColor& wanted) {
+      for (int y = bar.top(); y <= bar.bottom(); ++y)
+        for (int x = bar.left(); x <= bar.right(); ++x) {
+          const QColor c(image.pixel(x, y));
+          if (std::abs(c.red() - wanted.red()) <= kSteps &&
+              std::abs(c.green() - wanted.green()) <= kSteps &&
+              std::abs(c.blue() - wanted.blue()) <= kSteps)
+            return true;
+        }
+      return false;
+    };
+    // The bars of temperatures: at the window's right edge, at the bottom of the picture.
+    const QRect upright(window.width() * 85 / 100, 0, window.width() * 15 / 100 - 1,
+                        window.height() - 1);
+    const QRect lying(picture.width() / 2, picture.height() * 8 / 10, picture.width() / 2 - 1,
+                      picture.height() * 2 / 10 - 1);
+    for (const QColor& colour : published) {
+      QVERIFY2(has(window, upright, colour), qPrintable(colour.name()));
+      QVERIFY2(has(picture, lying, colour), qPrintable(colour.name()));
+    }
   }
 
   void viewsThroughGlassAreThoseOfTheCommand() {

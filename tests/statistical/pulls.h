@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/lightfield/smoothed_error.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/noise.h"
 
@@ -40,8 +41,9 @@ struct Pulls {
 
 /// A frame of the sensor, of an exposure that is the same in every run.
 /// @param electron [W] of one electron
-inline Measurement frame_of(const Image& flux, const PullExperiment& how, double electron,
-                            std::uint64_t seed) {
+inline Measurement frame_of(const LightFieldChannel& picture, const PullExperiment& how,
+                            double electron, std::uint64_t seed) {
+  const Image &flux = picture.flux, of_rays = smoothed_error(flux, picture.standard_error);
   Measurement m;
   m.window = {0, 0, flux.width, flux.height};
   m.flux = m.deviation = Image(flux.width, flux.height);
@@ -54,7 +56,8 @@ inline Measurement frame_of(const Image& flux, const PullExperiment& how, double
     largest = std::max(largest, electrons);
     const double deviation = std::sqrt(std::max(electrons, 0.0) + how.read_noise * how.read_noise);
     m.flux.pixels[k] = static_cast<float>(electron * electrons);
-    m.deviation.pixels[k] = static_cast<float>(electron * deviation);
+    m.deviation.pixels[k] = static_cast<float>(
+        std::hypot(electron * deviation, static_cast<double>(of_rays.pixels[k])));
   }
   m.model_error = how.model_error * electron * largest;
   return m;
@@ -77,13 +80,14 @@ inline Pulls measure_pulls(PullExperiment how) {
       render_settings.samples = how.samples;
       render_settings.seed = 7000 + seed;
       const RenderResult picture = render(*how.cameras[v], render_settings);
-      const Image& flux = picture.light_field.channels[0].flux;
+      const LightFieldChannel& channel = picture.light_field.channels[0];
+      const Image& flux = channel.flux;
       if (run == 0)
         electron[v] =
             static_cast<double>(*std::max_element(flux.pixels.begin(), flux.pixels.end())) /
             how.full_well;
       input.views.push_back({how.cameras[v], {}});
-      input.measurements.push_back(frame_of(flux, how, electron[v], 100 * seed + v));
+      input.measurements.push_back(frame_of(channel, how, electron[v], 100 * seed + v));
     }
     how.settings.rays.seed = 500 + seed;
     how.settings.draws = run == 0 ? draws : 0;

@@ -42,7 +42,7 @@ TEST(SumsStress, ABillionSamples) {
       film.sum(0, 0, 0, 0) += kernels.sum(weight.data(), radiance.data(), kBlock);
     sum.add(static_cast<double>(film.sum(0, 0, 0, 0) / (block * kBlocks) - 1),
             std::string(name(isa)));
-    // And as the picture says it, in single precision: half a unit in the last place.
+    // The picture says it in single precision: half a unit in the last place.
     film.add_samples(0, kBlock * kBlocks);
     const double mean = static_cast<double>(film.images(0).flux.at(0, 0));
     StressCase picture(kArea, "1e9 samples, mean as a picture says it [relative]",

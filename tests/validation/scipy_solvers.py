@@ -16,5 +16,5 @@ numpy.savetxt(f"{folder}/lsqr.txt",
                                        conlim=1e14, iter_lim=20000)[0], fmt="%.17g")
 dense = matrix.toarray().astype(float)
 numpy.savetxt(f"{folder}/nnls.txt", scipy.optimize.nnls(dense, data, maxiter=100000)[0], fmt="%.17g")
-# And back: the same matrix as SciPy writes it.
+# The same matrix goes back as SciPy writes it.
 scipy.sparse.save_npz(f"{folder}/back.npz", matrix)

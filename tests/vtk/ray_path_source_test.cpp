@@ -179,7 +179,7 @@ TEST_F(RayPathSource, AbortEndsItWithoutRays) {
   const Events errors(source_), of_executive(source_->GetExecutive());
   EXPECT_EQ(output()->GetNumberOfLines(), 0);
   EXPECT_EQ(errors.size(), 0U) << errors.all();
-  // And it can be used again.
+  // The source can be used again.
   source_->RemoveObserver(tag);
   source_->SetNumberOfRandomPixels(10);
   source_->SetRaysPerPixel(8);

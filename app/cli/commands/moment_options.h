@@ -11,7 +11,7 @@ class App;
 
 namespace plenoflame::cli {
 
-/// Which moment of a scene that changes with time a command is about.
+/// The moment that a command is about, of a scene that changes with time.
 struct MomentChoice {
   std::string frame, time;  ///< as on the command line; empty: not given
   bool given() const { return !frame.empty() || !time.empty(); }

@@ -122,7 +122,7 @@ vtkTypeInt64 vtkPlenoflameOperator::GetNumberOfColumns() {
 
 vtkTypeInt64 vtkPlenoflameOperator::GetNumberOfRays() {
   const Internals& in = *this->Internal;
-  return in.Problem ? static_cast<vtkTypeInt64>(in.Problem->rays.rays.size()) : 0;
+  return in.Problem ? static_cast<vtkTypeInt64>(in.Problem->rays.ray_count()) : 0;
 }
 
 double vtkPlenoflameOperator::GetMatrixBytes() {

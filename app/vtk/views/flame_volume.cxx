@@ -14,29 +14,39 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
+
+#include "emission_span.h"
 
 namespace plenoflame::views {
 
 vtkSmartPointer<vtkColorTransferFunction> temperature_colours(vtkImageData& flame) {
-  vtkDataArray* const temperature = flame.GetPointData()->GetArray("temperature");
-  vtkDataArray* const absorption = flame.GetPointData()->GetArray("absorption");
-  double low = VTK_DOUBLE_MAX, high = 0;
-  for (vtkIdType i = 0; i < flame.GetNumberOfPoints(); ++i)
-    if (absorption->GetTuple1(i) > 0) {
-      low = std::min(low, temperature->GetTuple1(i));
-      high = std::max(high, temperature->GetTuple1(i));
-    }
-  if (low > high) low = high = 1000;
-  if (high - low < 1) {
-    low -= 50;
-    high += 50;
-  }
+  const auto values = [&](const char* name) {
+    vtkDataArray& array = *flame.GetPointData()->GetArray(name);
+    std::vector<float> copy;
+    for (vtkIdType i = 0; i < flame.GetNumberOfPoints(); ++i)
+      copy.push_back(static_cast<float>(array.GetTuple1(i)));
+    return copy;
+  };
+  auto [low, high] = emission_span(values("temperature"), values("absorption"));
+  if (!(high > low)) low = 950, high = 1050;  // [K] nothing absorbs
   const auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
-  const std::array<std::array<double, 3>, 5> steps{
-      {{0.35, 0.02, 0.05}, {0.75, 0.12, 0.04}, {0.98, 0.47, 0.08}, {1.0, 0.82, 0.35}, {1, 1, 0.9}}};
-  for (std::size_t k = 0; k < steps.size(); ++k)
-    colours->AddRGBPoint(low + (high - low) * static_cast<double>(k) / (steps.size() - 1),
-                         steps[k][0], steps[k][1], steps[k][2]);
+  // Inferno (S. van der Walt and N. Smith, CC0) from 0.4 on, as the desktop application has it.
+  constexpr double kBegin = 0.4;
+  constexpr std::array<std::array<double, 4>, 11> kSteps{{{0.4, 148, 38, 102},
+                                                          {0.4375, 163, 44, 97},
+                                                          {0.5, 188, 55, 84},
+                                                          {0.5625, 210, 70, 68},
+                                                          {0.625, 228, 90, 49},
+                                                          {0.6875, 241, 115, 29},
+                                                          {0.75, 249, 142, 9},
+                                                          {0.8125, 252, 172, 17},
+                                                          {0.875, 249, 203, 53},
+                                                          {0.9375, 242, 234, 105},
+                                                          {1, 252, 255, 164}}};
+  for (const auto& [at, red, green, blue] : kSteps)
+    colours->AddRGBPoint(low + (high - low) * (at - kBegin) / (1 - kBegin), red / 255, green / 255,
+                         blue / 255);
   return colours;
 }
 

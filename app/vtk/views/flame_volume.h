@@ -7,8 +7,8 @@ class vtkVolume;
 
 namespace plenoflame::views {
 
-/// Colours of temperature, dark red to white, over the temperatures [K] that emit: from the lowest
-/// to the highest where there is absorption.
+/// Colours of temperature, purple over orange to light yellow, over the temperatures [K] between
+/// which nearly all of the emission lies (emission_span()).
 vtkSmartPointer<vtkColorTransferFunction> temperature_colours(vtkImageData& flame);
 
 /// The flame as a volume: colour by temperature, opacity by absorption, its contrast raised so that

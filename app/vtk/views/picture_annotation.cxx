@@ -21,7 +21,7 @@
 namespace plenoflame::views {
 namespace {
 
-constexpr double kInk = 0.1;   ///< grey of texts
+constexpr double kInk = 0.88;  ///< grey of texts
 constexpr int kLabelGap = 4;   ///< [pixel] between a scale and its labels
 constexpr int kTitleGap = 10;  ///< more than that: from its labels to its title
 
@@ -32,8 +32,8 @@ void set_text_style(vtkTextProperty& style, int font_size) {
 }
 
 /// May stand before anything.
-void set_paper(vtkTextProperty& style, double opacity) {
-  style.SetBackgroundColor(0.97, 0.97, 0.98);
+void set_plate(vtkTextProperty& style, double opacity) {
+  style.SetBackgroundColor(kBackground[0], kBackground[1], kBackground[2]);
   style.SetBackgroundOpacity(opacity);
 }
 
@@ -43,7 +43,7 @@ void add_text(const std::string& text, double x, double y, bool from_top, int fo
   actor->SetInput(text.c_str());
   set_text_style(*actor->GetTextProperty(), font_size);
   actor->GetTextProperty()->SetColor(rgb[0], rgb[1], rgb[2]);
-  set_paper(*actor->GetTextProperty(), 0.8);
+  set_plate(*actor->GetTextProperty(), 0.8);
   if (from_top) actor->GetTextProperty()->SetVerticalJustificationToTop();
   actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   actor->SetPosition(x, y);
@@ -51,16 +51,17 @@ void add_text(const std::string& text, double x, double y, bool from_top, int fo
 }
 
 /// Before everything: no solid hides it.
-void add_world_text(const std::string& text, Vec3 place, int font_size,
-                    const std::array<double, 3>& rgb, vtkRenderer& renderer) {
+vtkTextProperty& add_world_text(const std::string& text, Vec3 place, int font_size,
+                                const std::array<double, 3>& rgb, vtkRenderer& renderer) {
   vtkNew<vtkTextActor> label;
   label->SetInput(text.c_str());
   label->GetPositionCoordinate()->SetCoordinateSystemToWorld();
   label->GetPositionCoordinate()->SetValue(place.x, place.y, place.z);
   set_text_style(*label->GetTextProperty(), font_size);
   label->GetTextProperty()->SetColor(rgb[0], rgb[1], rgb[2]);
-  set_paper(*label->GetTextProperty(), 0.65);  // rays are seen through it
+  set_plate(*label->GetTextProperty(), 0.65);  // rays are seen through it
   renderer.AddActor2D(label);
+  return *label->GetTextProperty();
 }
 
 }  // namespace
@@ -79,10 +80,11 @@ std::string length_label(double metres) {
   return "0 m";
 }
 
-void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) {
+void add_axes(Vec3 origin, double length, Vec3 right, Vec3 up, int font_size,
+              vtkRenderer& renderer) {
   const std::array<Vec3, 3> directions{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const std::array<std::array<double, 3>, 3> colours{
-      {{0.8, 0.1, 0.1}, {0.1, 0.55, 0.1}, {0.1, 0.2, 0.8}}};
+      {{0.95, 0.45, 0.4}, {0.55, 0.85, 0.45}, {0.5, 0.7, 1}}};
   const std::array<const char*, 3> names{"x", "y", "z"};
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 end = origin + length * directions[k];
@@ -105,8 +107,12 @@ void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer) 
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->SetLineWidth(2);
     renderer.AddActor(actor);
-    add_world_text(std::string(names[k]) + "  " + length_label(length), end, font_size, colours[k],
-                   renderer);
+    vtkTextProperty& style = add_world_text(std::string(names[k]) + "  " + length_label(length),
+                                            end, font_size, colours[k], renderer);
+    // The text begins where the axis ends, so that the line does not cross it.
+    const double across = dot(directions[k], right), upward = dot(directions[k], up);
+    if (across < 0) style.SetJustificationToRight();
+    if (upward < 0) style.SetVerticalJustificationToTop();
   }
 }
 
@@ -119,6 +125,7 @@ void add_temperature_bar(vtkColorTransferFunction* colours, vtkRenderer& rendere
   bar->SetLookupTable(colours);
   bar->SetTitle("Temperature (K)");
   bar->SetNumberOfLabels(5);
+  bar->SetMaximumNumberOfColors(256);  // the map's own, with no steps to be seen
   bar->SetLabelFormat("%.0f");
   bar->SetOrientationToHorizontal();
   bar->SetTextPositionToPrecedeScalarBar();

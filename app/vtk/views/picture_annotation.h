@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -9,11 +10,17 @@ class vtkRenderer;
 
 namespace plenoflame::views {
 
+/// Behind everything, RGB: dark, as in the desktop application, so that what shines is the
+/// brightest there is.
+inline constexpr std::array<double, 3> kBackground{0.05, 0.055, 0.065};
+
 /// "100 mm".
 std::string length_label(double metres);
 
 /// Axes of the world as three lines from `origin`, each `length` [m] long and labelled with it.
-void add_axes(Vec3 origin, double length, int font_size, vtkRenderer& renderer);
+/// @param right, up of the picture: texts go on where their axis ends
+void add_axes(Vec3 origin, double length, Vec3 right, Vec3 up, int font_size,
+              vtkRenderer& renderer);
 
 /// A text at a place of the world, before everything.
 void add_label(const std::string& text, Vec3 place, int font_size, vtkRenderer& renderer);

@@ -126,6 +126,15 @@ vtkSmartPointer<vtkTexture> texture_of(vtkImageData* image, bool repeat) {
   return texture;
 }
 
+/// A part whose sides away from the light are seen before the dark, too.
+vtkSmartPointer<vtkActor> body_of(vtkPolyData* data, const std::array<double, 3>& colour,
+                                  double opacity) {
+  const auto actor = actor_of(data, colour, opacity);
+  actor->GetProperty()->SetAmbientColor(colour[0], colour[1], colour[2]);
+  actor->GetProperty()->SetAmbient(0.3);
+  return actor;
+}
+
 void add_flat(vtkPolyData* data, vtkTexture* texture, const std::array<double, 3>& colour,
               vtkRenderer& renderer) {
   const auto actor = actor_of(data, colour, 1);
@@ -177,14 +186,11 @@ void add_camera(vtkMultiBlockDataSet& camera, vtkImageData* plate_texture,
     actor->GetMapper()->ScalarVisibilityOn();
     renderer.AddActor(actor);
   }
-  if (auto* stop = block(Source::STOP)) {
-    const auto actor = actor_of(stop, {0.1, 0.1, 0.11}, 0.85);
-    renderer.AddActor(actor);
-  }
+  if (auto* stop = block(Source::STOP)) renderer.AddActor(body_of(stop, {0.55, 0.55, 0.56}, 0.85));
   if (auto* edges = block(Source::LENS_EDGES))
-    renderer.AddActor(actor_of(edges, {0.55, 0.7, 0.78}, 0.5 * glass));
+    renderer.AddActor(body_of(edges, {0.55, 0.7, 0.78}, 0.5 * glass));
   if (auto* surfaces = block(Source::LENS_SURFACES))
-    renderer.AddActor(actor_of(surfaces, {0.55, 0.78, 0.92}, glass));
+    renderer.AddActor(body_of(surfaces, {0.55, 0.78, 0.92}, glass));
 }
 
 void add_rays(vtkPolyData& rays, bool by_status, vtkRenderer& renderer) {

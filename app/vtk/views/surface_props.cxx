@@ -28,7 +28,7 @@ namespace {
 std::array<unsigned char, 3> colour_of(const MaterialSpec& material, float reflectivity) {
   switch (material.kind) {
     case MaterialKind::black:
-      return {30, 30, 32};
+      return {55, 55, 58};
     case MaterialKind::blackbody:
       return {240, 150, 50};
     case MaterialKind::emitter:
@@ -36,8 +36,8 @@ std::array<unsigned char, 3> colour_of(const MaterialSpec& material, float refle
     default:
       break;
   }
-  // The paper is white: what reflects everything is a little darker, to be seen on it.
-  const double value = 20 + 205 * std::pow(static_cast<double>(reflectivity), 1 / 2.2);
+  // A body that reflects nothing is a little brighter than the background, to be seen before it.
+  const double value = 55 + 185 * std::pow(static_cast<double>(reflectivity), 1 / 2.2);
   const auto grey = static_cast<unsigned char>(std::lround(value));
   return {grey, grey, grey};
 }

@@ -259,8 +259,7 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
                                         Source::MICROLENSES, Source::ARRAY_PLATE, Source::SENSOR});
   const auto sensor_bounds = bounds_of({Source::SENSOR});
 
-  const std::array<double, 3> paper{0.97, 0.97, 0.98};
-  renderer->SetBackground(paper[0], paper[1], paper[2]);
+  renderer->SetBackground(views::kBackground[0], views::kBackground[1], views::kBackground[2]);
   views::add_camera(*camera, source->GetPlateTexture(), this->SensorImage, close ? 0.45 : 0.4,
                     *renderer);
   if (this->Rays && this->Rays->GetNumberOfLines() > 0)
@@ -330,6 +329,10 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
     far = 4 * std::max(far, scene_size);
   }
   const int font = inset ? 12 : 15;
+  const views::Surroundings around{surfaces.all.IsValid() != 0, surfaces.bodies.IsValid() != 0,
+                                   scene_has_several};
+  const Vec3 ahead = -plenoflame::normalize(views::way_to_eye(subject, axis, right, up, around));
+  const Vec3 seen_right = plenoflame::normalize(plenoflame::cross(ahead, up));
   if (this->ShowAxes) {
     Vec3 low = points.front();
     double extent = 0;
@@ -338,17 +341,18 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
       extent = std::max(extent, plenoflame::length(p - points.front()));
     }
     const double axis_length = views::round_length(0.25 * extent);
-    views::add_axes(low, axis_length, font, *renderer);
-    if (view == WHOLE_SCENE && (surfaces.all.IsValid() || scene_has_several)) points.push_back(low);
+    views::add_axes(low, axis_length, seen_right, plenoflame::cross(seen_right, ahead), font,
+                    *renderer);
+    if (view == WHOLE_SCENE)
+      for (const Vec3 end : {Vec3{}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+        points.push_back(low + axis_length * end);
   }
   int* const size = renderer->GetSize();
   const double aspect = size[1] > 0 ? static_cast<double>(size[0]) / size[1] : 1.5;
-  const views::Surroundings around{surfaces.all.IsValid() != 0, surfaces.bodies.IsValid() != 0,
-                                   scene_has_several};
-  views::look_at(points, -views::way_to_eye(subject, axis, right, up, around), up, aspect, far,
-                 *renderer);
-  if (view == WHOLE_SCENE && this->ShowInsets && (surfaces.all.IsValid() || scene_has_several))
-    views::keep_below(0.64, *renderer);  // the insets would cover walls, floors and other cameras
+  // All of the scene is below the insets.
+  const double height = view == WHOLE_SCENE && this->ShowInsets ? 0.64 : 1;
+  views::look_at(points, ahead, up, aspect / height, far, *renderer);
+  if (height < 1) views::keep_below(height, *renderer);
   const std::array<const char*, 4> titles{"", "camera", "microlenses", ""};
   if (inset) {
     const std::string title = titles[static_cast<std::size_t>(view)];

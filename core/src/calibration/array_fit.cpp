@@ -90,8 +90,10 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
                                  hexagonal ? "square" : "hexagonal"));
   if (nominal.sensor.columns != width || nominal.sensor.rows != height)
     throw InputError(
-        fmt::format("the camera's sensor has {} x {} pixels, the white picture {} x {}",
-                    nominal.sensor.columns, nominal.sensor.rows, width, height));
+        fmt::format("the camera's sensor has {} x {} pixels, the white picture {} x {}: where a "
+                    "part in its middle was read out, --set camera.sensor.columns={} --set "
+                    "camera.sensor.rows={}",
+                    nominal.sensor.columns, nominal.sensor.rows, width, height, width, height));
   ArrayFit fit;
   // Lens (0, 0) has the first type: of the neighbours of the middle the one that looks like it.
   const auto types = static_cast<int>(nominal.array.types.size());

@@ -1,5 +1,7 @@
 #include "plenoflame/calibration/geometry_calibration.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -453,6 +455,24 @@ class GeometryFit {
 
 }  // namespace
 
+namespace {
+
+/// @throws InputError where what was seen lies neither on the sensor nor within a micro-image of
+/// it, whose edge may cut off the part where the centre or, with noise, a corner is
+void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pixel) {
+  const SensorSpec& sensor = camera.sensor;
+  const Vec2 margin{camera.array.pitch / sensor.pixel().x, camera.array.pitch / sensor.pixel().y};
+  if (pixel.x >= -margin.x && pixel.y >= -margin.y && pixel.x <= sensor.columns + margin.x &&
+      pixel.y <= sensor.rows + margin.y)
+    return;
+  throw InputError(
+      fmt::format("{} at column {:.6g}, row {:.6g} does not lie on the camera's sensor of {} x {} "
+                  "pixels: is it another camera's?",
+                  what, pixel.x, pixel.y, sensor.columns, sensor.rows));
+}
+
+}  // namespace
+
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
                                        const std::vector<CornerObservation>& corners,
                                        const std::vector<CentreObservation>& centres,
@@ -465,6 +485,10 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
         "microlenses; "
         "give one (camera import writes such)");
   if (corners.empty()) throw InputError("there is no corner among the observations");
+  for (const CornerObservation& corner : corners)
+    check_on_sensor(start, fmt::format("a corner of pose {}", corner.pose), corner.pixel);
+  for (const CentreObservation& centre : centres)
+    check_on_sensor(start, "a micro-image's centre", centre.pixel);
   const Camera camera(start);
   CameraSpec spec = start;
   spec.focus.mode = FocusMode::distance;

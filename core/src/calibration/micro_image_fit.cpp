@@ -66,19 +66,24 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
                         const Vector& p, Square* matrix, Vector* gradient) {
   double sum = 0;
   Vector slope;
-  if (matrix != nullptr) {
-    matrix->setZero();
-    gradient->setZero();
-  }
+  // Whole rows of a local array: the compiler adds several columns at once.
+  double rows[kParameters][kParameters] = {}, right[kParameters] = {};
   for (const CellPixel& pixel : pixels) {
     const double off = pixel.value - disc_model(p, steps, pixel, slope);
     sum += off * off;
     if (matrix == nullptr) continue;
+    double s[kParameters];
+    for (int a = 0; a < kParameters; ++a) s[a] = slope[a];
     for (int a = 0; a < kParameters; ++a) {
-      if (slope[a] == 0) continue;
-      (*gradient)[a] += off * slope[a];
-      for (int b = a; b < kParameters; ++b) (*matrix)(a, b) += slope[a] * slope[b];
+      if (s[a] == 0) continue;
+      right[a] += off * s[a];
+      for (int b = 0; b < kParameters; ++b) rows[a][b] += s[a] * s[b];
     }
+  }
+  if (matrix == nullptr) return sum;
+  for (int a = 0; a < kParameters; ++a) {
+    (*gradient)[a] = right[a];
+    for (int b = 0; b < kParameters; ++b) (*matrix)(a, b) = b < a ? 0 : rows[a][b];
   }
   return sum;
 }
@@ -138,6 +143,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   Square matrix;
   Vector gradient;
   double sum = normal_equations(pixels, steps, p, &matrix, &gradient);
+  bool refused = false;  // the step before
   for (int step = 0; step < 12; ++step) {
     Square damped = matrix;
     for (int a = 0; a < kParameters; ++a)
@@ -145,18 +151,22 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     // If micro-images touch, hardly a pixel tells the background: it is taken to be small
     // against the light.
     damped(7, 7) += 0.01 * static_cast<double>(pixels.size());
-    gradient[7] -= 0.01 * static_cast<double>(pixels.size()) * p[7];
-    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(gradient);
+    Vector pulled = gradient;
+    pulled[7] -= 0.01 * static_cast<double>(pixels.size()) * p[7];
+    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(pulled);
     Vector next = p + change;
     next[2] = std::clamp(next[2], 1.0, largest_radius);
     next[3] = std::clamp(next[3], kLeastBlur, std::max(kLeastBlur, 0.95 * next[2]));
     Square next_matrix;
     Vector next_gradient;
-    const double next_sum = normal_equations(pixels, steps, next, &next_matrix, &next_gradient);
-    if (!(next_sum <= sum * (1 + 1e-12))) {
+    // After a step that was refused the next one mostly is, too: its sum alone is asked first.
+    double next_sum = refused ? normal_equations(pixels, steps, next, nullptr, nullptr) : 0;
+    if (!refused || next_sum <= sum * (1 + 1e-12))
+      next_sum = normal_equations(pixels, steps, next, &next_matrix, &next_gradient);
+    refused = !(next_sum <= sum * (1 + 1e-12));
+    if (refused) {
       damping = std::max(damping, 1e-3) * 10;
       if (damping > 1e4) break;
-      normal_equations(pixels, steps, p, &matrix, &gradient);
       continue;
     }
     const double moved = (next - p).head<4>().cwiseAbs().maxCoeff();

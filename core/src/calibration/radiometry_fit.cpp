@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/even_factors.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/sensor.h"
 
@@ -18,7 +19,8 @@ struct PictureSums {
 };
 
 std::vector<std::size_t> chosen_pixels(const std::vector<SourcePicture>& pictures,
-                                       const EvaluatedPixels& pixels) {
+                                       const EvaluatedPixels& pixels,
+                                       const std::vector<float>& factors) {
   double brightest = 0;
   for (const float value : pixels.etendue.pixels)
     brightest = std::max(brightest, static_cast<double>(value));
@@ -38,23 +40,70 @@ std::vector<std::size_t> chosen_pixels(const std::vector<SourcePicture>& picture
       const bool good = std::all_of(pictures.begin(), pictures.end(), [&](const SourcePicture& p) {
         return p.frames->state[at] == 0;
       });
-      if (good) chosen.push_back(at);
+      if (good && (factors.empty() || factors[at] > 0)) chosen.push_back(at);
     }
   return chosen;
 }
 
+double dark_at(const CountFrames* dark, const EvaluatedPixels& pixels, std::size_t at,
+               double black_level) {
+  return dark != nullptr ? static_cast<double>(dark->mean[pixels.channel].pixels[at]) : black_level;
+}
+
+/// By what each pixel's light is multiplied, flat field and white picture together; not above 0:
+/// the pixel is left out. Empty: there are no corrections.
+std::vector<float> factors_of(const EvaluatedPixels& pixels, double curvature) {
+  const RawCorrections& corrections = pixels.corrections;
+  std::vector<float> factors;
+  const auto even_out = [&](const CountFrames* frames, const CountFrames* dark,
+                            const Image* expected) {
+    if (frames == nullptr) return;
+    const auto width = static_cast<std::size_t>(pixels.window.width);
+    const EvenFactors even = even_factors(
+        *frames, expected, pixels.mosaic == MosaicPattern::none ? 1 : 3,
+        [&](std::size_t i) {
+          return static_cast<std::size_t>(
+              mosaic_colour(pixels.mosaic, pixels.window.x + static_cast<int>(i % width),
+                            pixels.window.y + static_cast<int>(i / width)));
+        },
+        [&](std::size_t i) {
+          const double counts = static_cast<double>(frames->mean[pixels.channel].pixels[i]);
+          const double level = dark_at(dark, pixels, i, pixels.sensor.black_level);
+          double light = counts - level;
+          double variance =
+              sensor_variance(*frames, counts - pixels.sensor.black_level, pixels.sensor);
+          if (dark != nullptr)
+            variance += sensor_variance(*dark, level - pixels.sensor.black_level, pixels.sensor);
+          make_linear(curvature, light, variance);
+          return std::pair{light, variance};
+        });
+    if (factors.empty()) factors.assign(even.factors.size(), 1.0F);
+    for (std::size_t i = 0; i < factors.size(); ++i)
+      factors[i] = factors[i] > 0 && even.factors[i] > 0 ? factors[i] * even.factors[i] : 0.0F;
+  };
+  even_out(corrections.flat, corrections.flat_dark, nullptr);
+  even_out(corrections.white, corrections.white_dark, &pixels.etendue);
+  return factors;
+}
+
+/// @param factors  of factors_of()
 /// @param radiance of the picture, or 1 where it is not known
 PictureSums sums_of(const SourcePicture& picture, const EvaluatedPixels& pixels,
-                    const std::vector<std::size_t>& chosen, double radiance) {
+                    const std::vector<std::size_t>& chosen, const std::vector<float>& factors,
+                    double radiance) {
   if (!(picture.exposure_time > 0)) throw InputError("a picture's exposure time is not known");
+  const auto counts_of = [&](std::size_t at) {
+    return static_cast<double>(picture.frames->mean[pixels.channel].pixels[at]) -
+           dark_at(picture.dark, pixels, at, picture.black_level);
+  };
+  const auto factor_of = [&](std::size_t at) {
+    return factors.empty() ? 1 : static_cast<double>(factors[at]);
+  };
   double counts = 0, squares = 0, energy = 0, scatter = 0;
   for (const std::size_t at : chosen) {
-    const double dark = picture.dark != nullptr
-                            ? static_cast<double>(picture.dark->mean[pixels.channel].pixels[at])
-                            : picture.black_level;
-    const double c = static_cast<double>(picture.frames->mean[pixels.channel].pixels[at]) - dark;
-    counts += c;
-    squares += c * c;
+    const double c = counts_of(at), factor = factor_of(at);
+    counts += factor * c;
+    squares += factor * c * c;
     energy += static_cast<double>(pixels.etendue.pixels[at]) * radiance * picture.exposure_time;
   }
   PictureSums sums;
@@ -66,10 +115,7 @@ PictureSums sums_of(const SourcePicture& picture, const EvaluatedPixels& pixels,
   sums.ratio = counts / energy;
   // The pixels' own gains differ, and counts have noise: both are in the scatter of the ratios.
   for (const std::size_t at : chosen) {
-    const double dark = picture.dark != nullptr
-                            ? static_cast<double>(picture.dark->mean[pixels.channel].pixels[at])
-                            : picture.black_level;
-    const double c = static_cast<double>(picture.frames->mean[pixels.channel].pixels[at]) - dark;
+    const double c = factor_of(at) * counts_of(at);
     const double expected = sums.ratio * static_cast<double>(pixels.etendue.pixels[at]) * radiance *
                             picture.exposure_time;
     scatter += (c - expected) * (c - expected);
@@ -131,21 +177,13 @@ bool spans(const std::vector<PictureSums>& sums) {
   return high > 2 * low;
 }
 
-}  // namespace
-
-RadiometryFit fit_radiometry(const std::vector<SourcePicture>& sources,
-                             const std::vector<SourcePicture>& whites,
-                             const EvaluatedPixels& pixels, double common) {
-  if (sources.empty()) throw InputError("no picture of a known radiance is given");
+/// The fit with factors of flat field and white picture that are known.
+RadiometryFit fit_with(const std::vector<float>& factors, const std::vector<SourcePicture>& sources,
+                       const std::vector<SourcePicture>& whites, const EvaluatedPixels& pixels,
+                       double common) {
   std::vector<SourcePicture> all = sources;
   all.insert(all.end(), whites.begin(), whites.end());
-  for (const SourcePicture& picture : all)
-    for (const CountFrames* frames : {picture.frames, picture.dark})
-      if (frames != nullptr &&
-          (frames->width != pixels.window.width || frames->height != pixels.window.height ||
-           frames->mean.size() <= pixels.channel))
-        throw InputError("pictures and dark frames must be of one sensor");
-  const std::vector<std::size_t> chosen = chosen_pixels(all, pixels);
+  const std::vector<std::size_t> chosen = chosen_pixels(all, pixels, factors);
   if (chosen.size() < 20)
     throw InputError(
         "fewer than 20 pixels are left that see all of the stop and are not saturated");
@@ -154,11 +192,11 @@ RadiometryFit fit_radiometry(const std::vector<SourcePicture>& sources,
   std::vector<PictureSums> of_sources, of_whites;
   std::vector<double> errors, no_errors;
   for (const SourcePicture& picture : sources) {
-    of_sources.push_back(sums_of(picture, pixels, chosen, picture.radiance));
+    of_sources.push_back(sums_of(picture, pixels, chosen, factors, picture.radiance));
     errors.push_back(picture.radiance_error);
   }
   for (const SourcePicture& picture : whites) {
-    of_whites.push_back(sums_of(picture, pixels, chosen, 1));
+    of_whites.push_back(sums_of(picture, pixels, chosen, factors, 1));
     no_errors.push_back(0);
   }
   double curvature = 0, curvature_variance = 0;
@@ -186,6 +224,35 @@ RadiometryFit fit_radiometry(const std::vector<SourcePicture>& sources,
   result.scale.curvature = line.k;
   result.scale.curvature_error = std::sqrt(line.k_variance);
   return result;
+}
+
+}  // namespace
+
+RadiometryFit fit_radiometry(const std::vector<SourcePicture>& sources,
+                             const std::vector<SourcePicture>& whites,
+                             const EvaluatedPixels& pixels, double common) {
+  if (sources.empty()) throw InputError("no picture of a known radiance is given");
+  const auto check = [&](const CountFrames* frames, const char* what) {
+    if (frames != nullptr &&
+        (frames->width != pixels.window.width || frames->height != pixels.window.height ||
+         frames->mean.size() <= pixels.channel))
+      throw InputError(std::string(what) + " must be of one sensor");
+  };
+  for (const std::vector<SourcePicture>* pictures : {&sources, &whites})
+    for (const SourcePicture& picture : *pictures)
+      for (const CountFrames* frames : {picture.frames, picture.dark})
+        check(frames, "pictures and dark frames");
+  const RawCorrections& corrections = pixels.corrections;
+  for (const CountFrames* frames :
+       {corrections.flat, corrections.flat_dark, corrections.white, corrections.white_dark})
+    check(frames, "pictures, flat field and white picture");
+  RadiometryFit fit = fit_with(factors_of(pixels, 0), sources, whites, pixels, common);
+  if (corrections.flat == nullptr && corrections.white == nullptr) return fit;
+  // Flat field and white picture are bent as the other pictures are: what that does to the
+  // curvature is small in its second order.
+  for (int round = 0; round < 2 && fit.scale.curvature != 0; ++round)
+    fit = fit_with(factors_of(pixels, fit.scale.curvature), sources, whites, pixels, common);
+  return fit;
 }
 
 }  // namespace plenoflame

@@ -33,6 +33,14 @@ double number_in(const toml::table& table, const char* key, double otherwise, do
   return *value;
 }
 
+bool flag_in(const toml::table& table, const char* key, const std::string& path) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return false;
+  if (!node->is_boolean())
+    throw InputError(position_in(path, node->source()), std::string(key) + " is true or false");
+  return node->value_or(false);
+}
+
 }  // namespace
 
 RadiometryTable read_radiometry(const std::string& path) {
@@ -64,6 +72,8 @@ RadiometryTable read_radiometry(const std::string& path) {
     scale.relative_error = number_in(*entry, "relative_error", 0, 0, path);
     scale.curvature = number_in(*entry, "curvature", 0, -1e308, path);
     scale.curvature_error = number_in(*entry, "curvature_error", 0, 0, path);
+    scale.white = flag_in(*entry, "white", path);
+    scale.flat = flag_in(*entry, "flat", path);
     table.channels.push_back(scale);
   }
   return table;
@@ -84,8 +94,11 @@ std::string radiometry_text(const RadiometryTable& table) {
         "joules_per_count = {:.9e}  # radiant energy on a pixel for a count above dark\n"
         "relative_error = {:.3e}  # standard error, common to all pixels\n"
         "curvature = {:.6e}  # a linear sensor would have counted c (1 + curvature c)\n"
-        "curvature_error = {:.3e}\n",
-        name, scale.joules_per_count, scale.relative_error, scale.curvature, scale.curvature_error);
+        "curvature_error = {:.3e}\n"
+        "white = {}  # evened out by a white picture\n"
+        "flat = {}  # evened out by a flat field\n",
+        name, scale.joules_per_count, scale.relative_error, scale.curvature, scale.curvature_error,
+        scale.white, scale.flat);
   }
   return out.str();
 }

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/even_factors.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/lightfield/sensor.h"
 
 namespace plenoflame {
 namespace {
-
-constexpr double kRounding = 1.0 / 12;  ///< [counts^2] of rounding to whole numbers
 
 void check_same_size(const CountFrames* other, const CountFrames& raw, const char* what) {
   if (other == nullptr) return;
@@ -26,25 +25,13 @@ void check_same_size(const CountFrames* other, const CountFrames& raw, const cha
 /// Variance of the mean of frames [counts^2] at some counts above dark.
 double variance_of_mean(const CountFrames& frames, std::size_t channel, std::size_t pixel,
                         double above_dark, const ImportSettings& settings) {
-  const SensorResponse& sensor = settings.response;
   if (settings.noise == NoiseSource::pixel && frames.frames > 1)
     return static_cast<double>(frames.variance[channel].pixels[pixel]) / frames.frames;
-  const double light = std::max(0.0, above_dark);
   if (settings.noise == NoiseSource::series)
-    return std::max(settings.transfer.floor + settings.transfer.slope * light, kRounding) /
+    return std::max(settings.transfer.floor + settings.transfer.slope * std::max(0.0, above_dark),
+                    kRoundingVariance) /
            frames.frames;
-  double variance = kRounding;
-  if (sensor.gain > 0)
-    variance +=
-        light / sensor.gain + sensor.read_noise * sensor.read_noise / sensor.gain / sensor.gain;
-  return variance / frames.frames;
-}
-
-double median_of(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return sensor_variance(frames, above_dark, settings.response);
 }
 
 /// Counts above dark with their variance; after scale(), in the unit, with their standard error.
@@ -109,6 +96,17 @@ class Importer {
                          settings_.window.y + static_cast<int>(pixel / width));
   }
 
+  /// The channel that a pixel of a picture's channel belongs to: of a mosaic its colour.
+  std::size_t channel_of(std::size_t picture_channel, std::size_t pixel) const {
+    return mosaic() ? static_cast<std::size_t>(colour(pixel)) : picture_channel;
+  }
+
+  void straighten(std::size_t picture_channel, std::size_t pixel, double& counts,
+                  double& variance) const {
+    if (!settings_.curvatures.empty())
+      make_linear(settings_.curvatures[channel_of(picture_channel, pixel)], counts, variance);
+  }
+
   void check() const {
     check_same_size(corrections_.dark, raw_, "dark frame");
     check_same_size(corrections_.flat, raw_, "flat field");
@@ -128,6 +126,8 @@ class Importer {
     if (settings_.unit == ImportUnit::watts &&
         settings_.watts_per_count.size() != settings_.names.size())
       throw InputError("watts need the flux that a count stands for");
+    if (!settings_.curvatures.empty() && settings_.curvatures.size() != settings_.names.size())
+      throw InputError("a curvature is needed for each channel of the picture");
   }
 
   /// Counts of dark at a pixel, and their variance.
@@ -159,9 +159,7 @@ class Importer {
       double variance =
           variance_of_mean(raw_, channel, i, electrons_above, settings_) + dark_variance;
       double value = counts - dark - dark_signal;
-      const double slope = 1 + 2 * sensor.curvature * value;
-      value *= 1 + sensor.curvature * value;
-      variance *= slope * slope;
+      straighten(channel, i, value, variance);
       signal.value.pixels[i] = static_cast<float>(value);
       signal.variance.pixels[i] = static_cast<float>(variance);
     }
@@ -177,49 +175,28 @@ class Importer {
     return signal;
   }
 
-  /// Multiplies by expected / measured, both with the same median in each colour. Without
-  /// `expected` all pixels are expected alike.
+  /// Multiplies by expected / measured light. Without `expected` all pixels are expected alike.
   void divide(Signal& signal, std::size_t channel, const CountFrames& measured,
               const CountFrames* dark, const Image* expected) {
-    const std::size_t pixels = raw_.pixel_count();
-    std::vector<float> ratio(pixels, 0.0F), relative(pixels, 0.0F);
-    double brightest = 0;
-    if (expected != nullptr)
-      for (const float value : expected->pixels)
-        brightest = std::max(brightest, static_cast<double>(value));
-    constexpr double kLeastLight = 0.05;  // of the brightest: below nothing is known of the factor
-    std::vector<std::vector<float>> usual(mosaic() ? 3 : 1);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const auto [level, level_variance] = dark_at(dark, channel, i);
-      const double counts = static_cast<double>(measured.mean[channel].pixels[i]);
-      const double light = counts - level;
-      const double wanted = expected != nullptr ? static_cast<double>(expected->pixels[i]) : 1;
-      if (wanted < kLeastLight * brightest || measured.state[i] != 0) continue;
-      const double variance = variance_of_mean(measured, channel, i,
-                                               counts - settings_.response.black_level, settings_) +
-                              level_variance;
-      // A pixel that saw next to nothing where light was to be has no factor.
-      if (!(light > 5 * std::sqrt(variance))) {
-        ratio[i] = -1;
-        continue;
-      }
-      ratio[i] = static_cast<float>(wanted / light);
-      relative[i] = static_cast<float>(variance / light / light);
-      usual[static_cast<std::size_t>(colour(i))].push_back(ratio[i]);
-    }
-    std::vector<double> middle;
-    for (std::vector<float>& colour_ratios : usual)
-      middle.push_back(median_of(std::move(colour_ratios)));
-    constexpr double kLargestFactor = 4;
+    const EvenFactors even = even_factors(
+        measured, expected, mosaic() ? 3 : 1,
+        [&](std::size_t i) { return static_cast<std::size_t>(colour(i)); },
+        [&](std::size_t i) {
+          const auto [level, level_variance] = dark_at(dark, channel, i);
+          const double counts = static_cast<double>(measured.mean[channel].pixels[i]);
+          double light = counts - level;
+          double variance = variance_of_mean(measured, channel, i,
+                                             counts - settings_.response.black_level, settings_) +
+                            level_variance;
+          straighten(channel, i, light, variance);
+          return std::pair{light, variance};
+        });
     double squares = 0;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < pixels; ++i) {
-      if (ratio[i] == 0) continue;
-      const double factor = ratio[i] < 0 ? 2 * kLargestFactor
-                                         : static_cast<double>(ratio[i]) /
-                                               middle[static_cast<std::size_t>(colour(i))];
-      if (factor > kLargestFactor) {
-        // Darker than it should be by far: dirt, or an edge that the model places elsewhere.
+    for (std::size_t i = 0; i < even.factors.size(); ++i) {
+      const double factor = static_cast<double>(even.factors[i]);
+      if (factor == 0) continue;
+      if (factor < 0) {
         if (state_[i] == 0) {
           state_[i] = static_cast<std::uint8_t>(PixelState::defective);
           ++summary_.too_dark;
@@ -231,7 +208,7 @@ class Importer {
       signal.variance.pixels[i] =
           static_cast<float>(factor * factor *
                              (static_cast<double>(signal.variance.pixels[i]) +
-                              value * value * static_cast<double>(relative[i])));
+                              value * value * static_cast<double>(even.relative_variance[i])));
       squares += (factor - 1) * (factor - 1);
       ++count;
     }
@@ -243,11 +220,10 @@ class Importer {
   void scale(Signal& signal, std::size_t channel) const {
     signal.error = Image(raw_.width, raw_.height);
     for (std::size_t i = 0; i < raw_.pixel_count(); ++i) {
-      const double factor =
-          settings_.unit == ImportUnit::counts ? 1
-          : settings_.unit == ImportUnit::electrons
-              ? settings_.response.gain
-              : settings_.watts_per_count[mosaic() ? static_cast<std::size_t>(colour(i)) : channel];
+      const double factor = settings_.unit == ImportUnit::counts ? 1
+                            : settings_.unit == ImportUnit::electrons
+                                ? settings_.response.gain
+                                : settings_.watts_per_count[channel_of(channel, i)];
       signal.value.pixels[i] =
           static_cast<float>(factor * static_cast<double>(signal.value.pixels[i]));
       signal.error.pixels[i] =

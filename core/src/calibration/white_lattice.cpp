@@ -95,7 +95,8 @@ class LatticeMeasurer {
       refit(reach >= whole);
       if (reach >= whole) break;
     }
-    // Those that began far off, or beside a wrong start, are tried again from the model.
+    // Micro-images whose fit began far off, or beside a wrong start, are tried again from the
+    // model.
     remeasure();
     refit(true);
     summarise();

@@ -21,6 +21,12 @@ SensorSpec resolved_levels(SensorSpec sensor) {
   return sensor;
 }
 
+double full_counts(const SensorSpec& levels) {
+  const double well =
+      std::max(0.5 * levels.full_well, levels.full_well - 5 * levels.read_noise) / levels.gain;
+  return std::min(levels.black_level + well, std::ldexp(1.0, levels.bits) - 1);
+}
+
 double dark_pixel_excess(const SensorSpec& sensor) {
   if (!(sensor.read_noise > 0)) return 0;
   const SensorSpec levels = resolved_levels(sensor);

@@ -74,7 +74,7 @@ double mean_variance(const SensorImage& error, const PixelWindow& window) {
   return sum / window.width / window.height;
 }
 
-/// Which pixels are lit. They are chosen by a mean of both images in which each has the weight of
+/// Tells which pixels are lit. A mean of both images chooses them, in which each has the weight of
 /// the other's variance, the same in all pixels: the noise of this mean is not correlated with that
 /// of the difference (E[(v_b e_a + v_a e_b)(e_a - e_b)] = v_b v_a - v_a v_b = 0). A choice by one
 /// image alone takes pixels in which that one is too bright and leaves out those in which it is too

@@ -83,6 +83,7 @@ bool write_rows(png_structp png, png_infop info, const PngImage& image, png_text
 struct ReadHeader {
   png_uint_32 width = 0, height = 0;
   int bits = 0, channels = 0, significant_bits = 0, text_count = 0;
+  int stored_bits = 0;  ///< of a pixel in the file, which may be fewer than are read
   bool linear = false;
   png_textp texts = nullptr;
 };
@@ -91,6 +92,7 @@ bool read_header(png_structp png, png_infop info, std::FILE* stream, ReadHeader&
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_init_io(png, stream);
   png_read_info(png, info);
+  header.stored_bits = png_get_bit_depth(png, info) * png_get_channels(png, info);
   png_set_expand(png);
   png_set_strip_alpha(png);
   png_set_interlace_handling(png);
@@ -214,7 +216,7 @@ PngImage read_png(const std::string& path) {
   if (!read_header(reader.png, reader.info, stream.get(), header)) damaged(failure.message);
   // Deflate packs at most 1032 to 1: a larger claim is not worth the memory.
   const std::uint64_t bytes = std::uint64_t{header.width} * header.height *
-                              static_cast<std::uint64_t>(header.channels * header.bits / 8);
+                              static_cast<std::uint64_t>(header.stored_bits) / 8;
   if (bytes / 1032 > file_size) damaged("too short for its size");
 
   PngImage image;

@@ -5,11 +5,15 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/lightfield/smoothed_error.h"
 #include "plenoflame/scene/scene_settings.h"
 #include "plenoflame/scene/spectral.h"
 
 namespace plenoflame {
 namespace {
+
+/// Randomisations whose scatter tells the error of a pixel by itself: to sqrt(1 / 30) = 18 %.
+constexpr double kManyReplicates = 16;
 
 void check_belongs(const LightField& picture, const Scene& scene, const std::string& what) {
   const SensorSpec& sensor = scene.camera.sensor;
@@ -110,6 +114,11 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
   const double dark = electrons ? channel_dark_electrons(picture, own.name) : 0;
   const double full = electrons ? number("sensor.saturated_from", 1e300) : 1e300;
   const bool has_error = !own.standard_error.empty();
+  // A rendering as it is has few replicates; frames of develop have counts, whose error is known.
+  const double replicates = electrons ? 0 : number("render.replicates", 0);
+  const Image errors = has_error && replicates >= 2 && replicates < kManyReplicates
+                           ? smoothed_error(own.flux, own.standard_error)
+                           : own.standard_error;
   if (!has_error && !(noise > 0))
     throw InputError(what + " has no standard error, and no noise is given");
 
@@ -146,7 +155,7 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
       }
       if (left_out(column, row)) continue;
       // A pixel that counted nothing is known to about one electron.
-      double error = has_error ? static_cast<double>(own.standard_error.at(column, row)) : 0;
+      double error = has_error ? static_cast<double>(errors.at(column, row)) : 0;
       if (!std::isfinite(error)) error = 0;
       if (electrons) error = std::max(error, 1.0);
       const double deviation = std::hypot(error, least);
@@ -162,24 +171,24 @@ MeasuredRows measured_rows(const std::vector<Measurement>& measurements, const C
   MeasuredRows result;
   result.flux.reserve(rays.rows.size());
   result.deviation.reserve(rays.rows.size());
-  for (const CameraRays::Row& row : rays.rows) {
-    const Measurement& from = measurements.at(static_cast<std::size_t>(row.view));
-    double flux = 0, variance = 0, counted = 0;
+  for (std::size_t r = 0; r < rays.rows.size(); ++r) {
+    const Measurement& from = measurements.at(static_cast<std::size_t>(rays.rows[r].view));
+    double flux = 0, variance = 0, counted = 0, pixels = 0;
     bool whole = true;
-    for (int j = 0; j < bin; ++j)
-      for (int i = 0; i < bin; ++i) {
-        const int column = row.column - from.window.x + i, line = row.row - from.window.y + j;
-        const double deviation = static_cast<double>(from.deviation.at(column, line));
-        whole = whole && deviation > 0;
-        flux += static_cast<double>(from.flux.at(column, line));
-        variance += deviation * deviation;
-        counted += std::max(static_cast<double>(from.flux.at(column, line)) + from.dark, 0.0);
-      }
+    rays.for_each_pixel(r, bin, [&](int sensor_column, int sensor_row) {
+      const int column = sensor_column - from.window.x, line = sensor_row - from.window.y;
+      const double deviation = static_cast<double>(from.deviation.at(column, line));
+      whole = whole && deviation > 0;
+      flux += static_cast<double>(from.flux.at(column, line));
+      variance += deviation * deviation;
+      counted += std::max(static_cast<double>(from.flux.at(column, line)) + from.dark, 0.0);
+      ++pixels;
+    });
     result.flux.push_back(flux);
-    result.deviation.push_back(whole ? std::hypot(std::sqrt(variance), bin * bin * from.model_error)
+    result.deviation.push_back(whole ? std::hypot(std::sqrt(variance), pixels * from.model_error)
                                      : 0);
     result.electron.push_back(from.electron);
-    result.counted.push_back(counted - bin * bin * from.dark);
+    result.counted.push_back(counted - pixels * from.dark);
   }
   return result;
 }

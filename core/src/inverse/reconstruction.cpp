@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "inverse/expected_misfit.h"
+#include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
+#include "inverse/operators/worthwhile_threads.h"
 #include "inverse/part_of_progress.h"
 #include "inverse/row_results.h"
 #include "plenoflame/base/error.h"
@@ -111,13 +113,20 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
 
 /// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
 void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRays& rays,
-                     MeasuredRows& measured) {
+                     const Execution& execution, MeasuredRows& measured) {
   if (parts.empty()) return;
-  for (std::size_t i = 0; i < rays.rows.size(); ++i) {
-    const std::vector<char>& counts = parts[static_cast<std::size_t>(rays.rows[i].view)];
-    for (std::size_t r = rays.rows[i].begin; r < rays.end_of(i); ++r)
-      if (!counts[static_cast<std::size_t>(rays.rays[r].part)]) measured.deviation[i] = 0;
-  }
+  const RowPieces pieces = pieces_of(rays);
+  Execution quiet = execution.threads_only();
+  quiet.stop = execution.stop;
+  const auto task = [&](std::size_t piece, int) {
+    RowRays of_rows(rays);
+    for (const std::size_t i : pieces.of(piece)) {
+      const std::vector<char>& counts = parts[static_cast<std::size_t>(rays.rows[i].view)];
+      for (const CameraRay& ray : of_rows.of(i))
+        if (!counts[static_cast<std::size_t>(ray.part)]) measured.deviation[i] = 0;
+    }
+  };
+  if (!parallel_for(quiet, pieces.count(), task)) throw Cancelled();
 }
 
 /// The end of every solution: those of trial strengths, the one that is handed out and those of
@@ -237,15 +246,11 @@ void check_input(const ReconstructionInput& input) {
   fits(input.support.size(), "the support");
 }
 
-std::string megabytes(double bytes) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f MB", bytes < 1e7 ? 2 : 0, 1e-6 * bytes);
-  return text;
-}
-
 /// Before rays are followed. @throws InputError, UsageError
 void check_settings(const ReconstructionSettings& settings, const Unknowns& unknowns) {
-  if (wants_matrix(settings.solver) && !(settings.memory > 0))
+  const bool may_be_stored =
+      settings.form == OperatorForm::automatic || settings.form == OperatorForm::matrix;
+  if (wants_matrix(settings.solver) && !(settings.memory > 0 && may_be_stored))
     throw InputError(
         "this solver goes through the rows of the stored matrix, for which there is no memory: "
         "give it some, or take another solver");
@@ -301,45 +306,62 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   std::vector<CameraView> views = input.views;
   for (std::size_t v = 0; v < views.size(); ++v) views[v].window = input.measurements[v].window;
   require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0);
+  const RowModel model = input.absorption.empty() ? RowModel::emission : RowModel::source;
+  if (must_be_stored(settings)) {  // a refusal does not wait until all rays are drawn
+    const double least =
+        kBytesOfEntry * least_entries({nullptr, input.unknowns, model, input.absorption}, views,
+                                      settings.rays, execution);
+    is_stored(settings, least, true);
+    require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0, least);
+  }
   const Execution drawing = part_of_progress(execution, 0, kDrawingShare);
   const Box box = input.unknowns->bounds();
-  const CameraRays rays = rays_by(settings.assembly, views, box, settings.rays, drawing);
+  const CameraRays rays =
+      rays_by(settings.assembly, settings.form, views, box, settings.rays, drawing);
   if (rays.rows.empty())
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
   MeasuredRows measured = measured_rows(input.measurements, rays, settings.rays.bin);
   take_away(light_behind(views, rays, *input.unknowns, input.absorption, settings.rays, execution),
             measured);
-  leave_out_parts(input.parts, rays, measured);
+  leave_out_parts(input.parts, rays, execution, measured);
 
   Reconstruction result;
-  result.model = input.absorption.empty() ? RowModel::emission : RowModel::source;
+  result.model = model;
   result.rows = rays.rows.size();
-  result.rays = rays.rays.size();
+  result.rays = rays.ray_count();
+  result.drawn = rays.source != nullptr;
   const std::size_t unknowns = input.unknowns->size();
   require_vector_memory(settings, *input.unknowns, unknowns, result.rows);
   const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
   result.matrix_bytes = kBytesOfEntry * static_cast<double>(estimated_entries(problem));
-  result.stored = result.matrix_bytes <= settings.memory;
-  if (wants_matrix(settings.solver) && !result.stored)
-    throw InputError(
-        "this solver goes through the rows of the stored matrix, which would take " +
-        megabytes(result.matrix_bytes) + " of the " + megabytes(settings.memory) +
-        " that it may: give it more, take larger blocks of pixels, or another solver, which "
-        "follows the rays again");
+  result.stored = is_stored(settings, result.matrix_bytes);
   ReconstructionSettings held = settings;
   if (!result.stored) held.memory = 0;
   require_vector_memory(held, *input.unknowns, unknowns, result.rows,
-                        result.stored ? result.matrix_bytes : 0);
+                        result.stored ? (result.drawn ? 2 : 1) * result.matrix_bytes : 0);
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
   CsrMatrix<float> matrix;
   if (result.stored)
     matrix = settings.assembly ? settings.assembly->matrix(problem, execution)
                                : make_emission_matrix(problem, execution);
-  const std::unique_ptr<LinearOperator> a =
-      result.stored ? make_csr_operator(matrix, quiet) : make_emission_operator(problem, quiet);
+  // A product that follows the rays takes long: a stop ends it in the middle.
+  Execution ending = quiet;
+  ending.stop = execution.stop;
+  const std::unique_ptr<LinearOperator> multiplied =
+      result.stored ? make_csr_operator(matrix, worthwhile_threads(matrix, quiet))
+                    : make_emission_operator(problem, ending);
+  const auto remembered = std::make_unique<RememberedProduct>(*multiplied);
+  const LinearOperator* const a = result.stored ? multiplied.get() : remembered.get();
   const CsrMatrix<float>* stored = result.stored ? &matrix : nullptr;
+
+  // The picture of what is handed out, also after a stop.
+  const auto image_of = [&](const std::vector<double>& x) {
+    if (const auto known = remembered->of(x)) return *known;
+    if (result.stored || !execution.stop.stop_requested()) return *multiplied * x;
+    return *make_emission_operator(problem, quiet) * x;
+  };
 
   const std::vector<double>& b = measured.flux;
   std::vector<double> weight = row_weights(measured, {}, {});
@@ -353,6 +375,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   for (const double s : scale) result.solved.push_back(s > 0);
 
   Watch watch(execution, rows, settings.watch);
+  // A stop before the first iteration of the solution leaves this.
+  std::vector<double> reached = input.start;
   const bool counts = std::any_of(measured.electron.begin(), measured.electron.end(),
                                   [](double electron) { return electron > 0; });
   if (settings.ray_noise || counts) {
@@ -366,28 +390,37 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     options.relative_change = 1e-3;
     const std::vector<double> guess =
         first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
+    if (reached.empty()) reached = guess;
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
-    weight = row_weights(measured, *a * guess, result.rays_error);
+    weight = row_weights(measured, image_of(guess), result.rays_error);
   }
-  ScaledProblem weighted(stored, *a, weight, scale, *input.unknowns, settings);
-  if (!input.prior.empty()) weighted.set_prior(input.prior);
-  result.clipped = weighted.clipped(b);
   std::vector<double> start = input.start;
-  if (!weighted.has_penalty())
-    result.strength = 0;
-  else if (settings.strength >= 0)
-    result.strength = settings.strength;
-  else
-    start = choose_strength_of(weighted, b, rows, input, settings, watch, result);
-  const SolverOptions last =
-      watch.watched(solver_options(settings, rows), weighted, kSolved, 1, false);
-  const Solution solution = weighted.solve(b, result.strength, start, last, watch.inner());
-  watch.reached(kSolved);
-  result.values = weighted.samples(solution.x);
-  result.reason = solution.reason;
+  std::optional<ScaledProblem> weighted;
+  result.strength = settings.strength;
+  try {
+    weighted.emplace(stored, *a, weight, scale, *input.unknowns, settings);
+    if (!input.prior.empty()) weighted->set_prior(input.prior);
+    result.clipped = weighted->clipped(b);
+    if (!weighted->has_penalty())
+      result.strength = 0;
+    else if (settings.strength >= 0)
+      result.strength = settings.strength;
+    else
+      reached = start = choose_strength_of(*weighted, b, rows, input, settings, watch, result);
+    const SolverOptions last =
+        watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
+    const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());
+    watch.reached(kSolved);
+    result.values = weighted->samples(solution.x);
+    result.reason = solution.reason;
+    for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
+  } catch (const Cancelled&) {
+    if (reached.empty()) throw;
+    result.values = std::move(reached);
+    result.reason = StopReason::stopped;
+  }
   result.complete = !watch.stopped();
-  for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
-  const std::vector<double> explained = *a * result.values;
+  const std::vector<double> explained = image_of(result.values);
   const auto chi_squared_of = [&](const std::vector<double>& fluxes) {
     double sum = 0;
     for (std::size_t i = 0; i < fluxes.size(); ++i)
@@ -395,15 +428,16 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     return sum / rows;
   };
   result.chi_squared = chi_squared_of(explained);
-  if (input.source && result.model == RowModel::source)
+  // Follows all rays once more.
+  if (input.source && result.model == RowModel::source && (result.complete || result.stored))
     result.rendered_chi_squared = chi_squared_of(rendered_fluxes(input, rays, result, quiet));
   result.explained_by_noise = explained_by_noise(result.chi_squared * rows, rows);
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      add_uncertainty(weighted, settings, b, start, rows, watch, result);
-      if (weighted.has_penalty() && settings.solver != ReconstructionSolver::tv)
-        add_spreads(input, weighted, settings, b, watch.inner(), result);
+      add_uncertainty(*weighted, settings, b, start, rows, watch, result);
+      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv)
+        add_spreads(input, *weighted, settings, b, watch.inner(), result);
       watch.reached(1);
     } catch (const Cancelled&) {
       result.complete = false;  // the values are kept

@@ -4,12 +4,27 @@
 #include <cmath>
 #include <utility>
 
+#include "plenoflame/lightfield/smoothed_error.h"
+
 namespace plenoflame {
 namespace {
 
-/// Groups of rows by brightness, and rows in each at least: a mean square of 64 squares of normal
-/// numbers is known to sqrt(2 / 64) = 18 %, its root to 9 %.
-constexpr std::size_t kGroups = 32, kLeastRows = 64;
+/// [W] The light of a row by which its rays err. The row itself is no measure of it: where few rays
+/// meet the flame, chance makes dim rows of rows with light, whose errors would then be those of
+/// dim ones and their weights thousands of times too large. Row and measured flux together tell it,
+/// each by its variance: the mean is free of what both differ by. Of rows that are above it, whose
+/// few rays carry much, it is halfway. That was chosen by experiment
+/// (docs/theory/reconstruction.md): without it rows of few rays count too much, and all of the
+/// excess makes bright rows count too little.
+double light_of_row(double row, double flux, double variance, const RayError& rays) {
+  double light = std::max(row, flux);
+  constexpr int kSteps = 3;  // the error depends on the light
+  for (int step = 0; step < kSteps; ++step) {
+    const double of_rays = std::pow(rays.at(light), 2);
+    light = std::max(0.0, (variance * row + of_rays * flux) / (variance + of_rays));
+  }
+  return light + 0.5 * std::max(0.0, row - light);
+}
 
 }  // namespace
 
@@ -40,29 +55,18 @@ RayError ray_error(const EmissionProblem& problem, std::span<const double> x,
   RayError result;
   std::erase_if(halves, [](const auto& h) { return h[0] == 0 && h[1] == 0; });
   if (halves.empty()) return result;
-  std::sort(halves.begin(), halves.end(), [](const auto& a, const auto& b) {
-    return std::pair(a[0] + a[1], a[0]) < std::pair(b[0] + b[1], b[0]);
-  });
-  const std::size_t groups = std::clamp<std::size_t>(halves.size() / kLeastRows, 1, kGroups);
+  std::vector<std::pair<double, double>> rows;
   double errors = 0, squares = 0;
-  result.largest = halves.back()[0] + halves.back()[1];
-  for (std::size_t g = 0; g < groups; ++g) {
-    const std::size_t begin = halves.size() * g / groups, end = halves.size() * (g + 1) / groups;
-    double light = 0, variance = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double flux = halves[i][0] + halves[i][1], away = halves[i][0] - halves[i][1];
-      light += flux * flux;
-      variance += away * away;
-    }
-    errors += variance;
-    squares += light;
-    const auto count = static_cast<double>(end - begin);
-    // By the RMS of the fluxes: errors in proportion to them then have the RMS that was found. By
-    // their mean those of the brightest group, whose fluxes differ most, are too large.
-    const double flux = std::sqrt(light / count);
-    if (!result.flux.empty() && !(flux > result.flux.back())) continue;
+  for (const auto& [one, other] : halves) {
+    const double flux = one + other, away = one - other;
+    rows.emplace_back(flux, away);
+    result.largest = std::max(result.largest, flux);
+    errors += away * away;
+    squares += flux * flux;
+  }
+  for (const auto& [flux, error] : errors_by_brightness(std::move(rows))) {
     result.flux.push_back(flux);
-    result.error.push_back(std::sqrt(variance / count));
+    result.error.push_back(error);
   }
   if (!(result.flux.back() > 0)) return {};
   result.overall = std::sqrt(errors / squares);
@@ -81,7 +85,7 @@ std::vector<double> row_weights(const MeasuredRows& measured, std::span<const do
       if (electron > 0)
         variance =
             std::max(variance + electron * (light - measured.counted[i]), electron * electron);
-      const double error = rays.at(light);
+      const double error = rays.at(light_of_row(light, measured.flux[i], variance, rays));
       variance += error * error;
     }
     weights[i] = 1 / std::sqrt(variance);

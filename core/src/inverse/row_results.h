@@ -12,6 +12,13 @@ namespace plenoflame {
 /// Counts the rows that have no weight. @throws InputError where there is no other
 void count_left_out(std::span<const double> weights, Reconstruction& result);
 
+/// Tells whether the solver or the form wants the stored matrix.
+bool must_be_stored(const ReconstructionSettings& settings);
+
+/// Tells whether a matrix of so many bytes is stored. @param at_least it may take more
+/// @throws InputError where it must be stored, and may not take so much
+bool is_stored(const ReconstructionSettings& settings, double matrix_bytes, bool at_least = false);
+
 /// Adds one picture for each view of what is explained and of what is not, at the first pixel of
 /// each row. @param flux, explained [W] of the rows @param weights 0: the row is left out
 void add_row_pictures(const std::vector<Measurement>& measurements, const CameraRays& rays,

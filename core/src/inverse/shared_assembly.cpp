@@ -227,8 +227,10 @@ CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box&
                                 const CameraRaySettings& settings, const Execution& execution) {
   const bool all_drawn = std::none_of(views.begin(), views.end(),
                                       [](const CameraView& view) { return view.compiled; });
-  // Rays of a compiled camera are stored: there is nothing to share.
-  if (settings.bin < 1 || !all_drawn) return draw_camera_rays(views, box, settings, execution);
+  // Rays of a compiled camera are stored: there is nothing to share. Micro-images lie across the
+  // pieces.
+  if (settings.bin < 1 || settings.cells != 0 || !all_drawn)
+    return draw_camera_rays(views, box, settings, execution);
   const std::vector<DrawnPiece> pieces = pieces_of(views, settings);
   if (pieces.size() < 2) return draw_camera_rays(views, box, settings, execution);
   std::vector<CameraRays> made(pieces.size());
@@ -259,6 +261,7 @@ CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box&
 CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
                                         const Execution& execution) {
   const CameraRays& all = *problem.rays;
+  if (all.source) return make_emission_matrix(problem, execution);
   std::vector<std::size_t> begins{0};
   for (std::size_t i = 1; i < all.rows.size(); ++i)
     if (i - begins.back() >= kRowsOfPiece ||
@@ -301,10 +304,12 @@ CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
   return join_rows(std::move(made), problem.unknowns->size());
 }
 
-CameraRays rays_by(SharedAssembly* assembly, const std::vector<CameraView>& views, const Box& box,
+CameraRays rays_by(SharedAssembly* assembly, OperatorForm form,
+                   const std::vector<CameraView>& views, const Box& box,
                    const CameraRaySettings& settings, const Execution& execution) {
-  return assembly ? assembly->rays(views, box, settings, execution)
-                  : draw_camera_rays(views, box, settings, execution);
+  const CameraRaySettings how = kept_or_drawn(form, views, box, settings, execution);
+  return assembly && how.keep ? assembly->rays(views, box, how, execution)
+                              : draw_camera_rays(views, box, how, execution);
 }
 
 bool serve_assembly(const std::vector<CameraView>& views, const Unknowns& unknowns,

@@ -9,6 +9,7 @@
 #include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/vector_sums.h"
+#include "inverse/operators/worthwhile_threads.h"
 #include "inverse/row_results.h"
 #include "inverse/step_penalty.h"
 #include "inverse/thermal_start.h"
@@ -39,9 +40,9 @@ class ScaledDerivative final : public LinearOperator {
  public:
   ScaledDerivative(const ThermalModel& model, std::span<const double> x,
                    const std::vector<double>& scale, double memory, const Execution& execution) {
-    if (kBytesOfEntry * static_cast<double>(estimated_entries(model, x)) <= memory) {
+    if (memory > 0 && kBytesOfEntry * static_cast<double>(estimated_entries(model, x)) <= memory) {
       matrix_ = make_thermal_matrix(model, x, execution);
-      plain_ = make_csr_operator(matrix_, execution);
+      plain_ = make_csr_operator(matrix_, worthwhile_threads(matrix_, execution));
     } else {
       plain_ = make_thermal_derivative(model, x, execution);
     }
@@ -140,7 +141,7 @@ class ThermalSolver {
     set_up_weights(start);
     result_.figures.matrix_bytes =
         kBytesOfEntry * static_cast<double>(estimated_entries(model_, physical(x_)));
-    result_.figures.stored = result_.figures.matrix_bytes <= settings_.linear.memory;
+    result_.figures.stored = is_stored(settings_.linear, result_.figures.matrix_bytes);
     try {
       const auto derivative = derivative_at(x_);
       set_up_penalty(*derivative, start);
@@ -179,7 +180,7 @@ class ThermalSolver {
           rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
       const Box box = input_.unknowns->bounds();
       rays_.push_back(std::make_unique<CameraRays>(
-          rays_by(settings_.linear.assembly, views, box, how, inner_)));
+          rays_by(settings_.linear.assembly, settings_.linear.form, views, box, how, inner_)));
       MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
       std::vector<double> absorption = input_.absorption;
       for (double& kappa : absorption) kappa *= pictures.absorption_ratio;
@@ -187,12 +188,14 @@ class ThermalSolver {
                 measured);
       b_.insert(b_.end(), measured.flux.begin(), measured.flux.end());
       measured_.push_back(std::move(measured));
-      figures.rays += rays_.back()->rays.size();
+      figures.rays += rays_.back()->ray_count();
+      figures.drawn = figures.drawn || rays_.back()->source;
       model_.channels.push_back(
           {rays_.back().get(), pictures.source, pictures.absorption_ratio, pictures.parts});
     }
     figures.rows = b_.size();
     figures.rays_error = start.rays_error;
+    figures.unseen = start.unseen;
     figures.solved = start.solved;
     figures.model = RowModel::source;
   }
@@ -288,11 +291,10 @@ class ThermalSolver {
     scale_by(scale_, values);
     return values;
   }
-  /// J, also after a stop if it is `kept` for what was reached.
-  std::unique_ptr<LinearOperator> derivative_at(std::span<const double> x,
-                                                bool kept = false) const {
-    return std::make_unique<ScaledDerivative>(model_, physical(x), scale_, settings_.linear.memory,
-                                              kept ? execution_.threads_only() : inner_);
+  /// J
+  std::unique_ptr<LinearOperator> derivative_at(std::span<const double> x) const {
+    return std::make_unique<ScaledDerivative>(
+        model_, physical(x), scale_, result_.figures.stored ? settings_.linear.memory : 0, inner_);
   }
 
   /// @param done, share the part of the whole that is done, and that these steps are
@@ -300,7 +302,9 @@ class ThermalSolver {
                  double done, double share, bool choosing) const {
     NonlinearProblem problem;
     problem.model = [this](std::span<const double> x) {
-      return thermal_fluxes(model_, physical(x), inner_);
+      last_.fluxes = thermal_fluxes(model_, physical(x), inner_);
+      last_.x.assign(x.begin(), x.end());
+      return last_.fluxes;
     };
     problem.derivative = [this](std::span<const double> x) { return derivative_at(x); };
     problem.b = b_;
@@ -312,6 +316,7 @@ class ThermalSolver {
     options.relative_change = change;
     options.start = start;
     options.watch = [&, this](int step, double misfit, std::span<const double> x) {
+      if (std::ranges::equal(x, last_.x)) taken_ = last_;
       if (settings_.linear.watch)
         settings_.linear.watch({std::span<const double>(physical(x)).first(unknowns()), true,
                                 choosing, misfit / rows_});
@@ -399,7 +404,10 @@ class ThermalSolver {
     }
     for (std::size_t j = 0; j < n; ++j)
       estimate.emission.push_back(estimate.absorption[j] * source(estimate.temperature[j]));
-    const std::vector<double> explained = thermal_fluxes(model_, values, execution_.threads_only());
+    const std::vector<double> explained =
+        taken_.x == x_  ? taken_.fluxes
+        : last_.x == x_ ? last_.fluxes
+                        : thermal_fluxes(model_, values, execution_.threads_only());
     for (std::size_t i = 0; i < b_.size(); ++i)
       if (weights_[i] > 0)
         figures.chi_squared += std::pow(weights_[i] * (explained[i] - b_[i]), 2) / rows_;
@@ -412,12 +420,18 @@ class ThermalSolver {
       fluxes = fluxes.subspan(own);
       weights = weights.subspan(own);
     }
-    const auto derivative = derivative_at(x_, true);
-    // Hotter means brighter for whatever a pixel sees.
-    const std::vector<double> brighter = transposed_times(*derivative, explained);
-    for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
     figures.resolved_unknowns = -1;
-    if (figures.complete && settings_.linear.probes > 0) add_uncertainty(*derivative);
+    if (!figures.complete) return;  // a derivative would follow all rays again, several times
+    try {
+      const auto derivative = derivative_at(x_);
+      // Hotter means brighter for whatever a pixel sees.
+      const std::vector<double> brighter = transposed_times(*derivative, explained);
+      figures.unseen = 0;
+      for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
+      if (settings_.linear.probes > 0) add_uncertainty(*derivative);
+    } catch (const Cancelled&) {
+      figures.complete = false;
+    }
   }
 
   /// Deviations and resolution of the linearised problem (uncertainty.h says how), with the
@@ -468,6 +482,12 @@ class ThermalSolver {
   std::vector<double> b_, weights_;
   std::vector<double> x_, lower_, upper_, scale_;  // variables in their units
   std::vector<char> smooth_;                       // temperatures that take part in the penalty
+  struct Fluxes {
+    std::vector<double> x, fluxes;
+  };
+  /// The fluxes of the last variables that were tried, and of the last that were taken: after a
+  /// stop the picture of what was reached is known.
+  mutable Fluxes last_, taken_;
   double unit_ = 1, rows_ = 0, strength_ = 0;
   BlockPenalty penalty_;
   ThermalReconstruction result_;

@@ -157,6 +157,7 @@ ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& set
   start.complete = first.complete;
   start.solved = first.solved;
   start.rays_error = first.rays_error;
+  start.unseen = first.unseen;
   start.explained.push_back(first.explained);
   const double brightest = *std::max_element(first.values.begin(), first.values.end());
   const SourceFunction& source = one.source;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <vector>
 
 #include "plenoflame/image/image.h"
@@ -12,6 +13,7 @@ struct ThermalStart {
   std::vector<double> temperature, absorption;
   std::vector<char> solved;  ///< 0: known to be empty
   RayError rays_error;       ///< of the first channel's rows
+  std::size_t unseen = 0;    ///< unknowns that no ray meets
   /// Pictures of the first channels, as far as they were looked at: per view, at the first pixel
   /// of each row.
   std::vector<std::vector<Image>> explained = {};

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kParts =
     8;  ///< of the work, summed in order: any number of threads gives the same
+constexpr double kDark = 0.03;  ///< of a stack's brightest place: light of neighbours' blur
 
 struct Target {
   double pixel = 0;  ///< [m]
@@ -318,7 +319,7 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
     if (!(depths[k] > depths[k - 1]))
       throw InputError("the depths of a focus stack must ascend, each once");
   FocusStack stack;
-  std::vector<std::vector<double>> costs;
+  std::vector<std::vector<double>> costs, powers;  // variances at first, and squares of means
   for (const double depth : depths) {
     RefocusSettings how = settings;
     how.depth = depth;
@@ -337,13 +338,19 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
       variance[k] = std::max(0.0, sums.square[k] / sums.white[k] - mean * mean);
       power[k] = mean * mean;
     }
-    // Over the square of the mean: light that is spread thin out of focus must not count as even.
-    std::vector<double> cost = box_mean(variance, sums.width, sums.height);
-    const std::vector<double> means = box_mean(power, sums.width, sums.height);
-    for (std::size_t k = 0; k < cost.size(); ++k) cost[k] = means[k] > 0 ? cost[k] / means[k] : 0;
-    costs.push_back(std::move(cost));
+    costs.push_back(box_mean(variance, sums.width, sums.height));
+    powers.push_back(box_mean(power, sums.width, sums.height));
     stack.planes.push_back(picture_of(plane, depth));
   }
+  // Over the square of the mean: light that is spread thin out of focus must not count as even. A
+  // place that is dark in some plane is even there, whatever the little light's variance is.
+  double brightest = 0;
+  for (const std::vector<double>& power : powers)
+    brightest = std::max(brightest, *std::max_element(power.begin(), power.end()));
+  const double dark = kDark * kDark * brightest;
+  for (std::size_t d = 0; d < costs.size(); ++d)
+    for (std::size_t k = 0; k < costs[d].size(); ++k)
+      costs[d][k] = brightest > 0 ? costs[d][k] / (powers[d][k] + dark) : 0;
   int height = stack.planes.front().image.height;
   for (const RefocusedImage& plane : stack.planes) height = std::min(height, plane.image.height);
   const int width = stack.planes.front().image.width;

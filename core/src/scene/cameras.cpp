@@ -14,7 +14,8 @@ std::string list_of(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Which of Scene::cameras; that of a scene with a single "[camera]" is 0. @throws as for_camera
+/// The camera's number in Scene::cameras; that of a scene with a single "[camera]" is 0. @throws as
+/// for_camera
 std::size_t index_of_camera(const Scene& scene, std::string_view name) {
   const std::vector<std::string> names = camera_names(scene);
   if (name.empty()) {

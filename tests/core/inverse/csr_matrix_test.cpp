@@ -60,6 +60,12 @@ struct FormulaRows {
     }
   };
   Walk walk() const { return {}; }
+  RowPieces pieces() const {
+    RowPieces all;
+    for (std::size_t row = 0; row < count; ++row) all.rows.push_back(row);
+    all.ends.push_back(count);
+    return all;
+  }
 };
 
 // More rows than are gathered at once, and a last batch that is not full.

@@ -265,6 +265,136 @@ TEST(EmissionOperator, StoredAndFollowedAgreeForAnyNumberOfThreads) {
   EXPECT_TRUE(relative(estimate, static_cast<double>(a.entries()), 0.2));
 }
 
+/// Two cameras whose rows are pixels, blocks or cells of micro-images, in several pieces each.
+struct Rows {
+  int bin, cells, samples, pixels;
+};
+class DrawnAgain : public testing::TestWithParam<Rows> {};
+
+// Rays that each product draws again are those that are kept: both products and the matrix are the
+// same to the bit, for any number of threads, and no ray is held. Fails when the rays of a row come
+// in another order from a part of the window than from all of it.
+TEST_P(DrawnAgain, HasTheBitsOfKeptRaysAndHoldsNone) {
+  Scene scene = glowing_scene(true), side = scene;
+  const int pixels = GetParam().pixels;
+  scene.camera.sensor = {pixels, pixels + 9, 9.6e-3 / pixels};
+  side.camera.sensor = scene.camera.sensor;
+  side.camera.position = {1, -1, 0};
+  side.camera.look_direction = {0, 1, 0};
+  const GlowingGrid g = grids(150);
+  const CompiledScene first = compile(scene, glowing_loader(g)),
+                      second = compile(side, glowing_loader(g));
+  const auto unknowns = make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
+  CameraRaySettings settings;
+  settings.bin = GetParam().bin;
+  settings.cells = GetParam().cells;
+  settings.samples = GetParam().samples;
+  const std::vector<CameraView> views{{&first, {}}, {&second, {5, 3, pixels - 6, pixels}}};
+  Execution one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const CameraRays kept = draw_camera_rays(views, unknowns->bounds(), settings, three);
+  settings.keep = false;
+  const CameraRays drawn = draw_camera_rays(views, unknowns->bounds(), settings, three);
+  ASSERT_GT(kept.rays.size(), 10000U);
+  EXPECT_EQ(drawn.rays.capacity(), 0U);
+  EXPECT_EQ(drawn.ray_count(), kept.rays.size());
+  ASSERT_EQ(drawn.rows.size(), kept.rows.size());
+  ASSERT_GT(drawn.source->pieces.count(), 3U);
+  for (std::size_t row = 0; row < kept.rows.size(); ++row) {
+    EXPECT_EQ(drawn.rows[row].column, kept.rows[row].column);
+    EXPECT_EQ(drawn.rows[row].row, kept.rows[row].row);
+    EXPECT_EQ(drawn.end_of(row), kept.end_of(row));
+  }
+  const EmissionProblem of_kept{&kept, unknowns.get(), RowModel::emission, g.absorption},
+      of_drawn{&drawn, unknowns.get(), RowModel::emission, g.absorption};
+  const auto a = make_emission_operator(of_kept, three);
+  const std::vector<double> x = random_vector(a->columns(), 1), y = random_vector(a->rows(), 2);
+  const std::vector<double> ax = *a * x, aty = transposed_times(*a, y);
+  const CsrMatrix<float> matrix = make_emission_matrix(of_kept, three);
+  const auto replicates = replicate_fluxes(of_kept, x, three);
+  for (const Execution& execution : {one, three}) {
+    const auto b = make_emission_operator(of_drawn, execution);
+    EXPECT_EQ(ax, *b * x);
+    EXPECT_EQ(aty, transposed_times(*b, y));
+    const CsrMatrix<float> again = make_emission_matrix(of_drawn, execution);
+    EXPECT_TRUE(std::ranges::equal(matrix.values(), again.values()));
+    EXPECT_TRUE(std::ranges::equal(matrix.column_indices(), again.column_indices()));
+    EXPECT_TRUE(std::ranges::equal(matrix.row_starts(), again.row_starts()));
+    EXPECT_EQ(replicates, replicate_fluxes(of_drawn, x, execution));
+  }
+  EXPECT_EQ(estimated_entries(of_kept), estimated_entries(of_drawn));
+}
+INSTANTIATE_TEST_SUITE_P(Rows, DrawnAgain,
+                         testing::Values(Rows{1, 0, 8, 48}, Rows{3, 0, 8, 72}, Rows{1, 1, 8, 72},
+                                         Rows{1, 3, 8, 56}, Rows{1, 0, 2048, 16}),
+                         [](const auto& rows) {
+                           return "bin" + std::to_string(rows.param.bin) + "cells" +
+                                  std::to_string(rows.param.cells) + "rays" +
+                                  std::to_string(rows.param.samples);
+                         });
+
+// Sixteen times the rays are held as the same bytes, and pieces become smaller in rows, not larger
+// in rays: a product draws a piece at a time for each thread.
+TEST(EmissionOperator, DrawnRaysTakeNoMemory) {
+  Scene scene = glowing_scene(true);
+  scene.camera.sensor = {24, 24, 0.4e-3};
+  const GlowingGrid g = grids(150);
+  const CompiledScene compiled = compile(scene, glowing_loader(g));
+  const auto unknowns = make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
+  const auto drawn_with = [&](int samples) {
+    CameraRaySettings settings;
+    settings.samples = samples;
+    return rays_of_form(OperatorForm::drawn, {{&compiled, {}}}, unknowns->bounds(), settings);
+  };
+  const auto rays_of_piece = [](const CameraRays& rays) {
+    std::size_t most = 0;
+    for (std::size_t p = 0; p < rays.source->pieces.count(); ++p) {
+      std::size_t own = 0;
+      for (const std::size_t row : rays.source->pieces.of(p))
+        own += rays.end_of(row) - rays.rows[row].begin;
+      most = std::max(most, own);
+    }
+    return most;
+  };
+  const CameraRays few = drawn_with(512), many = drawn_with(8192);
+  EXPECT_GT(many.ray_count(), 12 * few.ray_count());
+  EXPECT_LT(many.rows.size(), 1.2 * static_cast<double>(few.rows.size()));
+  EXPECT_EQ(few.rays.capacity() + many.rays.capacity(), 0U);
+  EXPECT_GT(many.ray_count(), std::size_t{4} << 18);
+  EXPECT_LE(rays_of_piece(few), std::size_t{1} << 18);
+  EXPECT_LE(rays_of_piece(many), std::size_t{1} << 18);
+}
+
+// The entries that are told before rays are drawn: no more than there are, and not much less, for
+// rows of each kind. Fails when sampled rows have fewer rays than all of them will have, or others'
+// rays.
+TEST(EmissionOperator, EntriesAreToldBeforeRaysAreDrawn) {
+  for (const auto& [bin, cells] : {std::pair(1, 0), std::pair(3, 0), std::pair(1, 3)}) {
+    Scene scene = glowing_scene(true);
+    scene.camera.sensor = {36, 41, 9.6e-3 / 36};
+    const GlowingGrid g = grids(150);
+    const CompiledScene compiled = compile(scene, glowing_loader(g));
+    const auto unknowns =
+        make_voxel_unknowns({kCount, lattice_map(), VoxelInterpolation::trilinear});
+    const std::vector<CameraView> views{{&compiled, {}}, {&compiled, {5, 3, 30, 36}}};
+    CameraRaySettings settings;
+    settings.bin = bin;
+    settings.cells = cells;
+    EmissionProblem problem{nullptr, unknowns.get(), RowModel::emission, g.absorption};
+    EXPECT_EQ(least_entries(problem, views, {.samples = 7}, {}), 0);
+    settings.samples = 32;
+    const double least = least_entries(problem, views, settings, {});
+    const CameraRays rays = draw_camera_rays(views, unknowns->bounds(), settings);
+    EXPECT_TRUE(relative(estimated_rays(views, unknowns->bounds(), settings),
+                         static_cast<double>(rays.ray_count()), 0.1));
+    problem.rays = &rays;
+    const auto entries = static_cast<double>(make_emission_matrix(problem, {}).entries());
+    EXPECT_LE(least, entries) << bin << " " << cells;
+    EXPECT_GT(least, 0.7 * entries) << bin << " " << cells;
+  }
+}
+
 // A block of pixels is the sum of its pixels.
 TEST(EmissionOperator, BlocksAreSumsOfPixels) {
   const Problem pixels = make_problem(true, 150), blocks = make_problem(true, 150, 2, 3);

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 
+#include "core/inverse/glow_scene.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/flame_estimate.h"
@@ -18,26 +19,17 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/noise.h"
 #include "support/approx.h"
-#include "support/small_scene.h"
 
 namespace plenoflame::test::reconstruction_test {
 namespace {
 
 Scene camera_scene(bool from_side) {
-  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
-  scene.camera.sensor = {40, 60, 0.25e-3};
+  Scene scene = glow_scene(40);
   if (from_side) {
     scene.camera.position = {1, -1, 0};
     scene.camera.look_direction = {0, 1, 0};
   }
-  scene.channels = {{"650nm", ChannelKind::band, 650e-9, 10e-9}};
   return scene;
-}
-
-/// A ring of light that fades towards the ends.
-double glow(Vec3 p) {
-  const double r = std::hypot(p.x - 1, p.y) / 4e-3, z = p.z / 6e-3;
-  return 1000 * std::exp(-4 * (r - 0.5) * (r - 0.5) - z * z) * (r < 1 ? 1 - r * r : 0);
 }
 
 struct Rig {
@@ -115,14 +107,9 @@ struct Rig {
 Rig ring_rig() {
   Rig rig;
   rig.scenes.push_back(compile(camera_scene(false)));
-  RingGrid grid;
-  grid.base = {1, 0, -9e-3};
-  grid.radial_step = 0.5e-3;
-  grid.height_step = 1.5e-3;
-  grid.rings = 9;
-  grid.heights = 13;
+  RingGrid grid = glow_rings();
   rig.unknowns = make_ring_unknowns(grid);
-  rig.field = glow;
+  rig.field = glow_at;
   rig.edge = [grid](Vec3 p) {
     return std::min(1.0, grid.rings - std::hypot(p.x - grid.base.x, p.y) / grid.radial_step);
   };
@@ -150,7 +137,7 @@ Rig voxel_rig(bool two) {
   rig.unknowns = make_voxel_unknowns(lattice);
   rig.field = [](Vec3 p) {
     const double end = std::max(0.0, 1 - p.z * p.z / (8e-3 * 8e-3));
-    return end * glow(p) * (1 + 0.5 * std::sin(900 * (p.x - 1) + 500 * p.y));
+    return end * glow_at(p) * (1 + 0.5 * std::sin(900 * (p.x - 1) + 500 * p.y));
   };
   lattice.count = {33, 33, 33};
   lattice.index_to_world.linear = {{{{0.275e-3, 0, 0}, {0, 0.275e-3, 0}, {0, 0, 0.5e-3}}}};
@@ -210,6 +197,39 @@ TEST(Reconstruction, WithoutAMatrixAndForAnyNumberOfThreads) {
     EXPECT_TRUE(within(followed.values[j], stored.values[j], 1e-5, 1000));
 }
 
+// A matrix that does not fit is refused before rays are drawn, as progress tells; the number is no
+// more than what it takes.
+TEST(Reconstruction, RefusesAMatrixBeforeRaysAreDrawn) {
+  Rig rig = ring_rig();
+  const ReconstructionInput input = rig.input(1e-3);
+  rig.settings.form = OperatorForm::matrix;
+  rig.settings.strength = 1e-4;
+  rig.settings.iterations = 1;
+  const double bytes = reconstruct(input, rig.settings).matrix_bytes;
+  int calls = 0;
+  Execution execution;
+  execution.progress = [&](const Progress&) { ++calls; };
+  const auto refused = [&](double memory) -> std::string {
+    rig.settings.memory = memory;
+    try {
+      reconstruct(input, rig.settings, execution);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string message = refused(0.5 * bytes);
+  EXPECT_EQ(calls, 0);
+  EXPECT_NE(message.find("at least"), std::string::npos) << message;
+  EXPECT_NE(message.find("'drawn'"), std::string::npos) << message;
+  rig.settings.form = OperatorForm::automatic;
+  rig.settings.solver = ReconstructionSolver::sart;
+  EXPECT_NE(refused(0.5 * bytes).find("another solver"), std::string::npos);
+  EXPECT_EQ(calls, 0);
+  EXPECT_EQ(refused(1.5 * bytes), "");
+  EXPECT_GT(calls, 0);
+}
+
 // The second camera, at right angles, tells depths apart that the first one can't; it also resolves
 // more of the unknowns.
 TEST(Reconstruction, TwoCamerasKnowMoreThanOne) {
@@ -228,12 +248,8 @@ TEST(Reconstruction, TwoCamerasKnowMoreThanOne) {
 // pixels are those of another one.
 TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
   Rig rig = ring_rig();
-  RingGrid wide;
-  wide.base = {1, 0, -9e-3};
-  wide.radial_step = 0.5e-3;
-  wide.height_step = 1.5e-3;
+  RingGrid wide = glow_rings();
   wide.rings = 20;
-  wide.heights = 13;
   rig.unknowns = make_ring_unknowns(wide);
   rig.set_truth();
   rig.settings.strength = 1e-4;

@@ -9,7 +9,9 @@
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/flame_scenes.h"
 #include "support/isas.h"
+#include "support/small_scene.h"
 #include "support/uniform_medium.h"
 
 namespace plenoflame::refocus_test {
@@ -192,6 +194,39 @@ TEST(FocusStack, FindsTheDepthsOfTwoCubes) {
     EXPECT_TRUE(relative(static_cast<double>(stack.all_in_focus.at(column, row)),
                          static_cast<double>(sharp.image.at(column, row)), 0.1));
   }
+}
+
+// The picture that is sharp everywhere is dark beside a flame, though planes far from it show light
+// there, and depth cannot be told from what is dark.
+TEST(FocusStack, IsDarkBesideAFlame) {
+  Scene scene = test::paper_flame(300, 300);
+  scene.camera.array = test::large_array(Lattice::hexagonal, LensModel::real);
+  scene.camera.sensor.pixel_pitch = 100e-6;
+  scene.camera.focus = {FocusMode::best, 0, 1.0, "type2"};
+  const CompiledScene compiled = compile(scene);
+  const LightField field = test::rendered(compiled, {0, 0, 300, 300}, 16);
+  const MicroImages micro(compiled.camera, true, test::threads(2));
+  std::vector<double> depths;  // even in disparity, as the window has them
+  for (int i = 0; i < 16; ++i) depths.push_back(1 / (1 / 0.55 + i / 15.0 * (1 / 2.2 - 1 / 0.55)));
+  const FocusStack stack = focus_stack(field, micro, depths, {}, test::threads(2));
+  // A pixel stands for one direction: the tangents of its angles are those of every plane. The
+  // margin is the box that depths are told from, and a pixel for the planes' own sharpness.
+  const RefocusedImage& plane = stack.planes.front();
+  const Box box = compiled.medium->bounds();
+  const double pixel = plane.pixel / plane.depth, margin = 4 * pixel;
+  double beside = 0, total = 0;
+  for (int row = 0; row < stack.all_in_focus.height; ++row)
+    for (int column = 0; column < stack.all_in_focus.width; ++column) {
+      const double y = -(plane.corner.x / plane.depth + (column + 0.5) * pixel),
+                   z = -(plane.corner.y / plane.depth + (row + 0.5) * pixel);
+      const double light = static_cast<double>(stack.all_in_focus.at(column, row));
+      total += light;
+      if (y < box.lower.y / box.lower.x - margin || y > box.upper.y / box.lower.x + margin ||
+          z < box.lower.z / box.lower.x - margin || z > box.upper.z / box.lower.x + margin)
+        beside += light;
+    }
+  ASSERT_GT(total, 0);
+  EXPECT_LT(beside, 1e-3 * total) << beside << " of " << total;
 }
 
 TEST(FocusStack, RefusesDepthsThatDoNotAscend) {

@@ -107,8 +107,8 @@ TEST(LensSystem, FiftyDigitTraces) {
       ASSERT_EQ(lens.trace_to_sensor(ray), TraceStatus{});
       EXPECT_TRUE(within(length(ray.origin - reference.exit_point), 0, 1e-14, extent));
       EXPECT_TRUE(within(length(ray.direction - reference.exit_direction), 0, 2e-15, 1));
-      // And back along the same way, from the 50-digit exit. The deflection of a steep surface
-      // amplifies the rounding of the reference.
+      // The ray goes back along the same way, from the 50-digit exit. The deflection of a steep
+      // surface amplifies the rounding of the reference.
       Ray back{reference.exit_point + 0.5 * extent * reference.exit_direction,
                -reference.exit_direction};
       ASSERT_EQ(lens.trace_to_scene(back), TraceStatus{});

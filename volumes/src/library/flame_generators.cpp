@@ -299,4 +299,15 @@ FlameFields generate_flame(std::string_view name, const FlameValues& values,
   return generator.make(values, execution);
 }
 
+std::map<std::string, std::string> flame_metadata(std::string_view name,
+                                                  const FlameValues& values) {
+  std::map<std::string, std::string> metadata{{"flame", std::string(name)}};
+  for (const FlameParameter& parameter : flame_generator(name).parameters())
+    if (parameter.type == FlameParameterType::whole_number)
+      metadata[parameter.name] = parameter.value;
+  for (const auto& [key, value] : values)
+    if (key != "layers") metadata[key] = value;  // a path says nothing elsewhere
+  return metadata;
+}
+
 }  // namespace plenoflame

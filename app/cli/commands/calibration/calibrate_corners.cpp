@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "commands/calibration/calibrate.h"
-#include "commands/calibration/raw_files.h"
+#include "commands/calibration/calibration_options.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "messages.h"
@@ -26,12 +26,10 @@ namespace {
 /// A white picture with less than this share of its brightest light says nothing.
 constexpr double kLeastWhite = 0.3;
 
-struct BoardArguments {
-  std::vector<std::string> boards, white, dark, set;
-  std::string camera, which, output, board, cell, picture;
-  RawFileOptions files;
-  int threads = 0;
-  bool dots = false, json = false;
+struct BoardArguments : CalibrationArguments {
+  std::vector<std::string> boards, white, dark;
+  std::string output, board, cell, picture;
+  bool dots = false;
 };
 
 /// Brightness that nearly no pixel exceeds.
@@ -95,12 +93,11 @@ class BoardCornersRun {
     if (!arguments_.picture.empty()) check_writable(arguments_.picture);
   }
 
-  int run(const std::stop_token& stop) {
-    Execution execution;
-    execution.threads = arguments_.threads;
-    execution.stop = stop;
+  int run(const Execution& execution) {
     document_ = read_camera_scene(arguments_.camera, arguments_.set, arguments_.which);
     const MosaicPattern mosaic = document_.scene.camera.sensor.mosaic;
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    const double full = full_of(arguments_.files, sensor);
     std::optional<CountFrames> dark;
     if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files);
     Image white;
@@ -113,7 +110,12 @@ class BoardCornersRun {
     std::vector<std::string> without;  // why pictures show no board
     for (std::size_t pose = 0; pose < arguments_.boards.size(); ++pose) {
       const std::string& file = arguments_.boards[pose];
-      const Image light = light_of(read_frames({file}, arguments_.files), dark, mosaic);
+      const CountFrames frames = read_frames({file}, arguments_.files, full);
+      if (frames.width != sensor.columns || frames.height != sensor.rows)
+        throw InputError(fmt::format("'{}' has {} x {} pixels, the camera's sensor {} x {}", file,
+                                     frames.width, frames.height, sensor.columns, sensor.rows));
+      warn_of_full(frames, file, full, sensor);
+      const Image light = light_of(frames, dark, mosaic);
       BoardCorners found;
       try {
         found = find_board(over(light, white, file), document_.scene.camera, board_, execution);
@@ -142,7 +144,9 @@ class BoardCornersRun {
         picture = corner_picture(light, found);
     }
     if (boards == 0) throw InputError("no picture shows the board; the first: " + without.front());
-    for (const std::string& reason : without) warn(reason);
+    // The advice what to do about it is told once.
+    for (std::size_t i = 0; i < without.size(); ++i)
+      warn(i == 0 ? without[i] : without[i].substr(0, without[i].find("; ")));
     FileSet files;
     files.write(arguments_.output, [&](const std::string& name) { write_file(name, table); });
     if (!arguments_.picture.empty())
@@ -193,14 +197,9 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
           "Raw pictures of one board (.tif, .png, .pgm, .jpg, numbers without header), each in a "
           "pose of its own; poses are counted from 0")
       ->required();
-  command
-      .add_option("--camera", a->camera,
-                  "The camera, whose micro-images lie where those of the pictures do: calibrate "
-                  "white makes one of a nominal one")
-      ->required()
-      ->option_text("CAMERA.toml");
-  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_camera_options(command, *a,
+                     "The camera, whose micro-images lie where those of the pictures do: calibrate "
+                     "white makes one of a nominal one");
   command
       .add_option("--board", a->board,
                   "Points of the board: corners between squares, which are one less than the "
@@ -225,14 +224,9 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       ->option_text("FILE.csv");
   command.add_option("--picture", a->picture, "The first board with what was found in it (.png)")
       ->option_text("FILE");
-  add_raw_file_options(command, a->files);
-  add_set_option(command, a->set);
-  command.add_option("--threads", a->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", a->json, "Print the figures as JSON");
-  on_chosen(command, registry,
-            [a](const std::stop_token& stop) { return BoardCornersRun(*a).run(stop); });
+  finish_calibration(
+      command, registry, a, CalibrationInput::pictures,
+      [a](const Execution& execution) { return BoardCornersRun(*a).run(execution); });
 }
 
 }  // namespace plenoflame::cli

@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #include "commands/calibration/calibrate.h"
+#include "commands/calibration/calibration_options.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
+#include "messages.h"
 #include "number_rows.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/geometry_calibration.h"
+#include "plenoflame/camera/camera.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plot.h"
 #include "report.h"
@@ -20,10 +24,9 @@
 namespace plenoflame::cli {
 namespace {
 
-struct GeometryArguments {
-  std::string corners, camera, which, output, centres, residuals, plot, poses;
-  std::vector<std::string> set, free;
-  bool json = false;
+struct GeometryArguments : CalibrationArguments {
+  std::string corners, output, centres, residuals, plot, poses;
+  std::vector<std::string> free;
 };
 
 int whole_number(double value, const std::string& path, int line) {
@@ -32,7 +35,7 @@ int whole_number(double value, const std::string& path, int line) {
   return static_cast<int>(value);
 }
 
-/// How many numbers the first line that holds some has.
+/// The count of numbers in the first line that holds some.
 std::size_t numbers_in(const std::string& path) {
   std::ifstream file(path);
   std::string line;
@@ -128,6 +131,45 @@ std::string most_correlated(const GeometryCalibration& found) {
   return text;
 }
 
+/// The distance by which things stand aside by the deviation of a decentre that was searched for:
+/// it moves the camera's axis, and with it the world. 0: it was not searched for. @param z [m] from
+/// the lens
+double aside(const GeometryCalibration& found, double z) {
+  double most = 0;
+  for (const CalibratedValue& value : found.values)
+    if (value.key.find("lens.decentre") != std::string::npos) most = std::max(most, value.error);
+  return most * z / Camera(found.camera).lens_distance();
+}
+
+/// The boards' distance from the lens [m], their mean.
+double mean_distance(const GeometryCalibration& found) {
+  double sum = 0;
+  for (const BoardPose& pose : found.poses) sum += pose.to_camera.translation.z;
+  return sum / static_cast<double>(found.poses.size());
+}
+
+/// Values that the poses hardly tell: lengths to more than a twentieth, a decentre to more than a
+/// hundredth of the lens' distance, distortion to more than itself.
+std::string hardly_known(const GeometryCalibration& found) {
+  constexpr double kLength = 0.05, kDecentre = 0.01;
+  const double lens_distance = Camera(found.camera).lens_distance();
+  std::string names;
+  for (const CalibratedValue& value : found.values) {
+    const auto has = [&](const char* part) { return value.key.find(part) != std::string::npos; };
+    double limit = std::numeric_limits<double>::infinity();
+    if (has("lens.distortion"))
+      limit = std::fabs(value.value);
+    else if (has("decentre"))
+      limit = kDecentre * lens_distance;
+    else if (has("distance") || has("focal_length") || has("pitch"))
+      limit = kLength * std::fabs(value.value);
+    if (!(value.error > limit)) continue;
+    if (!names.empty()) names += ", ";
+    names += value.key;
+  }
+  return names;
+}
+
 /// The residuals: of each corner, and outwards against the distance from the middle, in which
 /// distortion would show.
 std::vector<Plot> residual_plots(const GeometryCalibration& found,
@@ -160,15 +202,13 @@ std::vector<Plot> residual_plots(const GeometryCalibration& found,
   return {scatter, field};
 }
 
-int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop) {
+int run_geometry(const GeometryArguments& arguments, const Execution& execution) {
   const SceneDocument start = read_camera_scene(arguments.camera, arguments.set, arguments.which);
   const std::vector<CornerObservation> corners = read_corners(arguments.corners);
   std::vector<CentreObservation> centres;
   if (!arguments.centres.empty()) centres = read_lens_centres(arguments.centres);
   GeometrySettings settings;
   settings.free = arguments.free;
-  Execution execution;
-  execution.stop = stop;
   const GeometryCalibration found =
       calibrate_geometry(start.scene.camera, corners, centres, settings, execution);
   Scene scene = start.scene;
@@ -196,6 +236,19 @@ int run_geometry(const GeometryArguments& arguments, const std::stop_token& stop
   report.add_json("values", values);
   report.add_json("covariance", found.covariance);
   report.add_text("most alike", most_correlated(found));
+  const double distance = mean_distance(found);
+  if (const double shift = aside(found, distance); shift > 0) {
+    report.add_text(
+        "the camera's axis",
+        fmt::format("known to {} at {}, by the decentre's deviation",
+                    readable(shift, Dimension::length), readable(distance, Dimension::length)));
+    report.add_json("axis_error_m", shift);
+    report.add_json("boards_distance_m", distance);
+  }
+
+  if (const std::string names = hardly_known(found); !names.empty())
+    warn("these poses hardly tell " + names +
+         ": give more poses at other distances and angles, or search for fewer values (--free)");
 
   FileSet files;
   files.write(arguments.output, [&](const std::string& name) { write_scene_file(name, scene); });
@@ -224,17 +277,19 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       *calibrate.add_subcommand("geometry",
                                 "Distances, focal length and decentre from corners of a board that "
                                 "was seen in several poses");
+  command.footer(
+      "Example:\n"
+      "  plenoflame calibrate geometry corners.csv --camera camera.toml --centres centres.csv \\\n"
+      "    -o calibrated.toml --plot residuals.png\n"
+      "  plenoflame calibrate geometry corners.csv --camera camera.toml \\\n"
+      "    --free camera.array.sensor_distance -o calibrated.toml");
   command
       .add_option(
           "CORNERS", a->corners,
           "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board in metres, pixels with "
           "(0, 0) at the corner of the picture, q, r the microlens")
       ->required();
-  command.add_option("--camera", a->camera, "The camera to start with: nominal values will do")
-      ->required()
-      ->option_text("CAMERA.toml");
-  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
       ->required()
       ->option_text("FILE.toml");
@@ -256,9 +311,8 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
   command.add_option("--poses", a->poses, "Table of the boards' places")->option_text("FILE.csv");
   command.add_option("--plot", a->plot, "Picture of what the fit leaves")
       ->option_text("FILE.svg|png");
-  add_set_option(command, a->set);
-  command.add_flag("--json", a->json, "Print the figures as JSON");
-  on_chosen(command, registry, [a](const std::stop_token& stop) { return run_geometry(*a, stop); });
+  finish_calibration(command, registry, a, CalibrationInput::tables,
+                     [a](const Execution& execution) { return run_geometry(*a, execution); });
 }
 
 }  // namespace plenoflame::cli

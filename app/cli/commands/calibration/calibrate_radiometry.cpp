@@ -3,11 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <list>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "commands/calibration/calibrate.h"
-#include "commands/calibration/raw_files.h"
+#include "commands/calibration/calibration_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "options.h"
@@ -23,13 +26,10 @@
 namespace plenoflame::cli {
 namespace {
 
-struct RadiometryArguments {
-  std::vector<std::string> sources, whites, dark, set;
-  std::string camera, which, output, channel, exposure, temperature_error, part;
+struct RadiometryArguments : CalibrationArguments {
+  std::vector<std::string> sources, whites, dark, white_dark, flat, flat_dark;
+  std::string output, channel, exposure, temperature_error, part;
   double emissivity = 1, emissivity_error = 0, etendue_error = 0;
-  RawFileOptions files;
-  int threads = 0;
-  bool json = false;
 };
 
 /// Files that were taken alike: "1500 K@2 ms=a.tif".
@@ -84,14 +84,16 @@ std::vector<TakenFiles> gathered(const std::string& option, const std::vector<st
 
 class RadiometryRun {
  public:
-  explicit RadiometryRun(const RadiometryArguments& arguments) : arguments_(arguments) {}
+  RadiometryRun(const RadiometryArguments& arguments, Execution execution)
+      : arguments_(arguments), execution_(std::move(execution)) {}
 
-  int run(const std::stop_token& stop) {
-    execution_.threads = arguments_.threads;
-    execution_.stop = stop;
-    static_cast<void>(arguments_.files.layout());
+  int run() {
+    std::vector<std::string> white, series;  // without a time in front, and with one
+    for (const std::string& text : arguments_.whites)
+      (text.find('=') == std::string::npos || std::filesystem::exists(text) ? white : series)
+          .push_back(text);
     const std::vector<TakenFiles> sources = gathered("SOURCE", arguments_.sources, true),
-                                  whites = gathered("--white", arguments_.whites, false),
+                                  whites = gathered("--white", series, false),
                                   darks = gathered("--dark", arguments_.dark, false);
     const double temperature_error =
         arguments_.temperature_error.empty()
@@ -117,7 +119,8 @@ class RadiometryRun {
       warn("no dark frames: " + readable_number(levels_.black_level) +
            " counts of the camera's file are taken for the level without light");
     for (const TakenFiles& source : sources) source_pictures_.push_back(picture_of(source));
-    for (const TakenFiles& white : whites) white_pictures_.push_back(picture_of(white));
+    for (const TakenFiles& one : whites) white_pictures_.push_back(picture_of(one));
+    read_corrections(white);
     EvaluatedPixels pixels;
     pixels.window = pixels.part = {0, 0, scene.camera.sensor.columns, scene.camera.sensor.rows};
     if (!arguments_.part.empty()) pixels.part = window_option("--part", arguments_.part);
@@ -127,6 +130,11 @@ class RadiometryRun {
     pixels.etendue =
         white_image(MicroImages(Camera(scene.camera), true, execution_), pixels.window, execution_);
     pixels.mosaic = scene.camera.sensor.mosaic;
+    pixels.corrections = {nullptr,         pointer(flat_),       pointer(flat_dark_),
+                          pointer(white_), pointer(white_dark_), {}};
+    pixels.sensor.gain = levels_.gain;
+    pixels.sensor.read_noise = scene.camera.sensor.read_noise;
+    pixels.sensor.black_level = levels_.black_level;
     RadiometryTable table;
     table.columns = scene.camera.sensor.columns;
     table.rows = scene.camera.sensor.rows;
@@ -139,6 +147,8 @@ class RadiometryRun {
       pixels.channel = mosaic ? 0 : n;
       const ChannelSpec& channel = scene.channels[channels[n]];
       RadiometryFit fit = fit_channel(channel, sources, temperature_error, pixels);
+      fit.scale.white = white_.has_value();
+      fit.scale.flat = flat_.has_value();
       table.channels.push_back(fit.scale);
       add(report, list, fit, sources);
     }
@@ -167,21 +177,44 @@ class RadiometryRun {
                                    frames.width, frames.height, sensor.columns, sensor.rows));
   }
 
+  static const CountFrames* pointer(const std::optional<CountFrames>& frames) {
+    return frames ? &*frames : nullptr;
+  }
+
+  /// Counts from which on a pixel is full; 0: the largest number.
+  double full() const { return full_of(arguments_.files, levels_); }
+
+  /// Flat field and white picture, as import takes them.
+  void read_corrections(const std::vector<std::string>& white) {
+    const auto read = [&](const std::vector<std::string>& files, double limit,
+                          std::optional<CountFrames>& to) {
+      if (files.empty()) return;
+      to = read_frames(files, arguments_.files, limit);
+      check_size(*to, files[0]);
+    };
+    const auto read_dark = [&](const char* option, const std::vector<std::string>& files,
+                               std::optional<CountFrames>& to) {
+      constexpr double kNever = 1e9;
+      read(files, kNever, to);
+      if (to || darks_.empty()) return;
+      if (darks_.size() > 1)
+        throw UsageError(std::string(option) +
+                         ": there are dark frames of several exposures; give those of its own");
+      to = darks_.front().frames;
+    };
+    read(arguments_.flat, full(), flat_);
+    read(white, full(), white_);
+    if (flat_) read_dark("--flat-dark", arguments_.flat_dark, flat_dark_);
+    if (white_) read_dark("--white-dark", arguments_.white_dark, white_dark_);
+  }
+
   Taken picture_of(const TakenFiles& files) const {
     Taken taken{files.exposure > 0 ? files.exposure : exposure_, {}, nullptr};
     if (!(taken.exposure > 0))
       throw UsageError(
           "--exposure-time: '" + files.files[0] +
           "' has no exposure time, nor has the camera's file (camera.sensor.exposure_time)");
-    // A full well that the amplifier's noise made a little less of is full all the same.
-    const SensorSpec& sensor = document_.scene.camera.sensor;
-    const double largest =
-        std::min(std::ldexp(1.0, sensor.bits) - 1,
-                 levels_.black_level +
-                     std::max(0.5 * sensor.full_well, sensor.full_well - 5 * sensor.read_noise) /
-                         levels_.gain);
-    taken.frames =
-        read_frames(files.files, arguments_.files, arguments_.files.bits > 0 ? 0 : largest);
+    taken.frames = read_frames(files.files, arguments_.files, full());
     check_size(taken.frames, files.files[0]);
     for (const Dark& dark : darks_) {
       const bool same = std::fabs(dark.exposure / taken.exposure - 1) < 0.01;
@@ -311,6 +344,7 @@ class RadiometryRun {
   double exposure_ = 0;
   std::list<Dark> darks_;  // pictures point to them
   std::vector<Taken> source_pictures_, white_pictures_;
+  std::optional<CountFrames> flat_, flat_dark_, white_, white_dark_;
 };
 
 }  // namespace
@@ -332,16 +366,21 @@ void add_calibrate_radiometry(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option(
           "--white", a->whites,
-          "TIME=FILE: one evenly bright scene at three exposures or more, which tell whether "
-          "the sensor is linear")
-      ->option_text("TIME=FILE ...");
+          "White picture through the whole camera, of which import --white makes pixels what the "
+          "camera's model would have recorded: the scale is of such pixels. TIME=FILE: one evenly "
+          "bright scene at three exposures or more, which tell whether the sensor is linear")
+      ->option_text("[TIME=]FILE ...");
+  command
+      .add_option("--white-dark", a->white_dark,
+                  "Dark frames of the white picture (those of --dark)")
+      ->option_text("FILE ...");
+  command.add_option("--flat", a->flat, "Flat field: the bare sensor, evenly lit, as in import")
+      ->option_text("FILE ...");
+  command.add_option("--flat-dark", a->flat_dark, "Its dark frames (those of --dark)")
+      ->option_text("FILE ...");
   command.add_option("--dark", a->dark, "Dark frames; TIME=FILE: of that exposure")
       ->option_text("FILE ...");
-  command.add_option("--camera", a->camera, "Scene file with the camera and its channels")
-      ->required()
-      ->option_text("CAMERA.toml");
-  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_camera_options(command, *a, "Scene file with the camera and its channels");
   command.add_option("-o,--output", a->output, "For import --radiometry")
       ->required()
       ->option_text("FILE.toml");
@@ -368,14 +407,9 @@ void add_calibrate_radiometry(CLI::App& calibrate, const Registry& registry) {
       ->option_text("NUMBER");
   command.add_option("--part", a->part, "Part of the sensor that the source fills (all)")
       ->option_text("X,Y,W,H");
-  add_raw_file_options(command, a->files);
-  add_set_option(command, a->set);
-  command.add_option("--threads", a->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", a->json, "Print the figures as JSON");
-  on_chosen(command, registry,
-            [a](const std::stop_token& stop) { return RadiometryRun(*a).run(stop); });
+  finish_calibration(
+      command, registry, a, CalibrationInput::pictures,
+      [a](const Execution& execution) { return RadiometryRun(*a, execution).run(); });
 }
 
 }  // namespace plenoflame::cli

@@ -10,7 +10,7 @@
 
 #include "choice.h"
 #include "commands/calibration/calibrate.h"
-#include "commands/calibration/raw_files.h"
+#include "commands/calibration/calibration_options.h"
 #include "commands/calibration/white_picture.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
@@ -29,12 +29,10 @@
 namespace plenoflame::cli {
 namespace {
 
-struct WhiteArguments {
-  std::vector<std::string> white, dark, set;
-  std::string camera, which, output, centres, picture, pixel_pitch, mosaic;
-  RawFileOptions files;
-  int threads = 0;
-  bool no_tilt = false, json = false;
+struct WhiteArguments : CalibrationArguments {
+  std::vector<std::string> white, dark;
+  std::string output, centres, picture, pixel_pitch, mosaic;
+  bool no_tilt = false;
 };
 
 /// A white picture at one f-number; 0: not stated.
@@ -103,11 +101,10 @@ std::string array_text(const ArraySpec& array, Vec2 pixel, const CountFrames& fr
 
 class WhiteRun {
  public:
-  explicit WhiteRun(const WhiteArguments& arguments) : arguments_(arguments) {}
+  WhiteRun(const WhiteArguments& arguments, Execution execution)
+      : arguments_(arguments), execution_(std::move(execution)) {}
 
-  int run(const std::stop_token& stop) {
-    execution_.threads = arguments_.threads;
-    execution_.stop = stop;
+  int run() {
     check_options();
     const std::vector<Aperture> apertures = apertures_of(arguments_.white);
     if (!arguments_.camera.empty())
@@ -116,10 +113,8 @@ class WhiteRun {
     std::optional<CountFrames> dark;
     constexpr double kNever = 1e9;
     if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files, kNever);
-    frames_ = read_frames(apertures[0].files, arguments_.files);
+    frames_ = frames_of(apertures[0]);
     const Image white = light_of(frames_, dark, mosaic());
-    if (2 * frames_.saturated > frames_.pixel_count())
-      warn("more than half of the white picture's pixels are saturated: expose it less");
     try {
       lattice_ = measure_white(white, execution_);
     } catch (const InputError& error) {
@@ -127,9 +122,14 @@ class WhiteRun {
     }
     for (std::size_t a = 0; a < apertures.size(); ++a)
       looks_.push_back(a == 0 ? lattice_.types
-                              : looks_at(light_of(read_frames(apertures[a].files, arguments_.files),
-                                                  dark, mosaic()),
+                              : looks_at(light_of(frames_of(apertures[a]), dark, mosaic()),
                                          lattice_, execution_));
+    check_apertures(apertures);
+    if (2 * lattice_.good < lattice_.images.size())
+      warn(
+          fmt::format("only {} of {} micro-images take part in the model: is '{}' a white picture, "
+                      "evenly lit and not overexposed? --picture shows which ones",
+                      lattice_.good, lattice_.images.size(), apertures[0].files[0]));
     fit_camera();
     write(white);
     print(apertures);
@@ -168,7 +168,6 @@ class WhiteRun {
   }
 
   void check_options() {
-    static_cast<void>(arguments_.files.layout());
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
       throw UsageError(
           "-o: the array's lengths take the size of a pixel: give --camera or --pixel-pitch");
@@ -183,6 +182,14 @@ class WhiteRun {
       throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
     for (const std::string* file : {&arguments_.output, &arguments_.centres, &arguments_.picture})
       if (!file->empty()) check_writable(*file);
+  }
+
+  CountFrames frames_of(const Aperture& aperture) const {
+    const SensorSpec& sensor = document_.scene.camera.sensor;
+    const double full = arguments_.camera.empty() ? 0 : full_of(arguments_.files, sensor);
+    CountFrames frames = read_frames(aperture.files, arguments_.files, full);
+    warn_of_full(frames, aperture.files.front(), full, sensor);
+    return frames;
   }
 
   MosaicPattern mosaic() const {
@@ -271,6 +278,53 @@ class WhiteRun {
     report.print(arguments_.json);
   }
 
+  /// Radius of the whole disc against 1/N.
+  struct RadiusLine {
+    double slope = 0, rest = 0;  ///< [pixel]
+  };
+  RadiusLine radius_line(const std::vector<Aperture>& apertures, std::size_t type) const {
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t a = 0; a < looks_.size(); ++a) {
+      const double x = 1 / apertures[a].f_number, y = whole_radius(a, type);
+      n += 1;
+      sx += x;
+      sy += y;
+      sxx += x * x;
+      sxy += x * y;
+    }
+    RadiusLine line;
+    line.slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+    line.rest = (sy - line.slope * sx) / n;
+    return line;
+  }
+  double whole_radius(std::size_t aperture, std::size_t type) const {
+    return looks_[aperture][type].radius + looks_[aperture][type].blur;
+  }
+
+  /// @throws InputError where radii contradict the f-numbers: a wider stop makes larger
+  /// micro-images, and what is left at 1/N = 0 is a blur, which is not below 0
+  void check_apertures(const std::vector<Aperture>& apertures) const {
+    constexpr double kBelowZero = 0.1;  // of the radius: discs that are blurred are fitted smaller
+    for (std::size_t t = 0; t < lattice_.types.size() && looks_.size() > 1; ++t) {
+      for (std::size_t a = 1; a < looks_.size(); ++a)
+        if (!(whole_radius(a, t) > whole_radius(a - 1, t)))
+          throw InputError(fmt::format(
+              "micro-images have a radius of {:.2f} pixels at f/{:g} ('{}') and of {:.2f} at "
+              "f/{:g} "
+              "('{}'), where the stop is wider: are the f-numbers those of the files?",
+              whole_radius(a - 1, t), apertures[a - 1].f_number, apertures[a - 1].files.front(),
+              whole_radius(a, t), apertures[a].f_number, apertures[a].files.front()));
+      const RadiusLine line = radius_line(apertures, t);
+      if (line.rest < -kBelowZero * whole_radius(0, t))
+        throw InputError(
+            fmt::format("radii of micro-images grow faster than the stop, from {:.2f} pixels at "
+                        "f/{:g} to {:.2f} "
+                        "at f/{:g}: are the f-numbers those of the files?",
+                        whole_radius(0, t), apertures.front().f_number,
+                        whole_radius(looks_.size() - 1, t), apertures.back().f_number));
+    }
+  }
+
   void print_types(Report& report, const std::vector<Aperture>& apertures) const {
     report.add("types", std::to_string(lattice_.types.size()), "types", lattice_.types.size());
     nlohmann::json list = nlohmann::json::array();
@@ -298,20 +352,11 @@ class WhiteRun {
     // is the type's own.
     nlohmann::json lines = nlohmann::json::array();
     for (std::size_t t = 0; t < lattice_.types.size(); ++t) {
-      double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-      for (std::size_t a = 0; a < looks_.size(); ++a) {
-        const double x = 1 / apertures[a].f_number, y = looks_[a][t].radius + looks_[a][t].blur;
-        n += 1;
-        sx += x;
-        sy += y;
-        sxx += x * x;
-        sxy += x * y;
-      }
-      const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
-      const double rest = (sy - slope * sx) / n;
-      report.add_text(fmt::format("type {} against 1/N", t + 1),
-                      fmt::format("whole radius {:.3f} / N + {:.3f} pixels", slope, rest));
-      lines.push_back({{"type", t + 1}, {"slope_pixels", slope}, {"rest_pixels", rest}});
+      const RadiusLine line = radius_line(apertures, t);
+      report.add_text(
+          fmt::format("type {} against 1/N", t + 1),
+          fmt::format("whole radius {:.3f} / N + {:.3f} pixels", line.slope, line.rest));
+      lines.push_back({{"type", t + 1}, {"slope_pixels", line.slope}, {"rest_pixels", line.rest}});
     }
     report.add_json("radius_lines", lines);
   }
@@ -390,13 +435,9 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->required();
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");
-  command
-      .add_option(
-          "--camera", a->camera,
-          "Scene file with what is known of the camera; -o gets the same with the array found")
-      ->option_text("CAMERA.toml");
-  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_camera_options(
+      command, *a,
+      "Scene file with what is known of the camera; -o gets the same with the array found", false);
   command
       .add_option("-o,--output", a->output,
                   "Scene file with the array; without --camera its keys alone")
@@ -417,13 +458,8 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}))
       ->option_text("PATTERN");
   command.add_flag("--no-tilt", a->no_tilt, "Leaves the array's tilt as the camera's file has it");
-  add_raw_file_options(command, a->files);
-  add_set_option(command, a->set);
-  command.add_option("--threads", a->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", a->json, "Print the figures as JSON");
-  on_chosen(command, registry, [a](const std::stop_token& stop) { return WhiteRun(*a).run(stop); });
+  finish_calibration(command, registry, a, CalibrationInput::pictures,
+                     [a](const Execution& execution) { return WhiteRun(*a, execution).run(); });
 }
 
 }  // namespace plenoflame::cli

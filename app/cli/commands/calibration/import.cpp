@@ -4,7 +4,6 @@
 #include "choice.h"
 #include "commands/calibration/import_run.h"
 #include "commands/commands.h"
-#include "commands/scene_input.h"
 
 namespace plenoflame::cli {
 
@@ -20,11 +19,7 @@ void register_import(const Registry& registry) {
           "Frames of one scene, which are averaged: .tif, .png, .pgm, .jpg, or numbers without "
           "header (--size). NAME=FILE: a frame of that channel")
       ->required();
-  command.add_option("--camera", a->camera, "Scene file with the camera and its channels")
-      ->required()
-      ->option_text("CAMERA.toml");
-  command.add_option("--which", a->which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_camera_options(command, *a, "Scene file with the camera and its channels");
   command.add_option("-o,--output", a->output, "Light field")->required()->option_text("FIELD.exr");
   command
       .add_option("--channel", a->channel, "Channel of a grey picture, where the file has several")
@@ -88,12 +83,7 @@ void register_import(const Registry& registry) {
       ->allow_extra_args(false);
   command.add_option("--window", a->window, "Part of the sensor that the pictures hold (all)")
       ->option_text("X,Y,W,H");
-  add_raw_file_options(command, a->files);
-  add_set_option(command, a->set);
-  command.add_option("--threads", a->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_flag("--json", a->json, "Print the figures as JSON");
+  add_shared_options(command, *a, CalibrationInput::pictures);
   on_chosen(command, registry, [a] { return run_import(*a); });
 }
 

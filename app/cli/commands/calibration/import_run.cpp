@@ -257,13 +257,7 @@ class ImportRun {
     if (arguments_.read_noise.empty()) response.read_noise = sensor.read_noise;
     if (arguments_.black_level.empty()) response.black_level = levels_.black_level;
     response.dark_current = sensor.dark_current;
-    if (arguments_.saturation.empty() && arguments_.gain.empty()) {
-      // A full well that the amplifier's noise made a little less of is full all the same.
-      const double well =
-          levels_.black_level +
-          std::max(0.5 * sensor.full_well, sensor.full_well - 5 * sensor.read_noise) / levels_.gain;
-      full_ = std::min(well, std::ldexp(1.0, sensor.bits) - 1);
-    }
+    if (arguments_.saturation.empty() && arguments_.gain.empty()) full_ = full_counts(levels_);
   }
 
   /// The exposure time of a channel's pictures [s]; 0: nothing says it.
@@ -384,8 +378,21 @@ class ImportRun {
     return all;
   }
 
+  /// Watts are right where both, the pictures of the blackbody and these, were evened out alike.
+  void check_evened_out(const ChannelScale& scale) const {
+    const auto check = [&](const char* what, const char* option, bool there, bool here) {
+      if (there == here) return;
+      warn("--radiometry: the scale of channel " + scale.channel + " was found with" +
+           (there ? "" : "out") + " a " + what + ", these pictures have " +
+           (here ? "one" : "none") + ": give " + option + " to both commands, or to none");
+    };
+    check("white picture", "--white", scale.white, frames_->white.has_value());
+    check("flat field", "--flat", scale.flat, frames_->flat.has_value());
+  }
+
   void set_scale() {
     settings_.watts_per_count.clear();
+    settings_.curvatures.clear();
     if (settings_.unit != ImportUnit::watts) return;
     const SensorResponse& response = settings_.response;
     if (!(response.exposure_time > 0))
@@ -397,8 +404,9 @@ class ImportRun {
       for (const std::string& name : settings_.names) {
         const ChannelScale& scale = scale_of(table, name, arguments_.radiometry.front());
         settings_.watts_per_count.push_back(scale.joules_per_count / response.exposure_time);
-        settings_.response.curvature = scale.curvature;
+        settings_.curvatures.push_back(scale.curvature);
         scale_errors_[name] = scale.relative_error;
+        check_evened_out(scale);
       }
       return;
     }

@@ -2,19 +2,16 @@
 #include <string>
 #include <vector>
 
-#include "commands/calibration/raw_files.h"
+#include "commands/calibration/calibration_options.h"
 
 namespace plenoflame::cli {
 
 /// The command line of `import`.
-struct ImportArguments {
-  std::vector<std::string> raw, dark, flat, flat_dark, white, white_dark, set;
+struct ImportArguments : CalibrationArguments {
+  std::vector<std::string> raw, dark, flat, flat_dark, white, white_dark;
   std::vector<std::string> exposure_time, radiometry;
-  std::string camera, which, output, channel, unit, defects, window, noise;
+  std::string output, channel, unit, defects, window, noise;
   std::string gain, read_noise, black_level, saturation;
-  RawFileOptions files;
-  int threads = 0;
-  bool json = false;
 };
 
 /// Reads, corrects, writes and reports. @return the exit status @throws UsageError, InputError,

@@ -1,6 +1,9 @@
 #include "commands/calibration/raw_files.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +12,7 @@
 #include "messages.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/lightfield/sensor.h"
 
 namespace plenoflame::cli {
@@ -109,11 +113,44 @@ CountFrames read_frames(const std::vector<std::string>& files, const RawFileOpti
   return frames;
 }
 
+double full_of(const RawFileOptions& options, const SensorSpec& sensor) {
+  return options.bits > 0 ? 0 : full_counts(resolved_levels(sensor));
+}
+
+void warn_of_full(const CountFrames& frames, const std::string& file, double full,
+                  const SensorSpec& sensor) {
+  if (full > 0) {
+    const double largest = std::ldexp(1.0, sensor.bits) - 1;
+    float most = 0;
+    for (const Image& image : frames.mean)
+      for (const float value : image.pixels) most = std::max(most, value);
+    if (static_cast<double>(most) > largest) {
+      warn(fmt::format(
+          "'{}' holds numbers up to {:.0f}, and the camera's sensor has {} bits, {:.0f} "
+          "at most: check camera.sensor.bits, or give --shift",
+          file, most, sensor.bits, largest));
+      return;
+    }
+  }
+  constexpr double kMany = 0.05;
+  const double share =
+      static_cast<double>(frames.saturated) / static_cast<double>(frames.pixel_count());
+  if (share < kMany) return;
+  const double least = full > 0 ? full : std::ldexp(1.0, frames.bits) - 1;
+  warn(fmt::format("{:.0f} % of the pixels of '{}' are full ({:.0f} counts{}): expose it less",
+                   100 * share, file, least,
+                   full > 0 ? " or more, by full_well, gain and bits of the camera's file" : ""));
+}
+
 Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
                MosaicPattern mosaic) {
   if (dark && (dark->width != frames.width || dark->height != frames.height ||
                dark->mean.size() != frames.mean.size()))
-    throw InputError("dark frame and white picture differ in size");
+    throw InputError(fmt::format("a dark frame of {} x {} pixels and a picture of {} x {}{}",
+                                 dark->width, dark->height, frames.width, frames.height,
+                                 dark->mean.size() == frames.mean.size()
+                                     ? ": they have one size"
+                                     : ", of another number of colours"));
   Image light(frames.width, frames.height);
   for (std::size_t c = 0; c < frames.mean.size(); ++c)
     for (std::size_t i = 0; i < light.pixels.size(); ++i)

@@ -32,6 +32,15 @@ void add_raw_file_options(CLI::App& command, RawFileOptions& options);
 CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
                         double full = 0);
 
+/// Counts from which on a pixel of this sensor is full; 0, the largest number, where --bits says
+/// it.
+double full_of(const RawFileOptions& options, const SensorSpec& sensor);
+
+/// Says so where many of a picture's pixels are full, or hold more than the sensor can count.
+/// @param full as for read_frames()
+void warn_of_full(const CountFrames& frames, const std::string& file, double full,
+                  const SensorSpec& sensor);
+
 /// Light alone: dark taken away, colours of a picture added, those of a mosaic made alike.
 /// @throws InputError where the dark frame has another size
 Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,

@@ -34,8 +34,7 @@ std::string errors_text(double count) {
   return fmt::format("{:+.2f} standard errors", count + 0.0);
 }
 
-/// How the largest difference in units of its error is to be taken, without digits that say
-/// nothing.
+/// Says what the largest difference in units of its error means, without digits that say nothing.
 std::string largest_text(const Comparison& c) {
   if (c.freedom < kFreedomForPixels)
     return fmt::format(

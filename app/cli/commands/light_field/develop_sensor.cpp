@@ -13,6 +13,7 @@
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/tiff_file.h"
 #include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/lightfield/smoothed_error.h"
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/spectral.h"
@@ -122,16 +123,20 @@ void write_numbers(const std::string& path, const SensorFrame& frame, const Sens
   write_png(path, picture);
 }
 
-/// The standard error of each pixel by its own electrons.
+/// The standard error of each pixel by its own electrons, and by the rays of the picture that was
+/// exposed.
+/// @param rays [electrons] error of that picture; empty: it tells none
 /// @param counts of how many recorded pixels each is the mean; nullptr: of one
-Image error_of(const Image& electrons, const SensorSpec& sensor, const Image* counts = nullptr) {
+Image error_of(const Image& electrons, const SensorSpec& sensor, const Image& rays,
+               const Image* counts = nullptr) {
   Image error(electrons.width, electrons.height);
   for (std::size_t i = 0; i < error.pixels.size(); ++i) {
     const double shot =
         sensor.shot_noise ? std::max(0.0, static_cast<double>(electrons.pixels[i])) : 0.0;
     const double count = counts ? std::max(1.0, static_cast<double>(counts->pixels[i])) : 1.0;
-    error.pixels[i] =
-        static_cast<float>(std::sqrt((shot + sensor.read_noise * sensor.read_noise) / count));
+    const double of_rays = rays.empty() ? 0.0 : static_cast<double>(rays.pixels[i]);
+    error.pixels[i] = static_cast<float>(
+        std::sqrt((shot + sensor.read_noise * sensor.read_noise) / count + of_rays * of_rays));
   }
   return error;
 }
@@ -168,6 +173,21 @@ class Developer {
     return expose(seen, field_.window, field_.sensor_width, sensor_, own, execution_);
   }
 
+  /// [electrons] The part that the finite number of rays has in the error of a frame with noise.
+  /// Frames without shot noise are the rendering itself, and their errors that of the reading.
+  Image error_of_rays(std::size_t channel, const FrameSettings& settings,
+                      const SensorFrame& exposed) const {
+    const LightFieldChannel& own = field_.channels[channel];
+    if (!settings.light || !sensor_.shot_noise || own.standard_error.empty() || field_.unit != "W")
+      return {};
+    Image error = smoothed_error(own.flux, own.standard_error);
+    const double electrons =
+        exposed.exposure_time * electrons_per_joule(sensor_, channels_[channel].wavelength);
+    for (float& value : error.pixels)
+      value = static_cast<float>(electrons * static_cast<double>(value));
+    return error;
+  }
+
   /// Electrons of all channels. @param frames receives what was exposed
   LightField electrons(const FrameSettings& settings, SensorFrame& last) const {
     LightField out = field_;
@@ -179,7 +199,8 @@ class Developer {
       std::vector<DemosaicedColour> colours =
           demosaic(last.electrons, sensor_.mosaic, field_.window);
       for (std::size_t c = 0; c < 3; ++c) {
-        Image error = error_of(colours[c].values, sensor_, &colours[c].counts);
+        Image error = error_of(colours[c].values, sensor_, error_of_rays(c, settings, last),
+                               &colours[c].counts);
         out.channels.push_back(
             {field_.channels[c].name, std::move(colours[c].values), std::move(error)});
       }
@@ -195,7 +216,8 @@ class Developer {
           out.numbers["sensor.dark_electrons." + name] = sensor_.dark_current * last.exposure_time;
         }
         out.channels.push_back(
-            {field_.channels[c].name, last.electrons, error_of(last.electrons, sensor_)});
+            {field_.channels[c].name, last.electrons,
+             error_of(last.electrons, sensor_, error_of_rays(c, settings, last))});
       }
     }
     if (times_.empty()) {

@@ -10,7 +10,7 @@
 
 namespace plenoflame::cli {
 
-/// How far the temperatures are from those of what the pixels look at: in each bin their mean,
+/// The errors of temperatures beside those of what the pixels look at: in each bin their mean,
 /// weighted by the light of the first channel.
 /// @param truth [K] of each pixel; 0: none
 void compare_with(const Image& truth, const TemperatureMap& map, const Image& light,
@@ -24,7 +24,7 @@ struct TwoColourInput {
   const TwoColour& law;
 };
 
-/// How far the temperatures are from those that the same bins have in another light field of the
+/// The differences of temperatures from those that the same bins have in another light field of the
 /// same pixels, which has less noise or none, and how that compares with what noise makes expected.
 /// @param light of both channels; pixels that are not numbers count in neither
 /// @throws FileError, InputError where the light fields are not of the same pixels and channels

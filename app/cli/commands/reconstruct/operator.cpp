@@ -110,7 +110,7 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   report.add("rows", std::to_string(matrix.rows()), "rows", matrix.rows());
   report.add("unknowns", std::to_string(matrix.columns()), "unknowns", matrix.columns());
   report.add("entries", std::to_string(matrix.entries()), "entries", matrix.entries());
-  report.add("rays", std::to_string(rays.rays.size()), "rays", rays.rays.size());
+  report.add("rays", std::to_string(rays.ray_count()), "rays", rays.ray_count());
   report.add(
       "samples are of",
       problem.absorption.empty() ? "emission, W/(m^3 sr)" : "the source function, W/(m^2 sr)",

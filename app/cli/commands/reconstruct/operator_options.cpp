@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "choice.h"
 #include "commands/part_option.h"
 #include "commands/reconstruct/unknowns_options.h"
 #include "commands/render/bundles_option.h"
@@ -20,10 +21,10 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
       ->required()
       ->option_text("FILE");
   command
-      .add_option(
-          "--pixels", arguments.pixels,
-          "Which pixel each row is (the first one of its block); pixels that do not see the "
-          "grid have no row")
+      .add_option("--pixels", arguments.pixels,
+                  "Which pixel each row is (the first one of its block or cell); pixels that do "
+                  "not see the "
+                  "grid have no row")
       ->option_text("FILE.csv");
   command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")
       ->option_text("FILE.csv");
@@ -34,9 +35,16 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
       ->option_text("NAME");
   command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
       ->option_text("N");
-  command.add_option("--bin", arguments.bin, "Put N x N pixels together (1)")->option_text("N");
+  add_rows_options(command, arguments.bin, arguments.cells);
   command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's)")
       ->option_text("N");
+  command
+      .add_option(
+          "--form", arguments.form,
+          "Rays are kept (rays), or drawn a part at a time (drawn), where their number takes "
+          "no memory. auto: kept where the machine has memory for them (auto)")
+      ->check(one_of({"auto", "rays", "drawn"}))
+      ->option_text("FORM");
   add_bundles_option(command, arguments.compiled);
   add_part_option(
       command, arguments.part,

@@ -109,7 +109,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
 void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
   command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
       ->option_text("N");
-  command.add_option("--bin", arguments.bin, "Put N x N pixels together (1)")->option_text("N");
+  add_rows_options(command, arguments.bin, arguments.cells);
   command
       .add_option("--draws", arguments.draws,
                   "Noise draws for the standard deviations; 0: from the covariance, by the probes "
@@ -127,6 +127,13 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
                   "For a stored matrix [MB]; where it does not suffice rays are followed again in "
                   "each iteration (2000)")
       ->option_text("N");
+  command
+      .add_option("--form", arguments.form,
+                  "What is kept: the matrix; its rays, which each iteration follows again; or "
+                  "nothing (drawn): each iteration draws the rays again, whose number takes no "
+                  "memory. auto: the first that --memory and the machine have room for (auto)")
+      ->check(one_of({"auto", "matrix", "rays", "drawn"}))
+      ->option_text("FORM");
 }
 
 }  // namespace

@@ -42,4 +42,14 @@ void add_unknowns_options(CLI::App& command, UnknownsRequest& arguments) {
       ->option_text("WHICH");
 }
 
+void add_rows_options(CLI::App& command, std::string& bin, std::string& cells) {
+  command
+      .add_option("--bin", bin,
+                  "Pixels that are put together into a row: N for blocks of N x N, micro-image, or "
+                  "view: the cells of --cells within each micro-image (1)")
+      ->option_text("N|micro-image|view");
+  command.add_option("--cells", cells, "Of --bin view: parts of a micro-image along each side (3)")
+      ->option_text("N");
+}
+
 }  // namespace plenoflame::cli

@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "unknowns_request.h"
 
 namespace CLI {
@@ -8,5 +10,7 @@ class App;
 namespace plenoflame::cli {
 
 void add_unknowns_options(CLI::App& command, UnknownsRequest& arguments);
+/// --bin and --cells, as rows_option() takes them.
+void add_rows_options(CLI::App& command, std::string& bin, std::string& cells);
 
 }  // namespace plenoflame::cli

@@ -38,7 +38,7 @@ void add_raw_input(CLI::App& command, RawArguments& arguments, const std::string
 /// --channel, --scene, --set, --force, --threads, --json: the last of them.
 void add_raw_options(CLI::App& command, RawArguments& arguments);
 
-/// How views are made of it: --spread and --resampling.
+/// The options of views that are made of it: --spread and --resampling.
 struct ViewArguments {
   double spread = ViewSettings{}.spread;
   std::string resampling = "barycentric";

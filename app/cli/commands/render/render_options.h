@@ -72,7 +72,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 /// Checks what was given, before anything is read. @throws UsageError
 RenderOptions checked_options(const RenderArguments& arguments);
 
-/// How the scene is rendered by these options; what they do not say is the scene's.
+/// The settings that these options ask for; what they do not say is the scene's.
 RenderSettings render_settings_of(const RenderOptions& options, const Scene& scene);
 
 /// --compression by its name; that of none is rle.

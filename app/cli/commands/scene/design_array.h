@@ -9,7 +9,7 @@
 
 namespace plenoflame::cli {
 
-/// How the microlens types are solved for: the options of `design --solve`.
+/// The task of solving for microlens types: the options of `design --solve`.
 struct ArrayTask {
   std::string freedom;  ///< index, radius or thickness; empty: not at all
   int types = 3;

@@ -167,13 +167,8 @@ int run(FlameArguments& s, const std::stop_token& stop) {
                                                               {"zip", VdbCompression::zip},
                                                               {"blosc", VdbCompression::blosc}}
                             .at(s.compression);
-  options.metadata = {{"flame", s.name}};
+  options.metadata = flame_metadata(s.name, values);
   options.stop = execution.stop;
-  for (const FlameParameter& parameter : generator.parameters())
-    if (parameter.type == FlameParameterType::whole_number)
-      options.metadata[parameter.name] = parameter.value;
-  for (const auto& [name, value] : values)
-    if (name != "layers") options.metadata[name] = value;  // a path says nothing elsewhere
   const std::uint64_t size = write_flame(s.output, flame, options);
   bar.finish();
   print(s, size, list_grids(s.output));  // of what is in the file

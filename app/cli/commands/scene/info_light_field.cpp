@@ -46,6 +46,7 @@ std::string with_unit(const std::string& key, double value) {
       {"sensor.dark_electrons", "e-"},
       {"sensor.gain", "e- per number"},
       {"sensor.saturated_from", "e-"},
+      {"sensor.black_level", "counts"},
       {"view.offset_x", "pixels"},
       {"view.offset_y", "pixels"},
       {"lens.f_number", ""},

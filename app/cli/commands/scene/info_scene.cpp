@@ -166,7 +166,7 @@ std::string numbers_text(const std::vector<int>& numbers) {
   return text;
 }
 
-/// How the flames change with time, and which frames there are.
+/// Reports how the flames change with time, and which frames there are.
 void add_time(const SceneDocument& document, Report& report) {
   if (!changes_with_time(document.scene)) return;
   nlohmann::json list = nlohmann::json::array();

@@ -71,6 +71,13 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
   for (const int run : mine)
     if (!packed && !run_is_done(plan.folder, run)) left.push_back(run);
   std::size_t done = 0;
+  // A full disk, say: whoever makes room begins the same command anew.
+  const auto fail_with_rest = [&](const FileError& failure) {
+    const auto there = std::count_if(
+        mine.begin(), mine.end(), [&](int run) { return packed || run_is_done(plan.folder, run); });
+    throw FileError(fmt::format("{} ({} of {} runs are in {}; the same command goes on)",
+                                failure.what(), there, mine.size(), plan.folder));
+  };
   try {
     share_runs(
         plan, left, ranks,
@@ -82,6 +89,8 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
         execution);
   } catch (const Cancelled&) {
     // Runs that are done stay, as below.
+  } catch (const FileError& failure) {
+    fail_with_rest(failure);
   }
   bar.finish();
   if (stop.stop_requested() && done < left.size()) {
@@ -90,7 +99,11 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
     return kFailure;
   }
   std::vector<int> beyond;
-  if (!packed) beyond = finish_set(plan.folder, plan.text, mine, pack, stop);
+  try {
+    if (!packed) beyond = finish_set(plan.folder, plan.text, mine, pack, stop);
+  } catch (const FileError& failure) {
+    fail_with_rest(failure);
+  }
   if (const std::string warning = beyond_lattice_warning(beyond); !warning.empty()) warn(warning);
   const auto tests = std::count_if(
       mine.begin(), mine.end(), [&](int run) { return plan.test[static_cast<std::size_t>(run)]; });

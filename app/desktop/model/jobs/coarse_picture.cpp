@@ -40,7 +40,8 @@ std::shared_ptr<LightField> empty_picture(const CompiledScene& scene) {
   return field;
 }
 
-std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Execution& execution) {
+std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Execution& execution,
+                                           CoarseScene& kept) {
   if (scene.scene.render.estimator == Estimator::forward) return nullptr;
   const SensorSpec& fine = scene.scene.camera.sensor;
   const int factor = (std::max(fine.columns, fine.rows) + kCoarseSide - 1) / kCoarseSide;
@@ -56,7 +57,9 @@ std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Exe
     Execution quiet = execution;
     quiet.message = nullptr;
     quiet.progress = nullptr;
-    const CompiledScene compiled = compile(large, no_flame, quiet, {}, {&scene});
+    kept.compiled =
+        compile(large, no_flame, quiet, {}, {&scene, kept.compiled ? &*kept.compiled : nullptr});
+    const CompiledScene& compiled = *kept.compiled;
     RenderSettings settings = render_settings(compiled.scene);
     settings.samples = settings.replicates;
     RenderResult result = render(compiled, settings, quiet);

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/compile.h"
@@ -9,13 +10,21 @@ namespace plenoflame::desktop {
 /// A light field of the scene's whole sensor without its pixels: names, estimator, scene.
 std::shared_ptr<LightField> empty_picture(const CompiledScene& scene);
 
+/// The part of a coarse picture that serves the next one: its camera of large pixels, whose pupils
+/// take longer to trace than its rays, is taken over where only flames have changed.
+struct CoarseScene {
+  std::optional<CompiledScene> compiled;
+};
+
 /// A picture of the whole sensor within a fraction of a second, from few large pixels in the place
 /// of many: each pixel gets its share of the flux of the large one that it lies in. It has no
 /// standard errors, and does not count as complete.
+/// @param kept of the picture before; becomes this one's. The picture has the same bits without it
 /// @return null where the sensor is so small that nothing would be gained, or its pixels cannot be
 ///         gathered (forward estimator)
 /// @throws Cancelled
-std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Execution& execution);
+std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Execution& execution,
+                                           CoarseScene& kept);
 
 /// The large pixel of a row (or column) of `whole` pixels that pixel `at` lies in, where `coarse`
 /// of `factor` pixels each share their middle.

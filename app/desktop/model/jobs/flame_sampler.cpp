@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "emission_span.h"
 #include "model/flame_glow.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/media/medium_samples.h"

@@ -1,6 +1,7 @@
 #include "model/jobs/render_job.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <numeric>
 #include <optional>
@@ -56,10 +57,13 @@ struct RenderJob::Run {
   std::shared_ptr<const CompiledScene> scene;
   CompiledBundle compiled;
   int threads = 0;
+  bool finished_only = false;       ///< nothing is shown before the end
+  std::atomic<bool> begun = false;  ///< the coarse picture is made, or none is wanted
   std::vector<int> passes;
   std::size_t pass = 0;
   std::optional<Film> paused;                 ///< film of a pass that was paused
   std::shared_ptr<const LightField> earlier;  ///< whole picture that this pass is laid over
+  std::shared_ptr<CoarseScene> coarse;        ///< the worker's, handed on from run to run
   double seconds = 0;                         ///< spent before this launch
   double pass_seconds = 0;                    ///< of it, in the present pass
   double seconds_per_sample = 0;              ///< of the whole picture; 0: not known yet
@@ -76,6 +80,7 @@ struct RenderJob::Run {
   double elapsed() const { return seconds + seconds_since(launched); }
   double spent_in_pass() const { return pass_seconds + seconds_since(pass_began); }
   bool picture_due() const {
+    if (finished_only) return false;
     const double since = seconds_since(last_picture);
     if (picture_seconds == 0) return since > kFirstPicture;
     return since > kPictureInterval && since > kPictureShare * picture_seconds;
@@ -138,12 +143,16 @@ std::shared_ptr<LightField> RenderJob::Run::merged(const Film& film) const {
 }
 
 RenderJob::RenderJob(QObject* parent)
-    : QObject(parent), task_(Urgency::work, [this](const std::string& message) {
-        post(this, [this, message] {
-          set_state(State::failed);
-          emit failed(QString::fromStdString(message));
-        });
-      }) {}
+    : QObject(parent),
+      first_(Urgency::waited_for, [this](const std::string& message) { fail(message); }),
+      task_(Urgency::work, [this](const std::string& message) { fail(message); }) {}
+
+void RenderJob::fail(const std::string& message) {
+  post(this, [this, message] {
+    set_state(State::failed);
+    emit failed(QString::fromStdString(message));
+  });
+}
 
 void RenderJob::set_state(State state) {
   if (state == state_) return;
@@ -163,6 +172,10 @@ void RenderJob::start(std::shared_ptr<const CompiledScene> scene, int threads,
           ? std::vector<int>{run->compiled.camera->samples}
           : passes_after(pass_samples(settings.samples, settings.replicates), shown.get());
   run->earlier = std::move(shown);
+  run->finished_only = finished_only_;
+  if (finished_only_) run->passes.erase(run->passes.begin(), run->passes.end() - 1);
+  run->begun = run->earlier || run->compiled.camera || run->finished_only;
+  run->coarse = run_ ? run_->coarse : std::make_shared<CoarseScene>();
   run_ = std::move(run);
   forget();
   status_.passes = static_cast<int>(run_->passes.size());
@@ -189,7 +202,7 @@ void RenderJob::clear() {
 
 void RenderJob::pause() {
   if (state_ != State::running) return;
-  task_.cancel();
+  cancel();
   set_state(State::paused);
 }
 
@@ -199,22 +212,39 @@ void RenderJob::resume() {
   set_state(State::running);
 }
 
-void RenderJob::stop() {
+void RenderJob::cancel() {
+  first_.cancel();
   task_.cancel();
+}
+
+void RenderJob::stop() {
+  cancel();
   run_.reset();
   set_state(State::idle);
 }
 
 void RenderJob::launch() {
+  cancel();  // passes of the scene before would take its processors
+  if (run_->begun) return make_passes();
+  first_.request([this, run = run_](const std::stop_token& stop) {
+    run->launched = Clock::now();
+    try {
+      if (!run->begun) begin(run, stop);
+    } catch (const Cancelled&) {  // it is made anew
+    }
+    run->seconds = run->elapsed();
+    if (!run->begun) return;
+    post(this, [this, run] {
+      if (run == run_ && state_ == State::running) make_passes();
+    });
+  });
+}
+
+void RenderJob::make_passes() {
   task_.request([this, run = run_](const std::stop_token& stop) {
     run->launched = run->pass_began = run->last_picture = run->last_progress = Clock::now();
-    try {
-      if (!run->earlier && !run->compiled.camera) begin(run, stop);
-      for (; run->pass < run->passes.size(); ++run->pass)
-        if (!make_pass(run, stop)) return;
-    } catch (const Cancelled&) {  // of the coarse picture: it is made anew
-      run->seconds = run->elapsed();
-    }
+    for (; run->pass < run->passes.size(); ++run->pass)
+      if (!make_pass(run, stop)) return;
   });
 }
 
@@ -254,9 +284,9 @@ void RenderJob::begin(const std::shared_ptr<Run>& run, const std::stop_token& st
   Execution execution;
   execution.threads = run->threads;
   execution.stop = stop;
-  run->earlier = coarse_picture(*run->scene, execution);
+  run->earlier = coarse_picture(*run->scene, execution, *run->coarse);
   if (run->earlier) show(run, run->earlier, nullptr);
-  run->pass_began = Clock::now();
+  run->begun = true;
 }
 
 void RenderJob::tell(const std::shared_ptr<Run>& run, const Progress& progress) {

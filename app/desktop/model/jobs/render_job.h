@@ -61,6 +61,8 @@ class RenderJob : public QObject {
   /// @param compiled makes the picture in place of new rays; it belongs to the scene
   void start(std::shared_ptr<const CompiledScene> scene, int threads = 0,
              std::shared_ptr<const LightField> shown = nullptr, CompiledBundle compiled = {});
+  /// From the next start on only the finished picture is made, and not those that lead up to it.
+  void set_finished_only(bool on) { finished_only_ = on; }
   /// True if the picture is made by a compiled camera.
   bool is_compiled() const;
   /// Keeps what is there; resume() goes on as if there had been no break.
@@ -82,8 +84,11 @@ class RenderJob : public QObject {
   struct Run;  ///< of the worker
   void set_state(State state);
   void forget();
+  void cancel();
+  void fail(const std::string& message);
   void launch();
-  // These are called by the worker.
+  void make_passes();
+  // These are called by the workers.
   void begin(const std::shared_ptr<Run>& run, const std::stop_token& stop);
   /// False: it was stopped.
   bool make_pass(const std::shared_ptr<Run>& run, const std::stop_token& stop);
@@ -92,11 +97,13 @@ class RenderJob : public QObject {
   void tell(const std::shared_ptr<Run>& run, const Progress& progress);
 
   State state_ = State::idle;
+  bool finished_only_ = false;
   Status status_;
   std::vector<CurvePoint> curve_;
   RenderStatistics statistics_;
   std::shared_ptr<Run> run_;
-  LatestTask task_;  ///< last: it ends first
+  LatestTask first_;  ///< the coarse picture, which somebody waits for
+  LatestTask task_;   ///< last: it ends first
 };
 
 }  // namespace plenoflame::desktop

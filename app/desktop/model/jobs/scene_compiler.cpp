@@ -96,7 +96,7 @@ void SceneCompiler::request(const SceneChanges& changes) {
   }
   const SceneDocument state = document_.scene_of_camera();
   const std::optional<double> time = document_.time();
-  if (changes.time && ahead_.compiled && time == ahead_.time) {
+  if (changes.time && ahead_.compiled.scene && time == ahead_.time) {
     task_.cancel();
     // Not at once: others are still told of the change.
     post(this, [this, number, compiled = std::exchange(ahead_, {}).compiled] {
@@ -104,9 +104,10 @@ void SceneCompiler::request(const SceneChanges& changes) {
     });
     return;
   }
-  // Between two moments of a scene the camera stays the same.
-  const auto like = pending_.time ? compiled_ : nullptr;
-  task_.request([this, state, time, like, number](std::stop_token stop) {
+  // Between two moments of a scene the files are others, and each is what it was.
+  const bool moment = pending_.time;
+  task_.request([this, state, time, moment, like = compiled_, files_like = files_,
+                 number](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     execution.message = [&](Severity severity, const std::string& text) {
@@ -117,9 +118,11 @@ void SceneCompiler::request(const SceneChanges& changes) {
     try {
       flames_.next_generation();
       const Scene scene = Document::at_moment(state, time);
-      auto compiled = std::make_shared<const CompiledScene>(
+      Compiled compiled{nullptr, input_files(scene)};
+      const bool same_files = moment || compiled.files == files_like;
+      compiled.scene = std::make_shared<const CompiledScene>(
           compile(scene, watched(flames_.loader(), scene, flame), execution, state.positions,
-                  {like.get()}));
+                  {same_files ? like.get() : nullptr}));
       post(this, [this, number, compiled] {
         if (number == newest_) take(compiled);
       });
@@ -140,23 +143,25 @@ void SceneCompiler::request(const SceneChanges& changes) {
   });
 }
 
-void SceneCompiler::take(std::shared_ptr<const CompiledScene> compiled) {
-  compiled_ = std::move(compiled);
+void SceneCompiler::take(Compiled compiled) {
+  compiled_ = std::move(compiled.scene);
+  files_ = std::move(compiled.files);
   current_ = true;
   emit compiled_changed(std::exchange(pending_, {}));
 }
 
 void SceneCompiler::prepare(double time) {
-  if (!current_ || (ahead_.compiled && ahead_.time == time)) return;
+  if (!current_ || (ahead_.compiled.scene && ahead_.time == time)) return;
   ahead_ = {};
   ahead_task_.request([this, time, number = scene_number_, like = compiled_,
                        state = document_.scene_of_camera()](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     try {
-      auto compiled = std::make_shared<const CompiledScene>(
-          compile(Document::at_moment(state, time), flames_.loader(), execution, state.positions,
-                  {like.get()}));
+      const Scene scene = Document::at_moment(state, time);
+      Compiled compiled{nullptr, input_files(scene)};
+      compiled.scene = std::make_shared<const CompiledScene>(
+          compile(scene, flames_.loader(), execution, state.positions, {like.get()}));
       post(this, [this, time, number, compiled] {
         if (number == scene_number_) ahead_ = {time, compiled};
       });

@@ -3,11 +3,13 @@
 #include <QString>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "model/document.h"
 #include "model/jobs/flame_cache.h"
 #include "model/jobs/latest_task.h"
 #include "plenoflame/scene/compile.h"
+#include "plenoflame/scene/input_files.h"
 
 namespace plenoflame::desktop {
 
@@ -43,16 +45,22 @@ class SceneCompiler : public QObject {
  private:
   void request(const SceneChanges& changes);
   void fail(const QString& message);
-  void take(std::shared_ptr<const CompiledScene> compiled);
+  /// A compiled scene, and the marks of its files from before they were read.
+  struct Compiled {
+    std::shared_ptr<const CompiledScene> scene;
+    std::vector<InputFile> files;
+  };
+  void take(Compiled compiled);
 
   Document& document_;
   FlameCache flames_;
   std::shared_ptr<const CompiledScene> compiled_;
-  SceneChanges pending_;  ///< of scenes that were replaced before they were compiled
+  std::vector<InputFile> files_;  ///< of it
+  SceneChanges pending_;          ///< of scenes that were replaced before they were compiled
   /// The scene at a moment that will be asked for next.
   struct Ahead {
     double time = 0;
-    std::shared_ptr<const CompiledScene> compiled;
+    Compiled compiled;
   };
   Ahead ahead_;
   unsigned scene_number_ = 0;  ///< of changes beside moments

@@ -65,6 +65,11 @@ void PlotWidget::set_axes(const QString& x_label, const QString& y_label, bool l
   update();
 }
 
+void PlotWidget::set_equal_scales(bool on) {
+  equal_scales_ = on;
+  update();
+}
+
 void PlotWidget::set_series(std::vector<Series> series) {
   series_ = std::move(series);
   update();
@@ -116,10 +121,6 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   };
   widen(x0, x1, log_x_);
   widen(y0, y1, log_y_);
-  x_low_ = x0;
-  x_high_ = x1;
-  y_low_ = y0;
-  y_high_ = y1;
   const QFontMetrics metrics = painter.fontMetrics();
   const int line = metrics.height();
   const int left = metrics.horizontalAdvance("0.0000") + line + 10, bottom = 2 * line + 8;
@@ -145,6 +146,20 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   const int top = 8 + line * legend_lines;
   area_ = QRectF(left, top, std::max(20, width() - left - 14),
                  std::max(20, height() - bottom - 2 - top));
+  if (equal_scales_) {
+    const double unit = std::max((x1 - x0) / area_.width(), (y1 - y0) / area_.height());
+    const auto fill = [unit](double& low, double& high, double length) {
+      const double more = 0.5 * (unit * length - (high - low));
+      low -= more;
+      high += more;
+    };
+    fill(x0, x1, area_.width());
+    fill(y0, y1, area_.height());
+  }
+  x_low_ = x0;
+  x_high_ = x1;
+  y_low_ = y0;
+  y_high_ = y1;
   const auto to_x = [&](double x) { return area_.left() + (x - x0) / (x1 - x0) * area_.width(); };
   const auto to_y = [&](double y) {
     return area_.bottom() - (y - y0) / (y1 - y0) * area_.height();
@@ -156,8 +171,11 @@ void PlotWidget::paintEvent(QPaintEvent*) {
     painter.setPen(faint);
     painter.drawLine(QPointF(to_x(tick), area_.top()), QPointF(to_x(tick), area_.bottom()));
     painter.setPen(ink);
-    painter.drawText(QRectF(to_x(tick) - 50, area_.bottom() + 2, 100, line), Qt::AlignCenter,
-                     label(tick, log_x_));
+    const QString text = label(tick, log_x_);
+    const double half = 0.5 * metrics.horizontalAdvance(text) + 1;
+    const double middle = std::min(to_x(tick), width() - half);  // the last one is whole, too
+    painter.drawText(QRectF(middle - half, area_.bottom() + 2, 2 * half, line), Qt::AlignCenter,
+                     text);
   }
   for (const double tick : ticks(y0, y1, log_y_, std::max(2, height() / 40))) {
     painter.setPen(faint);
@@ -170,7 +188,9 @@ void PlotWidget::paintEvent(QPaintEvent*) {
   painter.drawText(QRectF(area_.left(), area_.bottom() + line + 4, area_.width(), line),
                    Qt::AlignCenter, x_label_);
   painter.save();
-  painter.translate(2 + line, area_.center().y());
+  // Beside the middle of the axis, or as near to it as the whole text has room.
+  const double half_label = 0.5 * metrics.horizontalAdvance(y_label_) + 2;
+  painter.translate(2 + line, std::max(area_.center().y(), std::min(half_label, 0.5 * height())));
   painter.rotate(-90);
   painter.drawText(QRectF(-0.5 * height(), -line, height(), line), Qt::AlignCenter, y_label_);
   painter.restore();
@@ -209,7 +229,8 @@ void PlotWidget::paintEvent(QPaintEvent*) {
         path.moveTo(at);
       pen_down = true;
       // A line of a single point would not be seen.
-      if (series.marks || series.points.size() == 1) painter.drawEllipse(at, 2.5, 2.5);
+      if (series.marks || series.points.size() == 1)
+        painter.drawEllipse(at, series.mark, series.mark);
     }
     painter.setBrush(Qt::NoBrush);
     if (series.line) painter.drawPath(path);

@@ -51,7 +51,11 @@ void GenerateDialog::fill() {
   for (const FlameParameter& parameter : flame_generator(name()).parameters()) {
     auto* edit = new QLineEdit(QString::fromStdString(parameter.value), fields_);
     const QString label = QString::fromStdString(parameter.name).replace('_', ' ');
-    edit->setToolTip(QString::fromStdString(parameter.about));
+    const QString about = QString::fromStdString(parameter.about);
+    edit->setToolTip(about);
+    edit->setPlaceholderText(about);  // where there is no default that says it
+    if (parameter.value.empty())
+      edit->setMinimumWidth(edit->fontMetrics().horizontalAdvance(about));
     edit->setObjectName("field-" + label);
     form_->addRow(label, edit);
     edits_[parameter.name] = edit;
@@ -128,10 +132,9 @@ MappingDialog::Row MappingDialog::add_row(QFormLayout& form, const QString& titl
   row.scale->setToolTip(tr("Stored values are multiplied by this"));
   row.offset->setToolTip(tr("Then this is added, in the unit chosen"));
   auto* line = new QHBoxLayout;
-  line->addWidget(row.grid);
-  line->addWidget(row.scale);
-  line->addWidget(row.offset);
-  line->addWidget(row.unit);
+  // The same widths in both rows, so that they are columns.
+  for (QWidget* part : std::initializer_list<QWidget*>{row.grid, row.scale, row.offset, row.unit})
+    line->addWidget(part, 1);
   form.addRow(title, line);
   form.addRow(QString(), row.about);
   connect(row.grid, QOverload<int>::of(&QComboBox::currentIndexChanged), this,

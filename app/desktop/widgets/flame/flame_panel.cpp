@@ -36,6 +36,9 @@ std::vector<double> shares_by_temperature(const FlameSamples& samples) {
   return shares;
 }
 
+/// Heights [logical pixel] that leave room for the whole panel in a window of 720.
+constexpr int kLeastSlice = 70, kLeastHistogram = 90;
+
 }  // namespace
 
 FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* parent)
@@ -81,7 +84,9 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   slice_ = new ImageView(this);
   slice_->setObjectName("flameSlice");
   slice_->set_value_format(Dimension::temperature);
+  slice_->setMinimumHeight(kLeastSlice);
   histogram_ = new PlotWidget(this);
+  histogram_->setMinimumHeight(kLeastHistogram);
   histogram_->set_empty_text(tr("The distribution of temperature appears with a flame."));
   look_ = new FlameLookEditor(document, this);
 

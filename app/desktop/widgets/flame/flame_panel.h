@@ -24,7 +24,7 @@ class FlamePanel : public QWidget {
  signals:
   void generate_requested();
   void import_requested();
-  /// Which grids of the flame's file are what. @param flame number in the scene
+  /// The user wants to say what each grid of the flame's file is. @param flame number in the scene
   void mapping_requested(int flame);
 
  private:

@@ -251,7 +251,9 @@ void ImagePanel::apply_tone() {
   }
   view_->set_tone(tone);
   view_->set_value_format(unit);
-  findChild<ColourBar*>("imageBar")->set_tone(tone, unit);
+  auto* const bar = findChild<ColourBar*>("imageBar");
+  bar->set_tone(tone, unit);
+  bar->setVisible(picture() != Picture::overlay);  // has colours of its own
 }
 
 void ImagePanel::update_profile() {

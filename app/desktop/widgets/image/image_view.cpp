@@ -17,7 +17,9 @@ namespace {
 constexpr double kLargestScale = 128;  ///< device pixels per image pixel
 constexpr double kGridScale = 12;      ///< from here on pixels are separated by lines
 constexpr double kValueScale = 56;     ///< from here on values are written in them
-constexpr double kLeastCircle = 7;     ///< [logical pixel] diameter of an outline that is drawn
+constexpr double kFullInk = 20;        ///< [logical pixel] that from which its ink is full
+constexpr double kLeastInk = 0.3;
+constexpr double kLeastCircle = 7;  ///< [logical pixel] diameter of an outline that is drawn
 constexpr std::size_t kMostCircles = 20000;
 
 }  // namespace
@@ -252,8 +254,18 @@ void ImageView::draw_micro_images(QPainter& painter) {
     painter.drawEllipse(to_widget(QPointF(centre.x, centre.y)), across, down);
   };
   painter.setBrush(Qt::NoBrush);
-  for (const LensIndex lens : lenses)
-    draw(lens, QPen(type_colour(camera.lattice().type(lens)), 1.2), 0);
+  // The lattice goes on beyond the sensor, where there is no picture.
+  painter.save();
+  painter.setClipRect(QRectF(to_widget({0, 0}), to_widget(QPointF(sensor.columns, sensor.rows))));
+  // Many small circles are faint, as they would be all that is seen of the picture.
+  const double spacing = micro_images_->spacing() / pixel * screen_scale();
+  const double ink = std::clamp(spacing / kFullInk, kLeastInk, 1.0);
+  for (const LensIndex lens : lenses) {
+    QColor colour = type_colour(camera.lattice().type(lens));
+    colour.setAlphaF(ink);
+    draw(lens, QPen(colour, 1.2 * ink), 0);
+  }
+  painter.restore();
   if (selected_lens_) draw(*selected_lens_, QPen(QColor(255, 42, 109), 2.5), 4);
 }
 
@@ -294,22 +306,34 @@ void ImageView::set_empty_text(const QString& text) {
   update();
 }
 
+namespace {
+
+/// The size that a text takes, with a margin; long texts go on in the next line.
+QSize room_of_text(const QPainter& painter, const QString& text) {
+  const QRect view = painter.viewport().adjusted(0, 0, -28, 0);
+  return painter.fontMetrics()
+      .boundingRect(view, Qt::AlignCenter | Qt::TextWordWrap, text)
+      .adjusted(-6, -3, 6, 3)
+      .size();
+}
+
+}  // namespace
+
 void ImageView::draw_badge(QPainter& painter) {
   if (badge_.isEmpty()) return;
-  const QRect needed = painter.fontMetrics().boundingRect(badge_).adjusted(-6, -3, 6, 3);
-  const QRect place(QPoint(8, 8), needed.size());
+  const QRect place(QPoint(8, 8), room_of_text(painter, badge_));
   painter.fillRect(place, QColor(230, 159, 0));
   painter.setPen(Qt::black);
-  painter.drawText(place, Qt::AlignCenter, badge_);
+  painter.drawText(place, Qt::AlignCenter | Qt::TextWordWrap, badge_);
 }
 
 void ImageView::draw_caption(QPainter& painter) {
   if (caption_.isEmpty()) return;
-  const QRect needed = painter.fontMetrics().boundingRect(caption_).adjusted(-6, -3, 6, 3);
-  const QRect place(QPoint(8, height() - 8 - needed.height()), needed.size());
+  const QSize needed = room_of_text(painter, caption_);
+  const QRect place(QPoint(8, height() - 8 - needed.height()), needed);
   painter.fillRect(place, QColor(0, 0, 0, 170));
   painter.setPen(Qt::white);
-  painter.drawText(place, Qt::AlignCenter, caption_);
+  painter.drawText(place, Qt::AlignCenter | Qt::TextWordWrap, caption_);
 }
 
 void ImageView::paintEvent(QPaintEvent*) {

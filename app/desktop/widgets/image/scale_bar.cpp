@@ -48,6 +48,7 @@ ScaleBar::ScaleBar(vtkRenderer& renderer)
   text_->GetTextProperty()->SetFontSize(13);
   text_->GetTextProperty()->SetColor(kScaleInk, kScaleInk, kScaleInk);
   text_->GetTextProperty()->SetJustificationToCentered();
+  set_text_ground(*text_->GetTextProperty());
   set_visible(false);
   renderer.AddActor2D(line_);
   renderer.AddActor2D(text_);

@@ -31,6 +31,8 @@ namespace plenoflame::desktop {
 namespace {
 
 /// A picture may be finer than the field: values between 0 and the largest of found and truth.
+constexpr int kSliceHeight = 240;  ///< [logical pixel] at most
+
 void show_slice_of(ImageView& view, const ReconstructFields& fields,
                    const std::vector<float>& values, int axis, double share, double white) {
   ToneSettings tone;
@@ -280,6 +282,7 @@ QWidget* ReconstructPanel::make_result() {
   cut->addWidget(position_, 2);
   const auto slice = [&](const char* name) {
     auto* view = new ImageView(page);
+    view->setMaximumHeight(kSliceHeight);  // on a page that scrolls it would take all that it likes
     view->setObjectName(name);
     view->set_smooth(false);
     view->setMinimumSize(90, 90);

@@ -23,6 +23,11 @@
 namespace plenoflame::desktop {
 namespace {
 
+/// Single microlenses of the whole camera, at most; above it their plate is drawn: software OpenGL
+/// takes a quarter of a second for a thousand of them, each of two surfaces and seen through
+/// others.
+constexpr int kMostMicrolenses = 150;
+
 ThingSeen thing_in(const double* bounds, bool flat = false) {
   std::array<double, 6> box{};
   std::copy_n(bounds, box.size(), box.begin());
@@ -54,6 +59,7 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
   holder->SetScene(scene);
   vtkNew<vtkPlenoflameCameraSource> source;
   source->SetInputDataObject(holder);
+  source->SetMaximumNumberOfMicrolenses(kMostMicrolenses);
   source->Update();
   camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
   camera->ShallowCopy(source->GetOutput());

@@ -1,18 +1,28 @@
 #include "widgets/scene/scene_labels.h"
 
+#include <vtkActor2D.h>
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkProperty2D.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "picture_annotation.h"
 
 namespace plenoflame::desktop {
 namespace {
 
 constexpr double kPixelsPerInch = 72;  ///< of a screen where a pixel of the layout is one of it
 constexpr double kGap = 4;             ///< [layout pixel] between a thing and its text, and texts
+constexpr double kLeaderInk = 0.6;     ///< grey of lines from texts to their things
 constexpr int kRings = 8;              ///< steps away from the thing, each of a line's height
 constexpr double kWorst = 1e6;         ///< cost of covering a text or mark, or leaving the view
 constexpr double kBad = 30;            ///< cost of covering another thing
@@ -35,6 +45,11 @@ ScreenBox grown(const ScreenBox& box, double by) {
 
 }  // namespace
 
+void set_text_ground(vtkTextProperty& style) {
+  style.SetBackgroundColor(views::kBackground.data());
+  style.SetBackgroundOpacity(kTextGround);
+}
+
 void ScreenBox::add(double x, double y) {
   left = std::min(left, x);
   right = std::max(right, x);
@@ -51,15 +66,26 @@ double ScreenBox::overlap(const ScreenBox& other) const {
 void SceneLabels::clear() {
   labels_.clear();
   things_.clear();
+  leaders_ = nullptr;
 }
 
 void SceneLabels::add(const std::string& text, std::vector<Vec3> beside, int font_size,
                       vtkRenderer& renderer) {
+  if (!leaders_) {
+    leaders_ = vtkSmartPointer<vtkPolyData>::New();
+    vtkNew<vtkPolyDataMapper2D> mapper;
+    mapper->SetInputData(leaders_);
+    vtkNew<vtkActor2D> lines;
+    lines->SetMapper(mapper);
+    lines->GetProperty()->SetColor(kLeaderInk, kLeaderInk, kLeaderInk);
+    renderer.AddActor2D(lines);
+  }
   auto actor = vtkSmartPointer<vtkTextActor>::New();
   actor->SetInput(text.c_str());
   actor->GetTextProperty()->SetFontFamilyToArial();
   actor->GetTextProperty()->SetFontSize(font_size);
   actor->GetTextProperty()->SetColor(0.85, 0.87, 0.9);
+  set_text_ground(*actor->GetTextProperty());
   renderer.AddActor2D(actor);
   labels_.push_back({actor, std::move(beside)});
 }
@@ -74,6 +100,8 @@ void SceneLabels::place(vtkRenderer& renderer, const std::vector<ScreenBox>& fur
   const double gap = kGap * renderer.GetRenderWindow()->GetDPI() / kPixelsPerInch;
   const ScreenBox view{0, 0, static_cast<double>(size[0]), static_cast<double>(size[1])};
   std::vector<ScreenBox> taken = furniture, other;
+  vtkNew<vtkPoints> ends;
+  vtkNew<vtkCellArray> lines;
   for (const Thing& thing : things_)
     (thing.keep == Keep::off ? taken : other).push_back(seen(thing.points, renderer));
   for (const Label& label : labels_) {
@@ -104,9 +132,24 @@ void SceneLabels::place(vtkRenderer& renderer, const std::vector<ScreenBox>& fur
         }
     }
     taken.push_back(best);
+    // From the middle of the text's side to the nearest place of the thing.
+    const auto near = [](double at, double low, double high_end) {
+      return std::clamp(at, low, std::max(low, high_end));
+    };
+    const double to_x = near(0.5 * (best.left + best.right), thing.left, thing.right),
+                 to_y = near(0.5 * (best.bottom + best.top), thing.bottom, thing.top);
+    const double from_x = near(to_x, best.left, best.right),
+                 from_y = near(to_y, best.bottom, best.top);
+    if (std::hypot(to_x - from_x, to_y - from_y) > std::max(high, 2 * gap)) {
+      const vtkIdType first = ends->InsertNextPoint(from_x, from_y, 0);
+      ends->InsertNextPoint(to_x, to_y, 0);
+      lines->InsertNextCell({first, first + 1});
+    }
     label.actor->SetDisplayPosition(static_cast<int>(best.left - text[0]),
                                     static_cast<int>(best.bottom - text[2]));
   }
+  leaders_->SetPoints(ends);
+  leaders_->SetLines(lines);
 }
 
 }  // namespace plenoflame::desktop

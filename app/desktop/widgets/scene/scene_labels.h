@@ -1,7 +1,7 @@
 #pragma once
+#include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -9,8 +9,14 @@
 
 class vtkRenderer;
 class vtkTextActor;
+class vtkTextProperty;
 
 namespace plenoflame::desktop {
+
+constexpr double kTextGround = 0.6;  ///< opacity of the ground of a text
+
+/// Texts before a 3-D view stay readable over what is drawn there.
+void set_text_ground(vtkTextProperty& style);
 
 /// Part of a drawing [screen pixel], from the lower left corner.
 struct ScreenBox {
@@ -22,7 +28,7 @@ struct ScreenBox {
 
 /// Texts of a 3-D view, each beside the thing that it tells of, wherever there is room: not over
 /// another text, nor over the marks that must be seen, and over other things where there is no
-/// other way.
+/// other way. From a text that stands away from its thing a thin line leads there.
 class SceneLabels {
  public:
   enum class Keep { off, off_if_possible };
@@ -47,6 +53,7 @@ class SceneLabels {
     Keep keep = Keep::off;
   };
   std::vector<Label> labels_;
+  vtkSmartPointer<vtkPolyData> leaders_;  ///< lines on the screen; null: there are no texts
   std::vector<Thing> things_;
 };
 

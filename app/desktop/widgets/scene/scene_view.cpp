@@ -132,7 +132,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   light_timer_.setSingleShot(true);
   connect(&light_timer_, &QTimer::timeout, this, &SceneView::move_light);
   // Dark in both themes: what shines is to be the brightest there is.
-  v.renderer->SetBackground(0.05, 0.055, 0.065);
+  v.renderer->SetBackground(views::kBackground[0], views::kBackground[1], views::kBackground[2]);
   set_ruler_dark(*v.ruler, true);
 }
 
@@ -161,7 +161,17 @@ void SceneView::show_measured() {
 
 void SceneView::render() {
   // Once for all that happens before the event loop turns.
-  render_later_.start(0);
+  if (!held_) render_later_.start(0);
+}
+
+void SceneView::hold(bool on) {
+  if (on == held_) return;
+  held_ = on;
+  if (on) return;
+  build_geometry();
+  add_camera();
+  add_rays();
+  render();
 }
 
 void SceneView::warm_up() {
@@ -216,7 +226,7 @@ void SceneView::clear() {
   image_ = nullptr;
   others_.clear();
   temperatures_ = {0, 0};
-  aimed_ = false;
+  aimed_ = along_axis_ = false;
   schematic_ = {};
   other_schematics_.clear();
   for (const char* layer : {"camera", "flame", "surroundings", "rays", "gaps"})
@@ -233,7 +243,7 @@ void SceneView::set_notice(const QString& text) {
 }
 
 void SceneView::build_geometry() {
-  if (!scene_) return;
+  if (!scene_ || held_) return;
   const unsigned number = ++newest_;
   std::array<int, 2> pixel{scene_->scene.camera.sensor.columns / 2,
                            scene_->scene.camera.sensor.rows / 2};
@@ -379,7 +389,7 @@ void SceneView::set_highlighted(int ray) {
 
 void SceneView::set_image(const std::shared_ptr<const ImagePyramid>& image) {
   image_ = image;
-  if (!geometry_) return;
+  if (!geometry_ || held_) return;
   add_camera();
   render();
 }

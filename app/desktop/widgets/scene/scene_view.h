@@ -44,6 +44,8 @@ class SceneView : public QWidget {
                  std::vector<CameraSpec> others = {});
   /// Shows nothing, and looks at the next scene anew.
   void clear();
+  /// While it is held it shows what it showed before, and costs nothing; then all that has changed.
+  void hold(bool on);
   /// Why it does not show the present scene; empty: it does.
   void set_notice(const QString& text);
   /// @param chosen the ray that stands out; -1: none
@@ -130,12 +132,16 @@ class SceneView : public QWidget {
   bool shows_flame() const { return part_ == Part::scene || part_ == Part::flame; }
   /// Corners of what the present part shows, where they are drawn [m], and from which side it is
   /// seen.
+  void add_solids(std::vector<Vec3>& points) const;
   std::vector<Vec3> drawn_subject(Vec3& from) const;
   /// Place at which a point of the drawing is seen, on the widget "scene3d" [logical pixel].
   QPointF drawn_to_widget(const Vec3& drawn) const;
   /// Drawing of the axis of a further camera.
   Schematic schematic_of_other(std::size_t number) const;
   void aim();
+  /// True while nobody turned, moved or zoomed what was aimed last.
+  bool is_as_aimed() const;
+  void fit_to_size();
   /// All of these points, beside the bar of colours.
   void look(const std::vector<Vec3>& drawn, const Vec3& direction, const Vec3& up);
   void follow(const std::array<double, 6>& flame_before);
@@ -157,8 +163,9 @@ class SceneView : public QWidget {
   std::array<double, 2> temperatures_{0, 0};
   std::array<double, 3> aimed_from_{};
   int highlighted_ = -1;
-  bool aimed_ = false, warm_ = false;
-  bool first_ = true;  ///< geometry: its parts come one by one
+  bool aimed_ = false, warm_ = false, held_ = false;
+  bool along_axis_ = false;  ///< aimed along x, y or z rather than as the part is seen best
+  bool first_ = true;        ///< geometry: its parts come one by one
   QWidget* tools_ = nullptr;
   QComboBox *drawing_ = nullptr, *cut_ = nullptr;
   QSlider* cut_place_ = nullptr;

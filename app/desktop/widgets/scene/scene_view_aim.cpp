@@ -19,6 +19,8 @@ namespace plenoflame::desktop {
 
 namespace {
 
+/// The extent to which walls and floors are shown, beside what stands before them.
+constexpr double kGroundShare = 1.6;
 constexpr double kBarShare = 0.16;  ///< of the view's width, that the bar of colours takes
 
 views::Subject subject_of(SceneView::Part part) {
@@ -64,6 +66,22 @@ std::vector<QPointF> SceneView::other_cameras_seen() const {
   return places;
 }
 
+/// The bodies, and of walls and floors as much as there is around what has been added: they
+/// are the ground before which a flame is seen, and would make a speck of it.
+void SceneView::add_solids(std::vector<Vec3>& points) const {
+  const views::SolidSurfaces& solids = geometry_->solids;
+  vtkBoundingBox all = solids.all;
+  if (!all.IsValid()) return;
+  if (geometry_->flame || solids.bodies.IsValid()) {
+    vtkBoundingBox around = solids.bodies;
+    for (const Vec3& p : points) around.AddPoint(p.x, p.y, p.z);
+    around.ScaleAboutCenter(kGroundShare);
+    if (around.Intersects(all)) all.IntersectBox(around);
+  }
+  const std::vector<Vec3> corners = corners_of(all);
+  points.insert(points.end(), corners.begin(), corners.end());
+}
+
 std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
   const CameraSpec& spec = scene_->scene.camera;
   const RigidTransform& to_world = scene_->camera.to_world();
@@ -91,8 +109,8 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
     case Part::scene:
       add_camera_box();
       if (geometry_->flame) add(corners_of(vtkBoundingBox(geometry_->flame->GetBounds())));
-      if (solids.all.IsValid()) add(corners_of(solids.all));
       for (const std::vector<Vec3>& outline : geometry_->windows) add(outline);
+      add_solids(points);
       for (std::size_t i = 0; i < others_.size() && i + 1 < geometry_->cameras.size(); ++i) {
         const CameraOnAxis& other = geometry_->cameras[i + 1];
         for (const double along : {other.sensor, 0.0})
@@ -136,6 +154,7 @@ void SceneView::look(const std::vector<Vec3>& drawn, const Vec3& direction, cons
   const double bar = shows_flame() && geometry_->flame ? kBarShare : 0;
   views::look_at(drawn, direction, up, (1 - bar) * aspect, 10, *view_->renderer);
   view_->renderer->GetActiveCamera()->SetWindowCenter(bar, 0);
+  view_->renderer->GetActiveCamera()->GetPosition(aimed_from_.data());
   aimed_ = true;
 }
 
@@ -147,7 +166,28 @@ void SceneView::aim() {
   Vec3 from;
   const std::vector<Vec3> points = drawn_subject(from);
   look(points, -from, up);
-  view_->renderer->GetActiveCamera()->GetPosition(aimed_from_.data());
+  along_axis_ = false;
+}
+
+bool SceneView::is_as_aimed() const {
+  std::array<double, 3> place{};
+  view_->renderer->GetActiveCamera()->GetPosition(place.data());
+  return aimed_ && place == aimed_from_;
+}
+
+/// The distance is that of the widget's size: panels that get higher beside it, or a larger window,
+/// change it. Somebody who turned the view or came closer keeps what he has.
+void SceneView::fit_to_size() {
+  if (!scene_ || !geometry_ || !is_as_aimed() || dragged_ >= 0) return;
+  if (!along_axis_) {
+    aim();
+    return;
+  }
+  std::array<double, 3> ahead{}, up{};
+  view_->renderer->GetActiveCamera()->GetDirectionOfProjection(ahead.data());
+  view_->renderer->GetActiveCamera()->GetViewUp(up.data());
+  Vec3 from;
+  look(drawn_subject(from), {ahead[0], ahead[1], ahead[2]}, {up[0], up[1], up[2]});
 }
 
 /// After a change the view goes where its subject went. Somebody who turned it keeps his direction
@@ -172,14 +212,12 @@ void SceneView::follow(const std::array<double, 6>& before) {
     camera->SetPosition(place.data());
     camera->SetFocalPoint(focus.data());
   }
-  std::array<double, 3> place{};
-  camera->GetPosition(place.data());
   Vec3 from;
   const std::vector<Vec3> points = drawn_subject(from);
   const QRectF room = view_->widget->rect();
   std::size_t seen = 0;
   for (const Vec3& point : points) seen += room.contains(drawn_to_widget(point)) ? 1U : 0U;
-  if (place == aimed_from_ ? seen < points.size() : seen == 0) aim();
+  if (is_as_aimed() && !along_axis_ ? seen < points.size() : seen == 0) aim();
 }
 
 void SceneView::look_as(SceneView& other) {
@@ -201,6 +239,7 @@ void SceneView::look_as(SceneView& other) {
 }
 
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
+  if (object == view_->widget && event->type() == QEvent::Resize) fit_to_size();
   if (object == view_->widget && move_->isChecked() &&
       (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseMove ||
        event->type() == QEvent::MouseButtonRelease)) {

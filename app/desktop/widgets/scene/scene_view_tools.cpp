@@ -12,6 +12,7 @@
 #include <vtkPointData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
+#include <vtkProperty2D.h>
 #include <vtkScalarBarActor.h>
 #include <vtkTextProperty.h>
 #include <vtkVolume.h>
@@ -25,6 +26,7 @@
 #include <algorithm>
 #include <array>
 
+#include "emission_span.h"
 #include "flame_volume.h"
 #include "model/flame_glow.h"
 #include "picture_annotation.h"
@@ -122,6 +124,11 @@ void set_bar_style(vtkScalarBarActor& bar) {
   bar.SetHeight(kBar.top - kBar.bottom);
   bar.SetBarRatio(0.25);
   bar.SetLabelFormat("%.0f  ");
+  bar.SetMaximumNumberOfColors(256);  // the map's own, with no steps to be seen
+  bar.DrawBackgroundOn();             // rays go on behind it
+  bar.GetBackgroundProperty()->SetColor(views::kBackground[0], views::kBackground[1],
+                                        views::kBackground[2]);
+  bar.GetBackgroundProperty()->SetOpacity(kTextGround);
   for (auto* style : {bar.GetTitleTextProperty(), bar.GetLabelTextProperty()}) {
     style->SetColor(kInkOfBar, kInkOfBar, kInkOfBar);
     style->SetFontSize(13);
@@ -148,6 +155,9 @@ void SceneView::View::add_axes_cube() {
   cube->SetZMinusFaceText("-Z");
   cube->SetFaceTextScale(0.5);
   cube->GetCubeProperty()->SetColor(0.3, 0.32, 0.37);
+  // Faces that are seen nearly from their edge are told from the ground, too.
+  cube->GetCubeProperty()->SetAmbient(0.6);
+  cube->GetCubeProperty()->SetDiffuse(0.5);
   cube->GetTextEdgesProperty()->SetColor(0.6, 0.62, 0.66);
   cube->GetXPlusFaceProperty()->SetColor(0.95, 0.45, 0.4);
   cube->GetXMinusFaceProperty()->SetColor(0.95, 0.45, 0.4);
@@ -296,6 +306,7 @@ void SceneView::look_along(int axis) {
   const Vec3 up = axis == 2 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   Vec3 from;
   look(drawn_subject(from), direction, up);
+  along_axis_ = true;
   render();
 }
 

@@ -35,6 +35,7 @@ double half_chord(const MicrolensAperture& aperture, double off, bool horizontal
 constexpr int kFlameSide = 160;   ///< points along the longer side of the flame's picture
 constexpr double kLeastLens = 5;  ///< [screen pixel] pitch from which microlenses are drawn
 constexpr int kArcPoints = 24;
+constexpr int kTextGround = 190;  ///< of 255: how opaque the ground of texts is
 
 /// Sag of a sphere; 0 beyond it.
 double sphere_sag(double radius, double height) {
@@ -180,7 +181,7 @@ void SectionView::sample_flame() {
                   static_cast<std::size_t>(column)];
       if (s.absorption <= 0) continue;
       const double t = hot > cold ? (s.temperature - cold) / (hot - cold) : 0.5;
-      const Rgb c = colour(ColourMap::inferno, 0.25 + 0.75 * t);
+      const Rgb c = flame_colour(ColourMap::inferno, t);
       const int alpha = static_cast<int>(70 + 170 * std::sqrt(s.absorption / dense));
       flame_.setPixel(column, row, qPremultiply(qRgba(c.red, c.green, c.blue, alpha)));
     }
@@ -380,6 +381,17 @@ void SectionView::draw_rays(QPainter& painter) {
     draw(static_cast<std::size_t>(highlighted_), true);
 }
 
+/// Texts stay readable over lenses and rays.
+void SectionView::draw_text(QPainter& painter, QPointF top_left, const QString& text) {
+  const QRectF place(top_left, QSizeF(painter.fontMetrics().horizontalAdvance(text) + 1,
+                                      painter.fontMetrics().height()));
+  QColor ground = palette().color(QPalette::Base);
+  ground.setAlpha(kTextGround);
+  painter.fillRect(place.adjusted(-2, 0, 2, 0), ground);
+  painter.setPen(palette().color(QPalette::Text));
+  painter.drawText(place, Qt::AlignCenter, text);
+}
+
 void SectionView::draw_scale(QPainter& painter) {
   // A bar of a round length, about a sixth of the width.
   const double wanted = width() / 6.0 / scale_;
@@ -393,14 +405,16 @@ void SectionView::draw_scale(QPainter& painter) {
   const double y = height() - 14.0, x = 14;
   painter.setPen(QPen(palette().color(QPalette::Text), 2));
   painter.drawLine(QPointF(x, y), QPointF(x + bar * scale_, y));
-  painter.drawText(QPointF(x, y - 5),
-                   QString::fromStdString(readable_quantity(bar, Dimension::length, 3)));
-  painter.drawText(QRectF(8, 4, width() - 8, 2.0 * painter.fontMetrics().height()), Qt::AlignLeft,
-                   horizontal_ ? tr("section, from above") : tr("section, from the side"));
+  const int line = painter.fontMetrics().height();
+  draw_text(painter, QPointF(x, y - 4 - line),
+            QString::fromStdString(readable_quantity(bar, Dimension::length, 3)));
+  draw_text(painter, QPointF(8, 4),
+            horizontal_ ? tr("section, from above") : tr("section, from the side"));
   draw_names(painter);
 }
 
-/// Names of the parts, each above or below its part where that is seen; no name over another.
+/// Names of the parts, each above its part, or beside it where there is no room above; no name over
+/// another, nor over the sensor or the array.
 void SectionView::draw_names(QPainter& painter) {
   const Camera& camera = scene_->camera;
   const CameraSpec& spec = camera.spec();
@@ -423,6 +437,13 @@ void SectionView::draw_names(QPainter& painter) {
   names.push_back({tr("sensor"), camera.sensor(), camera.sensor(), sensor});
   const QFontMetrics metrics = painter.fontMetrics();
   std::vector<QRectF> taken;
+  // Lines that a name beside its part must not cross.
+  std::vector<QRectF> lines;
+  for (const Name& name : names)
+    if (name.height == sensor && name.text != tr("flame"))
+      lines.push_back(
+          QRectF(to_widget(name.begin, sensor), to_widget(name.end, -sensor)).normalized());
+  names_.clear();
   painter.setPen(palette().color(QPalette::Text));
   for (const Name& name : names) {
     const double x = to_widget(0.5 * (name.begin + name.end), 0).x();
@@ -432,8 +453,14 @@ void SectionView::draw_names(QPainter& painter) {
     double left = x - 0.5 * wide;
     if (above < 2 * high) {  // there is no room above it
       const double a = to_widget(name.begin, 0).x(), b = to_widget(name.end, 0).x();
-      left = std::max(a, b) + 6;
-      if (left + wide > width()) left = std::min(a, b) - 6 - wide;
+      const double right = std::max(a, b) + 6, other = std::min(a, b) - 6 - wide;
+      const auto is_free = [&](double from) {
+        return from >= 4 && from + wide <= width() - 4 &&
+               std::none_of(lines.begin(), lines.end(), [&](const QRectF& line) {
+                 return line.left() <= from + wide && line.right() >= from;
+               });
+      };
+      left = is_free(right) || (!is_free(other) && right + wide <= width()) ? right : other;
     }
     left = std::clamp(left, 4.0, std::max(4.0, width() - wide - 4));
     double top = std::clamp(above, 2.0 * high, std::max(2.0 * high, this->height() - 3.0 * high));
@@ -442,7 +469,8 @@ void SectionView::draw_names(QPainter& painter) {
     };
     while (std::any_of(taken.begin(), taken.end(), meets)) top -= high;
     taken.emplace_back(left - 4, top, wide + 8, high);
-    painter.drawText(QRectF(left, top, wide + 1, high), Qt::AlignCenter, name.text);
+    names_.emplace_back(name.text, QRectF(left, top, wide + 1, high));
+    draw_text(painter, names_.back().second.topLeft(), name.text);
   }
 }
 

@@ -37,6 +37,9 @@ class SectionView : public QWidget {
   /// height above its axis [m]
   QPointF to_widget(double z, double height) const;
 
+  /// Names of the parts as they were drawn last, and where [logical pixel].
+  const std::vector<std::pair<QString, QRectF>>& names() const { return names_; }
+
   QSize sizeHint() const override { return {640, 220}; }
 
  signals:
@@ -67,6 +70,7 @@ class SectionView : public QWidget {
   void draw_array(QPainter& painter);
   void draw_rays(QPainter& painter);
   void draw_scale(QPainter& painter);
+  void draw_text(QPainter& painter, QPointF top_left, const QString& text);
   void draw_names(QPainter& painter);
   void draw_notice(QPainter& painter);
   void aim();
@@ -83,6 +87,7 @@ class SectionView : public QWidget {
   QPointF centre_{0, 0};  ///< camera z, height
   QPointF pressed_, last_;
   QString notice_;
+  std::vector<std::pair<QString, QRectF>> names_;
   QImage flame_;
   QRectF flame_place_;  ///< left: largest z; in metres
 };

@@ -2,19 +2,27 @@
 
 #include <QGridLayout>
 #include <QLabel>
+#include <QScreen>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
 #include "widgets/scene/scene_view.h"
 
 namespace plenoflame::desktop {
+namespace {
 
-CompareWindow::CompareWindow(Session& mine, QWidget* parent)
-    : QDialog(parent), sessions_{&mine, &own_} {
+constexpr double kShareOfScreen = 0.95;  ///< at most; the rest is the frame's
+
+}  // namespace
+
+CompareWindow::CompareWindow(Session& mine, const ToneSettings& tone, QWidget* parent)
+    : QDialog(parent), sessions_{&mine, &own_}, tone_(tone) {
   setObjectName("compareWindow");
   setWindowTitle(tr("Two scenes side by side"));
   auto* grid = new QGridLayout(this);
@@ -26,10 +34,12 @@ CompareWindow::CompareWindow(Session& mine, QWidget* parent)
     images_[side] = new ImageView(this);
     images_[side]->setObjectName(side == 0 ? "compareLeft" : "compareRight");
     images_[side]->set_value_format(Dimension::flux);
-    const int column = static_cast<int>(side);
-    grid->addWidget(titles_[side], 0, column);
-    grid->addWidget(scenes_[side], 1, column);
+    bars_[side] = new ColourBar(this);
+    const int column = 2 * static_cast<int>(side);
+    grid->addWidget(titles_[side], 0, column, 1, 2);
+    grid->addWidget(scenes_[side], 1, column, 1, 2);
     grid->addWidget(images_[side], 2, column);
+    grid->addWidget(bars_[side], 2, column + 1);
     grid->setColumnStretch(column, 1);
     connect(&session.document(), &Document::image_changed, this, [this, side] { fill(side); });
     connect(&session.compiler(), &SceneCompiler::compiled_changed, this,
@@ -64,7 +74,7 @@ CompareWindow::CompareWindow(Session& mine, QWidget* parent)
   grid->setRowStretch(1, 2);
   grid->setRowStretch(2, 3);
   scenes_[1]->look_as(*scenes_[0]);
-  resize(1200, 820);
+  resize(QSize(1200, 820).boundedTo(screen()->availableSize() * kShareOfScreen));
   if (mine.compiler().compiled())
     scenes_[0]->set_scene(mine.compiler().compiled(), SceneChanges::all());
   if (mine.rays().rays()) scenes_[0]->set_rays(mine.rays().rays());
@@ -99,18 +109,38 @@ void CompareWindow::fill(std::size_t side) {
   set_tones();
 }
 
-/// One scale for both, so that brighter is brighter.
+/// One scale for both, so that brighter is brighter: of irradiance, as a larger pixel gets more.
 void CompareWindow::set_tones() {
   white_ = 0;
-  for (const ImageView* view : images_)
-    if (view->image() && !view->image()->empty()) {
-      // The level of some hundred pixels knows no single bright ones.
-      const Image& coarse = view->image()->level(view->image()->level_within(256));
-      for (const float value : coarse.pixels) white_ = std::max(white_, static_cast<double>(value));
-    }
-  ToneSettings tone;
-  tone.white = white_ > 0 ? white_ : 1;
-  for (ImageView* view : images_) view->set_tone(tone);
+  std::array<double, 2> brightest{}, area{};
+  std::array<std::string, 2> light;
+  for (const std::size_t side : {0U, 1U}) {
+    const ImageView& view = *images_[side];
+    const auto& field = sessions_[side]->document().image();
+    if (!field || field->channels.empty() || !view.image() || view.image()->empty()) continue;
+    const Vec2 pixel = sessions_[side]->document().camera().sensor.pixel();
+    area[side] = pixel.x * pixel.y;
+    light[side] = field->channels[0].name;
+    // The level of some hundred pixels knows no single bright ones.
+    const Image& coarse = view.image()->level(view.image()->level_within(256));
+    for (const float value : coarse.pixels)
+      brightest[side] = std::max(brightest[side], static_cast<double>(value));
+  }
+  if (light[0] == light[1])
+    for (const std::size_t side : {0U, 1U})
+      if (area[side] > 0) white_ = std::max(white_, brightest[side] / area[side]);
+  for (const std::size_t side : {0U, 1U}) {
+    ToneSettings tone = tone_;
+    tone.white = white_ > 0 ? white_ * area[side] : brightest[side];
+    if (!(tone.white > 0)) tone.white = 1;
+    images_[side]->set_tone(tone);
+    bars_[side]->set_tone(tone, Dimension::flux);
+  }
+}
+
+void CompareWindow::set_map(ColourMap map) {
+  tone_.map = map;
+  set_tones();
 }
 
 void CompareWindow::follow_view(std::size_t side) {

@@ -4,12 +4,14 @@
 #include <array>
 #include <memory>
 
+#include "model/image_display.h"
 #include "model/session.h"
 
 class QLabel;
 
 namespace plenoflame::desktop {
 
+class ColourBar;
 class ImageView;
 class SceneView;
 
@@ -18,12 +20,16 @@ class CompareWindow : public QDialog {
   Q_OBJECT
  public:
   /// @param mine the scene of the main window; must outlive this
-  explicit CompareWindow(Session& mine, QWidget* parent = nullptr);
+  /// @param tone colours and scale of both pictures; the value that is white is found here
+  CompareWindow(Session& mine, const ToneSettings& tone, QWidget* parent = nullptr);
   ~CompareWindow() override;
   /// Opens the scene on the right. @throws FileError, InputError
   void open(const QString& file);
   Session& other() { return *sessions_[1]; }
-  /// Value that is white in both pictures [W]; 0: there are none yet.
+  /// The colours of both pictures.
+  void set_map(ColourMap map);
+  /// Irradiance that is white in both pictures [W/m^2]; 0: there is none in both. Channels of
+  /// other names are of other light: then each picture has a scale of its own.
   double white() const { return white_; }
 
  private:
@@ -35,6 +41,8 @@ class CompareWindow : public QDialog {
   std::array<QLabel*, 2> titles_{};
   std::array<SceneView*, 2> scenes_{};
   std::array<ImageView*, 2> images_{};
+  std::array<ColourBar*, 2> bars_{};
+  ToneSettings tone_;
   double white_ = 0;
   bool following_ = false;
 };

@@ -27,7 +27,7 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr int kFilmPoll = 20;     ///< [ms]
+constexpr int kFilmPoll = 5;      ///< [ms]
 constexpr int kSettledPolls = 2;  ///< that must find everything at rest before a picture
 constexpr int kMostFrames = 5000;
 
@@ -215,6 +215,7 @@ void FilmDialog::record(const QString& file) {
   stop_->setEnabled(true);
   moved_ = false;
   frame_ = 0;
+  emit began(views_[static_cast<std::size_t>(view_->currentIndex())].shows_space);
   set_frame();
   timer_.start(kFilmPoll);
 }
@@ -337,6 +338,7 @@ void FilmDialog::finish(const QString& message, bool good) {
   // All of its steps were one edit.
   if (moved_ && get_text(document_.scene(), parameter_->currentText().toStdString()) != before_)
     document_.undo();
+  emit ended();
   record_->setEnabled(true);
   stop_->setEnabled(false);
   message_->setText(message);

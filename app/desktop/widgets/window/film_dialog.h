@@ -34,6 +34,7 @@ class FilmDialog : public QDialog {
   struct View {
     QString name;
     std::function<QImage()> picture;
+    bool shows_space = false;  ///< the 3-D view is seen in it
   };
   /// @param ready whether everything that is shown is that of the present scene
   FilmDialog(Document& document, std::vector<View> views, std::function<bool()> ready,
@@ -49,6 +50,9 @@ class FilmDialog : public QDialog {
   void reject() override;
 
  signals:
+  /// @param space whether the 3-D view is filmed
+  void began(bool space);
+  void ended();
   void failed(const QString& message);
 
  private:

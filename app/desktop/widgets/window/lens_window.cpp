@@ -20,8 +20,9 @@ namespace plenoflame::desktop {
 namespace {
 
 enum Column { kRadius, kThickness, kGlass, kSemiDiameter, kConic, kStop, kLensColumns };
-constexpr double kShownFrequency = 100e3;  ///< [1/m] up to which contrast is shown: 100 per mm
+constexpr double kGreatestFrequency = 100e3;  ///< [1/m] beyond which no contrast is shown
 constexpr int kFrequencySteps = 50;
+constexpr double kSpotMark = 1;  ///< [logical pixel] radius of a ray, so that dense ones stay apart
 
 QString length_cell(double length) {
   return QString::fromStdString(readable_quantity(length, Dimension::length, 6));
@@ -33,6 +34,20 @@ std::string camera_path(const Document& document) {
   for (std::size_t i = 0; i < cameras.size(); ++i)
     if (cameras[i].name == document.camera_name()) return "cameras[" + std::to_string(i) + "]";
   return "camera";
+}
+
+/// Frequencies [1/m] in which the contrast falls: a spot of RMS radius r that is as dense as a bell
+/// has exp(-(pi r f)^2), a two-hundredth of which is left at 0.73 / r. Beyond that the few hundred
+/// rays of a spot tell nothing.
+double shown_frequency(const std::array<const LensFieldDesign*, 3>& fields) {
+  double least = kInfinity;
+  for (const LensFieldDesign* field : fields) least = std::min(least, field->rms);
+  const double wanted = 0.73 / least;
+  if (!(wanted < kGreatestFrequency)) return kGreatestFrequency;
+  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
+  for (const double digit : {1.0, 2.0, 5.0})
+    if (digit * power >= wanted) return digit * power;
+  return 10 * power;
 }
 
 std::array<const LensFieldDesign*, 3> shown_fields(const LensDesign& design) {
@@ -53,6 +68,7 @@ LensTable::LensTable(Document& document, QWidget* parent)
   table_->setHorizontalHeaderLabels({tr("Radius"), tr("Thickness"), tr("Glass or index behind"),
                                      tr("Semi-diameter"), tr("Conic"), tr("Stop")});
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
+  table_->horizontalHeader()->setSectionResizeMode(kGlass, QHeaderView::ResizeToContents);
   table_->setAlternatingRowColors(true);
   table_->setToolTip(
       tr("From the scene to the sensor. Double click to change a figure, with unit"));
@@ -189,7 +205,9 @@ void LensDiagrams::show_result() {
     titles_[i]->setText(
         tr("at %1 deg, image height %2, RMS radius %3")
             .arg(fields[i]->field * 180 / std::numbers::pi, 0, 'f', 2)
-            .arg(length_cell(fields[i]->image_height), length_cell(fields[i]->rms)));
+            .arg(QString::fromStdString(
+                     readable_quantity(fields[i]->image_height, Dimension::length, 4)),
+                 QString::fromStdString(readable_quantity(fields[i]->rms, Dimension::length, 4))));
   if (kind_ == Kind::spots) show_spots(*design);
   if (kind_ == Kind::fans) show_fans(*design);
   if (kind_ == Kind::contrast) show_contrast(*design);
@@ -205,18 +223,25 @@ void LensDiagrams::show_spots(const LensDesign& design) {
     points.colour = QColor(213, 94, 0);
     points.marks = true;
     points.line = false;
+    points.mark = kSpotMark;
     for (const Vec2 at : fields[i]->spot) points.points << QPointF(1e6 * at.x, 1e6 * at.y);
     frame.colour = Qt::transparent;
     frame.points << QPointF(-1e6 * most, -1e6 * most) << QPointF(1e6 * most, 1e6 * most);
     plots_[i]->set_axes(tr("away from the axis [um]"), tr("across [um]"), false, false);
+    plots_[i]->set_equal_scales(true);
     plots_[i]->set_series({frame, points});
   }
 }
 
 void LensDiagrams::show_fans(const LensDesign& design) {
   const auto fields = shown_fields(design);
+  double most = 0;  // one scale for all three, with nothing in its middle
+  for (const LensFieldDesign* field : fields)
+    for (const auto* fan : {&field->tangential_fan, &field->sagittal_fan})
+      for (const FanPoint& p : *fan)
+        if (std::isfinite(p.error)) most = std::max(most, std::fabs(p.error));
   for (std::size_t i = 0; i < plots_.size(); ++i) {
-    PlotWidget::Series tangential, sagittal;
+    PlotWidget::Series tangential, sagittal, frame;
     tangential.name = tr("tangential");
     tangential.colour = QColor(0, 114, 178);
     sagittal.name = tr("sagittal");
@@ -227,12 +252,15 @@ void LensDiagrams::show_fans(const LensDesign& design) {
     for (const FanPoint& p : fields[i]->sagittal_fan)
       sagittal.points << QPointF(p.pupil, 1e6 * p.error);
     plots_[i]->set_axes(tr("place in the entrance pupil"), tr("aberration [um]"), false, false);
-    plots_[i]->set_series({tangential, sagittal});
+    frame.colour = Qt::transparent;
+    frame.points << QPointF(-1, -1e6 * most) << QPointF(1, 1e6 * most);
+    plots_[i]->set_series({tangential, sagittal, frame});
   }
 }
 
 void LensDiagrams::show_contrast(const LensDesign& design) {
   const auto fields = shown_fields(design);
+  const double greatest = shown_frequency(fields);
   for (std::size_t i = 0; i < plots_.size(); ++i) {
     PlotWidget::Series tangential, sagittal, frame;
     tangential.name = tr("tangential");
@@ -240,7 +268,7 @@ void LensDiagrams::show_contrast(const LensDesign& design) {
     sagittal.name = tr("sagittal");
     sagittal.colour = QColor(213, 94, 0);
     sagittal.dashed = true;
-    for (const MtfPoint& p : geometric_mtf(fields[i]->spot, kShownFrequency, kFrequencySteps)) {
+    for (const MtfPoint& p : geometric_mtf(fields[i]->spot, greatest, kFrequencySteps)) {
       tangential.points << QPointF(1e-3 * p.frequency, p.tangential);
       sagittal.points << QPointF(1e-3 * p.frequency, p.sagittal);
     }

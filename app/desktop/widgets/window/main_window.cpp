@@ -270,18 +270,6 @@ bool MainWindow::is_file_busy() const {
   return files_->busy();
 }
 
-bool MainWindow::open_example(const QString& name) {
-  if (!may_discard()) return false;
-  return guarded([&] {
-    QFile file(":/examples/" + name + ".toml");
-    if (!file.open(QIODevice::ReadOnly))
-      throw FileError("there is no example " + name.toStdString());
-    session_.document().open_text(file.readAll().toStdString(), name.toStdString() + ".toml");
-    ++scenes_opened_;
-    show_welcome(false);
-  });
-}
-
 bool MainWindow::open_new() {
   if (!may_discard()) return false;
   return guarded([&] {

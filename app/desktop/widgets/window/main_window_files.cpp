@@ -7,11 +7,13 @@
 #include <QInputDialog>
 #include <QMenu>
 #include <QMessageBox>
+#include <QStandardPaths>
 #include <QStatusBar>
 #include <filesystem>
 #include <memory>
 
 #include "image_files.h"
+#include "model/example_flames.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
@@ -174,6 +176,35 @@ void MainWindow::export_for_tool(int format) {
       });
 }
 
+/// An example whose flame is a file gets it first, made as the commands at the example's head say.
+bool MainWindow::open_example(const QString& name) {
+  if (!may_discard()) return false;
+  return guarded([&] {
+    QFile file(":/examples/" + name + ".toml");
+    if (!file.open(QIODevice::ReadOnly))
+      throw FileError("there is no example " + name.toStdString());
+    const QString text = QString::fromUtf8(file.readAll());
+    const auto show = [this, name](const QString& scene) {
+      session_.document().open_text(scene.toStdString(), name.toStdString() + ".toml");
+      ++scenes_opened_;
+      show_welcome(false);
+    };
+    const std::vector<ExampleFlame> flames = flames_of_example(text);
+    if (flames.empty()) return show(text);
+    const QString folder =
+        QStandardPaths::writableLocation(QStandardPaths::AppDataLocation) + "/examples";
+    files_->add(
+        tr("making the flame of %1").arg(name),
+        [text, flames, folder](const Execution& execution) {
+          make_files_of_example(text, flames, folder, execution);
+        },
+        [this, show, text, folder, number = scenes_opened_] {
+          if (number != scenes_opened_) return;  // another scene was opened meanwhile
+          guarded([&] { show(example_with_files(text, folder)); });
+        });
+  });
+}
+
 void MainWindow::generate_flame() {
   GenerateDialog dialog(this);
   if (dialog.exec() != QDialog::Accepted) return;
@@ -186,6 +217,7 @@ void MainWindow::generate_flame() {
       tr("flame %1").arg(QString::fromStdString(kind)),
       [kind, values, path](const Execution& execution) {
         GridWriteOptions options;
+        options.metadata = flame_metadata(kind, values);
         options.stop = execution.stop;
         write_flame(path.toStdString(), plenoflame::generate_flame(kind, values, execution),
                     options);

@@ -194,6 +194,7 @@ void MainWindow::apply_preferences(const Preferences& wanted) {
   if (wanted.font_points <= 0 || font.pointSize() == wanted.font_points) return;
   font.setPointSize(wanted.font_points);
   QApplication::setFont(font);
+  QApplication::setFont(font, "QDockWidgetTitle");  // of panels, which the style has for itself
 }
 
 void MainWindow::update_recent() {

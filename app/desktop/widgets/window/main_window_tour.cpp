@@ -1,11 +1,14 @@
 #include <QAction>
+#include <QComboBox>
 #include <QDockWidget>
+#include <QLineEdit>
 #include <QTabWidget>
 #include <QTreeView>
 #include <array>
 #include <memory>
 #include <vector>
 
+#include "plenoflame/base/units.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
 #include "widgets/image/light_field_panel.h"
@@ -146,7 +149,9 @@ void MainWindow::start_tour() {
        }}};
   auto* const tour = new TourDialog(std::move(steps), this);
   tour->setAttribute(Qt::WA_DeleteOnClose);
-  tour->move(mapToGlobal(QPoint(width() / 2 - 180, height() - 320)));
+  // Before the tree, which is not spoken of: views, table and light field stay seen.
+  tour->adjustSize();
+  tour->move(mapToGlobal(QPoint(8, height() - tour->height() - 60)));
   tour->show();
   tour->go_to(0);
 }
@@ -156,17 +161,44 @@ void MainWindow::make_film() {
   auto* const film = new FilmDialog(
       session_.document(),
       {{tr("the picture"), [this] { return image_->view().grab().toImage(); }},
-       {tr("the 3-D view"), [this] { return scene_view_->picture(); }},
+       {tr("the 3-D view"), [this] { return scene_view_->picture(); }, true},
        {tr("the section"), [this] { return section_->grab().toImage(); }},
        {tr("the window"),
         [this] {
           scene_view_->picture();
           return grab().toImage();
-        }}},
+        },
+        true}},
       [this] { return is_settled() && session_.document().image_is_current(); }, this);
   film->setAttribute(Qt::WA_DeleteOnClose);
   connect(film, &FilmDialog::failed, this, [this](const QString& message) {
     last_message_ = message;  // the dialog says it, too
+  });
+  auto* const white = image_->findChild<QLineEdit*>("white");
+  const auto set_white = [white](const QString& text) {
+    white->setText(text);
+    emit white->editingFinished();
+  };
+  const auto white_is_typed = std::make_shared<bool>(false);
+  // Pictures on the way to the finished one are not filmed and would only take time, as would the
+  // 3-D view where another one is filmed.
+  connect(film, &FilmDialog::began, this, [=, this](bool space) {
+    session_.render().set_finished_only(true);
+    scene_view_->hold(!space);
+    // One scale of brightness in all pictures, so that what gets darker is seen to. The value that
+    // is white stands in its field meanwhile, where somebody may have typed one.
+    const bool is_flux = image_->findChild<QComboBox*>("quantity")->currentIndex() == 0;
+    if (white->text().isEmpty() && is_flux && session_.document().image())
+      set_white(QString::fromStdString(
+          format_quantity(image_->view().tone_settings().white, Dimension::flux)));
+    else
+      *white_is_typed = true;
+  });
+  connect(film, &FilmDialog::ended, this, [=, this] {
+    session_.render().set_finished_only(false);
+    scene_view_->hold(false);
+    if (!*white_is_typed) set_white({});
+    *white_is_typed = false;
   });
   const QModelIndex chosen = scene_->tree().currentIndex();
   film->set_parameter(chosen.data(ParameterModel::kPathRole).toString());
@@ -175,9 +207,13 @@ void MainWindow::make_film() {
 
 void MainWindow::compare_with(const QString& file) {
   if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
-  auto window = std::make_unique<CompareWindow>(session_, this);
+  ToneSettings tone = image_->view().tone_settings();
+  tone.is_signed = false;
+  tone.saturation = 0;
+  auto window = std::make_unique<CompareWindow>(session_, tone, this);
   if (!guarded([&] { window->open(file); })) return;
   window->setAttribute(Qt::WA_DeleteOnClose);
+  connect(image_, &ImagePanel::map_changed, window.get(), &CompareWindow::set_map);
   window.release()->show();
 }
 

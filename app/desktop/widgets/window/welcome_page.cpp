@@ -78,6 +78,22 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   example("ring-of-six", tr("Six cameras"), tr("Around a flame, for tomography"));
   example("three-filters", tr("Three colours in one picture"),
           tr("A filter before each third of the main lens, for pyrometry"));
+  example("candle", tr("A candle"),
+          tr("A flame of voxels through three types of microlenses that can be told apart"));
+  example("candle-colours", tr("A candle in colour"),
+          tr("Two narrow bands for its temperature, three for its picture"));
+  example("candle-blue", tr("The blue base of a candle"),
+          tr("Soot that glows, radicals that shine by their chemistry"));
+  example("flickering", tr("A candle that flickers"),
+          tr("Three moments of it, with the time to be played"));
+  example("quartz-tube", tr("A candle in a tube of quartz"), tr("Behind a window as well"));
+  example("burner", tr("A candle on a burner"), tr("Its light on a metal tube and a wall"));
+  example("candle-r29", tr("A candle before an R29"), tr("With the noise of a sensor"));
+  example("reconstruct-front", tr("For a reconstruction, from the front"),
+          tr("One of two cameras that look at a candle at right angles"));
+  example("reconstruct-side", tr("For a reconstruction, from the side"), tr("The other one"));
+  example("reconstruct-two-colours", tr("For a reconstruction, of two colours"),
+          tr("Their ratio tells the temperature"));
   example("smoke", tr("Smoke"), tr("A flame lights a puff before a chequered wall"));
   example("calibration-plate", tr("Calibration boards"),
           tr("Checkerboards and dots at four poses"));

@@ -14,13 +14,14 @@ class Operator(LinearOperator):
     """A: samples of a flame (emission [W/(m^3 sr)], or with a known absorption the source function [W/(m^2 sr)]) to the
     fluxes of pixels [W]. Scene.operator() makes it.
 
-    A @ x, A.T @ y, A.matmat(X) and SciPy's solvers (lsqr, lsmr, svds) follow the rays again each time, until A.matrix has
-    been asked for: then they multiply by it. Both directions are exact transposes of each other, and run in threads with
+    A @ x, A.T @ y, A.matmat(X) and SciPy's solvers (lsqr, lsmr, svds) follow the rays again each time (of the form "drawn"
+    draw them again, to the same bits), until A.matrix has been asked for: then they multiply by it. Both directions are exact transposes of each other, and run in threads with
     Python's lock released.
     """
 
     def __init__(self, algorithm, sensors, bin):
-        """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block."""
+        """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block, 1 for cells
+        of micro-images."""
         self.algorithm = algorithm  #: the vtkPlenoflameOperator, or what stands for it without VTK
         super().__init__(numpy.dtype(float), (algorithm.GetNumberOfRows(), algorithm.GetNumberOfColumns()))
         self._matrix = None
@@ -50,7 +51,7 @@ class Operator(LinearOperator):
 
     @property
     def pixels(self):
-        """Of each row column and line of its (block's first) pixel, and the number of its camera: (rows, 3)."""
+        """Of each row column and line of its (block's or cell's first) pixel, and the number of its camera: (rows, 3)."""
         return data.numbers(self.algorithm.GetPixels())
 
     @property
@@ -101,7 +102,7 @@ class Operator(LinearOperator):
 
     def image(self, fluxes, camera=0):
         """Fluxes of the rows as a picture: numpy array (rows, columns) of a camera's pixels, or blocks of them; 0 where
-        no ray meets the grid."""
+        no ray meets the grid. Rows that are parts of micro-images are at their first pixel."""
         fluxes = numpy.asarray(fluxes)
         if fluxes.shape != (self.shape[0],):
             raise Error(f"fluxes takes {self.shape[0]} numbers, one for each row, not an array of the shape {fluxes.shape}")
@@ -113,12 +114,14 @@ class Operator(LinearOperator):
         return picture
 
 
-def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, seed, threads, progress):
+def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form,
+                  threads, progress):
     """Scene.operator()."""
     algorithm = library.Operator()
     scenes = cameras_of(scene)
     set_options(algorithm, **unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel),
-                rays=str(rays), bin=str(bin), seed=None if seed is None else str(seed))
+                rays=str(rays), bin=str(bin), cells=None if cells is None else str(cells),
+                seed=None if seed is None else str(seed), form=_check.text("form", form))
     algorithm.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
     for one in scenes:
         algorithm.AddCamera(one._scene)
@@ -126,4 +129,5 @@ def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, 
         update(algorithm, progress)
     if algorithm.GetNumberOfRows() == 0:
         raise Error("stopped before there was a result")
-    return Operator(algorithm, [(one.rows // int(bin), one.columns // int(bin)) for one in scenes], int(bin))
+    side = 1 if str(bin) in ("view", "micro-image") else int(bin)
+    return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side)

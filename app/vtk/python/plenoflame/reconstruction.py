@@ -152,8 +152,8 @@ def _pictures_of(images, scenes):
 def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None,
                 absorption=None, channel=None, absorption_ratios=None, noise=0.003, support=None, all_voxels=False,
                 solver="fista", penalty=None, smoothing=None, strength=None, rule=None, iterations=300, subsets=None,
-                relaxation=None, prior=None, start=None, rays=64, bin=1, draws=20, probes=16, spread=(), memory=2000, seed=None,
-                truth=False, threads=0, progress=None):
+                relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=20, probes=16, spread=(), memory=2000,
+                form="auto", seed=None, truth=False, threads=0, progress=None):
     """The flame back from pictures of it, as `plenoflame reconstruct` (docs/reconstruct.md), whose options these are.
 
         found = plenoflame.reconstruct(scene, scene.render(512), unknowns="rings", grid=(16, 32), absorption="scene")
@@ -167,6 +167,8 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     absorption: None, "scene", or a value [1/m]
     start, prior: a Reconstruction or a file
     memory: of a stored matrix [MB]; beyond it rays are followed again in each iteration
+    form: what is kept: the "matrix", its "rays", or nothing: rays are "drawn" again in each iteration; "auto": the first that
+    there is memory for
     progress: called with the fraction done; a true result ends the run early, with what was reached until then
 
     Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
@@ -177,10 +179,10 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     pictures = _pictures_of(images, scenes)
     options = unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel)
     numbers = {"noise": noise, "strength": strength, "relaxation": relaxation, "iterations": iterations, "subsets": subsets,
-               "rays": rays, "bin": bin, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
+               "rays": rays, "bin": bin, "cells": cells, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
                "smoothing": smoothing, "absorption_ratios": absorption_ratios}
     options.update({name: None if value is None else words(value) for name, value in numbers.items()})
-    options.update(find=find, solver=solver, penalty=penalty, rule=rule,
+    options.update(form=form, find=find, solver=solver, penalty=penalty, rule=rule,
                    support=None if support is None else os.fspath(support), start=_set_earlier(algorithm, "start", start),
                    prior=_set_earlier(algorithm, "prior", prior), truth=str(bool(truth)).lower(),
                    all_voxels=str(bool(all_voxels)).lower())

@@ -56,6 +56,7 @@ def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequ
                 smoothing: Union[None, str, Sequence[float]] = ..., strength: Optional[float] = ...,
                 rule: Optional[str] = ..., iterations: int = ..., subsets: Optional[int] = ...,
                 relaxation: Optional[float] = ..., prior: Union[None, Reconstruction, _Path] = ...,
-                start: Union[None, Reconstruction, _Path] = ..., rays: int = ..., bin: int = ..., draws: int = ...,
-                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., seed: Optional[int] = ...,
+                start: Union[None, Reconstruction, _Path] = ..., rays: int = ..., bin: Union[int, str] = ..., cells: Optional[int] = ...,
+                draws: int = ...,
+                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., form: str = ..., seed: Optional[int] = ...,
                 truth: bool = ..., threads: int = ..., progress: Optional[Callable[[float], Any]] = ...) -> Reconstruction: ...

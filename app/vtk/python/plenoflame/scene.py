@@ -419,7 +419,7 @@ class Scene:
         return ray_blocks(self, samples, window, precision, radiance, seed, skip, rays_per_block, threads)
 
     def operator(self, *, unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None, absorption=None,
-                 channel=None, rays=64, bin=1, seed=None, threads=0, progress=None):
+                 channel=None, rays=64, bin=1, cells=None, seed=None, form="auto", threads=0, progress=None):
         """The matrix from a flame's samples to the pixels' fluxes, as `plenoflame operator` writes it (docs/reconstruct.md):
         a scipy.sparse.linalg.LinearOperator that follows rays, and with .matrix a csr_matrix. Needs SciPy.
 
@@ -429,7 +429,10 @@ class Scene:
         unknowns: "voxels", "rings" or "layers"; grid: their numbers; center, size, axis: in metres, or texts with units;
         without them, where the scene's flames are
         absorption: None (samples are those of emission), "scene", or a value [1/m]: samples of the source function
-        rays: per pixel and microlens; bin: pixels along each side of a row's block; seed: None: the scene's
+        rays: per pixel and microlens; bin: pixels along each side of a row's block, "micro-image", or "view": the cells x cells
+        parts of each micro-image; seed: None: the scene's
+        form: "rays" are kept, or "drawn" again in each product, where their number takes no memory; "auto": kept where the
+        machine has memory for them
         progress: called with the fraction done; a true result stops it
 
         Of a scene with several cameras: all of them, one after the other, unless one is chosen. Returns Operator. Raises
@@ -439,8 +442,8 @@ class Scene:
             from .operators import make_operator
         except ImportError as error:  # SciPy is needed for nothing else
             raise Error(f"operator() needs SciPy (Debian's python3-scipy, or pip install scipy): {error}") from None
-        return make_operator(self, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, seed, threads,
-                             progress)
+        return make_operator(self, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed,
+                             form, threads, progress)
 
     def camera(self, **settings):
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,

@@ -5,6 +5,7 @@
 
 #include "plenoflame/calibration/count_frames.h"
 #include "plenoflame/calibration/radiometry_table.h"
+#include "plenoflame/calibration/raw_import.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/sensor_spec.h"
 
@@ -28,6 +29,10 @@ struct EvaluatedPixels {
   MosaicPattern mosaic = MosaicPattern::none;
   int colour = 0;           ///< of the mosaic
   std::size_t channel = 0;  ///< of the pictures
+  /// Flat field and white picture that even out all pictures as import_counts() does with them, so
+  /// that its watts are of this scale: what counts is the light of the pixel in the middle of all.
+  RawCorrections corrections;
+  SensorResponse sensor;  ///< by which their noise is known
 };
 
 struct RadiometryFit {
@@ -46,7 +51,8 @@ struct RadiometryFit {
 /// Counts c above dark are taken as E L t / J / (1 + k c): J, energy per count, from the pictures
 /// of known radiance, the curvature k from pictures of one unknown radiance at three exposures or
 /// more (`whites`), else from three or more of known radiance whose counts differ enough; else 0.
-/// Pixels are those whose etendue is at least 0.8 of the largest, and that no picture saturates.
+/// Pixels are those whose etendue is at least 0.8 of the largest, and that no picture saturates;
+/// with corrections those of which they say something.
 /// @param common relative standard error of what all pictures share: emissivity, the camera's
 /// etendue
 /// @throws InputError: no such pixels, exposure missing, a picture no brighter than dark

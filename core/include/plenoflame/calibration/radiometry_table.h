@@ -12,6 +12,9 @@ struct ChannelScale {
   /// Counts of a linear sensor would be c (1 + curvature c), c above dark.
   double curvature = 0;  ///< [1/counts]
   double curvature_error = 0;
+  /// A white picture, a flat field evened the pictures out: pictures that this scale is for have
+  /// to be evened out, too.
+  bool white = false, flat = false;
 };
 
 /// Result of a radiometric calibration as a file.

@@ -39,8 +39,6 @@ struct SensorResponse {
   double black_level = 0;    ///< [counts] where there is no dark frame
   double dark_current = 0;   ///< [electrons/s] where there is no dark frame
   double exposure_time = 0;  ///< [s]; 0: not known
-  /// Counts above dark that a linear sensor would have given: c (1 + curvature c); 0: it is linear.
-  double curvature = 0;  ///< [1/counts]
 };
 
 struct ImportSettings {
@@ -52,6 +50,9 @@ struct ImportSettings {
   /// One for each channel of the picture in turn; for a mosaic red, green, blue.
   std::vector<std::string> names;
   std::vector<double> watts_per_count;  ///< the same [W]; for watts
+  /// The same [1/counts]: a linear sensor would have given c (1 + curvature c) of c counts above
+  /// dark. Empty: it is linear.
+  std::vector<double> curvatures;
   MosaicPattern mosaic = MosaicPattern::none;
   Image model_white;  ///< white_image() of the camera's model, for RawCorrections::white
 };

@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// Which layers are read besides a channel.
+/// The layers that are read besides a channel.
 enum class Layers { none, all };
 
 /// The flux of one channel of what write_light_field wrote; other channels and all standard errors

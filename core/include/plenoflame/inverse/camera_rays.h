@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,8 +31,14 @@ struct CameraRaySettings {
   int samples = 16;    ///< rays per pixel and microlens that covers it
   int replicates = 2;  ///< randomisations that these are made of
   std::uint64_t seed = 1;
-  int bin = 1;      ///< a row is the sum of bin x bin pixels
+  int bin = 1;  ///< a row is the sum of bin x bin pixels
+  /// Above 0 rows are cells of micro-images in place of blocks: of cells x cells over the square
+  /// around each (micro_image_bins()). With 1 a row is all light of a microlens, with several a
+  /// pixel of a view. Pixels between micro-images are in no row.
+  int cells = 0;
   int channel = 0;  ///< of the scene: where glasses disperse, the way of its wavelengths
+  /// Rays are kept. Otherwise they are counted, and drawn again by whoever follows them (RowRays).
+  bool keep = true;
 };
 
 /// A ray that a pixel sees, in world coordinates.
@@ -42,30 +50,127 @@ struct CameraRay {
   int part = 0;            ///< of the stop, of PupilFilters::parts()
 };
 
+struct RaySource;
+
 /// The rays of every pixel, or block of pixels, that sees a box: rows of the linear problem. A row
 /// times radiance is a flux [W], the sum over its pixels.
 struct CameraRays {
   struct Row {
     int view = 0;             ///< number of the camera
-    int column = 0, row = 0;  ///< of the block's first pixel, on the whole sensor
+    int column = 0, row = 0;  ///< of the first of its pixels, on the whole sensor
     std::size_t begin = 0;    ///< of its rays
   };
+  struct Pixel {
+    int column = 0, row = 0;  ///< on the whole sensor
+  };
   std::vector<Row> rows;
+  /// The rays of a row are those of its pixels line by line. Empty where `source` draws them.
   std::vector<CameraRay> rays;
+  std::shared_ptr<const RaySource> source;  ///< nullptr where rays are kept
+  /// The pixels of rows that are cells of micro-images, row after row, and the end of each row's.
+  /// Empty for blocks.
+  std::vector<Pixel> pixels;
+  std::vector<std::size_t> pixel_ends;
 
+  std::size_t ray_count() const;
   std::size_t end_of(std::size_t row) const {
-    return row + 1 < rows.size() ? rows[row + 1].begin : rays.size();
+    return row + 1 < rows.size() ? rows[row + 1].begin : ray_count();
   }
+  /// Calls use(column, row) for each pixel of a row. @param bin of the settings
+  template <class Use>
+  void for_each_pixel(std::size_t row, int bin, const Use& use) const {
+    if (!pixel_ends.empty()) {
+      for (std::size_t p = row == 0 ? 0 : pixel_ends[row - 1]; p < pixel_ends[row]; ++p)
+        use(pixels[p].column, pixels[p].row);
+      return;
+    }
+    for (int j = 0; j < bin; ++j)
+      for (int i = 0; i < bin; ++i) use(rows[row].column + i, rows[row].row + j);
+  }
+};
+
+/// The smallest window around the pixels of some rows of one view. @param bin of the settings
+PixelWindow window_around(const CameraRays& rays, std::span<const std::size_t> rows, int bin);
+
+/// Rows in an order in which neighbours on the sensor are together, piece after piece. A piece has
+/// some hundred rows and a quarter of a million rays at most, unless a single row has more.
+struct RowPieces {
+  std::vector<std::size_t> rows, ends;
+  std::size_t count() const { return ends.size(); }
+  std::span<const std::size_t> of(std::size_t piece) const {
+    const std::size_t begin = piece == 0 ? 0 : ends[piece - 1];
+    return std::span(rows).subspan(begin, ends[piece] - begin);
+  }
+};
+
+/// The same whether rays are kept or not.
+RowPieces pieces_of(const CameraRays& rays);
+
+/// Draws rays again, a piece at a time: what it takes is the memory of some pieces.
+struct RaySource {
+  Box box;
+  CameraRaySettings settings;
+  std::size_t rays = 0;  ///< of all rows
+  RowPieces pieces;
+  /// The camera of each piece, with the window around its pixels. What they point to must outlive
+  /// this.
+  std::vector<CameraView> views;
+  std::vector<std::uint32_t> piece_of;  ///< of each row
+};
+
+/// Hands out the rays of rows, for one thread, whether they are kept or drawn again. Rows should be
+/// asked for piece by piece: a row of another piece than the one before has all of its piece drawn.
+class RowRays {
+ public:
+  /// @param all must outlive it
+  explicit RowRays(const CameraRays& all) : all_(all) {}
+  /// Valid until the next call.
+  std::span<const CameraRay> of(std::size_t row);
+
+ private:
+  const CameraRays& all_;
+  std::size_t piece_ = static_cast<std::size_t>(-1);
+  CameraRays drawn_;
+  std::vector<std::int32_t> at_;  ///< row of drawn_ that begins at a pixel of the window; -1: none
 };
 
 /// Draws the rays that the backward estimator draws with these samples and this seed, and keeps
 /// those that meet the box; of a compiled camera all of its own that do. Blocks of pixels that
 /// reach beyond the window are left out. The same for any number of threads.
-/// @throws UsageError for settings that render() refuses, a bin below 1, a window that a compiled
-///         camera does not hold
+/// @throws UsageError for settings that render() refuses, a bin below 1, cells of a camera without
+///         microlenses, a window that a compiled camera does not hold
 /// @throws InputError as check_compiled(), and where the box reaches beyond its region
 /// @throws Cancelled
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution = {});
+
+/// The way that rows of the linear problem are at hand, from fast to small.
+enum class OperatorForm {
+  automatic,  ///< the first of those that follow for which there is memory
+  matrix,     ///< stored
+  rays,       ///< rays are kept, and followed again in each product
+  drawn,      ///< rays are drawn again, too: memory does not depend on their number
+};
+
+/// Rays that are counted and not kept.
+CameraRays counted_camera_rays(const std::vector<CameraView>& views, const Box& box,
+                               CameraRaySettings settings, const Execution& execution = {});
+
+/// The number of rays that will be drawn, told by as few as 4 for each replicate: some per cent too
+/// large, as a pixel and microlens that are hardly worth it have one ray at the least.
+double estimated_rays(const std::vector<CameraView>& views, const Box& box,
+                      const CameraRaySettings& settings, const Execution& execution = {});
+
+/// Sets the way in which rays of this form are at hand: they are kept unless it has them drawn
+/// again, or is left to choose and they would take more than half of the memory that the machine
+/// has left. Their number is told by estimated_rays().
+/// @throws InputError: the form has them kept, and the machine has not the memory
+CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>& views,
+                                const Box& box, CameraRaySettings settings,
+                                const Execution& execution = {});
+
+/// draw_camera_rays() by kept_or_drawn().
+CameraRays rays_of_form(OperatorForm form, const std::vector<CameraView>& views, const Box& box,
+                        CameraRaySettings settings, const Execution& execution = {});
 
 }  // namespace plenoflame

@@ -68,6 +68,7 @@ struct ReconstructionSettings {
   int draws = 20;   ///< noise draws for the standard deviations; 0: none
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none. Without
                     ///< draws they give the standard deviations as well, by the covariance
+  OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
   SharedAssembly* assembly = nullptr;
@@ -117,6 +118,7 @@ struct Reconstruction {
   std::size_t unseen = 0;  ///< unknowns that no ray meets
   std::size_t empty = 0;   ///< unknowns that dark pixels rule out
   bool stored = true;
+  bool drawn = false;              ///< rays were not kept
   double matrix_bytes = 0;         ///< stored, or what it would have taken
   RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
   double strength = 0;             ///< chosen
@@ -153,8 +155,8 @@ void require_vector_memory(const ReconstructionSettings& settings, const Unknown
 
 /// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
 /// start,
-///         prior or support of another size, a solver that wants the stored matrix where memory
-///         does not suffice
+///         prior or support of another size, a solver or form that wants the stored matrix where
+///         memory does not suffice
 /// @throws Cancelled when a stop came before there was any solution
 Reconstruction reconstruct(const ReconstructionInput& input, const ReconstructionSettings& settings,
                            const Execution& execution = {});

@@ -37,8 +37,10 @@ class SharedAssembly {
   std::vector<char> ready_;  ///< ranks that have their cameras
 };
 
-/// draw_camera_rays(), by all ranks where there is an assembly. @param assembly nullptr: none
-CameraRays rays_by(SharedAssembly* assembly, const std::vector<CameraView>& views, const Box& box,
+/// rays_of_form(), by all ranks where there is an assembly and rays are kept. @param assembly
+/// nullptr: none
+CameraRays rays_by(SharedAssembly* assembly, OperatorForm form,
+                   const std::vector<CameraView>& views, const Box& box,
                    const CameraRaySettings& settings, const Execution& execution);
 
 /// The part of a rank above 0, until rank 0 is done.

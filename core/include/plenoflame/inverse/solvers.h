@@ -35,7 +35,7 @@ enum class StopReason {
 };
 std::string name_of(StopReason reason);
 
-/// When to stop, and what to report.
+/// Says when a solver stops, and what it reports.
 struct SolverOptions {
   int iterations = 100;
   /// Stop when an iteration changes x by less than this, relative to x; 0: never.
@@ -50,6 +50,9 @@ struct SolverOptions {
   std::vector<double> start = {};  ///< empty: 0, or 1 for solvers that multiply
   /// Called after each iteration, with x.
   std::function<void(int iteration, double misfit, std::span<const double> x)> watch = {};
+  /// Has x and history of the last whole iteration, after each: an operator may throw Cancelled in
+  /// the middle of the next. May be nullptr.
+  struct Solution* kept = nullptr;
 };
 
 /// The result of an iteration.

@@ -22,7 +22,7 @@ struct ColourSettings {
 /// edge of each channel. @throws InputError for images of different sizes, or not finite values
 PngImage colour_picture(const std::array<const Image*, 3>& images, const ColourSettings& settings);
 
-/// Which channels of a light field are a colour picture.
+/// The channels of a light field that are a colour picture.
 struct ColourChannels {
   std::array<std::string, 3> names;  ///< all empty: none are
   bool is_xyz = false;               ///< X, Y, Z; otherwise red, green, blue

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// Which pixels of a window are taken together.
+/// The pixels of a window that are taken together.
 struct PixelBins {
   std::size_t count = 0;
   std::vector<std::int32_t> of_pixel;  ///< row by row: number of its bin, from 0; -1: in none

@@ -33,7 +33,7 @@ std::vector<PupilView> extract_pupil_views(const LightField& light_field,
 /// @param type of microlens, near the axis
 double blur_of_stop(const MicroImages& micro_images, int type);
 
-/// Which part of the stop (PupilFilters::part_at()) each view of a grid sees, row by row, as the
+/// The part of the stop (PupilFilters::part_at()) that each view of a grid sees, row by row, as the
 /// command `views` numbers them, near the axis; -1: several parts, or none as a whole.
 /// @param grid views along a side @param spread as ViewSettings::spread
 std::vector<int> parts_of_views(const MicroImages& micro_images, int grid, double spread);

@@ -54,7 +54,8 @@ struct FocusStack {
   std::vector<RefocusedImage> planes;
   /// Per pixel the plane on which its samples, seen from different places of the main lens, agree
   /// best: least variance of the samples' radiance over the square of its mean, both over 5 x 5
-  /// pixels.
+  /// pixels. A place that has less than some hundredths of the stack's brightest one in a plane is
+  /// dark there, and evenly so.
   Image all_in_focus;  ///< radiance there [W/(m^2 sr)]
   /// [m] between the planes by a parabola through the variances of three; for opaque scenes: a
   /// flame is transparent and has no single depth. 0 where nothing was seen.

@@ -64,7 +64,8 @@ SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow windo
 double channel_exposure(const LightField& electrons, const std::string& channel);
 double channel_dark_electrons(const LightField& electrons, const std::string& channel);
 
-/// Which of red (0), green (1) and blue (2) a pixel of the whole sensor sees; 0 without a mosaic.
+/// The colour that a pixel of the whole sensor sees: red (0), green (1) or blue (2); 0 without a
+/// mosaic.
 int mosaic_colour(MosaicPattern pattern, int column, int row);
 
 /// A colour at every pixel of a sensor with a mosaic.

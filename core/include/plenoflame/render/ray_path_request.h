@@ -20,7 +20,7 @@ struct RayPathRequest {
   int rays_per_point = 64;
   int flame_samples = 0;              ///< RayPaths::flame_samples
   std::optional<std::uint64_t> seed;  ///< none: the scene's
-  /// Which to keep, by RayStatus.
+  /// The rays to keep, by RayStatus.
   std::array<bool, 4> statuses{true, true, true, true};
   int type = -1;         ///< of the microlens; negative: any
   std::size_t most = 0;  ///< RaySelection::most

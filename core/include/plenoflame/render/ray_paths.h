@@ -104,7 +104,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths);
 /// @throws UsageError when the sensor has fewer
 std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint64_t seed);
 
-/// Which rays to keep.
+/// The rays to keep.
 struct RaySelection {
   std::vector<RayStatus> statuses;  ///< empty: any
   std::vector<int> types;           ///< of the microlens, -1: none; empty: any

@@ -27,7 +27,7 @@ struct RayBlock {
   /// top left corner. All rays of a pixel are in blocks of the same tile.
   int tile = 0;
   int sequence = 0;  ///< number of the block within its tile, from 0
-  /// Which way through the camera: one for each wavelength where glasses disperse, else 0.
+  /// The way through the camera: one for each wavelength where glasses disperse, else 0.
   int path = 0;
   /// The scene as the rays of this path see it, with its medium, lights and spectral weights (mix).
   const CompiledScene* scene = nullptr;
@@ -58,7 +58,7 @@ struct RayBlock {
   /// Flames from t_near to t_far let it through, first channel. Empty as `radiance` is.
   std::span<const Real> transmittance;
 
-  /// Which channel of the whole scene a channel of this path's scene adds to.
+  /// The channel of the whole scene that a channel of this path's scene adds to.
   std::size_t channel_of_scene(std::size_t channel) const {
     return scene->film_channel.empty() ? channel
                                        : static_cast<std::size_t>(scene->film_channel[channel]);

@@ -44,7 +44,7 @@ struct RenderSettings {
   double target_error = 0;
   double time_limit = 0;  ///< [s] after which no further round is begun; 0: none
   PixelWindow window;     ///< width 0: the whole sensor
-  /// Which of the film's tiles get rays (part_of_tile()): all parts together are the picture, bit
+  /// The film's tiles that get rays (part_of_tile()): all parts together are the picture, bit
   /// by bit (render/merge.h). For a fixed number of samples only.
   Part part = {};
   bool skip = true;  ///< false: nothing is left out (for comparison)

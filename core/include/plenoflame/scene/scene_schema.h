@@ -41,7 +41,7 @@ struct ValueRange {
   bool nonzero = false;
 };
 
-/// Which items of the lists along a path are meant, outermost first.
+/// The numbers of the items that are meant in the lists along a path, outermost first.
 using SchemaIndices = std::span<const std::size_t>;
 
 struct SchemaKey {

@@ -35,7 +35,7 @@ struct SensorSpec {
   double hot_current = 0;        ///< electrons per second
   double dead_pixels = 0;        ///< share of pixels that see nothing
   std::uint64_t noise_seed = 1;  ///< of noise and defects
-  // When light is gathered, for scenes that change with time (timeline.h).
+  // The times at which light is gathered, for scenes that change with time (timeline.h).
   double frame_rate = 0;      ///< [1/s] of its pictures; 0: that of the first series of flames
   double exposure_begin = 0;  ///< [s] after the time of its frame
   int exposure_steps = 8;     ///< moments that stand for an exposure of what moves by a table

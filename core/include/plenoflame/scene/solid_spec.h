@@ -25,7 +25,7 @@ enum class MaterialKind {
   emitter,     ///< absorbs everything, emits a given radiance in all directions
 };
 
-/// Which side of a surface has its material; the other one is black and dark.
+/// The sides of a surface that have its material; the other one is black and dark.
 enum class MaterialSides { both, front };
 
 enum class TextureKind { none, checkerboard, dots, siemens_star, bars, image };

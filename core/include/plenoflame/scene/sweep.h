@@ -69,7 +69,7 @@ class SweepRules {
 /// Seed of a run's picture, of 63 bits.
 std::uint64_t seed_of_run(std::uint64_t sweep_seed, int run);
 
-/// Which runs are for testing: a random choice of round(share * runs) of them.
+/// Tells for each run whether it is for testing: a random choice of round(share * runs) of them.
 std::vector<bool> choose_test_runs(std::uint64_t sweep_seed, int runs, double share);
 
 }  // namespace plenoflame

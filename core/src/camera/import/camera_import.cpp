@@ -120,6 +120,8 @@ void take_given(double& known, double given) {
 void take_given(const CameraSpec& given, CameraSpec& camera) {
   take_given(camera.lens.focal_length, given.lens.focal_length);
   take_given(camera.lens.diameter, given.lens.diameter);
+  if (std::isfinite(given.lens.distortion.distance))
+    camera.lens.distortion.distance = given.lens.distortion.distance;
   take_given(camera.array.pitch, given.array.pitch);
   take_given(camera.array.sensor_distance, given.array.sensor_distance);
   take_given(camera.sensor.pixel_pitch, given.sensor.pixel_pitch);

@@ -274,7 +274,8 @@ class LibplenoReader {
   }
 
   /// Displacements of image points, in mm, whatever their depth. The scene's map is that of one
-  /// plane: of the objects at dist_focus, or of what is sharp on the array.
+  /// plane: of objects at the distance that was given, at dist_focus, or of what is sharp on the
+  /// array.
   void distortion() {
     const auto is_given = [](const std::vector<double>& values) {
       return std::any_of(values.begin(), values.end(), [](double value) { return value != 0; });
@@ -283,7 +284,14 @@ class LibplenoReader {
                               tangential = numbers({"distortions", "tangential"}, 2);
     if (is_given(radial) || is_given(tangential)) {
       MainLensSpec& lens = found_.camera.lens;
-      const double f = lens.focal_length, given = kMillimetre * number_or({"dist_focus"}, 0);
+      const double f = lens.focal_length;
+      const double given = std::isfinite(lens.distortion.distance)
+                               ? lens.distortion.distance
+                               : kMillimetre * number_or({"dist_focus"}, 0);
+      if (std::isfinite(lens.distortion.distance) && !(given > f))
+        refuse_calibration(file_,
+                           "camera.lens.distortion.distance is within the focal length, where its "
+                           "distortion of images has no meaning");
       const double behind = found_.camera.focus.lens_distance;
       double image = f;
       if (given > f) {
@@ -306,7 +314,8 @@ class LibplenoReader {
       }
       found_.note("the distortion of the main lens is exact for objects at " +
                   readable_quantity(lens.distortion.distance, Dimension::length) +
-                  "; libpleno moves images of all depths by the same lengths");
+                  "; libpleno moves images of all depths by the same lengths. Where boards or "
+                  "flames stand elsewhere, give camera.lens.distortion.distance");
     }
     if (is_given(numbers({"distortions", "depth"}, 0)))
       found_.note(

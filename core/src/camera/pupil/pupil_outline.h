@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// Which sensor points see the scene through which points of the aim plane, for a microlens at
+/// The sensor points that see the scene through each point of the aim plane, for a microlens at
 /// distance h from the axis: traced on polar grids, one for each azimuth of the sensor point.
 ///
 /// A grid fills the aperture's disc and moves with it, as that moves with the sensor point. For

@@ -12,19 +12,21 @@ namespace {
 
 /// Rows whose replicates are compared.
 constexpr std::size_t kComparedRows = 4096;
+/// Rows by which the entries of all are told before these are drawn; rays of a pixel, in the fewest
+/// that can be drawn, for which that is worth its time.
+constexpr std::size_t kSampledRows = 64;
+constexpr int kFewestOfSample = 4;
 
 /// Follows the rays of rows; one for each thread.
 class RowWalk {
  public:
-  explicit RowWalk(const EmissionProblem& problem) : problem_(problem) {}
+  explicit RowWalk(const EmissionProblem& problem) : problem_(problem), rays_(*problem.rays) {}
 
   /// Calls use(node, weight, replicate) along every ray of a row; the weights are fluxes [W] for a
   /// field of 1.
   template <class Use>
   void follow_nodes(std::size_t row, const Use& use) {
-    const CameraRays& all = *problem_.rays;
-    for (std::size_t r = all.rows[row].begin; r < all.end_of(row); ++r) {
-      const CameraRay& ray = all.rays[r];
+    for (const CameraRay& ray : rays_.of(row)) {
       intervals_.clear();
       problem_.unknowns->append({ray.origin, ray.direction}, 0, ray.end, intervals_);
       node_weights(intervals_, problem_.absorption, problem_.model, weights_);
@@ -44,6 +46,7 @@ class RowWalk {
 
  private:
   const EmissionProblem& problem_;
+  RowRays rays_;
   std::vector<RayInterval> intervals_;
   std::vector<std::array<double, 2>> weights_;
 };
@@ -52,6 +55,7 @@ struct EmissionRows {
   EmissionProblem problem;
   std::size_t rows() const { return problem.rays->rows.size(); }
   std::size_t columns() const { return problem.unknowns->size(); }
+  RowPieces pieces() const { return pieces_of(*problem.rays); }
   RowWalk walk() const { return RowWalk(problem); }
 };
 
@@ -69,9 +73,53 @@ std::size_t estimated_entries(const EmissionProblem& problem) {
   return estimate_entries(EmissionRows{problem});
 }
 
+double least_entries(const EmissionProblem& problem, const std::vector<CameraView>& views,
+                     const CameraRaySettings& settings, const Execution& execution) {
+  check(problem);
+  if (settings.samples < kFewestOfSample * settings.replicates) return 0;
+  const Box box = problem.unknowns->bounds();
+  CameraRaySettings fewest = settings;
+  fewest.samples = settings.replicates;
+  const CameraRays few = counted_camera_rays(views, box, fewest, execution);
+  const std::size_t rows = few.rows.size();
+  const std::size_t step = std::max<std::size_t>(1, rows / kSampledRows);
+  const std::size_t count = rows / step;
+  if (count < 2) return 0;
+  CameraRaySettings all = settings;
+  all.keep = true;
+  std::vector<double> entries(count, 0.0);
+  const auto task = [&](std::size_t k, int) {
+    const std::size_t i = k * step + step / 2;
+    const CameraRays::Row& wanted = few.rows[i];
+    CameraView view = views[static_cast<std::size_t>(wanted.view)];
+    view.window = window_around(few, std::span(&i, 1), settings.bin);
+    Execution alone;
+    alone.threads = 1;
+    const CameraRays rays = draw_camera_rays({view}, box, all, alone);
+    EmissionProblem own = problem;
+    own.rays = &rays;
+    RowWalk walk(own);
+    RowSum sum(problem.unknowns->size());
+    for (std::size_t row = 0; row < rays.rows.size(); ++row) {
+      if (rays.rows[row].column != wanted.column || rays.rows[row].row != wanted.row) continue;
+      walk.follow(row, [&](std::size_t column, double value) { sum.add(column, value); });
+      sum.take([&](std::size_t, double) { ++entries[k]; });
+    }
+  };
+  Execution quiet = execution.threads_only();
+  quiet.stop = execution.stop;
+  for_pieces(quiet, count, task);
+  double mean = 0, squares = 0;
+  for (const double own : entries) mean += own / static_cast<double>(count);
+  for (const double own : entries) squares += (own - mean) * (own - mean);
+  const double error = std::sqrt(squares / static_cast<double>(count * (count - 1)));
+  return static_cast<double>(rows) * std::max(0.0, mean - 3 * error);
+}
+
 CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Execution& execution) {
   check(problem);
-  return store_rows(EmissionRows{problem}, execution);
+  const EmissionRows rows{problem};
+  return problem.rays->source ? store_pieces(rows, execution) : store_rows(rows, execution);
 }
 
 CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution) {
@@ -94,23 +142,22 @@ std::vector<std::array<double, 2>> replicate_fluxes(const EmissionProblem& probl
                                                     std::span<const double> x,
                                                     const Execution& execution) {
   check(problem);
-  if (std::none_of(problem.rays->rays.begin(), problem.rays->rays.end(),
-                   [](const CameraRay& ray) { return ray.replicate > 0; }))
-    return {};
   const std::size_t rows = problem.rays->rows.size();
   const std::size_t step = (rows + kComparedRows - 1) / kComparedRows;
-  std::vector<std::array<double, 2>> sums((rows + step - 1) / step);
-  constexpr std::size_t kRowsOfTask = 64;
-  const auto task = [&](std::size_t part, int) {
+  std::vector<std::array<double, 2>> sums(step > 0 ? (rows + step - 1) / step : 0);
+  const RowPieces pieces = pieces_of(*problem.rays);
+  const auto task = [&](std::size_t piece, int) {
     RowWalk walk(problem);
-    const std::size_t end = std::min(sums.size(), (part + 1) * kRowsOfTask);
-    for (std::size_t i = part * kRowsOfTask; i < end; ++i)
-      walk.follow_nodes(i * step, [&](const RayNode& node, double weight, int replicate) {
-        if (replicate < 2) sums[i][static_cast<std::size_t>(replicate)] += weight * node.value(x);
+    follow_piece(pieces, piece, execution, [&](std::size_t row) {
+      if (row % step != 0) return;
+      walk.follow_nodes(row, [&](const RayNode& node, double weight, int replicate) {
+        if (replicate < 2)
+          sums[row / step][static_cast<std::size_t>(replicate)] += weight * node.value(x);
       });
+    });
   };
-  if (!parallel_for(execution, (sums.size() + kRowsOfTask - 1) / kRowsOfTask, task))
-    throw Cancelled();
+  for_pieces(execution, pieces.count(), task);
+  if (std::all_of(sums.begin(), sums.end(), [](const auto& sum) { return sum[1] == 0; })) return {};
   return sums;
 }
 

@@ -7,19 +7,22 @@
 #include <vector>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/inverse/camera_rays.h"
 #include "plenoflame/inverse/csr_matrix.h"
 #include "plenoflame/inverse/linear_operator.h"
 
 /// Operators whose rows are made by following rays: without a matrix, or stored.
 ///
-/// `Rows` is copied freely and has rows(), columns() and walk(), an object for one thread whose
-/// follow(row, use) calls use(column, value) for every contribution to the row, in an order that
-/// depends on nothing but the row.
+/// `Rows` is copied freely and has rows(), columns(), pieces(), and walk(), an object for one
+/// thread whose follow(row, use) calls use(column, value) for every contribution to the row, in an
+/// order that depends on nothing but the row. Rows of a piece are followed one after the other:
+/// their rays may be drawn together (RowRays).
 namespace plenoflame {
 
-/// Rows that one task works on. Parts do not depend on threads.
+/// Rows of a stored matrix that one task works on.
 inline constexpr std::size_t kFollowedRows = 256;
-/// Sums of A^T that are made apart from each other.
+/// Sums of A^T that are made apart from each other, each of some pieces: they depend on neither
+/// threads nor the way that rays are at hand.
 inline constexpr std::size_t kFollowedParts = 16;
 
 /// A row's entries by column, gathered densely.
@@ -51,44 +54,65 @@ class RowSum {
   std::vector<std::size_t> columns_;
 };
 
+/// Rows after which a product looks whether it is to end: a piece may take seconds.
+inline constexpr std::size_t kRowsBetweenLooks = 64;
+
+/// Calls use(row) for each row of a piece, until the stop.
+template <class Use>
+void follow_piece(const RowPieces& pieces, std::size_t piece, const Execution& execution,
+                  const Use& use) {
+  std::size_t count = 0;
+  for (const std::size_t row : pieces.of(piece)) {
+    if (count++ % kRowsBetweenLooks == 0 && execution.stop.stop_requested()) return;
+    use(row);
+  }
+}
+
+/// parallel_for() of such pieces. @throws Cancelled
+template <class Task>
+void for_pieces(const Execution& execution, std::size_t count, const Task& task) {
+  if (!parallel_for(execution, count, task) || execution.stop.stop_requested()) throw Cancelled();
+}
+
+/// Its products throw Cancelled soon after a stop of the Execution.
 template <class Rows>
 class FollowedOperator final : public LinearOperator {
  public:
   FollowedOperator(Rows rows, Execution execution)
-      : rows_(std::move(rows)), execution_(std::move(execution)) {
+      : rows_(std::move(rows)), pieces_(rows_.pieces()), execution_(std::move(execution)) {
     execution_.progress = nullptr;
   }
   std::size_t rows() const override { return rows_.rows(); }
   std::size_t columns() const override { return rows_.columns(); }
 
   void apply(std::span<const double> x, std::span<double> y) const override {
-    const auto task = [&](std::size_t part, int) {
+    const auto task = [&](std::size_t piece, int) {
       auto walk = rows_.walk();
-      const std::size_t end = std::min(rows(), (part + 1) * kFollowedRows);
-      for (std::size_t row = part * kFollowedRows; row < end; ++row) {
+      follow_piece(pieces_, piece, execution_, [&](std::size_t row) {
         double sum = 0;
         walk.follow(row, [&](std::size_t column, double value) { sum += value * x[column]; });
         y[row] = sum;
-      }
+      });
     };
-    if (!parallel_for(execution_, (rows() + kFollowedRows - 1) / kFollowedRows, task))
-      throw Cancelled();
+    for_pieces(execution_, pieces_.count(), task);
   }
 
   void apply_transpose(std::span<const double> y, std::span<double> x) const override {
     std::vector<std::vector<double>> parts(kFollowedParts);
-    const std::size_t share = (rows() + kFollowedParts - 1) / kFollowedParts;
     const auto task = [&](std::size_t part, int) {
       std::vector<double>& sum = parts[part];
       sum.assign(columns(), 0.0);
       auto walk = rows_.walk();
-      for (std::size_t row = part * share; row < std::min(rows(), (part + 1) * share); ++row) {
+      const auto add = [&](std::size_t row) {
         const double factor = y[row];
-        if (factor == 0) continue;
+        if (factor == 0) return;
         walk.follow(row, [&](std::size_t column, double value) { sum[column] += factor * value; });
-      }
+      };
+      const std::size_t end = (part + 1) * pieces_.count() / kFollowedParts;
+      for (std::size_t piece = part * pieces_.count() / kFollowedParts; piece < end; ++piece)
+        follow_piece(pieces_, piece, execution_, add);
     };
-    if (!parallel_for(execution_, kFollowedParts, task)) throw Cancelled();
+    for_pieces(execution_, kFollowedParts, task);
     std::fill(x.begin(), x.end(), 0.0);
     for (const std::vector<double>& sum : parts)
       for (std::size_t c = 0; c < columns(); ++c) x[c] += sum[c];
@@ -96,6 +120,7 @@ class FollowedOperator final : public LinearOperator {
 
  private:
   Rows rows_;
+  RowPieces pieces_;
   Execution execution_;
 };
 
@@ -105,15 +130,28 @@ std::size_t estimate_entries(const Rows& all) {
   const std::size_t rows = all.rows();
   if (rows == 0) return 0;
   const std::size_t step = std::max<std::size_t>(1, rows / 200);
+  const RowPieces pieces = all.pieces();
   auto walk = all.walk();
   RowSum sum(all.columns());
   std::size_t entries = 0, looked_at = 0;
-  for (std::size_t row = step / 2; row < rows; row += step) {
-    walk.follow(row, [&](std::size_t column, double value) { sum.add(column, value); });
+  for (std::size_t k = step / 2; k < rows; k += step) {
+    walk.follow(pieces.rows[k], [&](std::size_t column, double value) { sum.add(column, value); });
     sum.take([&](std::size_t, double) { ++entries; });
     ++looked_at;
   }
   return looked_at > 0 ? entries * rows / looked_at : 0;
+}
+
+/// Follows a row and adds its entries.
+template <class Walk>
+void append_row(Walk& walk, std::size_t row, RowSum& sum, CsrRows<float>& part) {
+  walk.follow(row, [&](std::size_t column, double value) { sum.add(column, value); });
+  const std::size_t before = part.values.size();
+  sum.take([&](std::size_t column, double value) {
+    part.columns.push_back(static_cast<std::int32_t>(column));
+    part.values.push_back(static_cast<float>(value));
+  });
+  part.counts.push_back(part.values.size() - before);
 }
 
 /// Rows that are made before they are appended to the matrix: they are there twice for that long.
@@ -138,22 +176,53 @@ void gather_rows(const Rows& all, const Execution& execution, std::vector<std::i
       CsrRows<float>& part = parts[p];
       const std::size_t end = std::min(last, first + (p + 1) * kFollowedRows);
       for (std::size_t row = first + p * kFollowedRows; row < end; ++row) {
-        walk.follow(row, [&](std::size_t column, double value) { sum->add(column, value); });
-        const std::size_t before = part.values.size();
-        sum->take([&](std::size_t column, double value) {
-          part.columns.push_back(static_cast<std::int32_t>(column));
-          part.values.push_back(static_cast<float>(value));
-        });
-        part.counts.push_back(part.values.size() - before);
+        if (row % kRowsBetweenLooks == 0 && execution.stop.stop_requested()) return;
+        append_row(walk, row, *sum, part);
       }
     };
-    if (!parallel_for(execution, (last - first + kFollowedRows - 1) / kFollowedRows, task))
-      throw Cancelled();
+    for_pieces(execution, (last - first + kFollowedRows - 1) / kFollowedRows, task);
     for (CsrRows<float>& part : parts) {
       append_rows(part, starts, indices, values);
       part.counts.clear(), part.columns.clear(), part.values.clear();
     }
   }
+}
+
+/// The rows as a matrix, the same for any number of threads, made a piece at a time: rays of a
+/// piece are drawn once, and all entries are there twice for a moment. @throws Cancelled
+template <class Rows>
+CsrMatrix<float> store_pieces(const Rows& all, const Execution& execution) {
+  const RowPieces pieces = all.pieces();
+  std::vector<CsrRows<float>> parts(pieces.count());
+  std::vector<std::unique_ptr<RowSum>> sums(static_cast<std::size_t>(execution.thread_count()));
+  const auto task = [&](std::size_t p, int worker) {
+    auto& sum = sums[static_cast<std::size_t>(worker)];
+    if (!sum) sum = std::make_unique<RowSum>(all.columns());
+    auto walk = all.walk();
+    follow_piece(pieces, p, execution,
+                 [&](std::size_t row) { append_row(walk, row, *sum, parts[p]); });
+  };
+  for_pieces(execution, pieces.count(), task);
+  std::vector<std::int64_t> starts(all.rows() + 1, 0);
+  for (std::size_t p = 0; p < pieces.count(); ++p)
+    for (std::size_t k = 0; k < parts[p].counts.size(); ++k)
+      starts[pieces.of(p)[k] + 1] = static_cast<std::int64_t>(parts[p].counts[k]);
+  for (std::size_t row = 0; row < all.rows(); ++row) starts[row + 1] += starts[row];
+  std::vector<std::int32_t> indices(static_cast<std::size_t>(starts.back()));
+  std::vector<float> values(indices.size());
+  for (std::size_t p = 0; p < pieces.count(); ++p) {
+    const CsrRows<float> part = std::exchange(parts[p], {});
+    auto column = part.columns.begin();
+    auto value = part.values.begin();
+    for (std::size_t k = 0; k < part.counts.size(); ++k) {
+      const auto count = static_cast<std::ptrdiff_t>(part.counts[k]);
+      const std::int64_t to = starts[pieces.of(p)[k]];
+      std::copy(column, column + count, indices.begin() + to);
+      std::copy(value, value + count, values.begin() + to);
+      column += count, value += count;
+    }
+  }
+  return CsrMatrix<float>(all.columns(), std::move(starts), std::move(indices), std::move(values));
 }
 
 /// The rows as a matrix, the same for any number of threads. @throws Cancelled

@@ -25,9 +25,9 @@ class RowsOfPixels {
         row_(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height), -1) {
     for (std::size_t r = 0; r < rays.rows.size(); ++r) {
       if (rays.rows[r].view != view) continue;
-      for (int j = 0; j < bin; ++j)
-        for (int i = 0; i < bin; ++i)
-          row_[index(rays.rows[r].column + i, rays.rows[r].row + j)] = static_cast<std::int64_t>(r);
+      rays.for_each_pixel(r, bin, [&](int column, int row) {
+        row_[index(column, row)] = static_cast<std::int64_t>(r);
+      });
     }
   }
   std::int64_t at(int column, int row) const { return row_[index(column, row)]; }

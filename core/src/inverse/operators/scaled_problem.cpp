@@ -229,27 +229,52 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
   const LinearProblem whole = problem(b);
   Regularisation penalty;
   if (scaled_penalty_) penalty = {scaled_penalty_.get(), strength, prior_};
-  const auto cut_off = [&](Solution solution) {
-    for (double& value : solution.x) value = std::max(value, 0.0);
+  Solution kept;
+  own.kept = &kept;
+  Solution solution;
+  try {
+    solution = solve_by_solver(whole, penalty, own, execution);
+  } catch (const Cancelled&) {
+    // In the middle of a product. What the iterations before it have reached is kept.
+    if (kept.history.empty()) throw;
+    solution = std::move(kept);
+    solution.reason = StopReason::stopped;
+  }
+  if (settings_.solver == ReconstructionSolver::cgls ||
+      settings_.solver == ReconstructionSolver::lsqr)
+    cut_off(b, solution);
+  return solution;
+}
+
+void ScaledProblem::cut_off(std::span<const double> b, Solution& solution) const {
+  for (double& value : solution.x) value = std::max(value, 0.0);
+  if (solution.history.empty()) return;
+  try {
     // The history tells the misfit of what is handed out.
-    std::vector<double> image = *whole.a * solution.x;
+    const std::vector<double> image = scaled_a_ * solution.x;
     double misfit = 0;
     for (std::size_t i = 0; i < image.size(); ++i)
       if (weights_[i] > 0) misfit += std::pow(weights_[i] * (image[i] - b[i]), 2);
-    if (!solution.history.empty()) solution.history.back().misfit = misfit;
-    return solution;
-  };
+    solution.history.back().misfit = misfit;
+  } catch (const Cancelled&) {
+    solution.reason = StopReason::stopped;  // it tells that of what negative values belong to
+  }
+}
+
+Solution ScaledProblem::solve_by_solver(const LinearProblem& whole, const Regularisation& penalty,
+                                        SolverOptions own, const Execution& execution) const {
+  const std::span<const double> b = whole.b;
   switch (settings_.solver) {
     case ReconstructionSolver::fista:
       return solve_nnls(whole, penalty, own, execution);
     case ReconstructionSolver::active_set:
       return solve_nnls_active_set(whole, penalty, execution);
     case ReconstructionSolver::cgls:
-      return cut_off(solve_cgls(whole, penalty, own, execution));
+      return solve_cgls(whole, penalty, own, execution);
     case ReconstructionSolver::lsqr:
-      return cut_off(solve_lsqr(whole, penalty, own, execution));
+      return solve_lsqr(whole, penalty, own, execution);
     case ReconstructionSolver::tv:
-      return solve_total_variation(whole, *scaled_penalty_, strength, own, execution);
+      return solve_total_variation(whole, *scaled_penalty_, penalty.strength, own, execution);
     case ReconstructionSolver::sirt: {
       const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kSirtRelaxation;
       return solve_sirt(std::vector<LinearProblem>{whole}, relaxation, own, execution);

@@ -80,6 +80,10 @@ class ScaledProblem {
   Solution solve_absolute(std::span<const double> b, double strength,
                           const std::vector<double>& start, const SolverOptions& options,
                           const Execution& execution) const;
+  Solution solve_by_solver(const LinearProblem& whole, const Regularisation& penalty,
+                           SolverOptions own, const Execution& execution) const;
+  /// Negative values, which least squares may have.
+  void cut_off(std::span<const double> b, Solution& solution) const;
   Solution solve_in_subsets(std::span<const double> b, SolverOptions options,
                             const Execution& execution) const;
   Solution solve_rows(std::span<const double> b, SolverOptions options,

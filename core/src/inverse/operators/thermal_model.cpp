@@ -1,5 +1,6 @@
 #include "plenoflame/inverse/thermal_model.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -88,43 +89,40 @@ struct LitInterval {
 class ThermalWalk {
  public:
   ThermalWalk(const ThermalModel& model, const ThermalFields& fields)
-      : model_(model), fields_(fields) {}
+      : model_(model), fields_(fields) {
+    for (const ThermalChannel& channel : model.channels) rays_.emplace_back(*channel.rays);
+  }
 
   /// The row's flux [W].
   double flux(std::size_t row) {
-    const auto [channel, own] = place_of(row);
-    const CameraRays& all = *channel.rays;
-    const int view = all.rows[own].view;
+    const auto [c, own] = place_of(row);
+    const int view = model_.channels[c].rays->rows[own].view;
     double sum = 0;
-    for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r)
-      sum += all.rays[r].weight * radiance(channel.lights->of(view, all.rays[r].part), all.rays[r]);
+    for (const CameraRay& ray : rays_[c].of(own))
+      sum += ray.weight * radiance(fields_.lights[c].of(view, ray.part), ray);
     return sum;
   }
 
   /// Derivatives of the row's flux.
   template <class Use>
   void follow(std::size_t row, const Use& use) {
-    const auto [channel, own] = place_of(row);
-    const CameraRays& all = *channel.rays;
-    const int view = all.rows[own].view;
-    for (std::size_t r = all.rows[own].begin; r < all.end_of(own); ++r) {
-      const Light& light = channel.lights->of(view, all.rays[r].part);
-      radiance(light, all.rays[r]);
-      derivatives(light, all.rays[r].weight, use);
+    const auto [c, own] = place_of(row);
+    const int view = model_.channels[c].rays->rows[own].view;
+    for (const CameraRay& ray : rays_[c].of(own)) {
+      const Light& light = fields_.lights[c].of(view, ray.part);
+      radiance(light, ray);
+      derivatives(light, ray.weight, use);
     }
   }
 
  private:
   using Light = ThermalFields::Light;
-  struct Channel {
-    const ThermalFields::Lights* lights;
-    const CameraRays* rays;
-  };
-  std::pair<Channel, std::size_t> place_of(std::size_t row) const {
+  /// The channel of a row of the model, and the row's number there.
+  std::pair<std::size_t, std::size_t> place_of(std::size_t row) const {
     for (std::size_t c = 0; c < model_.channels.size(); ++c) {
-      const ThermalChannel& channel = model_.channels[c];
-      if (row < channel.rays->rows.size()) return {{&fields_.lights[c], channel.rays}, row};
-      row -= channel.rays->rows.size();
+      const std::size_t own = model_.channels[c].rays->rows.size();
+      if (row < own) return {c, row};
+      row -= own;
     }
     throw UsageError("the model has no such row");
   }
@@ -193,6 +191,7 @@ class ThermalWalk {
 
   const ThermalModel& model_;
   const ThermalFields& fields_;
+  std::vector<RowRays> rays_;  ///< of the channels
   std::vector<RayInterval> intervals_;
   std::vector<LitInterval> lit_;
 };
@@ -202,6 +201,22 @@ struct ThermalRows {
   std::shared_ptr<const ThermalFields> fields;
   std::size_t rows() const { return model->rows(); }
   std::size_t columns() const { return model->columns(); }
+  bool are_drawn() const {
+    return std::any_of(
+        model->channels.begin(), model->channels.end(),
+        [](const ThermalChannel& channel) { return channel.rays->source != nullptr; });
+  }
+  /// The pieces of all channels, one channel after the other.
+  RowPieces pieces() const {
+    RowPieces all;
+    for (const ThermalChannel& channel : model->channels) {
+      const RowPieces own = pieces_of(*channel.rays);
+      const std::size_t first = all.rows.size();
+      for (const std::size_t row : own.rows) all.rows.push_back(first + row);
+      for (const std::size_t end : own.ends) all.ends.push_back(first + end);
+    }
+    return all;
+  }
   ThermalWalk walk() const { return {*model, *fields}; }
 };
 
@@ -244,13 +259,12 @@ std::vector<double> thermal_fluxes(const ThermalModel& model, std::span<const do
                                    const Execution& execution) {
   const ThermalRows all = rows_of(model, x);
   std::vector<double> flux(all.rows());
-  const auto task = [&](std::size_t part, int) {
+  const RowPieces pieces = all.pieces();
+  const auto task = [&](std::size_t piece, int) {
     ThermalWalk walk = all.walk();
-    const std::size_t end = std::min(flux.size(), (part + 1) * kFollowedRows);
-    for (std::size_t row = part * kFollowedRows; row < end; ++row) flux[row] = walk.flux(row);
+    follow_piece(pieces, piece, execution, [&](std::size_t row) { flux[row] = walk.flux(row); });
   };
-  if (!parallel_for(execution, (flux.size() + kFollowedRows - 1) / kFollowedRows, task))
-    throw Cancelled();
+  for_pieces(execution, pieces.count(), task);
   return flux;
 }
 
@@ -262,7 +276,8 @@ std::unique_ptr<LinearOperator> make_thermal_derivative(const ThermalModel& mode
 
 CsrMatrix<float> make_thermal_matrix(const ThermalModel& model, std::span<const double> x,
                                      const Execution& execution) {
-  return store_rows(rows_of(model, x), execution);
+  const ThermalRows rows = rows_of(model, x);
+  return rows.are_drawn() ? store_pieces(rows, execution) : store_rows(rows, execution);
 }
 
 std::size_t estimated_entries(const ThermalModel& model, std::span<const double> x) {

@@ -83,6 +83,10 @@ bool Iteration::add(double misfit, double penalty, std::span<const double> x,
   const int number = static_cast<int>(solution_.history.size()) + 1;
   const double relative = length > 0 ? std::sqrt(change) / length : 0;
   solution_.history.push_back({number, misfit, penalty, relative});
+  if (options_.kept) {
+    options_.kept->x.assign(x.begin(), x.end());
+    options_.kept->history.push_back(solution_.history.back());
+  }
   if (options_.watch) options_.watch(number, misfit, x);
   if (execution_.progress) {
     Progress progress;

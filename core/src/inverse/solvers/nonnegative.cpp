@@ -26,7 +26,7 @@ struct Residuals {
     penalty = *regularisation.penalty * difference;
     for (double& value : penalty) value = -value;
   }
-  /// Those of x + factor * (x - before).
+  /// The residuals of x + factor * (x - before).
   Residuals ahead(double factor, const Residuals& before) const {
     Residuals result = *this;
     for (std::size_t i = 0; i < data.size(); ++i)

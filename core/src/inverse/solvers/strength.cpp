@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "inverse/solvers/iteration.h"
 #include "plenoflame/base/error.h"
@@ -102,27 +103,33 @@ StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperato
   StrengthChoice choice;
   std::vector<Solution> solutions;
   std::vector<double> start;
-  const auto attempt = [&](double strength) {
-    Solution s = solve(strength * unit, start);
-    start = s.x;
-    StrengthPoint point{strength, s.history.empty() ? 0 : s.history.back().misfit,
-                        s.history.empty() ? 0 : s.history.back().penalty};
-    if (rule == StrengthRule::gcv) {
-      const double left =
-          counted_rows(problem) - influence(problem, penalty, strength * unit, range, execution);
-      point.gcv = point.misfit / (left * left);
+  const auto attempt = [&](double strength) -> std::optional<StrengthPoint> {
+    try {
+      Solution s = solve(strength * unit, start);
+      start = s.x;
+      StrengthPoint point{strength, s.history.empty() ? 0 : s.history.back().misfit,
+                          s.history.empty() ? 0 : s.history.back().penalty};
+      if (rule == StrengthRule::gcv) {
+        const double left =
+            counted_rows(problem) - influence(problem, penalty, strength * unit, range, execution);
+        point.gcv = point.misfit / (left * left);
+      }
+      choice.curve.push_back(point);
+      solutions.push_back(std::move(s));
+      return point;
+    } catch (const Cancelled&) {
+      // In the middle of a product. The strengths that were tried before are kept.
+      if (choice.curve.empty()) throw;
+      return std::nullopt;
     }
-    choice.curve.push_back(point);
-    solutions.push_back(std::move(s));
-    return point;
   };
 
   for (int k = range.points - 1; k >= 0; --k) {
     const double share = static_cast<double>(k) / (range.points - 1);
     const double strength = range.lowest * std::pow(range.highest / range.lowest, share);
-    const StrengthPoint point = attempt(strength);
-    if (execution.stop.stop_requested()) break;
-    if (rule == StrengthRule::discrepancy && point.misfit <= expected) break;
+    const std::optional<StrengthPoint> point = attempt(strength);
+    if (!point || execution.stop.stop_requested()) break;
+    if (rule == StrengthRule::discrepancy && point->misfit <= expected) break;
   }
   double target = expected;
   if (rule == StrengthRule::discrepancy) {
@@ -140,9 +147,10 @@ StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperato
     for (int k = 0; k < range.bisections && above > below && below > 0; ++k) {
       if (execution.stop.stop_requested()) break;
       const double strength = std::sqrt(above * below);
-      const StrengthPoint point = attempt(strength);
-      (point.misfit <= target ? below : above) = strength;
-      if (std::abs(point.misfit - target) <= range.tolerance * target) break;
+      const std::optional<StrengthPoint> point = attempt(strength);
+      if (!point) break;
+      (point->misfit <= target ? below : above) = strength;
+      if (std::abs(point->misfit - target) <= range.tolerance * target) break;
     }
   }
   const auto by_strength = [&] {

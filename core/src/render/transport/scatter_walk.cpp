@@ -75,7 +75,7 @@ ScatterWalk::ScatterWalk(const ScatterPlan& plan)
       coefficients_(nodes_),
       place_(3 * nodes_) {}
 
-/// Which node the places of a walk are drawn by. Of a grey medium all are alike.
+/// Draws the node that chooses the places of a walk. Of a grey medium all are alike.
 void ScatterWalk::draw_driver(Walk& walk) const {
   if (segments_.is_grey()) return;
   const auto chosen = static_cast<std::size_t>(walk.noise.uniform() * static_cast<double>(nodes_));
@@ -91,8 +91,8 @@ bool ScatterWalk::collide(Walk& walk, double& t) {
                               });
 }
 
-/// Which flame scatters at a place, if any does: drawn in proportion to what each scatters at the
-/// driving node.
+/// Draws the flame that scatters at a place, if any does, in proportion to what each scatters at
+/// the driving node.
 ScatterWalk::Place ScatterWalk::scatter(Walk& walk, Vec3 place) {
   Place found;
   found.scattering = place_.data();

@@ -18,7 +18,7 @@ class EndlessPlanes {
   EndlessPlanes(const CompiledScene& scene, Vec3 centre, double radius, double field_versine);
 
   std::size_t count() const { return planes_.size(); }
-  /// Which of them is the scene's surface; nullopt: it has an end.
+  /// The plane that is this surface of the scene; nullopt: it has an end.
   std::optional<std::size_t> find(int surface) const;
   int surface(std::size_t plane) const { return planes_[plane].surface; }
   Vec3 normal(std::size_t plane) const { return planes_[plane].normal; }

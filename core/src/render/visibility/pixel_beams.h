@@ -14,7 +14,7 @@ namespace plenoflame {
 
 class PixelBeam;
 
-/// Which pixels behind a microlens can see anything through it. Conservative: a pixel's beam is
+/// The pixels behind a microlens that can see anything through it. Conservative: a pixel's beam is
 /// bounded by a disc on each of the region's two planes, its middle linear in the sensor point, as
 /// large as traced rays ask for, with a margin.
 ///

@@ -9,8 +9,8 @@
 
 namespace plenoflame {
 
-/// Which microlenses and pixels of a camera can see anything of its scene; made once for all passes
-/// of a rendering.
+/// The microlenses and pixels of a camera that can see anything of its scene; made once for all
+/// passes of a rendering.
 class SceneBeams {
  public:
   /// @return nullptr when light may come from everywhere, also by ways that windows bend

@@ -125,10 +125,16 @@ class Writer {
     write_empty_lists(table, indices);
   }
 
+  /// A list that is empty by default is left out: it reads back as empty, and a table [[NAME]] can
+  /// be added to the file by hand, which TOML forbids beside NAME = [].
   void write_empty_lists(std::string_view table, const std::vector<std::size_t>& indices) {
-    for (const SchemaList& list : schema_lists())
-      if (parent(list.path) == table && list.path != "cameras" && list.size(scene_, indices) == 0)
-        text_.append(last_name(list.path)).append(" = []\n");
+    const Scene untouched;
+    for (const SchemaList& list : schema_lists()) {
+      if (parent(list.path) != table || list.path == "cameras") continue;
+      if (list.size(scene_, indices) != 0) continue;
+      if (indices.empty() && list.size(untouched, indices) == 0) continue;
+      text_.append(last_name(list.path)).append(" = []\n");
+    }
   }
 
   void write_tables_below(std::string_view table, const std::vector<std::size_t>& indices) {

@@ -70,7 +70,7 @@ double room_of_microlenses(const ArraySpec& array);
 void check_pupil_filters(const Scene& scene, Issues& issues);
 /// Flames; where they lie relative to the camera only when `camera_is_sound`.
 void check_flames(const Scene& scene, bool camera_is_sound, Issues& issues);
-/// When a flame is as it is. @param path of the flame @param what it is called in messages
+/// Checks the times of a flame. @param path of the flame @param what it is called in messages
 void check_flame_time(const FlameSpec& flame, const std::string& path, const std::string& what,
                       Issues& issues);
 /// Surfaces and lights.

@@ -53,4 +53,9 @@ void check_flame_value(const FlameGenerator& generator, const std::string& param
 FlameFields generate_flame(std::string_view name, const FlameValues& values,
                            const Execution& execution);
 
+/// The metadata of a generated flame's file, which say how it was made: its name, seeds and the
+/// values that were given.
+/// @throws InputError: there is none of this name
+std::map<std::string, std::string> flame_metadata(std::string_view name, const FlameValues& values);
+
 }  // namespace plenoflame

@@ -1,0 +1,45 @@
+#include "commands/calibration/calibration_options.h"
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "commands/scene_input.h"
+
+namespace plenoflame::cli {
+
+void add_camera_options(CLI::App& command, CalibrationArguments& arguments, const std::string& text,
+                        bool required) {
+  command.add_option("--camera", arguments.camera, text)
+      ->required(required)
+      ->option_text("CAMERA.toml");
+  command
+      .add_option("--which", arguments.which, "Which of the file's cameras, where it has several")
+      ->option_text("NAME");
+}
+
+void add_shared_options(CLI::App& command, CalibrationArguments& arguments,
+                        CalibrationInput input) {
+  if (input == CalibrationInput::pictures) add_raw_file_options(command, arguments.files);
+  add_set_option(command, arguments.set);
+  if (input == CalibrationInput::pictures)
+    command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
+        ->check(CLI::Range(0, 1024))
+        ->option_text("N");
+  command.add_flag("--json", arguments.json, "Print the figures as JSON");
+}
+
+void finish_calibration(CLI::App& command, const Registry& registry,
+                        const std::shared_ptr<CalibrationArguments>& arguments,
+                        CalibrationInput input, CalibrationAction action) {
+  add_shared_options(command, *arguments, input);
+  on_chosen(command, registry,
+            [arguments, action = std::move(action)](const std::stop_token& stop) {
+              static_cast<void>(arguments->files.layout());  // bad use is found before bad files
+              Execution execution;
+              execution.threads = arguments->threads;
+              execution.stop = stop;
+              return action(execution);
+            });
+}
+
+}  // namespace plenoflame::cli
