@@ -17,10 +17,13 @@ echo "$(basename "$0") $*" >>"$CALLS"
 """
 CMAKE = TOOL + """case "$*" in *"--build --preset asan"*) sleep "${BUILD_TAKES:-0}" ;; esac
 """
-CTEST = TOOL + """echo "1/1 Test  #1: one ..... Passed 0.01 sec"
-echo "100% tests passed, 0 tests failed out of 7"
+CTEST = """#!/bin/bash
+echo "${TEST:-1/1 Test  #1: one ..... Passed 0.01 sec}"
+""" + TOOL + """echo "100% tests passed, 0 tests failed out of 7"
 """
-TIMEOUT = TOOL + """while [[ "$1" == --* ]]; do shift; done
+TIMEOUT = """#!/bin/bash
+echo "timeout $*" >>"$CALLS"
+while [[ "$1" == --* ]]; do shift; done
 shift
 exec "$@"
 """
@@ -82,6 +85,14 @@ class TestCommand(unittest.TestCase):
         done, _ = self.run_tests("--minutes", "10", FAILS="ctest --preset asan", FAILS_WITH="124")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("Left out for want of time: the rest of tests: asan", done.stdout)
+
+    def test_skipped_tests_of_a_run_that_ended_early_are_no_failures(self):
+        for ended, passes in [("***Skipped", True), ("***Failed", False), ("***Exception: SegFault", False),
+                              ("***Timeout", False), ("***Not Run", False)]:
+            done, _ = self.run_tests("--minutes", "10", FAILS="ctest --preset asan", FAILS_WITH="124",
+                                     TEST=f"3/7 Test #3: one .....{ended}   0.05 sec")
+            self.assertEqual(done.returncode == 0, passes, done.stdout + done.stderr)
+            self.assertEqual("Failed: tests: asan" in done.stdout, not passes, ended)
 
 
 if __name__ == "__main__":
