@@ -37,6 +37,7 @@ set(desktop_widget_sources
   widgets/flame/flame_look_editor.cpp
   widgets/flame/flame_opacity.cpp
   widgets/flame/flame_panel.cpp
+  widgets/controls/file_chooser.cpp
   widgets/controls/flow_layout.cpp
   widgets/controls/glyphs.cpp
   widgets/window/help_window.cpp

@@ -3,10 +3,16 @@
 #include <QAction>
 #include <QColor>
 #include <QComboBox>
+#include <QDir>
 #include <QLabel>
+#include <QPushButton>
 #include <QToolButton>
+#include <QTreeWidget>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "gui_tests.h"
 #include "scene_fixture.h"
@@ -164,6 +170,49 @@ class MeasuredTest : public test::SceneFixture {
     QVERIFY(!session().measured().field());
     QVERIFY(!child<QComboBox>("shownPicture")->isVisible());
     QVERIFY(image().caption().isEmpty());
+  }
+
+  void filesAreLookedForWhereTheLastOneWas() {
+    prepare("flame.pgm");
+    QVERIFY(QDir(file(".")).mkdir("pictures"));
+    QVERIFY(QFile::rename(file("flame.pgm"), file("pictures/flame.pgm")));
+    choose("pictures/flame.pgm");
+    QVERIFY(session().measured().field());
+    raise("reconstructDock");
+    child<QTreeWidget>("reconstructCameras")
+        ->setCurrentItem(child<QTreeWidget>("reconstructCameras")->topLevelItem(0));
+    const std::vector<std::pair<const char*, std::function<void()>>> questions{
+        {"open", [this] { press(Qt::Key_O, Qt::ControlModifier); }},
+        {"measured",
+         [this] {
+           QVERIFY(click_menu({"File", "Measured picture..."}));
+         }},
+        {"compiled",
+         [this] {
+           QVERIFY(click_menu({"Render", "Use compiled camera..."}));
+         }},
+        {"compare",
+         [this] {
+           QVERIFY(click_menu({"View", "Compare with a scene..."}));
+         }},
+        {"of a camera",
+         [this] { QTest::mouseClick(child<QPushButton>("reconstructFile"), Qt::LeftButton); }},
+        {"further cameras",
+         [this] { QTest::mouseClick(child<QPushButton>("reconstructScene"), Qt::LeftButton); }},
+        {"film", [this] {
+           QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+           QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
+         }}};
+    for (const auto& [name, ask] : questions) {
+      QString folder;
+      when_shown<QFileDialog>([&](QFileDialog& dialog) {
+        folder = dialog.directory().dirName();
+        dialog.reject();
+      });
+      ask();
+      QVERIFY2(until([&] { return !folder.isEmpty(); }), name);
+      QVERIFY2(folder == "pictures", qPrintable(name + (": " + folder)));
+    }
   }
 
   void importedLightFieldShowsItsLattice() {

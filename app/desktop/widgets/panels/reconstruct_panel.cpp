@@ -2,7 +2,6 @@
 
 #include <QCheckBox>
 #include <QComboBox>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QFormLayout>
 #include <QHBoxLayout>
@@ -23,6 +22,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/cameras.h"
 #include "reconstruct_request.h"
+#include "widgets/controls/file_chooser.h"
 #include "widgets/controls/plot_widget.h"
 #include "widgets/image/image_view.h"
 #include "widgets/window/beside_window.h"
@@ -60,8 +60,8 @@ QComboBox* choice_of(QWidget* parent, const char* name, const QString& tip,
 
 }  // namespace
 
-ReconstructPanel::ReconstructPanel(Session& session, QWidget* parent)
-    : QWidget(parent), session_(session) {
+ReconstructPanel::ReconstructPanel(Session& session, FileChooser& chooser, QWidget* parent)
+    : QWidget(parent), session_(session), chooser_(chooser) {
   const auto scrolled = [this](QWidget* page) {  // a low window has no room for all of it
     auto* scroll = new QScrollArea(this);
     scroll->setWidgetResizable(true);
@@ -396,14 +396,14 @@ void ReconstructPanel::set_picture(int row, const QString& file) {
 void ReconstructPanel::choose_file() {
   const int row = cameras_->indexOfTopLevelItem(cameras_->currentItem());
   if (row < 0) return;
-  const QString file = QFileDialog::getOpenFileName(this, tr("Picture of the camera"), {},
-                                                    tr("Raw light fields (*.exr)"));
+  const QString file =
+      chooser_.file_to_read(this, tr("Picture of the camera"), tr("Raw light fields (*.exr)"));
   if (!file.isEmpty()) set_picture(row, file);
 }
 
 void ReconstructPanel::choose_scene() {
   const QString file =
-      QFileDialog::getOpenFileName(this, tr("Scene of further cameras"), {}, tr("Scenes (*.toml)"));
+      chooser_.file_to_read(this, tr("Scene of further cameras"), tr("Scenes (*.toml)"));
   if (file.isEmpty()) return;
   try {
     add_scene(file);

@@ -23,6 +23,7 @@ class QTreeWidgetItem;
 namespace plenoflame::desktop {
 
 class BesideWindow;
+class FileChooser;
 class ImageView;
 class PlotWidget;
 
@@ -31,7 +32,7 @@ class PlotWidget;
 class ReconstructPanel : public QWidget {
   Q_OBJECT
  public:
-  explicit ReconstructPanel(Session& session, QWidget* parent = nullptr);
+  ReconstructPanel(Session& session, FileChooser& chooser, QWidget* parent = nullptr);
   ~ReconstructPanel() override;
 
   ReconstructJob& job() { return job_; }
@@ -72,6 +73,7 @@ class ReconstructPanel : public QWidget {
   std::shared_ptr<const LightField> picture_of(const Row& row) const;
 
   Session& session_;
+  FileChooser& chooser_;
   ReconstructJob job_;
   std::vector<Row> rows_;
   QTabWidget* tabs_ = nullptr;

@@ -161,7 +161,7 @@ class SceneView : public QWidget {
   FlameLook look_;
   Part part_ = Part::scene;
   std::array<double, 2> temperatures_{0, 0};
-  std::array<double, 3> aimed_from_{};
+  std::array<double, 3> aimed_from_{}, aimed_up_{};
   int highlighted_ = -1;
   bool aimed_ = false, warm_ = false, held_ = false;
   bool along_axis_ = false;  ///< aimed along x, y or z rather than as the part is seen best

@@ -155,6 +155,7 @@ void SceneView::look(const std::vector<Vec3>& drawn, const Vec3& direction, cons
   views::look_at(drawn, direction, up, (1 - bar) * aspect, 10, *view_->renderer);
   view_->renderer->GetActiveCamera()->SetWindowCenter(bar, 0);
   view_->renderer->GetActiveCamera()->GetPosition(aimed_from_.data());
+  view_->renderer->GetActiveCamera()->GetViewUp(aimed_up_.data());
   aimed_ = true;
 }
 
@@ -170,9 +171,10 @@ void SceneView::aim() {
 }
 
 bool SceneView::is_as_aimed() const {
-  std::array<double, 3> place{};
+  std::array<double, 3> place{}, up{};
   view_->renderer->GetActiveCamera()->GetPosition(place.data());
-  return aimed_ && place == aimed_from_;
+  view_->renderer->GetActiveCamera()->GetViewUp(up.data());
+  return aimed_ && place == aimed_from_ && up == aimed_up_;
 }
 
 /// The distance is that of the widget's size: panels that get higher beside it, or a larger window,

@@ -4,7 +4,6 @@
 #include <QComboBox>
 #include <QDir>
 #include <QFile>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QFormLayout>
 #include <QHBoxLayout>
@@ -23,6 +22,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_schema.h"
+#include "widgets/controls/file_chooser.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -83,11 +83,12 @@ std::string between(const std::string& path, const std::string& from, const std:
 }
 
 FilmDialog::FilmDialog(Document& document, std::vector<View> views, std::function<bool()> ready,
-                       QWidget* parent)
+                       FileChooser& chooser, QWidget* parent)
     : QDialog(parent),
       document_(document),
       views_(std::move(views)),
       ready_(std::move(ready)),
+      chooser_(chooser),
       parameter_(new QComboBox(this)),
       view_(new QComboBox(this)),
       from_(new QLineEdit(this)),
@@ -175,12 +176,10 @@ void FilmDialog::set_parameter(const QString& path) {
 
 void FilmDialog::ask() {
   const bool films = !ffmpeg().isEmpty();
-  QString file = QFileDialog::getSaveFileName(
+  const QString file = chooser_.file_to_write(
       this, tr("Record the film"), films ? "film.mp4" : "film.png",
       films ? tr("Film (*.mp4 *.gif);;Pictures (*.png)") : tr("Pictures (*.png)"));
-  if (file.isEmpty()) return;
-  if (QFileInfo(file).suffix().isEmpty()) file += films ? ".mp4" : ".png";
-  record(file);
+  if (!file.isEmpty()) record(file);
 }
 
 void FilmDialog::record(const QString& file) {

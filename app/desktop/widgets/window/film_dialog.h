@@ -20,6 +20,8 @@ class QSpinBox;
 
 namespace plenoflame::desktop {
 
+class FileChooser;
+
 /// Text of a value between two others, by its share of the way from one to the other. Components of
 /// vectors each move. @throws InputError where the key is no number, or a text is none
 std::string between(const std::string& path, const std::string& from, const std::string& to,
@@ -38,7 +40,7 @@ class FilmDialog : public QDialog {
   };
   /// @param ready whether everything that is shown is that of the present scene
   FilmDialog(Document& document, std::vector<View> views, std::function<bool()> ready,
-             QWidget* parent = nullptr);
+             FileChooser& chooser, QWidget* parent = nullptr);
   ~FilmDialog() override;
   /// The parameter that is moved, with its present value at both ends.
   void set_parameter(const QString& path);
@@ -66,6 +68,7 @@ class FilmDialog : public QDialog {
   Document& document_;
   std::vector<View> views_;
   std::function<bool()> ready_;
+  FileChooser& chooser_;
   QComboBox *parameter_, *view_;
   QLineEdit *from_, *to_;
   QSpinBox *frames_, *rate_;

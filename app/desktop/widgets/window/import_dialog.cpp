@@ -3,7 +3,6 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QDialogButtonBox>
-#include <QFileDialog>
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QHeaderView>
@@ -15,10 +14,11 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "widgets/controls/file_chooser.h"
 
 namespace plenoflame::desktop {
 
-ImportDialog::ImportDialog(const QString& folder, QWidget* parent) : QDialog(parent) {
+ImportDialog::ImportDialog(FileChooser& chooser, QWidget* parent) : QDialog(parent) {
   setWindowTitle(tr("Import a flame"));
   setObjectName("importDialog");
   const auto edit = [this](const char* name, const QString& text, const QString& tip) {
@@ -31,8 +31,8 @@ ImportDialog::ImportDialog(const QString& folder, QWidget* parent) : QDialog(par
                tr("Result of a simulation: VTK (.vtu, .vti, .vtk, ...), OpenFOAM (.foam), EnSight, "
                   "CGNS, ..."));
   auto* browse = new QPushButton(tr("Browse..."), this);
-  connect(browse, &QPushButton::clicked, this, [this, folder] {
-    const QString name = QFileDialog::getOpenFileName(this, tr("Result of a simulation"), folder);
+  connect(browse, &QPushButton::clicked, this, [this, &chooser] {
+    const QString name = chooser.file_to_read(this, tr("Result of a simulation"), {});
     if (name.isEmpty()) return;
     file_->setText(name);
     list_arrays();

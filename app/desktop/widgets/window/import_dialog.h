@@ -12,11 +12,13 @@ class QLineEdit;
 
 namespace plenoflame::desktop {
 
+class FileChooser;
+
 /// Asks which file of a simulation becomes a flame, and what its arrays mean.
 class ImportDialog : public QDialog {
   Q_OBJECT
  public:
-  explicit ImportDialog(const QString& folder, QWidget* parent = nullptr);
+  explicit ImportDialog(FileChooser& chooser, QWidget* parent = nullptr);
   /// @throws InputError naming the field that is wrong
   FlameImportRequest request() const;
   /// Stays open, with the message, while a field is wrong.

@@ -7,7 +7,6 @@
 #include <QDragEnterEvent>
 #include <QElapsedTimer>
 #include <QFile>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QLabel>
 #include <QMenuBar>
@@ -52,7 +51,7 @@ constexpr int kAppearanceStep = 10;      ///< [ms]
 }  // namespace
 
 MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& recovery_folder)
-    : settings_(std::move(settings)) {
+    : settings_(std::move(settings)), chooser_(*settings_) {
   setObjectName("mainWindow");
   setAcceptDrops(true);
   setDockNestingEnabled(true);
@@ -179,7 +178,7 @@ void MainWindow::make_docks() {
   connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
   connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
   connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
-  reconstruct_ = new ReconstructPanel(session_, this);
+  reconstruct_ = new ReconstructPanel(session_, chooser_, this);
   QDockWidget* const reconstruct =
       add_dock("reconstructDock", tr("Reconstruct"), reconstruct_, Qt::RightDockWidgetArea);
   tabifyDockWidget(light_field, reconstruct);
@@ -299,23 +298,13 @@ bool MainWindow::save() {
 
 bool MainWindow::save_as() {
   scene_->finish_editing();
-  const QString name = ask_save_name(tr("Save the scene"), "scene.toml", tr("Scenes (*.toml)"));
+  const QString name =
+      chooser_.file_to_write(this, tr("Save the scene"), "scene.toml", tr("Scenes (*.toml)"));
   if (name.isEmpty()) return false;
   if (!guarded([&] { session_.document().save(name.toStdString()); })) return false;
   add_recent(QFileInfo(name).absoluteFilePath());
   statusBar()->showMessage(tr("%1 saved").arg(QFileInfo(name).fileName()) + not_taken(), 8000);
   return true;
-}
-
-QString MainWindow::ask_save_name(const QString& title, const QString& suggestion,
-                                  const QString& filter) {
-  const QString folder = settings_->value("files/folder").toString();
-  QString name = QFileDialog::getSaveFileName(
-      this, title, folder.isEmpty() ? suggestion : folder + "/" + suggestion, filter);
-  if (name.isEmpty()) return name;
-  if (QFileInfo(name).suffix().isEmpty()) name += "." + QFileInfo(suggestion).suffix();
-  settings_->setValue("files/folder", QFileInfo(name).absolutePath());
-  return name;
 }
 
 bool MainWindow::may_discard() {

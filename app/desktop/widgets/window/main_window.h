@@ -8,6 +8,7 @@
 
 #include "model/recovery.h"
 #include "model/session.h"
+#include "widgets/controls/file_chooser.h"
 
 class QDockWidget;
 class QLabel;
@@ -127,7 +128,6 @@ class MainWindow : public QMainWindow {
   void show_preferences();
   void apply_preferences(const Preferences& wanted);
   void open_help();
-  QString ask_save_name(const QString& title, const QString& suggestion, const QString& filter);
   void export_picture_of_scene();
   void export_rays();
   void save_reconstruction();
@@ -139,7 +139,8 @@ class MainWindow : public QMainWindow {
   void generate_flame();
   void import_flame();
   void map_grids(int flame);
-  QString ask_folder(const QString& title);
+  /// A folder to write into: whether files of it are replaced is asked.
+  QString folder_to_fill(const QString& title);
   void say_written(const QString& name);
   void select_lens_at(int column, int row);
   void move_thing(int flame, const Vec3& position, int stroke);
@@ -149,6 +150,7 @@ class MainWindow : public QMainWindow {
   bool guarded(const std::function<void()>& function);
 
   std::unique_ptr<QSettings> settings_;
+  FileChooser chooser_;
   std::unique_ptr<Recovery> recovery_;
   Session session_;
   WelcomePage* welcome_ = nullptr;

@@ -1,7 +1,6 @@
 #include <QAction>
 #include <QBuffer>
 #include <QDir>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QFormLayout>
 #include <QInputDialog>
@@ -40,9 +39,8 @@ void MainWindow::say_written(const QString& name) {
   statusBar()->showMessage(tr("written to %1").arg(name), 8000);
 }
 
-QString MainWindow::ask_folder(const QString& title) {
-  const QString folder =
-      QFileDialog::getExistingDirectory(this, title, settings_->value("files/folder").toString());
+QString MainWindow::folder_to_fill(const QString& title) {
+  const QString folder = chooser_.folder(this, title);
   if (folder.isEmpty()) return folder;
   if (!QDir(folder).isEmpty() && !unattended_ &&
       QMessageBox::question(
@@ -50,7 +48,6 @@ QString MainWindow::ask_folder(const QString& title) {
           tr("%1 has files in it; those of the same names are replaced. Go on?").arg(folder)) !=
           QMessageBox::Yes)
     return {};
-  settings_->setValue("files/folder", folder);
   return folder;
 }
 
@@ -82,8 +79,9 @@ void MainWindow::export_derived() {
   const auto image = light_field_->shown_image();
   const auto field = session_.document().image();
   if (!image || !field) return fail(tr("There is no picture in the light-field panel yet."));
-  const QString name = ask_save_name(tr("Export the picture"), light_field_->shown_name() + ".png",
-                                     tr("Picture (*.png);;Values (*.exr)"));
+  const QString name =
+      chooser_.file_to_write(this, tr("Export the picture"), light_field_->shown_name() + ".png",
+                             tr("Picture (*.png);;Values (*.exr)"));
   if (name.isEmpty()) return;
   const bool values = name.endsWith(".exr", Qt::CaseInsensitive);
   if (!values && !name.endsWith(".png", Qt::CaseInsensitive))
@@ -116,7 +114,7 @@ void MainWindow::export_views() {
   const auto views = session_.light_field().views();
   if (!field || !views)
     return fail(tr("There are no views yet: show the light-field panel and wait for them."));
-  const QString folder = ask_folder(tr("Folder for the views"));
+  const QString folder = folder_to_fill(tr("Folder for the views"));
   if (folder.isEmpty()) return;
   files_->add(
       tr("export of %1 views").arg(views->views.size()),
@@ -152,7 +150,7 @@ void MainWindow::export_for_tool(int format) {
         check_export(Camera(spec), settings.format);
       }))
     return;
-  const QString folder = ask_folder(tr("Folder for the export"));
+  const QString folder = folder_to_fill(tr("Folder for the export"));
   if (folder.isEmpty()) return;
   auto result = std::make_shared<ExportResult>();
   files_->add(
@@ -210,8 +208,8 @@ void MainWindow::generate_flame() {
   if (dialog.exec() != QDialog::Accepted) return;
   const std::string kind = dialog.name();
   const auto values = dialog.values();
-  const QString path = ask_save_name(tr("Save the flame"), QString::fromStdString(kind) + ".vdb",
-                                     tr("OpenVDB (*.vdb)"));
+  const QString path = chooser_.file_to_write(
+      this, tr("Save the flame"), QString::fromStdString(kind) + ".vdb", tr("OpenVDB (*.vdb)"));
   if (path.isEmpty()) return;
   files_->add(
       tr("flame %1").arg(QString::fromStdString(kind)),
@@ -226,11 +224,12 @@ void MainWindow::generate_flame() {
 }
 
 void MainWindow::import_flame() {
-  ImportDialog dialog(settings_->value("files/folder").toString(), this);
+  ImportDialog dialog(chooser_, this);
   if (dialog.exec() != QDialog::Accepted) return;
   FlameImportRequest request;
   if (!guarded([&] { request = dialog.request(); })) return;
-  const QString path = ask_save_name(tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
+  const QString path =
+      chooser_.file_to_write(this, tr("Save the flame"), "imported.vdb", tr("OpenVDB (*.vdb)"));
   if (path.isEmpty()) return;
   files_->add(
       tr("import"),
@@ -267,8 +266,8 @@ void MainWindow::map_grids(int flame) {
 }
 
 void MainWindow::choose_measured() {
-  const QString path = QFileDialog::getOpenFileName(
-      this, tr("Measured picture"), settings_->value("files/folder").toString(),
+  const QString path = chooser_.file_to_read(
+      this, tr("Measured picture"),
       tr("Pictures of a camera (*.exr *.tif *.tiff *.png *.pgm *.jpg *.jpeg);;All files (*)"));
   if (!path.isEmpty()) open_measured(path);
 }
@@ -296,9 +295,8 @@ bool MainWindow::open_measured(const QString& path, const std::function<void()>&
 
 void MainWindow::choose_compiled_camera() {
   if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
-  const QString path = QFileDialog::getOpenFileName(
-      this, tr("Compiled camera"), settings_->value("files/folder").toString(),
-      tr("Compiled cameras (*.bundle);;All files (*)"));
+  const QString path = chooser_.file_to_read(this, tr("Compiled camera"),
+                                             tr("Compiled cameras (*.bundle);;All files (*)"));
   if (path.isEmpty()) return;
   auto camera = std::make_shared<CompiledCamera>();
   files_->add(
@@ -322,8 +320,9 @@ void MainWindow::show_compiled_camera() {
 void MainWindow::export_rays() {
   const auto rays = session_.rays().rays();
   if (!rays) return fail(tr("Nothing is selected: click a pixel first."));
-  const QString name = ask_save_name(tr("Export rays"), "rays.vtp",
-                                     tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
+  const QString name =
+      chooser_.file_to_write(this, tr("Export rays"), "rays.vtp",
+                             tr("VTK PolyData (*.vtp);;Table (*.csv);;JSON (*.json)"));
   if (name.isEmpty()) return;
   files_->add(
       tr("export of rays"),
@@ -337,7 +336,8 @@ void MainWindow::export_rays() {
 void MainWindow::save_reconstruction() {
   const auto task = reconstruct_->job().result();
   if (!task) return fail(tr("There is no reconstruction yet."));
-  const QString name = ask_save_name(tr("Save what was found"), "found.vdb", tr("OpenVDB (*.vdb)"));
+  const QString name =
+      chooser_.file_to_write(this, tr("Save what was found"), "found.vdb", tr("OpenVDB (*.vdb)"));
   if (name.isEmpty()) return;
   files_->add(
       tr("saving what was found"),
@@ -348,8 +348,9 @@ void MainWindow::save_reconstruction() {
 void MainWindow::export_image() {
   const auto field = session_.document().image();
   if (!field) return fail(tr("There is no image yet."));
-  const QString name = ask_save_name(tr("Export the light field"), "lightfield.exr",
-                                     tr("Raw light field (*.exr);;Developed picture (*.png)"));
+  const QString name =
+      chooser_.file_to_write(this, tr("Export the light field"), "lightfield.exr",
+                             tr("Raw light field (*.exr);;Developed picture (*.png)"));
   if (name.isEmpty()) return;
   const bool raw = name.endsWith(".exr", Qt::CaseInsensitive);
   if (!raw && !name.endsWith(".png", Qt::CaseInsensitive))
@@ -366,8 +367,8 @@ void MainWindow::export_image() {
 
 void MainWindow::export_picture_of_scene() {
   const QImage picture = scene_view_->picture();
-  const QString name =
-      ask_save_name(tr("Picture of the 3-D view"), "scene.png", tr("Pictures (*.png)"));
+  const QString name = chooser_.file_to_write(this, tr("Picture of the 3-D view"), "scene.png",
+                                              tr("Pictures (*.png)"));
   if (name.isEmpty()) return;
   files_->add(
       tr("export of the picture"),

@@ -2,7 +2,6 @@
 #include <QApplication>
 #include <QDir>
 #include <QDockWidget>
-#include <QFileDialog>
 #include <QFileInfo>
 #include <QMenu>
 #include <QMenuBar>
@@ -38,13 +37,11 @@ void MainWindow::make_menus() {
   };
   QMenu* const file = menuBar()->addMenu(tr("&File"));
   const auto ask_open = [this] {
-    const QString path = QFileDialog::getOpenFileName(
-        this, tr("Open"), settings_->value("files/folder").toString(),
+    const QString path = chooser_.file_to_read(
+        this, tr("Open"),
         tr("Scenes, flames, light fields, a camera's pictures (*.toml *.vdb *.exr *.tif *.tiff "
            "*.png *.pgm *.jpg *.jpeg);;All files (*)"));
-    if (path.isEmpty()) return;
-    settings_->setValue("files/folder", QFileInfo(path).absolutePath());
-    open(path);
+    if (!path.isEmpty()) open(path);
   };
   add(file, tr("&New"), QKeySequence::New, "actionNew", [this] { open_new(); });
   add(file, tr("&Open..."), QKeySequence::Open, "actionOpen", ask_open);
@@ -137,9 +134,8 @@ void MainWindow::make_view_menu(QMenu& menu) {
   next_type->setShortcut(QKeySequence("Ctrl+T"));
   connect(next_type, &QAction::triggered, this, [this] { select_next_type(); });
   connect(menu.addAction(tr("Compare with a scene...")), &QAction::triggered, this, [this] {
-    const QString path = QFileDialog::getOpenFileName(this, tr("Scene beside this one"),
-                                                      settings_->value("files/folder").toString(),
-                                                      tr("Scenes (*.toml)"));
+    const QString path =
+        chooser_.file_to_read(this, tr("Scene beside this one"), tr("Scenes (*.toml)"));
     if (!path.isEmpty()) compare_with(path);
   });
   connect(menu.addAction(tr("Compare with the saved scene")), &QAction::triggered, this, [this] {

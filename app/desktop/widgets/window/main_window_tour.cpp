@@ -169,7 +169,7 @@ void MainWindow::make_film() {
           return grab().toImage();
         },
         true}},
-      [this] { return is_settled() && session_.document().image_is_current(); }, this);
+      [this] { return is_settled() && session_.document().image_is_current(); }, chooser_, this);
   film->setAttribute(Qt::WA_DeleteOnClose);
   connect(film, &FilmDialog::failed, this, [this](const QString& message) {
     last_message_ = message;  // the dialog says it, too
