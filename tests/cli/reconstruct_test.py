@@ -429,18 +429,6 @@ class Reconstruct(CommandTest):
         kept, drawn = (open(self.path(f"{form}.npz"), "rb").read() for form in ("rays", "drawn"))
         self.assertEqual(kept, drawn)
 
-    def test_drawn_rays_of_another_channel(self):
-        """Rays of the second channel are drawn again as they were: the figures of kept ones."""
-        self.run_command("render", "two-colours.toml", "--samples", "4", "--quiet", "-o", "two-colours.exr")
-        found = []
-        for form, threads in (("rays", "2"), ("drawn", "1")):
-            figures, _ = self.reconstruct("two-colours.toml", "--images", "two-colours.exr", "--channel", "850nm", "--rays", "2", "--unknowns", "rings",
-                                          "--grid", "8,16", "--bin", "10", "--strength", "1e-4", "--iterations", "2", "--draws", "0",
-                                          "--probes", "0", "--form", form, "--threads", threads, "-o", "x.vdb")
-            self.assertEqual(figures.pop("rays_kept"), form == "rays")
-            found.append(figures)
-        self.assertEqual(found[0], found[1])
-
 
 if __name__ == "__main__":
     main()

@@ -334,6 +334,34 @@ INSTANTIATE_TEST_SUITE_P(Rows, DrawnAgain,
                                   std::to_string(rows.param.samples);
                          });
 
+// Rays have the weight of their channel behind the filters, and a compiled camera's are unpacked.
+// Fails when the rays that are drawn again are those of the first channel.
+TEST(EmissionOperator, DrawnRaysAreThoseOfTheirChannelAndCamera) {
+  Scene scene = filtered_scene();
+  scene.camera.sensor = {48, 48, 0.2e-3};
+  scene.channels.push_back({"550nm", ChannelKind::band, 550e-9, 20e-9});
+  const Problem p = problem_of(scene, 150);
+  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
+  for (const CameraView& view : {CameraView{&p.scene, {}}, {&p.scene, {}, &camera, "a.bundle"}}) {
+    std::vector<std::vector<double>> products;
+    for (const int channel : {0, 1}) {
+      CameraRaySettings settings;
+      settings.channel = channel;
+      for (const bool keep : {true, false}) {
+        settings.keep = keep;
+        const CameraRays rays = draw_camera_rays({view}, p.unknowns->bounds(), settings);
+        EXPECT_EQ(rays.rays.empty(), !keep);
+        const auto a = make_emission_operator(
+            {&rays, p.unknowns.get(), RowModel::emission, p.g.absorption}, {});
+        products.push_back(transposed_times(*a, std::vector<double>(a->rows(), 1.0)));
+      }
+    }
+    EXPECT_EQ(products[0], products[1]);
+    EXPECT_EQ(products[2], products[3]);
+    EXPECT_NE(products[0], products[2]);
+  }
+}
+
 // Sixteen times the rays are held as the same bytes, and pieces become smaller in rows, not larger
 // in rays: a product draws a piece at a time for each thread.
 TEST(EmissionOperator, DrawnRaysTakeNoMemory) {
