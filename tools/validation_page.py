@@ -29,7 +29,7 @@ CASES = {
               "The source's claim, that one focus errs less than three, is not confirmed: both err alike. Its camera sees 40 of 10 x 10 rings of this flame; "
               "with data of 40 x 40 rings along other rays and LSQR at the iteration that is best by the truth, temperatures err by 12.4 (one focus) "
               "and 12.2 % (three) at 30 dB, and by 12.8 % (both) at 20 dB, in the mean of four draws of noise. `CaseA.OneFocusErrsAsThree` holds a quarter of its "
-              "sensor against that, with blocks of 4 x 4 pixels: 11.6 and 11.3 % at 30 dB, 12.4 % (both) at 20 dB. The source's bar heights are not readable, so that "
+              "sensor and a picture of the renderer's against that, with blocks of 4 x 4 pixels: 12.5 % (both) at 30 dB, 12.8 % (both) at 20 dB. The source's bar heights are not readable, so that "
               "the size of its difference is not known."),
     "CaseB": ("Cylinder with a hot ring: chords",
               "Radiance [W/(m^3 sr)] of a cylinder of 20 mm radius, T = 900 + 1200 exp(-(3 (r^2/R^2 + z^2/H^2) - 0.9)^2) K. Within 1e-6."),

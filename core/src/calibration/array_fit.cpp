@@ -186,13 +186,22 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
       places.push_back(traced_centre(camera, lens_of(fit, image->i, image->j), image->model));
     return places;
   };
-  Eigen::MatrixXd matrix;
+  // A camera that cannot be as the lattice is differs from it alike over a region of the sensor.
+  constexpr int kRegionsAcross = 6, kRegions = kRegionsAcross * kRegionsAcross;
+  const auto region_of = [&](Vec2 place) {
+    const auto cell = [](double at, int size) {
+      return std::clamp(static_cast<int>(kRegionsAcross * at / size), 0, kRegionsAcross - 1);
+    };
+    return cell(place.y, height) * kRegionsAcross + cell(place.x, width);
+  };
+  Eigen::MatrixXd matrix, pulls;
   for (int round = 0; round < 5; ++round) {
     const auto here = centres(array);
     std::vector<std::vector<std::optional<Vec2>>> moved;
     for (int a = 0; a < count; ++a)
       moved.push_back(centres(changed(array, steps[a] * Eigen::VectorXd::Unit(count, a))));
     matrix = Eigen::MatrixXd::Zero(count, count);
+    pulls = Eigen::MatrixXd::Zero(count, kRegions);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
     double squares = 0;
     fit.used = 0;
@@ -213,7 +222,11 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
       fit.worst = std::max(fit.worst, length(off));
       ++fit.used;
       matrix += slope.transpose() * slope;
-      right += slope.transpose() * Eigen::Vector2d(off.x, off.y);
+      // The lattice's model has the noise of all micro-images, of which these are some.
+      const Vec2 smooth = used[n]->model - *here[n];
+      const Eigen::VectorXd pull = slope.transpose() * Eigen::Vector2d(smooth.x, smooth.y);
+      right += pull;
+      pulls.col(region_of(used[n]->model)) += pull;
     }
     if (fit.used < 6)
       throw InputError(
@@ -225,10 +238,12 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     if (!change.allFinite()) throw InputError("the array's numbers cannot be told from each other");
     array = changed(array, change.cwiseProduct(steps));
   }
-  // Errors of all good micro-images, of which every so-manyth was used.
-  const Eigen::MatrixXd covariance = matrix.inverse() * (0.5 * fit.rms * fit.rms) /
-                                     static_cast<double>(lattice.good) *
-                                     static_cast<double>(fit.used);
+  // Noise of all good micro-images, and the scatter of the regions, each of which counts once
+  // (Liang and Zeger 1986, Biometrika 73, 13).
+  const Eigen::MatrixXd inverse = matrix.inverse();
+  const double share = static_cast<double>(fit.used) / static_cast<double>(lattice.good);
+  const Eigen::MatrixXd covariance = 0.5 * lattice.rms * lattice.rms * share * inverse +
+                                     inverse * pulls * pulls.transpose() * inverse;
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
   // However many centres there are, the middle of a soft disc differs from the ray through the
   // middle of the stop by some thousandths of a pixel, more at the edge.

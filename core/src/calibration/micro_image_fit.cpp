@@ -61,9 +61,9 @@ double disc_model(const Vector& p, const std::vector<Vec2>& steps, const CellPix
   return value;
 }
 
-/// Sum of squares, and the normal equations' upper half where they are wanted.
+/// Sum of squares, and the normal equations' upper half.
 double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<Vec2>& steps,
-                        const Vector& p, Square* matrix, Vector* gradient) {
+                        const Vector& p, Square& matrix, Vector& gradient) {
   double sum = 0;
   Vector slope;
   // Whole rows of a local array: the compiler adds several columns at once.
@@ -71,7 +71,6 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
   for (const CellPixel& pixel : pixels) {
     const double off = pixel.value - disc_model(p, steps, pixel, slope);
     sum += off * off;
-    if (matrix == nullptr) continue;
     double s[kParameters];
     for (int a = 0; a < kParameters; ++a) s[a] = slope[a];
     for (int a = 0; a < kParameters; ++a) {
@@ -80,10 +79,9 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
       for (int b = 0; b < kParameters; ++b) rows[a][b] += s[a] * s[b];
     }
   }
-  if (matrix == nullptr) return sum;
   for (int a = 0; a < kParameters; ++a) {
-    (*gradient)[a] = right[a];
-    for (int b = 0; b < kParameters; ++b) (*matrix)(a, b) = b < a ? 0 : rows[a][b];
+    gradient[a] = right[a];
+    for (int b = 0; b < kParameters; ++b) matrix(a, b) = b < a ? 0 : rows[a][b];
   }
   return sum;
 }
@@ -139,32 +137,31 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     steps.push_back(n);
     steps.push_back(-1.0 * n);
   }
+  // If micro-images touch, hardly a pixel tells the background: it is taken to be small against
+  // the light.
+  const double prior = 0.01 * static_cast<double>(pixels.size());
+  const auto misfit = [&](const Vector& at, Square& matrix, Vector& gradient) {
+    const double sum = normal_equations(pixels, steps, at, matrix, gradient);
+    matrix(7, 7) += prior;
+    gradient[7] -= prior * at[7];
+    return sum + prior * at[7] * at[7];
+  };
   double damping = 1e-4;
   Square matrix;
   Vector gradient;
-  double sum = normal_equations(pixels, steps, p, &matrix, &gradient);
-  bool refused = false;  // the step before
+  double sum = misfit(p, matrix, gradient);
   for (int step = 0; step < 12; ++step) {
     Square damped = matrix;
     for (int a = 0; a < kParameters; ++a)
       damped(a, a) += damping * matrix(a, a) + 1e-9 * matrix(4, 4);
-    // If micro-images touch, hardly a pixel tells the background: it is taken to be small
-    // against the light.
-    damped(7, 7) += 0.01 * static_cast<double>(pixels.size());
-    Vector pulled = gradient;
-    pulled[7] -= 0.01 * static_cast<double>(pixels.size()) * p[7];
-    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(pulled);
+    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(gradient);
     Vector next = p + change;
     next[2] = std::clamp(next[2], 1.0, largest_radius);
     next[3] = std::clamp(next[3], kLeastBlur, std::max(kLeastBlur, 0.95 * next[2]));
     Square next_matrix;
     Vector next_gradient;
-    // After a step that was refused the next one mostly is, too: its sum alone is asked first.
-    double next_sum = refused ? normal_equations(pixels, steps, next, nullptr, nullptr) : 0;
-    if (!refused || next_sum <= sum * (1 + 1e-12))
-      next_sum = normal_equations(pixels, steps, next, &next_matrix, &next_gradient);
-    refused = !(next_sum <= sum * (1 + 1e-12));
-    if (refused) {
+    const double next_sum = misfit(next, next_matrix, next_gradient);
+    if (!(next_sum <= sum * (1 + 1e-12))) {
       damping = std::max(damping, 1e-3) * 10;
       if (damping > 1e4) break;
       continue;
@@ -177,14 +174,16 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     damping *= 0.1;
     if (moved < 3e-3) break;
   }
+  sum -= prior * p[7] * p[7];
   fit.centre = start.centre + Vec2{p[0], p[1]};
   fit.radius = p[2];
   fit.blur = p[3];
   fit.light = p[4];
   fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
-  // A blob that ran out of its cell, or looks like anything but a disc, is no micro-image.
-  fit.good =
-      std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > 0 && fit.rms < 0.25 && std::isfinite(sum);
+  // A blob that ran out of its cell, that hardly stands out, or looks like anything but a disc, is
+  // no micro-image.
+  fit.good = std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > std::max(0.0, p[7]) &&
+             fit.rms < 0.25 && std::isfinite(sum);
   return fit;
 }
 

@@ -139,6 +139,44 @@ TEST(WhiteLattice, Square) {
   EXPECT_EQ(result.lattice.types.size(), 1U);
 }
 
+// Noise of so many centres that not all take part in the fit of the camera: what is stated is the
+// scatter of the draws. Fails when the noise of all is stated for a fit of some.
+TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
+  constexpr int kDraws = 20;
+  constexpr double kNoise = 0.1;  // [pixel] per axis
+  CameraSpec camera = camera_of(Lattice::square, 0, -0.01);
+  camera.array.types[0].focal_length = 0.45e-3;
+  camera.sensor.columns = 2200;
+  camera.sensor.rows = 1800;
+  const MicroImages truth(Camera(camera), true);
+  std::vector<Vec2> exact;
+  for (int q = -60; q <= 60; ++q)
+    for (int r = -60; r <= 60; ++r) {
+      const MicroImages::Place place = truth.place({q, r});
+      const Vec2 centre = truth.camera().image_point(place.centre);
+      if (!place.dark && centre.x > 1 && centre.y > 1 && centre.x < camera.sensor.columns - 1 &&
+          centre.y < camera.sensor.rows - 1)
+        exact.push_back(centre);
+    }
+  ASSERT_GT(exact.size(), 6000U);
+  double squares = 0;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    NoiseStream stream(draw, 0);
+    std::vector<Vec2> centres = exact;
+    for (Vec2& centre : centres)
+      centre = centre + kNoise * Vec2{stream.gaussian(), stream.gaussian()};
+    const ArrayFit fit =
+        fit_array(camera, lattice_of_centres(centres, camera.sensor.columns, camera.sensor.rows),
+                  camera.sensor.columns, camera.sensor.rows, false);
+    for (const double pull : {(fit.array.rotation - camera.array.rotation) / fit.rotation_error,
+                              (fit.array.offset.x - camera.array.offset.x) / fit.offset_error.x,
+                              (fit.array.offset.y - camera.array.offset.y) / fit.offset_error.y})
+      squares += pull * pull / (3 * kDraws);
+  }
+  // Of 60 squares of pulls, whose mean scatters by sqrt(2 / 60): four of that.
+  EXPECT_NEAR(squares, 1, 4 * std::sqrt(2.0 / (3 * kDraws)));
+}
+
 TEST(WhiteLattice, NoLatticeIsSaid) {
   Image noise(300, 200);
   NoiseStream stream(1, 2);
