@@ -17,6 +17,7 @@
 #include "gui_tests.h"
 #include "scene_fixture.h"
 #include "scenes.h"
+#include "widgets/image/colour_bar.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;
@@ -130,6 +131,8 @@ class MeasuredTest : public test::SceneFixture {
     }
     QVERIFY2(window_->image_panel().describe(3, 4).contains("e-"),
              qPrintable(window_->image_panel().describe(3, 4)));
+    auto* const bar = child<ColourBar>("imageBar");
+    for (const QString& label : bar->labels()) QVERIFY2(label.endsWith(" e-"), qPrintable(label));
     // The registration tells the shift of one on the other.
     QVERIFY(until([this] { return session().measured().registration() != nullptr; }));
     const PictureFit fit = session().measured().registration()->whole;
@@ -151,9 +154,14 @@ class MeasuredTest : public test::SceneFixture {
     QVERIFY2(std::abs(grey.red() - grey.green()) < 30 && grey.red() > 120, qPrintable(grey.name()));
     // Blinking shows one after the other, by its key.
     press(Qt::Key_B);
+    // The picture keeps its place, though the bar's numbers have other lengths.
+    const QPoint corner = of_pixel(0, 0);
     for (const bool lamp : {true, false, true}) {
       QVERIFY(until([&] { return (drawn(5, 5).lightness() > 100) == lamp; }, 5000));
       QCOMPARE(image().caption().startsWith("measured"), lamp);
+      QCOMPARE(bar->labels().back().endsWith(" e-"), lamp);
+      QCoreApplication::processEvents();
+      QCOMPARE(of_pixel(0, 0), corner);
       QVERIFY(!image().overlay());
     }
     press(Qt::Key_B);

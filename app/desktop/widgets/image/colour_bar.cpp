@@ -33,20 +33,20 @@ ColourBar::ColourBar(QWidget* parent) : QWidget(parent) {
 }
 
 QSize ColourBar::sizeHint() const {
-  int widest = fontMetrics().horizontalAdvance("000 nW");
-  for (const QString& label : labels_)
-    widest = std::max(widest, fontMetrics().horizontalAdvance(label));
-  return {kWidth + 3 * kGap + widest, 120};
+  return {kWidth + 3 * kGap + std::max(widest_, fontMetrics().horizontalAdvance("000 nW")), 120};
 }
 
-void ColourBar::set_tone(const ToneSettings& tone_of, Dimension dimension) {
+void ColourBar::set_tone(const ToneSettings& tone_of, Dimension dimension, const QString& unit) {
   tone_ = tone_of;
   QStringList labels;
   for (int i = 0; i < kLabels; ++i)
-    labels << QString::fromStdString(
-        readable_quantity(value_at(tone_of, static_cast<double>(i) / (kLabels - 1)), dimension, 3));
+    labels << QString::fromStdString(readable_quantity(
+                  value_at(tone_of, static_cast<double>(i) / (kLabels - 1)), dimension, 3)) +
+                  (unit.isEmpty() ? QString() : " " + unit);
   if (labels != labels_) {
     labels_ = labels;
+    for (const QString& label : labels_)
+      widest_ = std::max(widest_, fontMetrics().horizontalAdvance(label));
     updateGeometry();
   }
   update();

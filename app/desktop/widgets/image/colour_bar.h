@@ -11,9 +11,11 @@ class ColourBar : public QWidget {
   Q_OBJECT
  public:
   explicit ColourBar(QWidget* parent = nullptr);
-  void set_tone(const ToneSettings& tone, Dimension dimension);
+  /// @param unit of values without a dimension, as "e-"; may be empty
+  void set_tone(const ToneSettings& tone, Dimension dimension, const QString& unit = {});
   /// The texts beside the bar, from the lowest value up.
   const QStringList& labels() const { return labels_; }
+  /// As wide as its widest numbers so far: what stands beside it does not move with them.
   QSize sizeHint() const override;
 
  protected:
@@ -22,6 +24,7 @@ class ColourBar : public QWidget {
  private:
   ToneSettings tone_;
   QStringList labels_;
+  int widest_ = 0;  ///< [logical pixel] of all labels so far
 };
 
 }  // namespace plenoflame::desktop

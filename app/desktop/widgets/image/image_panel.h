@@ -70,8 +70,9 @@ class ImagePanel : public QWidget {
   /// The light field whose values are drawn, and their unit.
   const LightField* drawn_field() const;
   Dimension dimension() const;
+  bool shows_relative_error() const;
   QString value_text(const LightField& field, int column, int row) const;
-  QString value_title() const;
+  QString value_title(const LightField* field) const;
 
   Document& document_;
   ImageView* view_;

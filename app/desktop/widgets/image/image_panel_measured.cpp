@@ -121,10 +121,13 @@ const LightField* ImagePanel::drawn_field() const {
   return picture() == Picture::measured ? measured_.field().get() : document_.image().get();
 }
 
+bool ImagePanel::shows_relative_error() const {
+  return picture() == Picture::simulated &&
+         static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
+}
+
 Dimension ImagePanel::dimension() const {
-  const bool relative =
-      static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error;
-  if (relative && picture() == Picture::simulated) return Dimension::none;
+  if (shows_relative_error()) return Dimension::none;
   const LightField* const field = drawn_field();
   return field ? dimension_of(*field) : Dimension::flux;
 }
@@ -141,6 +144,7 @@ void ImagePanel::show_picture() {
                      : now == Picture::measured  ? tr("measured: %1").arg(measured_.name())
                                                  : tr("simulated (magenta), measured (green)"));
   apply_tone();
+  update_profile();
 }
 
 }  // namespace plenoflame::desktop
