@@ -5,6 +5,7 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMessageBox>
+#include <algorithm>
 
 namespace plenoflame::desktop::test {
 namespace {
@@ -28,7 +29,8 @@ QAction* entry_of(const QWidget& menu, const QString& text) {
   return nullptr;
 }
 
-bool click_through(QMenu& first, const QStringList& texts) {
+bool click_through(QMenu& first, const QStringList& texts,
+                   const std::function<void()>& open_first) {
   QPointer<QMenu> menu = &first;
   const auto give_up = [&](const QString& text) {
     const QString where = menu ? words_of(*menu) : QString();
@@ -36,8 +38,19 @@ bool click_through(QMenu& first, const QStringList& texts) {
     return complain(text + " (" + texts.join(" > ") + "); " + where);
   };
   const auto is_open = [](const QPointer<QMenu>& m) { return m && m->isVisible(); };
-  for (const QString& text : texts) {
-    if (!until([&] { return is_open(menu); }, kTries * kWait)) return give_up("not open: " + text);
+  int level = 0, begun = 0;
+  while (level < texts.size()) {
+    const QString& text = texts[level];
+    const int patience = !open_first ? kTries * kWait : begun == 0 ? 0 : kWait;
+    if (!until([&] { return is_open(menu); }, patience)) {
+      if (!open_first || ++begun > kTries) return give_up("not open: " + text);
+      close_popups();
+      open_first();
+      menu = &first;
+      level = 0;
+      continue;
+    }
+    begun = std::max(begun, 1);
     const QPointer<QAction> action = entry_of(*menu, text);
     if (!action || !action->isEnabled()) return give_up("nothing to click: " + text);
     const auto click = [&] {
@@ -49,6 +62,7 @@ bool click_through(QMenu& first, const QStringList& texts) {
         until([&] { return is_open(next); }, kWait);
       }
       menu = next;
+      ++level;
       continue;
     }
     // Gone, as well as triggered: lists of files are made anew by what they open.
@@ -62,6 +76,7 @@ bool click_through(QMenu& first, const QStringList& texts) {
     }
     QObject::disconnect(watched);
     if (!taken()) return give_up("did not take: " + text);
+    ++level;
   }
   close_popups();
   return true;

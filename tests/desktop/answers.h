@@ -122,7 +122,10 @@ class Answers : public QObject {
 /// click waits until its menu is on the screen, and is repeated when it did not take: the pointer
 /// of the screen opens and closes menus, too. False, with a message and every menu closed: no such
 /// entry.
-bool click_through(QMenu& first, const QStringList& texts);
+/// @param open_first opens the first menu, again where all were closed on the way; empty: it is
+/// open
+bool click_through(QMenu& first, const QStringList& texts,
+                   const std::function<void()>& open_first = {});
 /// The entry of a menu or menu bar with this text; null: there is none.
 QAction* entry_of(const QWidget& menu, const QString& text);
 

@@ -200,11 +200,9 @@ class WindowFixture : public QObject {
     if (!title || !title->menu()) return complain("no menu " + path.value(0));
     QMenu* const menu = title->menu();
     // A menu that the pointer had opened already is closed by a click: then once more.
-    for (int tries = 0; tries < 10 && !menu->isVisible(); ++tries) {
+    return click_through(*menu, path.mid(1), [bar, title] {
       QTest::mouseClick(bar, Qt::LeftButton, {}, bar->actionGeometry(title).center());
-      until([menu] { return menu->isVisible(); }, 1000);
-    }
-    return click_through(*menu, path.mid(1));
+    });
   }
   /// Types a name into the next file dialog, key by key, and Return.
   void answer_file_dialog(const QString& path) {

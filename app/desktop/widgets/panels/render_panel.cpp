@@ -60,6 +60,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   skipped_ = value(tr("What did not need to be computed in the last pass"));
   skipped_->setWordWrap(true);
   skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Minimum);
+  skipped_->setMinimumHeight(2 * fontMetrics().lineSpacing());  // nothing moves when it fills
   skipped_->setObjectName("renderLeftOut");
   error_->setObjectName("renderError");
   state_->setObjectName("renderState");

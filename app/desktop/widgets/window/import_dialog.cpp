@@ -17,8 +17,14 @@
 #include "widgets/controls/file_chooser.h"
 
 namespace plenoflame::desktop {
+namespace {
+
+constexpr int kLineLength = 80;  ///< [characters] for paths, and for arrays' names and ranges
+
+}  // namespace
 
 ImportDialog::ImportDialog(FileChooser& chooser, QWidget* parent) : QDialog(parent) {
+  setMinimumWidth(kLineLength * fontMetrics().averageCharWidth());
   setWindowTitle(tr("Import a flame"));
   setObjectName("importDialog");
   const auto edit = [this](const char* name, const QString& text, const QString& tip) {
@@ -70,6 +76,7 @@ ImportDialog::ImportDialog(FileChooser& chooser, QWidget* parent) : QDialog(pare
   arrays_ = new QTableWidget(0, 3, this);
   arrays_->setObjectName("importArrays");
   arrays_->setHorizontalHeaderLabels({tr("Array"), tr("Lowest"), tr("Highest")});
+  arrays_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   arrays_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
   arrays_->verticalHeader()->hide();
   arrays_->setEditTriggers(QAbstractItemView::NoEditTriggers);
