@@ -86,7 +86,7 @@ run_tests() {
     grep -vE '^ +Start +[0-9]+:| +Passed +[0-9.]+ sec$' || status=${PIPESTATUS[0]}
   if ended_by_timeout "$status"; then
     local failures
-    failures=$(grep -E '\*\*\*' "$log" | grep -cv '\*\*\*Skipped' || true)
+    failures=$(grep -E ' Test +#[0-9]+: .*\*\*\*' "$log" | grep -cv '\*\*\*Skipped' || true)
     total=$((total + $(grep -cE ' Test +#[0-9]+: ' "$log" || true)))
     failed=$((failed + failures))
     [ "$failures" -eq 0 ] || broken+=("tests: $preset")

@@ -90,8 +90,9 @@ class TestCommand(unittest.TestCase):
         for ended, passes in [("***Skipped", True), ("***Failed", False), ("***Exception: SegFault", False),
                               ("***Timeout", False), ("***Not Run", False)]:
             done, _ = self.run_tests("--minutes", "10", FAILS="ctest --preset asan", FAILS_WITH="124",
-                                     TEST=f"3/7 Test #3: one .....{ended}   0.05 sec")
+                                     TEST=f"3/7 Test #3: one .....{ended}   0.05 sec\n********* Start testing of One")
             self.assertEqual(done.returncode == 0, passes, done.stdout + done.stderr)
+            self.assertIn(f" {0 if passes else 1} tests failed", done.stdout.splitlines()[-1])
             self.assertEqual("Failed: tests: asan" in done.stdout, not passes, ended)
 
 

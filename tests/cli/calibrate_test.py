@@ -132,6 +132,11 @@ class White(CommandTest):
         # 12 bits at the top of 16.
         self.write("top.tif", tiff([[[v << 4 for v in row] for row in self.counts("white.tif")]]))
         self.assertIn("numbers up to", told("top.tif"))
+        # A stop so wide that each micro-image reaches beyond the middle between two.
+        self.write("wide.toml", camera().replace('"11 mm"', '"18 mm"'))
+        self.run_command("render", "wide.toml", "-o", "wide.exr", "--white", "--samples", "64", "--quiet")
+        self.run_command("develop", "wide.exr", "-o", "wide.tif", "--exposure", "auto")
+        self.assertRegex(told("wide.tif"), r"'wide.tif' overlap: they reach 1\d.\d pixels .* 23.\d pixels apart; .* stop the lens down")
         # A lamp that shines on the left half alone.
         corner = [[v if x < 125 else 60 for x, v in enumerate(row)] for row in self.counts("white.tif")]
         self.write("corner.tif", tiff([corner]))

@@ -5,7 +5,6 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMessageBox>
-#include <algorithm>
 
 namespace plenoflame::desktop::test {
 namespace {
@@ -38,19 +37,18 @@ bool click_through(QMenu& first, const QStringList& texts,
     return complain(text + " (" + texts.join(" > ") + "); " + where);
   };
   const auto is_open = [](const QPointer<QMenu>& m) { return m && m->isVisible(); };
-  int level = 0, begun = 0;
+  int level = 0, openings = 0;
+  if (open_first && !is_open(menu)) open_first();
   while (level < texts.size()) {
     const QString& text = texts[level];
-    const int patience = !open_first ? kTries * kWait : begun == 0 ? 0 : kWait;
-    if (!until([&] { return is_open(menu); }, patience)) {
-      if (!open_first || ++begun > kTries) return give_up("not open: " + text);
+    if (!until([&] { return is_open(menu); }, open_first ? kWait : kTries * kWait)) {
+      if (!open_first || ++openings > kTries) return give_up("not open: " + text);
       close_popups();
       open_first();
       menu = &first;
       level = 0;
       continue;
     }
-    begun = std::max(begun, 1);
     const QPointer<QAction> action = entry_of(*menu, text);
     if (!action || !action->isEnabled()) return give_up("nothing to click: " + text);
     const auto click = [&] {

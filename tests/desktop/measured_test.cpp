@@ -17,6 +17,7 @@
 #include "gui_tests.h"
 #include "scene_fixture.h"
 #include "scenes.h"
+#include "widgets/controls/plot_widget.h"
 #include "widgets/image/colour_bar.h"
 
 using namespace plenoflame;
@@ -133,6 +134,17 @@ class MeasuredTest : public test::SceneFixture {
              qPrintable(window_->image_panel().describe(3, 4)));
     auto* const bar = child<ColourBar>("imageBar");
     for (const QString& label : bar->labels()) QVERIFY2(label.endsWith(" e-"), qPrintable(label));
+    // A line along a row has its values.
+    const int row = brightest().y();
+    drag(&image(), of_pixel(20, row), of_pixel(kColumns - 20, row), Qt::ControlModifier);
+    auto* const plot = &window_->image_panel().profile_plot();
+    QVERIFY(until([&] { return !plot->series().empty(); }));
+    QVERIFY2(plot->y_label().contains("e-"), qPrintable(plot->y_label()));
+    double top = 0, expected = 0;
+    for (const QPointF& point : plot->series()[0].points) top = std::max(top, point.y());
+    for (int column = 20; column < kColumns - 20; ++column)
+      expected = std::max(expected, kGain * (counts_at(column, row) - kBlack));
+    QVERIFY2(std::fabs(top / expected - 1) < 0.2, qPrintable(QString::number(top / expected)));
     // The registration tells the shift of one on the other.
     QVERIFY(until([this] { return session().measured().registration() != nullptr; }));
     const PictureFit fit = session().measured().registration()->whole;
@@ -213,6 +225,7 @@ class MeasuredTest : public test::SceneFixture {
          }}};
     for (const auto& [name, ask] : questions) {
       QString folder;
+      QFileDialog().setDirectory(file("."));  // which Qt itself would begin in
       when_shown<QFileDialog>([&](QFileDialog& dialog) {
         folder = dialog.directory().dirName();
         dialog.reject();

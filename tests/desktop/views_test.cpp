@@ -215,13 +215,15 @@ class ViewsTest : public test::SceneFixture {
     // So does somebody who rolled it about its own direction.
     QVERIFY(part(Qt::Key_1));
     const QPointF middle = scene3d()->rect().center();
-    drag(scene3d(), middle + QPointF(0, 100), middle + QPointF(100, 0), Qt::ControlModifier);
     const Vec3 corner = scene().medium->bounds().upper;
+    const auto turn = [](const QPointF& a) { return std::atan2(a.y(), a.x()); };
+    const double before = turn(view().to_widget(corner) - middle);
+    drag(scene3d(), middle + QPointF(0, 100), middle + QPointF(100, 0), Qt::ControlModifier);
     const QPointF rolled = view().to_widget(corner) - middle;
+    QVERIFY(std::fabs(std::remainder(turn(rolled) - before, 2 * std::numbers::pi)) > 0.5);
     QVERIFY(resize({1400, 900}));
     view().picture();
     const QPointF now = view().to_widget(corner) - QPointF(scene3d()->rect().center());
-    const auto turn = [](const QPointF& a) { return std::atan2(a.y(), a.x()); };
     QVERIFY2(std::fabs(turn(now) - turn(rolled)) < 0.01,
              qPrintable(QString::number(turn(now) - turn(rolled))));
   }

@@ -199,7 +199,6 @@ class WindowFixture : public QObject {
     QAction* const title = entry_of(*bar, path.value(0));
     if (!title || !title->menu()) return complain("no menu " + path.value(0));
     QMenu* const menu = title->menu();
-    // A menu that the pointer had opened already is closed by a click: then once more.
     return click_through(*menu, path.mid(1), [bar, title] {
       QTest::mouseClick(bar, Qt::LeftButton, {}, bar->actionGeometry(title).center());
     });

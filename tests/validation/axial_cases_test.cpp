@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/media_voxel/voxel_fixture.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/inverse/csr_matrix.h"
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/measurement.h"
@@ -94,7 +95,7 @@ std::shared_ptr<const Medium> cylinder_of_voxels(const std::vector<SourceFunctio
         },
         map, background);
   };
-  // Half of a voxel beyond its edge, as rings fade out in half of a step.
+  // It fades out over the voxel at its edge.
   const auto absorption = [](Vec3 p) {
     const double inside = kCylinderRadius - std::hypot(p.x - kCylinderDistance, p.y);
     return 8 * std::clamp(inside / kSpacing + 0.5, 0.0, 1.0);
@@ -139,7 +140,7 @@ std::array<double, 2> cylinder_errors(bool three) {
                                 std::vector<double>(rings->size(), 8.0)};
   const CsrMatrix<float> matrix = make_emission_matrix(problem, {});
   const auto a = make_csr_operator(matrix, {});
-  EXPECT_EQ(clean.size(), a->rows());
+  if (clean.size() != a->rows()) throw Error("the picture has other rows than the matrix");
   const std::vector<double> seen = transposed_times(*a, std::vector<double>(a->rows(), 1.0));
   const double most = *std::max_element(seen.begin(), seen.end());
   std::array<double, 2> sums{};
@@ -170,7 +171,11 @@ std::array<double, 2> cylinder_errors(bool three) {
 // of pixels, through whose microlenses rays of all depths come.
 TEST(CaseA, OneFocusErrsAsThree) {
   const auto one = cylinder_errors(false), three = cylinder_errors(true);
-  for (std::size_t k = 0; k < 2; ++k) EXPECT_TRUE(relative(one[k], three[k], 0.1));
+  constexpr std::array<double, 2> kOnThePage{0.125, 0.128};
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_TRUE(relative(one[k], kOnThePage[k], 0.05));
+    EXPECT_TRUE(relative(one[k], three[k], 0.1));
+  }
   EXPECT_GT(one[1], one[0]);
   EXPECT_GT(three[1], three[0]);
 }

@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "plenoflame/base/error.h"
@@ -132,8 +131,8 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   }
 
   std::vector<const MicroImageFit*> used;
-  constexpr std::size_t kMost = 1500;
-  const std::size_t stride = std::max<std::size_t>(1, lattice.good / kMost);
+  constexpr std::size_t kEnough = 1500;
+  const std::size_t stride = std::max<std::size_t>(1, lattice.good / kEnough);
   std::size_t k = 0;
   for (const MicroImageFit& image : lattice.images)
     if (image.good && k++ % stride == 0) used.push_back(&image);
@@ -187,7 +186,7 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     return places;
   };
   // A camera that cannot be as the lattice is differs from it alike over a region of the sensor.
-  constexpr int kRegionsAcross = 6, kRegions = kRegionsAcross * kRegionsAcross;
+  constexpr int kRegionsAcross = 3, kRegions = kRegionsAcross * kRegionsAcross;
   const auto region_of = [&](Vec2 place) {
     const auto cell = [](double at, int size) {
       return std::clamp(static_cast<int>(kRegionsAcross * at / size), 0, kRegionsAcross - 1);
@@ -238,11 +237,13 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     if (!change.allFinite()) throw InputError("the array's numbers cannot be told from each other");
     array = changed(array, change.cwiseProduct(steps));
   }
-  // Noise of all good micro-images, and the scatter of the regions, each of which counts once
-  // (Liang and Zeger 1986, Biometrika 73, 13).
+  // Noise of all good micro-images, whose model has ten numbers or less; and the scatter of the
+  // regions, each of which counts once (Liang and Zeger 1986, Biometrika 73, 13). What is wrong
+  // alike over the whole sensor is told to its order of magnitude, or not at all.
   const Eigen::MatrixXd inverse = matrix.inverse();
-  const double share = static_cast<double>(fit.used) / static_cast<double>(lattice.good);
-  const Eigen::MatrixXd covariance = 0.5 * lattice.rms * lattice.rms * share * inverse +
+  const auto all = static_cast<double>(lattice.good);
+  const double variance = lattice.rms * lattice.rms * all / (2 * all - 10);
+  const Eigen::MatrixXd covariance = variance * (static_cast<double>(used.size()) / all) * inverse +
                                      inverse * pulls * pulls.transpose() * inverse;
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
   // However many centres there are, the middle of a soft disc differs from the ray through the

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace plenoflame {
@@ -109,7 +110,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
             y1 = static_cast<int>(std::ceil(start.centre.y + cell.reach));
   std::vector<CellPixel> pixels;
   pixels.reserve(static_cast<std::size_t>((x1 - x0) * (y1 - y0)));
-  double brightest = 0;
+  double brightest = 0, darkest = std::numeric_limits<double>::infinity();
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       const Vec2 d{x + 0.5 - start.centre.x, y + 0.5 - start.centre.y};
@@ -118,6 +119,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
       // From the start on: small numbers keep their digits.
       pixels.push_back({d.x, d.y, static_cast<double>(white.at(x, y))});
       brightest = std::max(brightest, pixels.back().value);
+      darkest = std::min(darkest, pixels.back().value);
     }
   if (pixels.size() < 12 || !(brightest > 0)) return fit;
   Vector p;
@@ -137,14 +139,13 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     steps.push_back(n);
     steps.push_back(-1.0 * n);
   }
-  // If micro-images touch, hardly a pixel tells the background: it is taken to be small against
-  // the light.
-  const double prior = 0.01 * static_cast<double>(pixels.size());
+  // If micro-images touch, hardly a pixel tells the background: it is pulled to 0.
+  const double pull = 0.01 * static_cast<double>(pixels.size());
   const auto misfit = [&](const Vector& at, Square& matrix, Vector& gradient) {
     const double sum = normal_equations(pixels, steps, at, matrix, gradient);
-    matrix(7, 7) += prior;
-    gradient[7] -= prior * at[7];
-    return sum + prior * at[7] * at[7];
+    matrix(7, 7) += pull;
+    gradient[7] -= pull * at[7];
+    return sum + pull * at[7] * at[7];
   };
   double damping = 1e-4;
   Square matrix;
@@ -174,7 +175,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     damping *= 0.1;
     if (moved < 3e-3) break;
   }
-  sum -= prior * p[7] * p[7];
+  sum -= pull * p[7] * p[7];
   fit.centre = start.centre + Vec2{p[0], p[1]};
   fit.radius = p[2];
   fit.blur = p[3];
@@ -182,8 +183,8 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
   // A blob that ran out of its cell, that hardly stands out, or looks like anything but a disc, is
   // no micro-image.
-  fit.good = std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > std::max(0.0, p[7]) &&
-             fit.rms < 0.25 && std::isfinite(sum);
+  fit.good = std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > 0 &&
+             brightest - darkest > 0.2 * p[4] && fit.rms < 0.25 && std::isfinite(sum);
   return fit;
 }
 

@@ -12,6 +12,7 @@
 #include "plenoflame/lightfield/geometry.h"
 #include "plenoflame/lightfield/sensor.h"
 #include "plenoflame/sampling/noise.h"
+#include "support/approx.h"
 
 namespace plenoflame::test::white_lattice_test {
 namespace {
@@ -139,25 +140,42 @@ TEST(WhiteLattice, Square) {
   EXPECT_EQ(result.lattice.types.size(), 1U);
 }
 
-// Noise of so many centres that not all take part in the fit of the camera: what is stated is the
-// scatter of the draws. Fails when the noise of all is stated for a fit of some.
-TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
-  constexpr int kDraws = 20;
-  constexpr double kNoise = 0.1;  // [pixel] per axis
-  CameraSpec camera = camera_of(Lattice::square, 0, -0.01);
+/// A camera of so many microlenses that not all of them take part in a fit.
+CameraSpec large_camera(double tilt) {
+  CameraSpec camera = camera_of(Lattice::square, tilt, -0.01);
   camera.array.types[0].focal_length = 0.45e-3;
   camera.sensor.columns = 2200;
   camera.sensor.rows = 1800;
+  return camera;
+}
+
+/// [pixel] The middles of the micro-images whose rays are traced singly.
+std::vector<Vec2> exact_centres(const CameraSpec& camera) {
   const MicroImages truth(Camera(camera), true);
-  std::vector<Vec2> exact;
+  std::vector<Vec2> centres;
   for (int q = -60; q <= 60; ++q)
     for (int r = -60; r <= 60; ++r) {
       const MicroImages::Place place = truth.place({q, r});
       const Vec2 centre = truth.camera().image_point(place.centre);
       if (!place.dark && centre.x > 1 && centre.y > 1 && centre.x < camera.sensor.columns - 1 &&
           centre.y < camera.sensor.rows - 1)
-        exact.push_back(centre);
+        centres.push_back(centre);
     }
+  return centres;
+}
+
+ArrayFit fit_of(const CameraSpec& nominal, const std::vector<Vec2>& centres, bool tilt) {
+  const int columns = nominal.sensor.columns, rows = nominal.sensor.rows;
+  return fit_array(nominal, lattice_of_centres(centres, columns, rows), columns, rows, tilt);
+}
+
+// What is stated is the scatter of draws of noise. (That of the pitch is what centres are true to,
+// which is more.) Fails when the noise of all is stated for a fit to the centres of some.
+TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
+  constexpr int kDraws = 20;
+  constexpr double kNoise = 0.1;  // [pixel] per axis
+  const CameraSpec camera = large_camera(1e-3);
+  const std::vector<Vec2> exact = exact_centres(camera);
   ASSERT_GT(exact.size(), 6000U);
   double squares = 0;
   for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
@@ -165,16 +183,30 @@ TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
     std::vector<Vec2> centres = exact;
     for (Vec2& centre : centres)
       centre = centre + kNoise * Vec2{stream.gaussian(), stream.gaussian()};
-    const ArrayFit fit =
-        fit_array(camera, lattice_of_centres(centres, camera.sensor.columns, camera.sensor.rows),
-                  camera.sensor.columns, camera.sensor.rows, false);
-    for (const double pull : {(fit.array.rotation - camera.array.rotation) / fit.rotation_error,
-                              (fit.array.offset.x - camera.array.offset.x) / fit.offset_error.x,
-                              (fit.array.offset.y - camera.array.offset.y) / fit.offset_error.y})
-      squares += pull * pull / (3 * kDraws);
+    const ArrayFit fit = fit_of(camera, centres, true);
+    const ArraySpec &found = fit.array, &truth = camera.array;
+    for (const double pull : {(found.rotation - truth.rotation) / fit.rotation_error,
+                              (found.offset.x - truth.offset.x) / fit.offset_error.x,
+                              (found.offset.y - truth.offset.y) / fit.offset_error.y,
+                              (found.tilt.x - truth.tilt.x) / fit.tilt_error.x,
+                              (found.tilt.y - truth.tilt.y) / fit.tilt_error.y})
+      squares += pull * pull / (5 * kDraws);
   }
-  // Of 60 squares of pulls, whose mean scatters by sqrt(2 / 60): four of that.
-  EXPECT_NEAR(squares, 1, 4 * std::sqrt(2.0 / (3 * kDraws)));
+  // The mean of 100 squares scatters by sqrt(2 / 100): four of that.
+  EXPECT_TRUE(relative(squares, 1.0, 4 * std::sqrt(2.0 / (5 * kDraws))));
+}
+
+// Centres without noise, of an array whose tilt the fit may not have: the stated errors are of the
+// order of those that this makes. Fails when only noise is stated.
+TEST(WhiteLattice, ErrorsTellThatTheCameraCannotBeAsTheLatticeIs) {
+  const CameraSpec camera = large_camera(2e-3);
+  CameraSpec nominal = camera;
+  nominal.array.tilt = {};
+  const ArrayFit fit = fit_of(nominal, exact_centres(camera), false);
+  EXPECT_LT(std::fabs(fit.array.rotation - camera.array.rotation), 4 * fit.rotation_error);
+  EXPECT_LT(std::fabs(fit.array.offset.x - camera.array.offset.x), 4 * fit.offset_error.x);
+  EXPECT_LT(std::fabs(fit.array.offset.y - camera.array.offset.y), 4 * fit.offset_error.y);
+  EXPECT_LT(std::fabs(fit.array.pitch - camera.array.pitch), 4 * fit.pitch_error);
 }
 
 TEST(WhiteLattice, NoLatticeIsSaid) {

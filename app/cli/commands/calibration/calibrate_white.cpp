@@ -130,6 +130,7 @@ class WhiteRun {
           fmt::format("only {} of {} micro-images take part in the model: is '{}' a white picture, "
                       "evenly lit and not overexposed? --picture shows which ones",
                       lattice_.good, lattice_.images.size(), apertures[0].files[0]));
+    warn_of_overlap(apertures[0].files[0]);
     fit_camera();
     write(white);
     print(apertures);
@@ -182,6 +183,20 @@ class WhiteRun {
       throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
     for (const std::string* file : {&arguments_.output, &arguments_.centres, &arguments_.picture})
       if (!file->empty()) check_writable(*file);
+  }
+
+  /// The light of neighbours moves centres alike over the sensor, which no scatter tells.
+  void warn_of_overlap(const std::string& file) const {
+    constexpr double kMostReach = 0.6;  // of the pitch; from half of it on they touch
+    const double pitch = lattice_.guess.pitch();
+    double reach = 0;
+    for (const TypeLooks& type : lattice_.types) reach = std::max(reach, type.radius + type.blur);
+    if (reach > kMostReach * pitch)
+      warn(
+          fmt::format("micro-images of '{}' overlap: they reach {:.1f} pixels far from their "
+                      "middles, which are {:.1f} pixels apart; centres and tilt may be further "
+                      "from the truth than is stated: stop the lens down",
+                      file, reach, pitch));
   }
 
   CountFrames frames_of(const Aperture& aperture) const {

@@ -29,6 +29,7 @@ class PlotWidget : public QWidget {
   void set_equal_scales(bool on);
   void set_series(std::vector<Series> series);
   const std::vector<Series>& series() const { return series_; }
+  const QString& y_label() const { return y_label_; }
   /// Shown while there is nothing to draw.
   void set_empty_text(const QString& text);
 

@@ -33,7 +33,7 @@ ColourBar::ColourBar(QWidget* parent) : QWidget(parent) {
 }
 
 QSize ColourBar::sizeHint() const {
-  return {kWidth + 3 * kGap + std::max(widest_, fontMetrics().horizontalAdvance("000 nW")), 120};
+  return {kWidth + 3 * kGap + fontMetrics().horizontalAdvance(widest_), 120};
 }
 
 void ColourBar::set_tone(const ToneSettings& tone_of, Dimension dimension, const QString& unit) {
@@ -45,8 +45,11 @@ void ColourBar::set_tone(const ToneSettings& tone_of, Dimension dimension, const
                   (unit.isEmpty() ? QString() : " " + unit);
   if (labels != labels_) {
     labels_ = labels;
+    const auto width = [this](const QString& text) {
+      return fontMetrics().horizontalAdvance(text);
+    };
     for (const QString& label : labels_)
-      widest_ = std::max(widest_, fontMetrics().horizontalAdvance(label));
+      if (width(label) > width(widest_)) widest_ = label;
     updateGeometry();
   }
   update();

@@ -24,7 +24,7 @@ class ColourBar : public QWidget {
  private:
   ToneSettings tone_;
   QStringList labels_;
-  int widest_ = 0;  ///< [logical pixel] of all labels so far
+  QString widest_ = "000 nW";  ///< of all labels so far
 };
 
 }  // namespace plenoflame::desktop

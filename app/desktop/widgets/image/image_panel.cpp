@@ -252,15 +252,17 @@ void ImagePanel::apply_tone() {
   view_->set_value_format(unit);
   auto* const bar = findChild<ColourBar*>("imageBar");
   const LightField* const field = drawn_field();
-  const bool unitless = unit != Dimension::none || shows_relative_error() || !field;
-  bar->set_tone(tone, unit, unitless ? QString() : QString::fromStdString(field->unit));
+  const bool bare = unit == Dimension::none && !shows_relative_error() && field;
+  bar->set_tone(tone, unit, bare ? QString::fromStdString(field->unit) : QString());
   bar->setVisible(picture() != Picture::overlay);  // has colours of its own
 }
 
 void ImagePanel::update_profile() {
   view_->set_profile_line(profile_);
   // Of the picture that is seen; where two lie over each other, of the simulated one.
-  const auto& seen = picture() == Picture::measured ? measured_pyramid_ : pyramid_;
+  const auto& seen = picture() == Picture::measured  ? measured_pyramid_
+                     : picture() == Picture::overlay ? flux_pyramid_
+                                                     : pyramid_;
   if (!seen || seen->empty() || profile_.length() <= 0) return;
   PlotWidget::Series series;
   series.colour = QColor(0, 114, 178);
@@ -270,7 +272,8 @@ void ImagePanel::update_profile() {
       profile_.length() / static_cast<double>(std::max<std::size_t>(1, values.size() - 1));
   for (std::size_t i = 0; i < values.size(); ++i)
     series.points << QPointF(static_cast<double>(i) * step, values[i]);
-  profile_plot_->set_axes(tr("along the line [pixel]"), value_title(drawn_field()), false, false);
+  profile_plot_->set_axes(tr("along the line [pixel]"),
+                          value_title(drawn_field(), shows_relative_error()), false, false);
   profile_plot_->set_series({series});
 }
 
@@ -286,14 +289,15 @@ void ImagePanel::show_histogram(const Histogram& counts) {
             counts.lower * std::pow(10.0, decades * (static_cast<double>(i) + 0.5) /
                                               static_cast<double>(counts.counts.size())),
             counts.counts[i]);
-  histogram_plot_->set_axes(value_title(document_.image().get()), tr("pixels"), true, true);
+  histogram_plot_->set_axes(
+      value_title(document_.image().get(),
+                  static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error),
+      tr("pixels"), true, true);
   histogram_plot_->set_series({series});
 }
 
-QString ImagePanel::value_title(const LightField* field) const {
-  if (static_cast<Quantity>(quantity_->currentIndex()) == Quantity::relative_error &&
-      field == document_.image().get())
-    return tr("relative error");
+QString ImagePanel::value_title(const LightField* field, bool relative_error) const {
+  if (relative_error) return tr("relative error");
   return tr("flux [%1]").arg(field ? QString::fromStdString(field->unit) : QString("W"));
 }
 

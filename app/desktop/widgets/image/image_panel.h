@@ -72,7 +72,7 @@ class ImagePanel : public QWidget {
   Dimension dimension() const;
   bool shows_relative_error() const;
   QString value_text(const LightField& field, int column, int row) const;
-  QString value_title(const LightField* field) const;
+  QString value_title(const LightField* field, bool relative_error) const;
 
   Document& document_;
   ImageView* view_;

@@ -15,8 +15,8 @@ struct ArrayFit {
   double rms = 0;    ///< [pixel] of measured centres from those of rays through this camera
   double worst = 0;  ///< [pixel]
   std::size_t used = 0;
-  // Standard errors, from the centres' own scatter; of the pitch also from what centres are true
-  // to.
+  // Standard errors: of the centres' noise, and, to its order of magnitude, of how the camera
+  // differs from the model that goes through them; of the pitch also from what centres are true to.
   double pitch_error = 0;     ///< [m]
   double rotation_error = 0;  ///< [rad]
   Vec2 offset_error;          ///< [m]
@@ -31,8 +31,8 @@ struct ArrayFit {
 LensIndex lens_of(const ArrayFit& fit, int i, int j);
 
 /// Pitch, rotation, offset and, where `tilt` is wanted, tilt of the array, so that the rays through
-/// the middles of microlenses and stop arrive at the measured centres. Main lens, focus and
-/// distances stay as they are: a white picture does not tell them.
+/// the middles of microlenses and stop arrive at the centres of the lattice's model. Main lens,
+/// focus and distances stay as they are: a white picture does not tell them.
 /// @throws InputError: no array, another lattice, a sensor of another size than the picture
 ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int width, int height,
                    bool tilt);
