@@ -164,6 +164,7 @@ class LectureTest : public test::SceneFixture {
     answer_file_dialog(file("film.png"));
     QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
     QVERIFY(film->is_recording());
+    QVERIFY2(!film->message().contains("brightness"), qPrintable(film->message()));
     QVERIFY(until([&] { return !film->is_recording(); }));
     QVERIFY2(film->message().startsWith("3 pictures"), qPrintable(film->message()));
     for (const char* name : {"film.0001.png", "film.0002.png", "film.0003.png"})

@@ -122,6 +122,8 @@ void set_bar_style(vtkScalarBarActor& bar) {
   bar.SetPosition(kBar.left, kBar.bottom);
   bar.SetWidth(kBar.right - kBar.left);
   bar.SetHeight(kBar.top - kBar.bottom);
+  // Else they lie over the bar from its second layout on.
+  bar.GetLabelTextProperty()->SetJustificationToRight();
   bar.SetBarRatio(0.25);
   bar.SetLabelFormat("%.0f  ");
   bar.SetMaximumNumberOfColors(256);  // the map's own, with no steps to be seen

@@ -208,6 +208,7 @@ void FilmDialog::record(const QString& file) {
     emit failed(message_->text());
     return;
   }
+  message_->clear();  // a refusal that stood there is over
   folder_ = std::make_unique<QTemporaryDir>();
   bar_->setRange(0, frames_->value());
   record_->setEnabled(false);
