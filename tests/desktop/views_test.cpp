@@ -228,33 +228,6 @@ class ViewsTest : public test::SceneFixture {
              qPrintable(QString::number(turn(now) - turn(rolled))));
   }
 
-  void numbersStandBesideTheColourBar() {
-    QVERIFY(open_example("lenslets-30"));
-    // As it is on the screen: a picture for a file is laid out anew.
-    auto* const screen = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
-    const auto ink = [screen] {
-      const QImage all = screen->grabFramebuffer();
-      const QImage shown = all.copy(4 * all.width() / 5, 0, all.width() / 5, all.height());
-      int bar = shown.width();
-      std::array<int, 2> counts{};  // of pixels left of the bar, and over it or right of it
-      for (int x = 0; x < shown.width(); ++x)
-        for (int y = 0; y < shown.height(); ++y) {
-          const QColor c(shown.pixel(x, y));
-          const auto [low, high] = std::minmax({c.red(), c.green(), c.blue()});
-          if (high - low > 100) bar = std::min(bar, x);
-          if (high - low < 16 && low > 150) ++counts[x < bar ? 0 : 1];
-        }
-      return counts;
-    };
-    for (const Qt::Key key : {Qt::Key_1, Qt::Key_2, Qt::Key_1, Qt::Key_3, Qt::Key_1}) {
-      QVERIFY(part(key));
-      QTest::qWait(50);
-      if (key == Qt::Key_3) continue;  // has no bar
-      const auto [beside, over] = ink();
-      QVERIFY2(beside > 50 && over == 0, qPrintable(QString("%1, %2").arg(beside).arg(over)));
-    }
-  }
-
   void nothingIsCutOffOverSixOrdersOfMagnitude() {
     QVERIFY(open_example("paper-previous-60x60"));
     // Its lines make the panel higher, and the view lower: what is compared has one size.
