@@ -1,5 +1,7 @@
 // Solid surfaces, windows and further cameras in the 3-D view. References: where their points lie
 // in the world, their colours, the side from which the command's picture shows the same scene.
+#include <QVTKOpenGLNativeWidget.h>
+
 #include <QAction>
 #include <QColor>
 #include <QComboBox>
@@ -7,6 +9,7 @@
 #include <QSlider>
 #include <QToolButton>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -248,6 +251,33 @@ class SurroundingsTest : public test::SceneFixture {
               : 0;
     }
     QCOMPARE(equal, static_cast<int>(views->views.size()));
+  }
+
+  void numbersStandBesideTheColourBar() {
+    QVERIFY(open_example("lenslets-30"));
+    // As it is on the screen: a picture for a file is laid out anew.
+    auto* const screen = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+    const auto ink = [screen] {
+      const QImage all = screen->grabFramebuffer();
+      const QImage shown = all.copy(4 * all.width() / 5, 0, all.width() / 5, all.height());
+      int bar = shown.width();
+      std::array<int, 2> counts{};  // of pixels left of the bar, and over it or right of it
+      for (int x = 0; x < shown.width(); ++x)
+        for (int y = 0; y < shown.height(); ++y) {
+          const QColor c(shown.pixel(x, y));
+          const auto [low, high] = std::minmax({c.red(), c.green(), c.blue()});
+          if (high - low > 100) bar = std::min(bar, x);
+          if (high - low < 16 && low > 150) ++counts[x < bar ? 0 : 1];
+        }
+      return counts;
+    };
+    for (const Qt::Key key : {Qt::Key_1, Qt::Key_2, Qt::Key_1, Qt::Key_3, Qt::Key_1}) {
+      QVERIFY(part(key));
+      QTest::qWait(50);
+      if (key == Qt::Key_3) continue;  // has no bar
+      const auto [beside, over] = ink();
+      QVERIFY2(beside > 50 && over == 0, qPrintable(QString("%1, %2").arg(beside).arg(over)));
+    }
   }
 };
 
