@@ -89,16 +89,15 @@ int act(const Action& action, std::optional<InterruptHandler>& interrupt) {
   return action.plain ? action.plain() : kSuccess;
 }
 
-int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt,
-                  JobCommunicator* ranks) {
-  CLI::App app{"Simulates a light-field (plenoptic) camera photographing a flame."};
+/// The status where there is nothing to run.
+std::optional<int> parse(CLI::App& app, Action& action, int argc, const char* const* argv,
+                         JobCommunicator* ranks) {
   app.name("plenoflame");
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_version_flag("--version", build_information(),
                        "Print version, commit, parts and instruction set, and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
-  Action action;
   register_commands({app, action, ranks});
   if (const std::string wrong = unknown_command(app, argc, argv); !wrong.empty())
     return fail(kBadUse, wrong);
@@ -118,6 +117,18 @@ int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHand
     return fail(kBadUse, (unexpected.empty() ? error.what() : unexpected) + help_hint(app));
   } catch (const CLI::ParseError& error) {
     return fail(kBadUse, error.what() + help_hint(app));
+  }
+  return std::nullopt;
+}
+
+int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt,
+                  JobCommunicator* ranks) {
+  CLI::App app{"Simulates a light-field (plenoptic) camera photographing a flame."};
+  Action action;
+  try {
+    if (const std::optional<int> ended = parse(app, action, argc, argv, ranks)) return *ended;
+  } catch (const std::bad_alloc&) {
+    return fail(kFailure, "the limit on memory (ulimit -v) leaves no room to start");
   }
   return act(action, interrupt);
 }

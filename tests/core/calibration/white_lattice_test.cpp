@@ -169,8 +169,9 @@ ArrayFit fit_of(const CameraSpec& nominal, const std::vector<Vec2>& centres, boo
   return fit_array(nominal, lattice_of_centres(centres, columns, rows), columns, rows, tilt);
 }
 
-// What is stated is the scatter of draws of noise. (That of the pitch is what centres are true to,
-// which is more.) Fails when the noise of all is stated for a fit to the centres of some.
+// The stated errors are the scatter of draws of noise. (The pitch is left out: what centres are
+// true to counts more for it.) Fails when the noise of all is stated for a fit to the centres of
+// some.
 TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
   constexpr int kDraws = 20;
   constexpr double kNoise = 0.1;  // [pixel] per axis

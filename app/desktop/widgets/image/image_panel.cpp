@@ -259,7 +259,7 @@ void ImagePanel::apply_tone() {
 
 void ImagePanel::update_profile() {
   view_->set_profile_line(profile_);
-  // Of the picture that is seen; where two lie over each other, of the simulated one.
+  // The line shows the picture that is seen; where two lie over each other, the simulated one.
   const auto& seen = picture() == Picture::measured  ? measured_pyramid_
                      : picture() == Picture::overlay ? flux_pyramid_
                                                      : pyramid_;
