@@ -23,7 +23,8 @@ function(plenoflame_kernels target)
       file(CONFIGURE OUTPUT "${wrapper}" CONTENT
         "#define PLENOFLAME_ISA ${isa}\n#include \"${path}\"\n")
       set_source_files_properties("${wrapper}" PROPERTIES
-        COMPILE_OPTIONS "${common};${flags_${isa}}" OBJECT_DEPENDS "${path}")
+        COMPILE_OPTIONS "${common};${flags_${isa}}" OBJECT_DEPENDS "${path}"
+        SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
       target_sources(${target} PRIVATE "${wrapper}")
     endforeach()
   endforeach()

@@ -26,6 +26,7 @@ function(plenoflame_library)
   set(target plenoflame_${ARG_NAME})
   add_library(${target} ${ARG_SOURCES})
   plenoflame_compile_together(${target})
+  plenoflame_precompile(${target} <fmt/format.h>)
   add_library(plenoflame::${ARG_NAME} ALIAS ${target})
   target_sources(${target} PUBLIC FILE_SET HEADERS
     BASE_DIRS "${CMAKE_CURRENT_SOURCE_DIR}/include" FILES ${ARG_HEADERS})

@@ -1,0 +1,17 @@
+# Most of the processor time of a build from nothing goes into headers that nearly every file includes. A target with precompiled
+# headers reads them once. `./test.sh --all` builds without them, since they hide a missing include.
+option(PLENOFLAME_PRECOMPILE "Precompile the headers that most files include" ON)
+
+# plenoflame_precompile(TARGET HEADER...): headers of the standard library, and the given ones. Sources whose options differ from those
+# of TARGET need the property SKIP_PRECOMPILE_HEADERS.
+function(plenoflame_precompile target)
+  if(NOT PLENOFLAME_PRECOMPILE)
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE <algorithm> <array> <chrono> <cmath> <cstdint> <filesystem> <functional> <limits> <map>
+    <memory> <mutex> <numeric> <optional> <set> <span> <sstream> <stdexcept> <string> <string_view> <thread> <tuple> <utility> <variant>
+    <vector> ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)  # for the compiler cache
+  endif()
+endfunction()
