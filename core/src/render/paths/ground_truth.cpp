@@ -10,6 +10,7 @@
 
 #include "media/voxels/cell_sampling.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part.h"
 #include "plenoflame/math/ray_span.h"
 #include "plenoflame/scene/spectral.h"
 #include "render/transport/camera_front.h"
