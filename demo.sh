@@ -18,20 +18,19 @@ say() { printf '\n=== %s\n' "$1"; }
 
 if [ "$setup" = yes ]; then
   say "packages"
-  tools/setup.sh core volumes cli || exit 1
+  tools/setup.sh command || exit 1
 fi
 
 say "build"
 mkdir -p build/logs out
 {
-  cmake --preset release -DPLENOFLAME_WITH_VTK=OFF -DPLENOFLAME_WITH_DESKTOP=OFF -DBUILD_TESTING=OFF -DPLENOFLAME_WERROR=OFF -DPLENOFLAME_COMPILE_TOGETHER=ON -B build/demo &&
-    cmake --build build/demo -j "${PLENOFLAME_JOBS:-$(nproc)}"
+  cmake --preset command && cmake --build --preset command -j "${PLENOFLAME_JOBS:-$(nproc)}"
 } >build/logs/demo.log 2>&1 || {
   tail -n 50 build/logs/demo.log
   echo "demo.sh: the build failed; all of its output is in build/logs/demo.log" >&2
   exit 1
 }
-plenoflame=build/demo/app/cli/plenoflame
+plenoflame=build/command/app/cli/plenoflame
 
 pictures=()
 # picture SCENE "what it shows": renders examples/SCENE.toml and develops it for display.
@@ -49,4 +48,4 @@ picture candle "a candle flame from OpenVDB grids"
 say "pictures (and beside each, as .exr, the light field in watt per pixel)"
 printf '%s\n' "${pictures[@]}"
 say "to go on (README.md)"
-echo "export PATH=\"$PWD/build/demo/app/cli:\$PATH\" && plenoflame --help"
+echo "export PATH=\"$PWD/build/command/app/cli:\$PATH\" && plenoflame --help"

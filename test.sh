@@ -1,35 +1,28 @@
 #!/bin/bash
-# Installs what is missing, builds, and runs all tests.
+# Installs what is missing, builds, and runs the tests.
 #
-#   ./test.sh            format check, release build with warnings as errors, core alone, and the tests
-#                        again under AddressSanitizer + UndefinedBehaviorSanitizer and under ThreadSanitizer
-#   ./test.sh --quick    format check, the release build and its tests only
-#   ./test.sh --all      everything there is: also what takes minutes, and all of it under the sanitizers
+#   ./test.sh            format; each way to build, set up and configured in a bare Debian; release build with warnings as errors and
+#                        its tests; unit and fuzz tests under AddressSanitizer + UndefinedBehaviorSanitizer; threads under
+#                        ThreadSanitizer
+#   ./test.sh --quick    format, the release build and its tests only
+#   ./test.sh --all      everything there is: each test in each configuration and at full length, each header alone, core alone,
+#                        Qt 6, each way built in a bare Debian, packages. It takes hours.
 #
 #   ./test.sh --no-setup installs nothing (for machines without apt-get)
-#   ./test.sh --minutes N  leaves out of the sanitizers what does not end within N minutes, and says so
 #
-# The last line is a summary like that of ctest; the status is 0 only if everything passed.
+# The last line is a summary like that of ctest; the status is 0 only if everything passed. Tests that could not run are named above it.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 quick=no
 all=no
 setup=yes
-minutes=
-while [ $# -gt 0 ]; do
-  argument=$1
-  shift
+for argument in "$@"; do
   case "$argument" in
     --quick) quick=yes ;;
     --all) all=yes ;;
-    --minutes)
-      minutes=${1:-}
-      [[ "$minutes" =~ ^[0-9]+$ ]] || { echo "test.sh: --minutes wants a whole number" >&2; exit 2; }
-      shift
-      ;;
     --no-setup) setup=no ;;
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "test.sh: unknown option $argument (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -40,59 +33,42 @@ mkdir -p "$logs"
 total=0
 failed=0
 broken=()
-left_out=()
-limited=no  # whether what runs now is ended when the time is up
+skipped=()
 
 say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 
-# in_time COMMAND...: with the time that is left now, where it is limited.
-in_time() {
-  local limit=()
-  if [ "$limited" = yes ]; then
-    limit=(timeout --signal=INT --kill-after=20 $((60 * minutes > SECONDS ? 60 * minutes - SECONDS : 1)))
-  fi
-  "${run[@]}" "${limit[@]}" "$@"
-}
-
-ended_by_timeout() { [ "$limited" = yes ] && { [ "$1" -eq 124 ] || [ "$1" -eq 137 ]; }; }
-
-# stage NAME COMMAND...: what is not a CTest run counts as one test.
+# stage NAME COMMAND...: what is not a CTest run counts as one test. A status of 77 skips it.
 stage() {
-  local name=$1
+  local name=$1 status=0
   shift
   say "$name"
-  total=$((total + 1))
-  local status=0
   "$@" || status=$?
-  [ "$status" -ne 0 ] || return 0
-  if ended_by_timeout "$status"; then
-    total=$((total - 1))
-    left_out+=("$name")
-    return 1
+  if [ "$status" -eq 77 ]; then
+    skipped+=("$name")
+    return 0
   fi
+  total=$((total + 1))
+  [ "$status" -ne 0 ] || return 0
   failed=$((failed + 1))
   broken+=("$name")
   return 1
 }
 
+# What did not run in the tests of PRESET: whole tests, and parts of them (GoogleTest, unittest).
+skipped_tests() {
+  sed -nE -e 's/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([^ ]+) \.*\*\*\*Skipped.*/\1/p' -e 's/^\[  SKIPPED \] ([^ ,]+) \(.*/\1/p' \
+    -e 's/.* \.\.\. skipped (.*)/\1/p' "$logs/ctest-$1.log" "build/$1/Testing/Temporary/LastTest.log" 2>/dev/null | sort -u
+}
+
 # run_tests PRESET [ctest options]
 run_tests() {
-  local preset=$1 status=0 log="$logs/ctest-$1.log" line
+  local preset=$1 status=0 log="$logs/ctest-$1.log" line each
   shift
   say "tests: $preset"
-  # One more than processors: tests of programs and windows wait now and then. Programs that were not built are named
-  # NAME_NOT_BUILT by CTest.
-  in_time ctest --preset "$preset" -j $((jobs + 1)) --no-tests=error -E '_NOT_BUILT' "$@" | tee "$log" |
+  # One more than processors: tests of programs and windows wait now and then.
+  "${run[@]}" ctest --preset "$preset" -j $((jobs + 1)) --no-tests=error "$@" | tee "$log" |
     grep -vE '^ +Start +[0-9]+:| +Passed +[0-9.]+ sec$' || status=${PIPESTATUS[0]}
-  if ended_by_timeout "$status"; then
-    local failures
-    failures=$(grep -E ' Test +#[0-9]+: .*\*\*\*' "$log" | grep -cv '\*\*\*Skipped' || true)
-    total=$((total + $(grep -cE ' Test +#[0-9]+: ' "$log" || true)))
-    failed=$((failed + failures))
-    [ "$failures" -eq 0 ] || broken+=("tests: $preset")
-    left_out+=("the rest of tests: $preset")
-    return
-  fi
+  while read -r each; do [ -z "$each" ] || skipped+=("$each"); done < <(skipped_tests "$preset")
   line=$(grep -E '^[0-9]+% tests passed, [0-9]+ tests? failed out of [0-9]+' "$log" | tail -1 || true)
   if [[ "$line" =~ \ ([0-9]+)\ tests?\ failed\ out\ of\ ([0-9]+) ]]; then
     total=$((total + BASH_REMATCH[2]))
@@ -109,52 +85,43 @@ run_tests() {
   fi
 }
 
-# build PRESET LABELS [options of cmake --build]: without the programs of tests with LABELS ("slow|long").
+# build PRESET LABELS [TARGET...]: without the programs of tests with LABELS ("slow|long"); all of it, or TARGETs.
 build() {
-  local preset=$1 without=${2//|/;}
+  local preset=$1 without=${2//|/;} folder=${folder:-build/$1}
   shift 2
-  "${run[@]}" cmake --preset "$preset" -S . -DPLENOFLAME_COMPILE_TOGETHER=ON "-DPLENOFLAME_TESTS_LEFT_OUT=$without" >"$logs/configure-$preset.log" 2>&1 || {
-    cat "$logs/configure-$preset.log"
+  "${run[@]}" cmake --preset "$preset" -B "$folder" "-DPLENOFLAME_TESTS_LEFT_OUT=$without" "${how[@]}" >"$logs/configure-${folder##*/}.log" 2>&1 || {
+    cat "$logs/configure-${folder##*/}.log"
     return 1
   }
-  in_time cmake --build --preset "$preset" -j "$jobs" "$@" >"$logs/build-$preset.log" 2>&1 || {
-    local status=$?
-    ended_by_timeout "$status" || tail -n 200 "$logs/build-$preset.log"
-    return "$status"
+  "${run[@]}" cmake --build "$folder" -j "$jobs" ${1:+--target "$@"} >"$logs/build-${folder##*/}.log" 2>&1 || {
+    tail -n 200 "$logs/build-${folder##*/}.log"
+    return 1
   }
-  tail -n 1 "$logs/build-$preset.log"
-}
-
-# time_for NAME SHARE: whether a stage that takes SHARE percent of what all before it took still fits. What follows is limited.
-time_for() {
-  [ -n "$minutes" ] || return 0
-  limited=yes
-  [ $((SECONDS + SECONDS * $2 / 100)) -gt $((60 * minutes)) ] || return 0
-  say "$1: left out, $minutes minutes would not suffice"
-  left_out+=("$1")
-  return 1
+  tail -n 1 "$logs/build-${folder##*/}.log"
 }
 
 summary() {
   local percent=$((total > 0 ? 100 * (total - failed) / total : 0))
-  [ ${#left_out[@]} -eq 0 ] || printf '\nLeft out for want of time: %s\n' "$(IFS=';' && echo "${left_out[*]}")"
+  [ ${#skipped[@]} -eq 0 ] || { printf '\nNot run here:\n' && printf '  %s\n' "${skipped[@]}"; }
   [ ${#broken[@]} -eq 0 ] || printf '\nFailed: %s\n' "$(IFS=';' && echo "${broken[*]}")"
-  printf '\n%d%% tests passed, %d tests failed out of %d\n' "$percent" "$failed" "$total"
+  printf '\n%d%% tests passed, %d tests failed out of %d (%d min)\n' "$percent" "$failed" "$total" $((SECONDS / 60))
   [ "$failed" -eq 0 ] && [ "$total" -gt 0 ]
 }
 
-# The sanitizers leave out tests that take long, which ran in the release build already, and those that compare whole
-# pictures statistically, whose code the tests of each part go through, too.
-release_only='long'
-asan_only='slow|long|meta|statistical'
-tsan_only='slow|long|meta|fuzz|statistical'
-# Only programs with threads: one thread has no races.
-threaded=(base_test camera_test pupil_sampling_test lightfield_views_test render_test ray_paths_test forward_test measurement_test)
+# Unit and fuzz tests run under the sanitizers, all others in the release build; those of vector kernels, which depend on the
+# instruction set, in both. Tests labelled long run with --all.
+release_without='unit|fuzz|long'
+asan_without='slow|statistical|long|meta'
+threaded=(base lightfield render)  # one thread has no races
+how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
+bare=()
+packages=(release)
 if [ "$all" = yes ]; then
-  release_only='^$'
-  asan_only='meta'
-  tsan_only='meta'
-  threaded=(all)
+  release_without='^$'
+  asan_without='long|meta'
+  threaded=(base calibration camera inverse lightfield render scene slow solids statistical)
+  bare=(--all)
+  packages=(release package qt6 slurm)
 fi
 
 run=()
@@ -163,24 +130,31 @@ export LSAN_OPTIONS="suppressions=$PWD/tests/lsan_suppressions.txt:print_suppres
 export ASAN_OPTIONS=allocator_may_return_null=1
 if [ "$setup" = yes ]; then
   say "packages"
-  tools/setup.sh core volumes cli vtk python desktop mpi tests site || exit 1
+  tools/setup.sh "${packages[@]}" || exit 1
 fi
 
 stage "format" tools/format.sh --check || true
-if stage "build: release" build release ""; then
-  run_tests release -LE "$release_only"
+if [ "$quick" = no ]; then
+  stage "bare Debian" tests/bare/run.sh "${bare[@]}" || true
+fi
+if stage "build: release" build release "$release_without"; then
+  run_tests release -LE "$release_without"
+fi
+if [ "$all" = yes ]; then
+  stage "build: core alone" build core-only "" || true
+  # What developers build: file by file, and no precompiled header hides a missing include.
+  how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF)
+  folder=build/file-by-file stage "build: file by file" build release "" || true
+  how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 fi
 if [ "$quick" = no ]; then
-  stage "build: core alone" build core-only "" || true
-  if time_for "address and undefined-behaviour sanitizers" 50 &&
-    stage "build: address and undefined-behaviour sanitizers" build asan "$asan_only"; then
-    run_tests asan -LE "$asan_only"
+  if stage "build: address and undefined-behaviour sanitizers" build asan "$asan_without"; then
+    run_tests asan -LE "$asan_without"
   fi
   # GCC 12's ThreadSanitizer does not start where the kernel randomises addresses widely.
   if setarch "$(uname -m)" -R true 2>/dev/null; then run=(setarch "$(uname -m)" -R); fi
-  if time_for "thread sanitizer" 50 &&
-    stage "build: thread sanitizer" build tsan "$tsan_only" --target "${threaded[@]}"; then
-    run_tests tsan -LE "$tsan_only"
+  if stage "build: thread sanitizer" build tsan "" "${threaded[@]/%/_test}"; then
+    run_tests tsan -LE long -R "^($(IFS='|' && echo "${threaded[*]}"))[.]"
   fi
 fi
 summary

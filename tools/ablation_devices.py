@@ -49,7 +49,7 @@ DEVICES = [
     Device("levels of worth", "Pixels that see little of a microlens get fewer points (`WorthLevels`).",
            [(PAIRS, "plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];",
              "plan_.levels[static_cast<std::size_t>(WITHOUT(levels of worth) ? 0 : std::min(worth, last_level))];")],
-           [RENDER + "sampling/worth_levels.cpp", RENDER + "sampling/worth_levels.h"], ["tests/core/render/worth_levels_test.cpp"]),
+           [RENDER + "sampling/worth_levels.cpp", RENDER + "sampling/worth_levels.h"], []),
     Device("skipping of microlenses", "Microlenses whose beams miss the flame are left before anything is looked up (`BeamBounds`).",
            [(RENDER + "sampling/backward_rows.cpp", "if (visibility == Visibility::none) return;",
              "if (visibility == Visibility::none && !WITHOUT(skipping of microlenses)) return;")],

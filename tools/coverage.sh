@@ -1,6 +1,6 @@
 #!/bin/bash
 # Line coverage of core, volumes and the command: builds the preset coverage, runs the tests, and
-# writes a report to out/coverage/index.html. Packages: tools/setup.sh core volumes cli tests dev
+# writes a report to out/coverage/index.html. Packages: tools/setup.sh coverage
 set -euo pipefail
 cd "$(dirname "$0")/.."
 jobs=${PLENOFLAME_JOBS:-$(nproc)}

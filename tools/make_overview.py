@@ -23,7 +23,7 @@ try:
     import numpy
     import plenoflame
 except ImportError as missing:
-    sys.exit(f"make_overview.py: {missing}: tools/setup.sh vtk python, and cmake --build build/release")
+    sys.exit(f"make_overview.py: {missing}: tools/setup.sh python, and cmake --build build/release")
 
 
 

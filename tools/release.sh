@@ -34,7 +34,7 @@ git describe --tags --exact-match --match "v$version" HEAD >/dev/null 2>&1 ||
 
 if [ "$setup" = yes ]; then
   say "packages"
-  tools/setup.sh core volumes cli vtk python desktop mpi package || exit 1
+  tools/setup.sh package || exit 1
 fi
 
 say "build"

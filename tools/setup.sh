@@ -1,12 +1,26 @@
 #!/bin/bash
 # Installs the Debian packages that Plenoflame is built and tested with, as far as they are missing.
 #
-#   tools/setup.sh [GROUP ...]      groups as listed below; without any: core volumes cli
-#   tools/setup.sh --list [GROUP ...]   prints the packages and why each is needed, installs nothing
+#   tools/setup.sh [PRESET | GROUP ...]   what a preset of CMake needs, or groups as listed below; without any: command
+#   tools/setup.sh --list [PRESET | GROUP ...]   prints the packages and why each is needed, installs nothing
 #
 # Uses apt-get as root, or through sudo. Where it may not install, it lists what is missing and
 # ends with status 1. Nothing is downloaded when everything is there.
 set -euo pipefail
+
+# preset      groups that its options need (tests/architecture compares them with CMakePresets.json)
+presets='
+command       core volumes cli
+python        core volumes cli vtk pybind
+desktop       core volumes cli vtk qt
+release       core volumes cli vtk pybind qt mpi tests site
+package       core volumes cli vtk pybind qt mpi packaging
+wheel         core volumes pybind
+debug         core volumes cli tests
+coverage      core volumes cli tests dev
+asan          core volumes tests
+tsan          core tests
+'
 
 # group       package                  what for
 packages='
@@ -27,9 +41,8 @@ core          libtomlplusplus-dev      scene files with positions in messages
 core          nlohmann-json3-dev       statistics and figures as JSON
 core          libeigen3-dev            small dense linear algebra
 core          libembree-dev            surfaces: ray tracing
-core          libtbb-dev               threads of Embree
+core          libtbb-dev               threads of Embree and OpenVDB
 volumes       libopenvdb-dev           flames as OpenVDB grids
-volumes       libtbb-dev               threads of OpenVDB
 volumes       libboost-iostreams-dev   delayed loading of OpenVDB (its find module asks for it)
 volumes       libblosc-dev             compression of OpenVDB files
 cli           libcli11-dev             command line
@@ -49,13 +62,14 @@ vtk           xvfb                     pictures without a display
 vtk           xauth                    xvfb-run
 vtk           libgl1-mesa-dri          software rendering
 vtk           python3-matplotlib       examples in Python
-python        pybind11-dev             Python package without VTK (pip install .)
-python        python3-dev              the same
-python        python3-numpy            arrays of the Python package
-python        python3-pip              pip install .
-desktop       qtbase5-dev              desktop application: windows
-desktop       libvtk9-qt-dev           desktop application: 3-D views in windows
-desktop       libqt5svg5               desktop application: its icon
+pybind        pybind11-dev             Python package without VTK (pip install .)
+pybind        python3-dev              the same
+pybind        python3-numpy            arrays of the Python package
+pybind        python3-pip              pip install .
+pybind        python3-venv             pip install . into a folder of its own
+qt            qtbase5-dev              desktop application: windows
+qt            libvtk9-qt-dev           desktop application: 3-D views in windows
+qt            libqt5svg5               desktop application: its icon
 qt6           qt6-base-dev             desktop application: compiled against Qt 6, too (tests/desktop_qt6)
 qt6           libqt6opengl6-dev        the same
 tests         libgtest-dev             unit tests
@@ -65,11 +79,20 @@ tests         python3-h5py             the same for HDF5
 tests         python3-scipy            solvers that ours are held against
 tests         binutils                 nm: tests for symbols that must not exist
 tests         clang-format-14          format check
+tests         git                      tests of releases; --version names the commit
+tests         man-db                   tests of manual pages
+tests         zsh                      tests of completions
+tests         fish                     the same
+tests         mypy                     tests of the types of the Python package
+tests         desktop-file-utils       test of the entry of the desktop application in menus
+tests         mmdebstrap               a bare Debian that follows each way to build (tests/bare)
+slurm         slurm-wlm                test of a job array (tests/cli/slurm_test.py)
+slurm         munge                    the same
 bench         libbenchmark-dev         micro-benchmarks
-package       dpkg-dev                 packages: which libraries they depend on (tools/release.sh)
-package       lintian                  packages: checks of Debian packages
-package       mmdebstrap               packages: a fresh Debian to install them into
-package       xz-utils                 packages: the sources
+packaging     dpkg-dev                 packages: which libraries they depend on (tools/release.sh)
+packaging     lintian                  packages: checks of Debian packages
+packaging     mmdebstrap               packages: a fresh Debian to install them into
+packaging     xz-utils                 packages: the sources
 site          mkdocs                   documentation as a site (tools/site.sh)
 site          mkdocs-material          its appearance and search
 site          doxygen                  reference of the C++ libraries
@@ -89,20 +112,30 @@ for argument in "$@"; do
     *) groups+=("$argument") ;;
   esac
 done
-[ ${#groups[@]} -gt 0 ] || groups=(core volumes cli)
+[ ${#groups[@]} -gt 0 ] || groups=(command)
 
-known=" $(awk 'NF {print $1}' <<<"$packages" | sort -u | tr '\n' ' ')"
-wanted=()
+names() { awk 'NF {print $1}' <<<"$1" | sort -u | tr '\n' ' '; }
+known=" $(names "$packages")"
+expanded=()
 for group in "${groups[@]}"; do
+  of_preset=$(awk -v preset="$group" '$1 == preset {$1 = ""; print}' <<<"$presets")
+  for each in ${of_preset:-$group}; do
+    [[ " ${expanded[*]} " == *" $each "* ]] || expanded+=("$each")
+  done
+done
+
+wanted=()
+for group in "${expanded[@]}"; do
   if [[ "$known" != *" $group "* ]]; then
-    echo "setup.sh: unknown group $group; known are:$known" >&2
+    echo "setup.sh: $group is neither a preset ($(names "$presets")) nor a group ($(names "$packages"))" >&2
     exit 2
   fi
   if [ "$list_only" = yes ]; then
     awk -v group="$group" '$1 == group' <<<"$packages"
   fi
-  while read -r package; do wanted+=("$package"); done \
-    < <(awk -v group="$group" '$1 == group {print $2}' <<<"$packages")
+  while read -r package; do
+    [[ " ${wanted[*]} " == *" $package "* ]] || wanted+=("$package")
+  done < <(awk -v group="$group" '$1 == group {print $2}' <<<"$packages")
 done
 [ "$list_only" = no ] || exit 0
 

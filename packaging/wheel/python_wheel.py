@@ -1,5 +1,5 @@
 """Builds wheels of the Python package with CMake: what pip calls (PEP 517). It needs nothing that Debian does not have: CMake,
-Ninja, pybind11, and the libraries of core and volumes (tools/setup.sh core volumes python)."""
+Ninja, pybind11, and the libraries of core and volumes (tools/setup.sh wheel)."""
 
 import base64
 import hashlib
@@ -42,10 +42,10 @@ def _run(*command):
     try:
         subprocess.run([str(part) for part in command], check=True)
     except FileNotFoundError:
-        raise SystemExit(f"building plenoflame needs {command[0]}: tools/setup.sh core volumes python") from None
+        raise SystemExit(f"building plenoflame needs {command[0]}: tools/setup.sh wheel") from None
     except subprocess.CalledProcessError:
         raise SystemExit("building plenoflame failed; CMake says above what is missing "
-                         "(tools/setup.sh core volumes python installs all of it on Debian)") from None
+                         "(tools/setup.sh wheel installs all of it on Debian)") from None
 
 
 def _build(folder):

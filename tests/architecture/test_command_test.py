@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Runs test.sh with tools that only say what they were told: its limit in time holds for all that it does."""
+"""Runs test.sh with tools that only say what they were told, and compares what presets need with what tools/setup.sh installs."""
 
+import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -15,17 +17,9 @@ TOOL = """#!/bin/bash
 echo "$(basename "$0") $*" >>"$CALLS"
 [[ -z "${FAILS:-}" || "$(basename "$0") $*" != *"$FAILS"* ]] || exit "${FAILS_WITH:-1}"
 """
-CMAKE = TOOL + """case "$*" in *"--build --preset asan"*) sleep "${BUILD_TAKES:-0}" ;; esac
-"""
 CTEST = """#!/bin/bash
 echo "${TEST:-1/1 Test  #1: one ..... Passed 0.01 sec}"
 """ + TOOL + """echo "100% tests passed, 0 tests failed out of 7"
-"""
-TIMEOUT = """#!/bin/bash
-echo "timeout $*" >>"$CALLS"
-while [[ "$1" == --* ]]; do shift; done
-shift
-exec "$@"
 """
 SETARCH = """#!/bin/bash
 shift 2
@@ -39,14 +33,15 @@ class TestCommand(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = pathlib.Path(folder.name)
         shutil.copy(ROOT / "test.sh", self.root)
-        for name, text in [("tools/format.sh", TOOL), ("bin/cmake", CMAKE), ("bin/ctest", CTEST),
-                           ("bin/timeout", TIMEOUT), ("bin/setarch", SETARCH)]:
+        for name, text in [("tools/format.sh", TOOL), ("tests/bare/run.sh", TOOL), ("bin/cmake", TOOL), ("bin/ctest", CTEST),
+                           ("bin/setarch", SETARCH)]:
             file = self.root / name
-            file.parent.mkdir(exist_ok=True)
+            file.parent.mkdir(exist_ok=True, parents=True)
             file.write_text(text)
             file.chmod(0o755)
 
     def run_tests(self, *options, **environment):
+        (self.root / "calls").unlink(missing_ok=True)
         done = subprocess.run(
             ["bash", "test.sh", "--no-setup", *options], cwd=self.root, text=True, capture_output=True,
             env=os.environ | {"PATH": f"{self.root / 'bin'}:{os.environ['PATH']}",
@@ -58,42 +53,62 @@ class TestCommand(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         tested = [c.split()[2] for c in calls if c.startswith("ctest")]
         self.assertEqual(tested, ["release", "asan", "tsan"])
-        # The format and four builds are one test each that is counted when it fails; ctest reports seven.
-        self.assertRegex(done.stdout.splitlines()[-1], r"^100% tests passed, 0 tests failed out of \d+$")
+        self.assertIn("run.sh ", calls)
+        # Format, bare Debian and three builds are one test each; ctest reports seven, three times.
+        self.assertRegex(done.stdout.splitlines()[-1], r"^100% tests passed, 0 tests failed out of 26 \(\d+ min\)$")
 
-    def test_no_command_is_given_more_than_what_is_left(self):
-        minutes = 10
-        done, calls = self.run_tests("--minutes", str(minutes), BUILD_TAKES="3")
+    def test_all_builds_file_by_file_and_leaves_nothing_out(self):
+        done, calls = self.run_tests("--all")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        given = [next(int(word) for word in call.split() if word.isdigit())
-                 for call in calls if call.startswith("timeout")]
-        self.assertEqual(len(given), 4, calls)  # builds and tests of both sanitizers
-        self.assertLessEqual(given[0], 60 * minutes)
-        # The first one's build took three seconds; both ends of them are counted in whole seconds.
-        self.assertLessEqual(given[1], given[0] - 2)
-        self.assertEqual(given, sorted(given, reverse=True))
+        plain = [c for c in calls if "PLENOFLAME_PRECOMPILE=OFF" in c]
+        self.assertEqual(len(plain), 1)
+        self.assertIn("cmake --build build/file-by-file", "\n".join(calls))
+        self.assertIn("run.sh --all", calls)
+        self.assertIn("ctest --preset release -j", "\n".join(calls))
+        release = next(c for c in calls if c.startswith("ctest --preset release"))
+        self.assertTrue(release.endswith("-LE ^$"), release)
 
     def test_what_fails_is_named_and_its_status_is_not_zero(self):
-        for fails, named in [("--build --preset core-only", "build: core alone"), ("ctest --preset release", "tests: release"),
-                             ("format.sh", "format")]:
-            (self.root / "calls").unlink(missing_ok=True)
+        for fails, named in [("--build build/asan", "build: address"), ("ctest --preset release", "tests: release"),
+                             ("format.sh", "format"), ("run.sh", "bare Debian")]:
             done, _ = self.run_tests(FAILS=fails)
             self.assertNotEqual(done.returncode, 0, fails)
             self.assertIn(f"Failed: {named}", done.stdout)
 
-    def test_sanitizer_that_ran_out_of_time_is_left_out_and_said(self):
-        done, _ = self.run_tests("--minutes", "10", FAILS="ctest --preset asan", FAILS_WITH="124")
+    def test_what_was_skipped_is_named(self):
+        done, _ = self.run_tests(FAILS="run.sh", FAILS_WITH="77",
+                                 TEST="3/7 Test #3: cli.mpi .....***Skipped   0.05 sec\n[  SKIPPED ] One.Two (0 ms)\n"
+                                      "test_a (__main__.B) ... skipped 'no disk'\n4/7 Test #4: b ..... Passed 0.01 sec")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertIn("Left out for want of time: the rest of tests: asan", done.stdout)
+        said = done.stdout.split("Not run here:\n")[1].split("\n\n")[0].split("\n")
+        self.assertEqual({line.strip() for line in said}, {"bare Debian", "cli.mpi", "One.Two", "'no disk'"})
+        self.assertIn(" out of 25 ", done.stdout.splitlines()[-1])
 
-    def test_skipped_tests_of_a_run_that_ended_early_are_no_failures(self):
-        for ended, passes in [("***Skipped", True), ("***Failed", False), ("***Exception: SegFault", False),
-                              ("***Timeout", False), ("***Not Run", False)]:
-            done, _ = self.run_tests("--minutes", "10", FAILS="ctest --preset asan", FAILS_WITH="124",
-                                     TEST=f"3/7 Test #3: one .....{ended}   0.05 sec\n********* Start testing of One")
-            self.assertEqual(done.returncode == 0, passes, done.stdout + done.stderr)
-            self.assertIn(f" {0 if passes else 1} tests failed", done.stdout.splitlines()[-1])
-            self.assertEqual("Failed: tests: asan" in done.stdout, not passes, ended)
+
+class PresetsTest(unittest.TestCase):
+    GROUPS = {"VOLUMES": "volumes", "CLI": "cli", "VTK": "vtk", "PYTHON": "pybind", "DESKTOP": "qt", "MPI": "mpi"}
+
+    def test_setup_installs_what_the_options_of_a_preset_need(self):
+        """Options that are on by default, and what a preset inherits, come from CMake's own files."""
+        cmake = (ROOT / "CMakeLists.txt").read_text()
+        default = {name: value == "ON" for name, value in re.findall(r'^option\(PLENOFLAME_WITH_(\w+) "[^"]*" (ON|OFF)\)', cmake, re.M)}
+        presets = {p["name"]: p for p in json.loads((ROOT / "CMakePresets.json").read_text())["configurePresets"]}
+
+        def variables(name):
+            preset = presets[name]
+            return (variables(preset["inherits"]) if "inherits" in preset else {}) | preset.get("cacheVariables", {})
+
+        table = dict(line.split(None, 1) for line in
+                     re.search(r"^presets='\n(.*?)^'", (ROOT / "tools/setup.sh").read_text(), re.M | re.S)[1].splitlines())
+        named = {name for name, preset in presets.items() if not preset.get("hidden")}
+        self.assertEqual(named - {"core-only"}, set(table) - {"wheel"})
+        for name in named - {"core-only"}:
+            options = {k.removeprefix("PLENOFLAME_WITH_"): v == "ON" for k, v in variables(name).items() if "_WITH_" in k}
+            on = {self.GROUPS[k] for k, v in (default | options).items() if v and k in self.GROUPS}
+            with_tests = variables(name).get("BUILD_TESTING", "ON") == "ON"
+            needed = {"core"} | on | ({"tests"} if with_tests else set())
+            self.assertLessEqual(needed, set(table[name].split()), name)
+            self.assertLessEqual(set(table[name].split()) - {"site", "dev", "packaging"}, needed, name)
 
 
 if __name__ == "__main__":

@@ -8,20 +8,15 @@
 
 #include "plenoflame/render/render.h"
 #include "support/approx.h"
+#include "support/length.h"
 
 /// Both estimators against each other, in standard errors.
 namespace plenoflame::test {
 
-#ifdef PLENOFLAME_LONG_TEST
-inline constexpr int kBundles = 20000000, kRaysPerReplicate = 256;
-inline constexpr double kTotalError =
-    1e-3;  ///< relative standard error of the whole image's flux, at most
-inline constexpr double kMostEffort = 12;  ///< times these numbers where they do not reach that
-#else
-inline constexpr int kBundles = 600000, kRaysPerReplicate = 16;
-inline constexpr double kTotalError = 1e-2;
-inline constexpr double kMostEffort = 1;
-#endif
+inline const int kBundles = in_full() ? 20000000 : 600000, kRaysPerReplicate = in_full() ? 256 : 16;
+/// Relative standard error of the whole image's flux, at most.
+inline const double kTotalError = in_full() ? 1e-3 : 1e-2;
+inline const double kMostEffort = in_full() ? 12 : 1;  ///< times these numbers where they do not reach that
 inline constexpr int kReplicates = 16;
 inline constexpr int kBin = 3;  ///< pixels along the side of a bin
 

@@ -1,23 +1,19 @@
 // The stated error against the true one: over 100 seeds the true error lies below the stated bound
 // as often as its confidence says, and the bound is not wide.
 #include <string>
+#include <vector>
 
 #include "statistical/measured_errors.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"
+#include "support/length.h"
 
 namespace plenoflame::test::coverage_test {
 namespace {
 
-#ifdef PLENOFLAME_LONG_TEST
-constexpr int kReferenceSamples = 1 << 15;
-constexpr int kSide = 200;
-constexpr double kTargets[] = {0.2, 0.07, 0.03};
-#else
-constexpr int kReferenceSamples = 1 << 13;
-constexpr int kSide = 48;
-constexpr double kTargets[] = {0.2, 0.1};
-#endif
+const int kReferenceSamples = in_full() ? 1 << 15 : 1 << 13;
+const int kSide = in_full() ? 200 : 48;
+const std::vector<double> kTargets = in_full() ? std::vector{0.2, 0.07, 0.03} : std::vector{0.2, 0.1};
 
 PixelWindow middle(int columns, int rows) {
   return {(columns - kSide) / 2, (rows - kSide) / 2, kSide, kSide};

@@ -10,16 +10,13 @@
 
 #include "plenoflame/render/render.h"
 #include "support/approx.h"
+#include "support/length.h"
 
 /// Measured errors of whole images: how they fall with the number of samples, and how they compare
 /// with what is stated about them.
 namespace plenoflame::test {
 
-#ifdef PLENOFLAME_LONG_TEST
-inline constexpr int kSeeds = 400;
-#else
-inline constexpr int kSeeds = 100;
-#endif
+inline const int kSeeds = in_full() ? 400 : 100;
 
 /// Slope of log RMSE over lit pixels against log samples, least squares, double precision.
 inline double convergence_slope(const CompiledScene& scene, PixelWindow window,

@@ -9,19 +9,20 @@
 #include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/length.h"
 #include "support/plain_sampler.h"
 #include "support/uniform_medium.h"
 
 namespace plenoflame::test::no_light_lost_test {
 namespace {
 
-#ifdef PLENOFLAME_LONG_TEST
-constexpr long kFluxRays = 32'000'000, kDiscRays = 4'000'000, kPixelRays = 1'600'000;
-constexpr double kFields[] = {0.0, 0.3, 0.6, 0.8, 1.0};
-#else
-constexpr long kFluxRays = 800'000, kDiscRays = 320'000, kPixelRays = 80'000;
-constexpr double kFields[] = {0.0, 1.0};
-#endif
+const long kFluxRays = in_full() ? 32'000'000 : 800'000, kDiscRays = in_full() ? 4'000'000 : 320'000,
+           kPixelRays = in_full() ? 1'600'000 : 80'000;
+
+std::vector<double> fields() {
+  return in_full() ? std::vector{0.0, 0.3, 0.6, 0.8, 1.0} : std::vector{0.0, 1.0};
+}
+
 constexpr int kWindow = 40;  ///< pixels along the side
 
 struct Case {
@@ -106,7 +107,7 @@ CameraSpec with_anamorphic_front(CameraSpec camera) {
 
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const double field : kFields) {
+  for (const double field : fields()) {
     for (const char* name : {"paper-plenoptic2", "paper-plenoptic1", "paper-previous-60x60",
                              "raytrix-r29-reduced", "r12", "raytrix-r29"})
       all.push_back({name, preset_camera(name), field});

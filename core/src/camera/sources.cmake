@@ -8,6 +8,3 @@ list(APPEND core_sources src/camera/pupil/aperture_discs.cpp src/camera/pupil/ap
   src/camera/design/window_design.cpp)
 list(APPEND core_sources src/camera/import/camera_import.cpp src/camera/import/grid_import.cpp
   src/camera/import/libpleno_import.cpp src/camera/import/optics_import.cpp src/camera/import/hdf5_import.cpp)
-# GCC 12 takes inlined std::string of a precompiled header for an overflow.
-set_source_files_properties(src/camera/import/camera_import.cpp src/camera/import/grid_import.cpp src/camera/import/libpleno_import.cpp
-  src/camera/import/optics_import.cpp src/camera/import/hdf5_import.cpp PROPERTIES COMPILE_OPTIONS -Wno-array-bounds)

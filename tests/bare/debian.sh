@@ -1,0 +1,48 @@
+# A minimal Debian 12 in a folder, for tests that nothing of this machine may help: sourced by tests/bare/run.sh and
+# tests/packages/run.sh. Wants root, mmdebstrap and the package registry.
+cache=${XDG_CACHE_HOME:-$HOME/.cache}/plenoflame/bare
+
+# bare_debian: makes $cache/debian unless it is there.
+bare_debian() {
+  [ ! -d "$cache/debian" ] || return 0
+  rm -rf "$cache/made" && mkdir -p "$cache/archives"
+  mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$cache/made"
+  rm -f "$cache/made/etc/apt/sources.list"
+  echo force-unsafe-io >"$cache/made/etc/dpkg/dpkg.cfg.d/quick"
+  # The new system reaches the registry in the way that this one does.
+  local each
+  for each in /etc/apt/sources.list /etc/apt/sources.list.d /etc/apt/apt.conf.d /etc/apt/auth.conf.d \
+    /etc/ssl/certs/ca-certificates.crt /etc/resolv.conf; do
+    [ ! -e "$each" ] || { mkdir -p "$cache/made$(dirname "$each")" && cp -aL --remove-destination "$each" "$cache/made$(dirname "$each")/"; }
+  done
+  rm -f "$cache/made/etc/apt/apt.conf.d/"*clean*  # packages are kept for the next system
+  mv "$cache/made" "$cache/debian"
+}
+
+# open_debian ROOT LAYER...: ROOT/system shows the layers, the last one on top, and keeps what is written in ROOT/written.
+open_debian() {
+  local root=$1 lower= each
+  shift
+  for each in "$@"; do lower=$each${lower:+:$lower}; done
+  mkdir -p "$root/system" "$root/written" "$root/work"
+  mount -t overlay overlay -o "lowerdir=$lower,upperdir=$root/written,workdir=$root/work" "$root/system"
+  mount -t proc proc "$root/system/proc"
+  mount --bind /dev "$root/system/dev"
+  mkdir -p "$root/system/dev/shm" "$root/system/var/cache/apt/archives"
+  mount --bind "$cache/archives" "$root/system/var/cache/apt/archives"
+}
+
+close_debian() {  # ROOT
+  local each
+  for each in mnt/ccache var/cache/apt/archives dev proc .; do
+    if mountpoint -q "$1/system/$each"; then umount --lazy "$1/system/$each"; fi
+  done
+}
+
+# in_debian ROOT COMMAND...: with nothing of this machine's environment but the way to the registry.
+in_debian() {
+  local root=$1
+  shift
+  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C HOME=/root \
+    ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} chroot "$root/system" "$@"
+}
