@@ -37,7 +37,7 @@ enter() {
   root=$(mktemp -d "$cache/run.XXXXXX")
   open_debian "$root" "$cache/debian" "${@:2}"
   mkdir -p "$root/system$place"
-  tar -C "$source_tree" --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . | tar -C "$root/system$place" -x
+  { tar -C "$source_tree" --warning=no-file-changed --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . || [ $? -eq 1 ]; } | tar -C "$root/system$place" -x
   in_debian "$root" id somebody >/dev/null 2>&1 || in_debian "$root" useradd -m somebody 2>/dev/null
   in_debian "$root" chown -R somebody: "$place"
 }
