@@ -149,6 +149,6 @@ inline constexpr SchemaKey kCameraName = key<CAMERA, &CameraSpec::name>(
 inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
     "camera.pupil_filters[].transmission",
     "Its transmission, straight lines between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; "
-    "empty: everything passes.");
+    "empty: everything passes. 0 at all points: an opaque mask.");
 
 }  // namespace plenoflame::schema
