@@ -21,7 +21,7 @@ install() { "${apt[@]}" install -y --no-install-recommends "$@" >/dev/null; }
 say "the command alone"
 install /packages/plenoflame_*.deb
 ! dpkg-query -W 'libvtk9*' >/dev/null 2>&1 || fail "the command pulls VTK"
-refuses 1 "package plenoflame-vtk" plenoflame picture /usr/share/plenoflame/examples/lenslets-30.toml -o /tmp/scene.png
+refuses 1 "package plenoflame-vtk" plenoflame picture /usr/share/plenoflame/examples/lenslets-30.toml -o scene.png
 
 say "desktop and pictures"
 install /packages/plenoflame-vtk_*.deb /packages/plenoflame-desktop_*.deb

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "optics/kernel_types.h"
-#include "optics/lens_limit.h"
+#include "optics/kernel_lens_limit.h"
 #include "optics/shape_kernel.h"
 
 namespace plenoflame {

@@ -517,26 +517,6 @@ TEST(Reconstruction, TemperaturesExplainThePicturesAsRendered) {
   EXPECT_GT(borrowed, 5u);
 }
 
-// The total of all wavelengths falls as the fourth power of the temperature only: a ten-thousandth
-// of a flame's would be 200 K.
-TEST(Reconstruction, NothingIsColderThanTheSurroundings) {
-  const Rig rig = ring_rig();
-  const SourceFunction source = SourceFunction::total();
-  Reconstruction found;
-  found.model = RowModel::source;
-  found.values.assign(rig.truth.size(), 0.0);
-  const std::vector<double> absorption(rig.truth.size(), 30.0);
-  found.values[40] = source(2000);
-  found.values[41] = 3e-4 * source(2000);  // 263 K
-  found.values[60] = 1e-3 * source(2000);  // 356 K
-  const FlameEstimate estimate = estimate_flame(found, *rig.unknowns, absorption, source);
-  EXPECT_TRUE(relative(estimate.temperature[40], 2000, 1e-9));
-  EXPECT_FALSE(estimate.decided[41]);
-  EXPECT_TRUE(relative(estimate.temperature[41], 2000, 1e-9));  // its neighbour's
-  EXPECT_TRUE(relative(estimate.temperature[60], 2000 * std::pow(1e-3, 0.25), 1e-6));
-  for (const double t : estimate.temperature) EXPECT_TRUE(t == 0 || t > 293);
-}
-
 // With an absorption the samples are source functions, and temperatures follow from them: ring by
 // ring from fluxes of the model, in the mean from those of the finer flame.
 TEST(Reconstruction, TemperaturesWhereTheAbsorptionIsKnown) {

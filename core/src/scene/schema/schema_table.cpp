@@ -1,4 +1,3 @@
-#include "optics/lens_limit.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "scene/schema/schema_camera_rows.h"
 #include "scene/schema/schema_cameras.h"
@@ -574,16 +573,11 @@ constexpr SchemaKey kRows[] = {
 };
 
 constexpr SchemaList kListRows[] = {
-    list<&Scene::cameras>("cameras", 0, 100),
-    list<SURFACE>("camera.lens.surfaces", 0, kMaxLensSurfaces),
-    list<TYPE>("camera.array.types", 0, 3),
-    list<FILTER>("camera.pupil_filters", 0, 16),
-    list<FLAME>("flames", 0, 1000),
-    list<LAYER>("flames[].layers", 0, 100000),
-    list<LINE>("flames[].lines", 0, 8),
-    list<SOLID>("surfaces", 0, 10000),
-    list<LIGHT>("lights", 0, 1000),
-    list<&Scene::windows>("windows", 0, 100),
+    list<&Scene::cameras>("cameras", 0, 100), kLensSurfaces,
+    list<TYPE>("camera.array.types", 0, 3),   list<FILTER>("camera.pupil_filters", 0, 16),
+    list<FLAME>("flames", 0, 1000),           list<LAYER>("flames[].layers", 0, 100000),
+    list<LINE>("flames[].lines", 0, 8),       list<SOLID>("surfaces", 0, 10000),
+    list<LIGHT>("lights", 0, 1000),           list<&Scene::windows>("windows", 0, 100),
     list<CHANNEL>("channels", 1, 64),
 };
 
