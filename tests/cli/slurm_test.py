@@ -160,32 +160,35 @@ class Slurm(CommandTest):
         self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "8", *WINDOW.split(), "--quiet")
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
 
-    def long_task(self, *limit):
-        """A task that takes as long as it is let, under way with a state."""
-        job, = self.submit(*limit, "--options", f"--samples 1048576 --checkpoint 1s {WINDOW}")[-1:]
-        if not job:
-            self.fail("no job")
+    def long_task(self, samples, *limit):
+        """A task of one picture that is under way, with a state; its job."""
+        job, = self.submit(*limit, "--options", f"--samples {samples} --checkpoint 1s {WINDOW}")
         self.cluster.wait_for(lambda: os.path.exists(self.path("flame.exr.state")), "the task's state")
         return job
 
-    def test_a_task_that_was_killed_goes_on_when_it_is_begun_anew(self):
-        # Two tasks of the same picture: the first one ends in the middle.
-        lines = self.succeeds("submit", "--slurm", "flame.toml", "--options", f"--samples 4096 --checkpoint 1s {WINDOW}", "-o",
-                              "jobs.sbatch")
-        job = self.cluster.said("bash", "-ec", lines, folder=self.folder).split()[-1]
-        self.cluster.wait_for(lambda: os.path.exists(self.path("flame.exr.state")), "the task's state")
-        self.cluster.said("scontrol", "requeue", f"{job}_1")
-        self.cluster.wait_for(lambda: self.state(job) != ["RUNNING"], "the task to leave its node")
-        self.wait_until(job, "PENDING", "CONFIGURING", "RUNNING")
-        self.assertFalse(os.path.exists(self.path("alone.exr")))
+    def test_a_task_that_is_begun_anew_goes_on(self):
+        job = self.long_task(4096)
+        self.cluster.said("scontrol", "requeue", job)  # ends the task, and puts it into the queue again
+        self.wait_until(job, "PENDING")
+        self.assertTrue(os.path.exists(self.path("flame.exr.state")))
         self.cluster.said("scontrol", "update", f"jobid={job}", "StartTime=now")
         self.wait_until(job, "COMPLETED", most=1500)
         self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "4096", *WINDOW.split(), "--quiet")
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
         self.assertFalse(os.path.exists(self.path("flame.exr.state")))
 
+    def test_a_task_that_was_killed_goes_on(self):
+        job = self.long_task(4096)
+        self.cluster.said("scancel", "--signal=KILL", "--full", job)
+        self.wait_until(job, "FAILED", "CANCELLED")
+        self.assertFalse(os.path.exists(self.path("flame.exr")))
+        job = re.search(r"\d+", self.cluster.said("sbatch", "--parsable", "jobs.sbatch", folder=self.folder))[0]
+        self.wait_until(job, "COMPLETED", most=1500)
+        self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "4096", *WINDOW.split(), "--quiet")
+        self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
+
     def test_the_time_limit_keeps_what_was_rendered(self):
-        job = self.long_task("--time", "0-00:01:00")
+        job = self.long_task(1048576, "--time", "0-00:01:00")
         self.wait_until(job, "TIMEOUT", "COMPLETING", most=400)
         self.wait_until(job, "TIMEOUT")
         self.assertIn("stopped; flame.exr holds what was rendered, marked partial", self.logs())
@@ -194,9 +197,14 @@ class Slurm(CommandTest):
         self.assertIs(figures["complete"], False)
         self.assertGreater(figures["channels"][0]["total_W"], 0)
         # The same script goes on from there.
-        before = figures["samples"]
-        self.succeeds("render", "--resume", "flame.exr", "--time-limit", "2s", "--quiet")
-        self.assertGreaterEqual(self.json_of("info", "flame.exr")["samples"], before)
+        job = re.search(r"\d+", self.cluster.said("sbatch", "--parsable", "jobs.sbatch", folder=self.folder))[0]
+        self.wait_until(job, "RUNNING")
+        time.sleep(5)
+        self.cluster.said("scancel", "--signal=TERM", "--full", job)
+        self.wait_until(job, "FAILED", "CANCELLED", "COMPLETED")
+        again = self.json_of("info", "flame.exr")
+        self.assertGreater(again["samples"], 0)
+        self.assertEqual(again["numbers"]["render.replicates"], figures["numbers"]["render.replicates"])
 
 
 if __name__ == "__main__":
