@@ -84,12 +84,19 @@ class LitChoice {
   LitChoice(const SensorImage& a, const SensorImage& b, double variance_a, double variance_b,
             const PixelWindow& window) {
     const double sum = variance_a + variance_b;
+    const auto largest = [&] {
+      double most = 0;
+      for (int row = window.y; row < window.y + window.height; ++row)
+        for (int column = window.x; column < window.x + window.width; ++column)
+          most = std::max(most, mean(a.at(column, row), b.at(column, row)));
+      return most;
+    };
     share_a_ = sum > 0 ? variance_b / sum : 0.5;
-    double largest = 0;
-    for (int row = window.y; row < window.y + window.height; ++row)
-      for (int column = window.x; column < window.x + window.width; ++column)
-        largest = std::max(largest, mean(a.at(column, row), b.at(column, row)));
-    above_ = kLitShare * largest;
+    above_ = kLitShare * largest();
+    if (above_ > 0) return;
+    // An image in which no ray found light seems to be exact, and would decide alone.
+    share_a_ = 0.5;
+    above_ = kLitShare * largest();
   }
   /// Flux above which a pixel is lit.
   double above() const { return above_; }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -291,8 +292,8 @@ Comparison of_few_rays(double mean_a, double mean_b, std::uint64_t seed) {
   LightField a = make_field(64, 64, true), b = a;
   std::mt19937_64 random(seed);
   const auto fill = [&](LightFieldChannel& channel, double mean, double unit) {
-    std::poisson_distribution<int> rays(mean);
-    for (std::size_t i = 0; i < channel.flux.pixels.size(); ++i) {
+    std::poisson_distribution<int> rays(std::max(mean, 1e-9));
+    for (std::size_t i = 0; mean > 0 && i < channel.flux.pixels.size(); ++i) {
       const int n = rays(random);
       channel.flux.pixels[i] = static_cast<float>(unit * n);
       channel.standard_error.pixels[i] = static_cast<float>(unit * std::sqrt(n));

@@ -13,6 +13,7 @@
 #include "file_set.h"
 #include "messages.h"
 #include "number_rows.h"
+#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/geometry_calibration.h"
 #include "plenoflame/camera/camera.h"
