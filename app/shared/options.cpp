@@ -36,6 +36,10 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+bool is_digits(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 }  // namespace
 
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {
@@ -44,6 +48,41 @@ double quantity_option(std::string_view option, const std::string& text, Dimensi
   } catch (const InputError& error) {
     throw UsageError(std::string(option) + ": " + error.what());
   }
+}
+
+double duration_option(std::string_view option, const std::string& text) {
+  const std::size_t dash = text.find('-', 1);
+  if (text.find(':') == std::string::npos &&
+      (dash == std::string::npos || !is_digits(text.substr(0, dash)))) {
+    const bool minutes =
+        text.size() > 1 && text.back() == 'm' &&
+        std::string_view("0123456789. ").find(text[text.size() - 2]) != std::string_view::npos;
+    return quantity_option(option, minutes ? text + "in" : text, Dimension::time);
+  }
+  const auto fail = [&] {
+    return UsageError(std::string(option) + ": '" + text +
+                      "' is none of D-HH:MM:SS, HH:MM:SS, MM:SS, D-HH:MM and D-HH");
+  };
+  const bool days = dash != std::string::npos;
+  std::vector<double> numbers;
+  std::istringstream parts(days ? text.substr(dash + 1) : text);
+  for (std::string part; std::getline(parts, part, ':');) {
+    // Only the first may be any number: the days, or what stands before the minutes.
+    const bool any = !days && numbers.empty();
+    if (!is_digits(part) || part.size() > (any ? 6U : 2U)) throw fail();
+    numbers.push_back(std::stod(part));
+    if (!any && numbers.back() >= (days && numbers.size() == 1 ? 24 : 60)) throw fail();
+  }
+  if (text.back() == ':' || numbers.size() > 3 || numbers.size() < (days ? 1U : 2U)) throw fail();
+  double seconds = 0;
+  if (days) {
+    if (!is_digits(text.substr(0, dash)) || dash > 6) throw fail();
+    numbers.resize(3);
+    seconds = 86400 * std::stod(text.substr(0, dash));
+  }
+  double unit = 1;
+  for (std::size_t i = numbers.size(); i-- > 0; unit *= 60) seconds += unit * numbers[i];
+  return seconds;
 }
 
 PixelWindow window_option(std::string_view option, const std::string& text) {

@@ -16,6 +16,10 @@ namespace plenoflame {
 /// @throws UsageError "OPTION: ..."
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension);
 
+/// Reads a time that a run may take [s]: with its unit, where "10m" means minutes, or as batch
+/// systems have it: D-HH:MM:SS, HH:MM:SS, MM:SS, D-HH, D-HH:MM. @throws UsageError "OPTION: ..."
+double duration_option(std::string_view option, const std::string& text);
+
 /// Reads "X,Y,W,H": whole numbers, X and Y not negative, W and H at least 1. @throws UsageError
 PixelWindow window_option(std::string_view option, const std::string& text);
 

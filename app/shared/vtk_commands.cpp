@@ -30,7 +30,7 @@ void* load() {
     throw FileError("cannot load what needs VTK: " + std::string(reason ? reason : path.string()));
   }
   throw FileError("cannot load what needs VTK: there is no " + tried +
-                  " (a build with PLENOFLAME_WITH_VTK has it)");
+                  " (the Debian package plenoflame-vtk has it, or a build with PLENOFLAME_WITH_VTK)");
 }
 
 template <class Function>

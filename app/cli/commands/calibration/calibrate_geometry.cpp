@@ -13,6 +13,7 @@
 #include "file_set.h"
 #include "messages.h"
 #include "number_rows.h"
+#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/geometry_calibration.h"
 #include "plenoflame/camera/camera.h"
@@ -222,11 +223,11 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
                  (found.left_out ? ", " + std::to_string(found.left_out) + " left out" : ""),
              "corners", found.corners);
   report.add_json("left_out", found.left_out);
-  report.add("left by the fit", fmt::format("{:.4f} pixel rms per coordinate", found.corner_rms),
+  report.add("left by the fit", fmt::format("{:.4f} pixels {}", found.corner_rms, kRmsOfBoth),
              "corner_rms_pixel", found.corner_rms);
   if (!centres.empty())
     report.add("micro-image centres",
-               fmt::format("{}, {:.4f} pixel rms", found.centres, found.centre_rms),
+               fmt::format("{}, {:.4f} pixels {}", found.centres, found.centre_rms, kRmsOfBoth),
                "centre_rms_pixel", found.centre_rms);
   nlohmann::json values;
   for (const CalibratedValue& value : found.values) {
@@ -246,6 +247,9 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
     report.add_json("boards_distance_m", distance);
   }
 
+  for (const CalibratedValue& value : found.values)
+    if (value.key.find("array.tilt") != std::string::npos)
+      warn_of_tilt(value.key, value.value, value.error);
   if (const std::string names = hardly_known(found); !names.empty())
     warn("these poses hardly tell " + names +
          ": give more poses at other distances and angles, or search for fewer values (--free)");

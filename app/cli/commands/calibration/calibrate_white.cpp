@@ -234,7 +234,7 @@ class WhiteRun {
     // Types are counted from that of lens (0, 0).
     const auto types = static_cast<int>(lattice_.types.size());
     if (types == 1) return;
-    const int shift = (fit_.origin_j - fit_.origin_i + 3 * types) % types;
+    const int shift = ((fit_.origin_j - fit_.origin_i) % types + types) % types;
     for (MicroImageFit& image : lattice_.images) image.type = (image.type - shift + types) % types;
     for (std::vector<TypeLooks>& looks : looks_)
       std::rotate(looks.begin(), looks.begin() + shift, looks.end());
@@ -278,9 +278,10 @@ class WhiteRun {
                "pitch_pixels", {lattice_.pitch_i, lattice_.pitch_j});
     report.add("rotation", fmt::format("{:.5f} deg", lattice_.rotation * 180 / std::numbers::pi),
                "rotation_rad", lattice_.rotation);
-    report.add("centres from the model",
-               fmt::format("{:.4f} pixels RMS, {:.3f} the worst", lattice_.rms, lattice_.worst),
-               "rms_pixels", lattice_.rms);
+    report.add(
+        "centres from the model",
+        fmt::format("{:.4f} pixels {}, {:.3f} the worst", lattice_.rms, kRmsOfBoth, lattice_.worst),
+        "rms_pixels", lattice_.rms);
     report.add_json("worst_pixels", lattice_.worst);
     report.add("distortion",
                fmt::format("{:.3g} s^2 + {:.3g} s^4, s = 1 in the corners", lattice_.model.k1,
@@ -378,6 +379,12 @@ class WhiteRun {
 
   void print_camera(Report& report) const {
     const ArraySpec& array = fit_.array;
+    const Vec2 origin = lattice_.model.point(fit_.origin_i, fit_.origin_j);
+    report.add("microlens 0, 0",
+               fmt::format("its micro-image is at {:.2f}, {:.2f}{}", origin.x, origin.y,
+                           fit_.same_origin ? "" : ", not that of the camera's file"),
+               "origin_pixels", {origin.x, origin.y});
+    report.add_json("same_origin", fit_.same_origin);
     report.add("pitch of the microlenses",
                fmt::format("{:.5f} +- {:.5f} um", 1e6 * array.pitch, 1e6 * fit_.pitch_error),
                "pitch_m", array.pitch);
@@ -399,11 +406,13 @@ class WhiteRun {
                       1e3 * std::max(fit_.tilt_error.x, fit_.tilt_error.y)),
           "tilt_rad", {array.tilt.x, array.tilt.y});
       report.add_json("tilt_error_rad", {fit_.tilt_error.x, fit_.tilt_error.y});
+      warn_of_tilt("camera.array.tilt[0]", array.tilt.x, fit_.tilt_error.x);
+      warn_of_tilt("camera.array.tilt[1]", array.tilt.y, fit_.tilt_error.y);
     }
-    report.add(
-        "centres from the camera",
-        fmt::format("{:.4f} pixels RMS, {:.3f} the worst of {}", fit_.rms, fit_.worst, fit_.used),
-        "camera_rms_pixels", fit_.rms);
+    report.add("centres from the camera",
+               fmt::format("{:.4f} pixels {}, {:.3f} the worst of {}", fit_.rms, kRmsOfBoth,
+                           fit_.worst, fit_.used),
+               "camera_rms_pixels", fit_.rms);
     if (array.types.size() != lattice_.types.size())
       warn(
           fmt::format("the camera has {} types of microlenses, {} can be told apart in the white "

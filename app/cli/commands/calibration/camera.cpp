@@ -115,7 +115,8 @@ int run_camera_import(const CameraImportArguments& arguments) {
   scene = parse_with(write_scene(scene), "camera", values).scene;
   std::vector<std::string> warnings;
   try {
-    for (const SceneIssue& issue : validate({scene, {}})) warnings.push_back(to_string(issue));
+    for (const SceneIssue& issue : validate({scene, {}}))
+      if (issue.code != IssueCode::no_flame) warnings.push_back(to_string(issue));
   } catch (const InputError& error) {
     throw InputError(SourcePosition{arguments.files.front()},
                      "the camera that it describes cannot be: " + std::string(error.what()));

@@ -35,8 +35,8 @@ int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
   SceneDocument document = read_camera_scene(settings.scene, settings.set, settings.camera);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
   Execution execution;
-  const CompiledScene scene =
-      compile(document.scene, medium_loader(), execution, document.positions);
+  const CompiledScene scene = compile(document.scene, medium_loader(), execution,
+                                      document.positions, {}, {IssueCode::no_flame});
   std::vector<PatternImage> images;
   {
     execution.stop = stop;

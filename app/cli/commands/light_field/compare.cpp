@@ -60,7 +60,9 @@ std::string verdict_text(const Comparison& c) {
   switch (verdict(c)) {
     case Verdict::unknown:
       return readable_percent(c.dark_in_one_share) +
-             " of the lit pixels are dark in one image only: too few rays to know the noise";
+             " of the lit pixels are dark in one image only: too few rays to know the noise, and "
+             "no "
+             "difference beyond it is seen";
     case Verdict::noise:
       return "nothing more than noise is seen";
     case Verdict::more_than_noise:

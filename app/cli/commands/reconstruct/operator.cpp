@@ -79,8 +79,8 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   std::vector<std::string> names;
   for (const CameraScene& view : views) {
     scenes.push_back(compile(view.document.scene, medium_loader(), execution,
-                             view.document.positions,
-                             {scenes.empty() ? nullptr : &scenes.front()}));
+                             view.document.positions, {scenes.empty() ? nullptr : &scenes.front()},
+                             {IssueCode::no_flame}));
     cameras.push_back(&scenes.back());
     if (views.size() > 1) names.push_back(view.document.scene.camera.name);
   }

@@ -201,14 +201,14 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     options.target_error = target;
   }
   if (!arguments.time_limit.empty()) {
-    const double limit = quantity_option("--time-limit", arguments.time_limit, Dimension::time);
+    const double limit = duration_option("--time-limit", arguments.time_limit);
     if (!(limit > 0))
       throw UsageError("--time-limit: a time above 0 s, e.g. 60s, not '" + arguments.time_limit +
                        "'");
     options.time_limit = limit;
   }
   if (!arguments.checkpoint.empty()) {
-    const double interval = quantity_option("--checkpoint", arguments.checkpoint, Dimension::time);
+    const double interval = duration_option("--checkpoint", arguments.checkpoint);
     if (!(interval > 0))
       throw UsageError("--checkpoint: a time above 0 s, e.g. 5min, not '" + arguments.checkpoint +
                        "'");

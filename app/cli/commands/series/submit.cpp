@@ -160,7 +160,7 @@ std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
 
 /// "1-02:03:04", as sbatch has it.
 std::string slurm_time(const std::string& text) {
-  const double seconds = quantity_option("--time", text, Dimension::time);
+  const double seconds = duration_option("--time", text);
   constexpr double kMost = 365 * 86400.0;
   if (!(seconds >= 1 && seconds <= kMost))
     throw UsageError("--time: from 1 s to a year, not '" + text + "'");
@@ -373,8 +373,8 @@ void register_submit(const Registry& registry) {
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
       .add_option("--time", arguments->time,
-                  "Time limit of a task, with unit, e.g. 2h; none: the "
-                  "batch system's own")
+                  "Time limit of a task, with unit, e.g. 2h, or as D-HH:MM:SS; none: the batch "
+                  "system's own")
       ->option_text("TIME");
   command.add_option("--memory", arguments->memory, "Memory of a task as sbatch has it, e.g. 4G")
       ->option_text("SIZE");

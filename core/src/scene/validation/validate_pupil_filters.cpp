@@ -5,7 +5,7 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/pupil_filters.h"
-#include "plenoflame/radiometry/spectral_response.h"
+#include "plenoflame/radiometry/filter_points.h"
 #include "plenoflame/scene/spectral.h"
 #include "scene/files/nearest.h"
 #include "scene/validation/issues.h"
@@ -59,10 +59,8 @@ bool check_filter(const PupilFilterSpec& filter, std::size_t i, Issues& issues) 
                      " is not convex, or its corners are not listed around it; split it into "
                      "convex filters with the same transmission");
   if (!filter.transmission.empty())
-    issues.expect(path + ".transmission", path + ".transmission", [&] {
-      for (const SpectralPoint& point : parse_spectral_points(filter.transmission))
-        if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
-    });
+    issues.expect(path + ".transmission", path + ".transmission",
+                  [&] { static_cast<void>(parse_filter_points(filter.transmission)); });
   if (issues.errors() != errors) return false;
   if (PupilFilters({filter}).areas().front() < kNothing)
     issues.error_among(
@@ -94,7 +92,7 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
             fmt::format("{} and {} overlap; a part of the stop can have one filter only",
                         in_words(filters[k], k), in_words(filters[i], i)));
   if (issues.errors() > 0) return;
-  // Something must be left of each channel, through one part or another.
+  // Something is left of each channel, through one part or another, unless it is meant to be dark.
   if (PupilFilters(filters).areas().back() > kNothing) return;
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
@@ -109,9 +107,9 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
           }
         });
     if (!seen)
-      issues.error(fmt::format("channels[{}].kind", c),
-                   "none of the pupil filters lets anything through of channel " +
-                       quote_for_message(channel.name));
+      issues.warning(fmt::format("channels[{}].kind", c),
+                     "none of the pupil filters lets anything through of channel " +
+                         quote_for_message(channel.name) + ", so its picture is black");
   }
 }
 
