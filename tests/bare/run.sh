@@ -24,20 +24,20 @@ command -v mmdebstrap >/dev/null || skip "there is no mmdebstrap (tools/setup.sh
 say() { printf -- '--- %s (%d s)\n' "$1" "$SECONDS"; }
 fail() { echo "tests/bare: $1" >&2; exit 1; }
 
-root=
-leave() { [ -z "$root" ] || { close_debian "$root" && rm -rf --one-file-system "$root"; }; }
-trap leave EXIT
+roots=()
+finish() { for root in "${roots[@]}"; do close_debian "$root"; rm -rf --one-file-system "$root"; done; }
+trap finish EXIT
 trap 'exit 1' INT TERM
 bare_debian
 
 place="/home/somebody/a folder"  # a path with a blank
 # enter NAME LAYER...: a system of its own in $root, with the sources (not what is built, and no .git) in $place.
 enter() {
-  leave
   root=$(mktemp -d "$cache/run.XXXXXX")
+  roots+=("$root")
   open_debian "$root" "$cache/debian" "${@:2}"
   mkdir -p "$root/system$place"
-  { tar -C "$source_tree" --warning=no-file-changed --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . || [ $? -eq 1 ]; } | tar -C "$root/system$place" -x
+  tar -C "$source_tree" --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . | tar -C "$root/system$place" -x
   in_debian "$root" id somebody >/dev/null 2>&1 || in_debian "$root" useradd -m somebody 2>/dev/null
   in_debian "$root" chown -R somebody: "$place"
 }
@@ -60,7 +60,6 @@ way() {
     close_debian "$root"
     rm -rf "$root/written$(dirname "$place")" "$cache/$name"-*
     mv "$root/written" "$layer"
-    rm -rf "$root" && root=
   fi
   enter "$name" "$layer"
   as somebody "tools/setup.sh $name" || fail "tools/setup.sh $name leaves something to be installed"

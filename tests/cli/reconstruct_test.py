@@ -413,6 +413,26 @@ class Reconstruct(CommandTest):
                        mentions=["1000000000 unknowns", "GB of memory", "are to be had", "coarser"])
             self.assertNotIn(output, self.files())
 
+    def test_unknowns_that_are_slivers(self):
+        for words in (("front.toml", "--images", "front.exr", "--grid", "100000,1,1"),
+                      ("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "1,100000")):
+            self.fails(2, "reconstruct", *words, "-o", "x.vdb", *FAST, mentions=["--grid", "times as long as wide", "1000 times is the most"])
+
+    def test_the_files_of_a_frame_appear_together(self):
+        names = ("a.vdb", "r.exr")
+        words = ("reconstruct", *self.RINGS, "--draws", "0", "--probes", "0", "--quiet", "-o", "a.vdb", "--residual", "r.exr")
+        self.assertEqual(self.run_command(*words).returncode, 0)
+        written = {name: self.read(name) for name in names}
+        limit = max(len(content) for content in written.values()) - 1
+        for name in names:
+            self.write(name, "old " + name)
+        self.fails(1, *words, largest_file=limit, mentions="largest file size")
+        for name in names:
+            self.assertEqual(self.read(name), b"old " + name.encode())
+        # Equal runs write equal files.
+        self.assertEqual(self.run_command(*words).returncode, 0)
+        self.assertEqual({name: self.read(name) for name in names}, written)
+
     def test_a_matrix_that_does_not_fit_is_not_stored(self):
         """Rays are followed again in each iteration, to the same result; solvers that need its rows refuse."""
         common = ("front.toml", "--images", "front-electrons.exr", "--grid", "12", "--rays", "8", "--bin", "2", "--strength", "1e-4",

@@ -8,7 +8,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
-#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 #include "plenoflame/radiometry/filter_points.h"
 
 namespace plenoflame {
@@ -137,7 +137,7 @@ std::string format_spectral_points(const std::vector<SpectralPoint>& points) {
 }
 
 std::vector<SpectralPoint> read_spectral_csv(const std::string& path) {
-  const std::string text = read_file(path);
+  const std::string text = read_text_file(path);
   std::vector<SpectralPoint> points;
   double unit = 1e-9;
   bool stated = false;

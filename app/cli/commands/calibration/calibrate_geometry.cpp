@@ -14,6 +14,7 @@
 #include "messages.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/geometry_calibration.h"
 #include "plenoflame/camera/camera.h"
@@ -204,6 +205,7 @@ std::vector<Plot> residual_plots(const GeometryCalibration& found,
 }
 
 int run_geometry(const GeometryArguments& arguments, const Execution& execution) {
+  check_ending("-o", arguments.output, {".toml"});
   const SceneDocument start = read_camera_scene(arguments.camera, arguments.set, arguments.which);
   const std::vector<CornerObservation> corners = read_corners(arguments.corners);
   std::vector<CentreObservation> centres;
@@ -295,6 +297,7 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
+      ->check(written())
       ->required()
       ->option_text("FILE.toml");
   command
@@ -311,9 +314,13 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->delimiter(',')
       ->option_text("KEY,...");
   command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")
+      ->check(written())
       ->option_text("FILE.csv");
-  command.add_option("--poses", a->poses, "Table of the boards' places")->option_text("FILE.csv");
+  command.add_option("--poses", a->poses, "Table of the boards' places")
+      ->check(written())
+      ->option_text("FILE.csv");
   command.add_option("--plot", a->plot, "Picture of what the fit leaves")
+      ->check(written())
       ->option_text("FILE.svg|png");
   finish_calibration(command, registry, a, CalibrationInput::tables,
                      [a](const Execution& execution) { return run_geometry(*a, execution); });

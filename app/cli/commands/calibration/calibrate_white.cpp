@@ -17,6 +17,7 @@
 #include "messages.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/array_fit.h"
 #include "plenoflame/calibration/white_lattice.h"
@@ -34,6 +35,8 @@ struct WhiteArguments : CalibrationArguments {
   std::string output, centres, picture, pixel_pitch, mosaic;
   bool no_tilt = false;
 };
+
+constexpr double kLargestPixel = 0.01;  // [m]
 
 /// A white picture at one f-number; 0: not stated.
 struct Aperture {
@@ -169,6 +172,7 @@ class WhiteRun {
   }
 
   void check_options() {
+    if (!arguments_.output.empty()) check_ending("-o", arguments_.output, {".toml"});
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
       throw UsageError(
           "-o: the array's lengths take the size of a pixel: give --camera or --pixel-pitch");
@@ -177,7 +181,9 @@ class WhiteRun {
       warn("nothing is written: -o, --centres and --picture name files");
     if (!arguments_.pixel_pitch.empty()) {
       pixel_ = quantity_option("--pixel-pitch", arguments_.pixel_pitch, Dimension::length);
-      if (!(pixel_ > 0)) throw UsageError("--pixel-pitch: above 0");
+      if (!(pixel_ > 0 && pixel_ <= kLargestPixel))
+        throw UsageError("--pixel-pitch: above 0, at most 1 cm, not '" + arguments_.pixel_pitch +
+                         "'");
     }
     if (!arguments_.picture.empty() && !arguments_.picture.ends_with(".png"))
       throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
@@ -465,13 +471,16 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option("-o,--output", a->output,
                   "Scene file with the array; without --camera its keys alone")
+      ->check(written())
       ->option_text("FILE.toml");
   command.add_option("--centres", a->centres, "Table of all micro-images (.csv)")
+      ->check(written())
       ->option_text("FILE");
   command
       .add_option(
           "--picture", a->picture,
           "Parts of the white picture with what was found in it; also where nothing was (.png)")
+      ->check(written())
       ->option_text("FILE");
   command.add_option("--pixel-pitch", a->pixel_pitch, "Size of a pixel, without --camera")
       ->option_text("LENGTH");

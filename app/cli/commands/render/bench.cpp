@@ -17,6 +17,7 @@
 #include "file_set.h"
 #include "medium_loader.h"
 #include "options.h"
+#include "outputs.h"
 #include "peak_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/printable.h"
@@ -161,7 +162,11 @@ std::vector<BenchmarkPoint> measure(const Plan& plan, int repeat, const Compiled
 int run_bench(const Arguments& arguments, const std::stop_token& stop) {
   Plan plan = plan_of(arguments);
   nlohmann::ordered_json old;
-  if (!arguments.compare.empty()) old = read_bench_json(arguments.compare);
+  if (!arguments.compare.empty()) {
+    if (!plan.base.empty())
+      check_not_overwritten("--output", plan.base + ".json", arguments.compare);
+    old = read_bench_json(arguments.compare);
+  }
   ProgressBar bar(arguments.quiet);
   Execution execution;
   execution.threads = arguments.threads;
@@ -241,6 +246,7 @@ void register_bench(const Registry& registry) {
   command
       .add_option("-o,--output", a.output,
                   "Write NAME.json, NAME.csv, and the plot as NAME.svg and NAME.png")
+      ->check(written())
       ->option_text("NAME");
   command
       .add_option("--window", a.window, "Measure only W x H pixels from column X, row Y: X,Y,W,H")
