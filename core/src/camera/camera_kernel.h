@@ -2,8 +2,8 @@
 // instruction set.
 #pragma once
 
-#include "optics/kernel_types.h"
 #include "optics/kernel_lens_limit.h"
+#include "optics/kernel_types.h"
 #include "optics/shape_kernel.h"
 
 namespace plenoflame {
