@@ -104,9 +104,12 @@ class White(CommandTest):
                 self.assertLess(abs(float(first[name]) - place), 1e-3)
 
     def test_a_tilt_that_is_none_is_warned_of(self):
-        # A camera that is wrong by much: its lens stands at another distance, and shifted.
-        self.write("nominal.toml", camera(rotation=0.8).replace("[camera.lens]", "[camera.lens]\ndecentre = [\"1.5 mm\", \"0 mm\"]"))
-        result = self.run_command("calibrate", "white", "white.tif", "--camera", "nominal.toml", "--json")
+        # Mounts of arrays are better than 20 mrad; here the array is tilted by as much indeed.
+        self.write("true.toml", camera().replace("[camera.array]", '[camera.array]\ntilt = ["20 mrad", "0 mrad"]') + source(1800))
+        self.succeeds("render", "true.toml", "-o", "white.exr", "--white", "--samples", "64", "--quiet")
+        self.run_command("develop", "white.exr", "-o", "tilted.tif", "--exposure", "auto")
+        self.write("nominal.toml", camera())
+        result = self.run_command("calibrate", "white", "tilted.tif", "--camera", "nominal.toml", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         figures = json.loads(result.stdout)
         tilted = [abs(t) > 5e-3 and abs(t) > 5 * e for t, e in zip(figures["tilt_rad"], figures["tilt_error_rad"])]

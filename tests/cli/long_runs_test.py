@@ -250,6 +250,9 @@ class Sets(CommandTest):
         self.assertEqual(self.files(), sorted(["raw.exr", *names]))
 
     def test_frames_of_develop(self):
+        self.write("b.toml", SCENE + '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "20 nm"\n')
+        self.succeeds("render", "b.toml", "-o", "raw.exr", "--samples", "2", "--window", "1480,1490,40,40", "--quiet")
+        os.remove(self.path("b.toml"))
         arguments = ("develop", "raw.exr", "--sensor", "--frames", "6", "-o", "f.png")
         self.succeeds(*arguments)
         names = [f"f-{k}.png" for k in range(1, 7)]

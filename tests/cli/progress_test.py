@@ -127,7 +127,7 @@ class ProgressOnATerminal(CommandTest):
             self.assertEqual(percents, sorted(percents), label)
 
     def test_of_a_compiled_camera(self):
-        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1400,1400,64,64", "--error", "0.5%", "--threads", "1")
+        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1400,1400,64,64", "--error", "0.1%", "--threads", "1")
         self.assertGreater(len({s.percent for s in shown if 0 < s.percent < 100}), 3, shown)
         self.assertTrue(all(s.error is None for s in shown))
 

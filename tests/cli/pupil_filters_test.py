@@ -78,8 +78,9 @@ class PupilFilters(CommandTest):
             flux[name] = self.json_of("info", name + ".exr")["channels"][0]["total_W"]
         self.assertLess(abs(flux["left"] / flux["right"] - 1), 0.05)
         self.assertLess(abs((flux["left"] + flux["right"]) / flux["open"] - 1), 1e-5)
-        self.assertIn("mask: 50", self.succeeds("design", "a.toml"))
-        self.assertIn("opaque", self.succeeds("design", "a.toml"))
+        said = self.run_command("design", "a.toml").stdout
+        self.assertIn("mask: 50", said)
+        self.assertIn("opaque", said)
 
     def test_an_opaque_stop_gives_a_black_picture(self):
         self.write("a.toml", CAMERA + sector("lid", 0, 0, "300 nm 0, 1200 nm 0") + CHANNEL + FLAME)
@@ -87,14 +88,10 @@ class PupilFilters(CommandTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn('none of the pupil filters lets anything through of channel "sensor", so its picture is black', result.stderr)
         self.assertEqual(self.json_of("info", "a.exr")["channels"][0]["largest_W"], 0)
-        # A channel that passes beside one that does not.
+        # A channel that passes beside one that does not: a filter that was meant for another channel.
         self.write("a.toml", CAMERA + sector("red", 0, 0, "640 nm 0, 650 nm 0.9, 660 nm 0") + CHANNEL.replace("sensor", "blue").replace(
             "725", "450").replace("400", "20") + CHANNEL + FLAME)
-        result = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "4", "--quiet")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        blue, sensor = self.json_of("info", "a.exr")["channels"]
-        self.assertEqual(blue["largest_W"], 0)
-        self.assertGreater(sensor["largest_W"], 0)
+        self.fails(1, "render", "a.toml", "-o", "b.exr", mentions='none of the pupil filters lets anything through of channel "blue"')
 
     def test_electrons_give_the_temperature_too(self):
         # A uniform flame: what is left is noise of many pixels. The dark signal is 30 electrons of some thousand.

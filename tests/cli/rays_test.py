@@ -257,7 +257,7 @@ class Rays(CommandTest):
         refused(2, "--pixel", "3000,0", "-o", "r.vtp", mentions="3000 x 3000")
         refused(2, "--chief", "-o", "r.txt", mentions=".vtp")
         refused(2, "--chief", "--type", "3", "-o", "r.vtp", mentions=["type 3", "has 3"])
-        refused(2, "--chief", "-o", "a.toml", mentions=".vtp")
+        refused(2, "--chief", "-o", "a.toml", mentions="this command reads")
         refused(2, "--pixel", "1,2", "--rays", "1", "-o", "r.vtp", mentions="--rays")
         refused(2, "--microlens", "1", "-o", "r.vtp", mentions="Q,R")
         refused(1, "--point", "-1 m,0 m,0 m", "-o", "r.vtp", mentions="in front of")

@@ -19,6 +19,9 @@ class vtkImageData;
 
 #ifndef __VTK_WRAP__
 #include <memory>
+#include <vector>
+
+#include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
 struct CompiledScene;

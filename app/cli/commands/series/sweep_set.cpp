@@ -33,6 +33,7 @@ Json read_json(const std::string& path, const std::function<void(const Json&)>& 
     return json;
   } catch (const Json::exception&) {
   } catch (const InputError&) {
+  } catch (const UsageError&) {
   }
   throw FileError("'" + path + "' is damaged, or not of a sweep");
 }

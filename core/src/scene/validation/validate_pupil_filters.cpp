@@ -92,8 +92,9 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
             fmt::format("{} and {} overlap; a part of the stop can have one filter only",
                         in_words(filters[k], k), in_words(filters[i], i)));
   if (issues.errors() > 0) return;
-  // Something is left of each channel, through one part or another, unless it is meant to be dark.
+  // Something is left of each channel, through one part or another, unless the stop is opaque.
   if (PupilFilters(filters).areas().back() > kNothing) return;
+  std::vector<std::size_t> dark;
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
     if (channel.kind == ChannelKind::curve && channel.curve.empty()) continue;
@@ -106,10 +107,16 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
             return false;  // not through this one
           }
         });
-    if (!seen)
-      issues.warning(fmt::format("channels[{}].kind", c),
-                     "none of the pupil filters lets anything through of channel " +
-                         quote_for_message(channel.name) + ", so its picture is black");
+    if (!seen) dark.push_back(c);
+  }
+  for (const std::size_t c : dark) {
+    const std::string path = fmt::format("channels[{}].kind", c);
+    const std::string what = "none of the pupil filters lets anything through of channel " +
+                             quote_for_message(scene.channels[c].name);
+    if (dark.size() == scene.channels.size())
+      issues.warning(path, what + ", so its picture is black");
+    else
+      issues.error(path, what);
   }
 }
 
