@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -91,7 +92,7 @@ TEST_F(FlameFile, GridsForScripts) {
   // A reconstruction of emission alone is no flame, but voxels all the same.
   const VoxelField emission = field_of({"emission", "W/(m^3 sr)", 7}),
                    resolved = field_of({"resolved", "", 0.5f});
-  write_grids(path(), {{&emission, "W/(m^3 sr)"}, {&resolved, ""}});
+  write_grids(path(), std::array{GridOutput{&emission, "W/(m^3 sr)"}, GridOutput{&resolved, ""}});
   fields = read_flame_grids(path(), {});
   ASSERT_EQ(fields.size(), 2u);
   EXPECT_EQ(fields[0].name, "emission");
@@ -99,7 +100,7 @@ TEST_F(FlameFile, GridsForScripts) {
   EXPECT_EQ(value(fields[1]), 0.5);
   // With one of the two it is a flame that lacks the other.
   const VoxelField hot = field_of({"temperature", "K", 1500});
-  write_grids(path(), {{&hot, "K"}});
+  write_grids(path(), std::array{GridOutput{&hot, "K"}});
   EXPECT_TRUE(
       contains(message_of<InputError>([&] { read_flame_grids(path(), {}); }), "absorption"));
 }
