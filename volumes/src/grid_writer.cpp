@@ -127,14 +127,6 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
   openvdb::GridPtrVec converted;
   for (const GridOutput& output : grids) {
     const VoxelField& field = *output.field;
-    const auto wrong = std::find_if(field.values.begin(), field.values.end(),
-                                    [](float value) { return !std::isfinite(value); });
-    if (wrong != field.values.end() || !std::isfinite(field.background))
-      throw InputError(
-          fmt::format("{}: is not written: a value of grid \"{}\" is no finite number; a value of "
-                      "the scene, of "
-                      "the pictures or of the options is far out of range",
-                      path, field.name));
     const auto range = detail::range(field);
     if (options.half && range && std::fmax(-range->minimum, range->maximum) > kLargestHalf)
       throw InputError(

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -438,6 +439,13 @@ std::string reading_tiles_error(const CompiledCamera& camera) {
   return "";
 }
 
+/// Into the same file, as cp does it: what is open shows the new bytes.
+void overwrite(const std::string& path, const std::string& bytes) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  ASSERT_TRUE(file.flush());
+}
+
 TEST(Bundle, ThatChangesWhileItIsOpenIsAnErrorOfOneLine) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.bundle");
@@ -452,7 +460,7 @@ TEST(Bundle, ThatChangesWhileItIsOpenIsAnErrorOfOneLine) {
     write_bytes(path, first);
     const CompiledCamera camera = read_bundle(path);
     EXPECT_EQ(reading_tiles_error(camera), "");
-    write_bytes(path, first.substr(0, size));  // the same file, shorter
+    overwrite(path, first.substr(0, size));
     EXPECT_NE(reading_tiles_error(camera).find("a.bundle: was cut off while it was read"),
               std::string::npos)
         << size;
@@ -460,7 +468,7 @@ TEST(Bundle, ThatChangesWhileItIsOpenIsAnErrorOfOneLine) {
   }
   write_bytes(path, first);
   const CompiledCamera camera = read_bundle(path);
-  write_bytes(path, second + std::string(first.size(), '\0'));  // as cp does it
+  overwrite(path, second + std::string(first.size(), '\0'));
   EXPECT_NE(reading_tiles_error(camera).find("a.bundle: is damaged; compile"), std::string::npos);
   EXPECT_THROW(render_compiled(scene, camera, {}), FileError);
   // A file of that name that takes its place does not touch the one that is open.
