@@ -72,7 +72,7 @@ class Wheel(PackageTest):
                            PIP_DISABLE_PIP_VERSION_CHECK="1")
         run = subprocess.run(["bash", "-ec", block], capture_output=True, text=True, env=environment, cwd=tree)
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertIn("candle", run.stdout)
+        self.assertIn("<plenoflame.Scene, 1000 x 1000 pixels", run.stdout)
 
     def test_the_metadata_are_those_of_the_project(self):
         project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

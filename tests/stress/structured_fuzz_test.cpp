@@ -195,7 +195,7 @@ TEST(StructuredDamage, CompiledCameras) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.bundle");
   Scene scene = small_scene(ideal_singlet(), large_array(Lattice::square, LensModel::ideal));
-  const CompiledScene compiled = compile(scene, {}, {});
+  const CompiledScene compiled = compile(scene);
   CompileSettings settings;
   settings.samples = 8;
   settings.level = 1;
