@@ -114,7 +114,7 @@ class Outputs(CommandTest):
                    mentions="--residual names the same file twice")
 
     def test_a_file_that_the_scene_names_is_read(self):
-        self.write("s.toml", '[camera]\npreset = "paper-plenoptic2"\n[[channels]]\nname = "a"\ncurve = "c.csv"\n')
+        self.write("s.toml", '[camera]\npreset = "paper-plenoptic2"\n[[channels]]\nname = "a"\nkind = "curve"\nfile = "c.csv"\n')
         self.write("c.csv", "1,2\n")
         self.fails(2, "operator", "s.toml", "-o", "a.npz", "--pixels", "c.csv", "--center", "1 m, 0 m, 0 m", "--size", "1 cm, 1 cm, 1 cm", mentions="'c.csv' is a file that this command reads")
 
