@@ -7,11 +7,11 @@ class Validator;
 
 namespace plenoflame::cli {
 
-/// Of an option that names what the command writes, a file or a folder; it refuses nothing itself:
+/// Marks an option that names an output, a file or a folder. The mark refuses nothing itself:
 ///     command.add_option("-o,--output", settings->output, "What it is")->check(written());
 CLI::Validator written();
 
-/// Of an option whose file may be the one that is written: the command goes on with it.
+/// Marks an option whose file may also be the output: the command continues it.
 CLI::Validator continued();
 
 /// No output of a command may be another one, nor a file that it reads, by whatever name (links,

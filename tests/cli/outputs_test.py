@@ -5,7 +5,7 @@ import re
 
 from command import CommandTest, main
 
-# Of each command: its inputs, each as an argument with FILE in it, its outputs, and what else must be given.
+# Each command has its inputs, each as an argument with FILE in it, its outputs, and what else must be given.
 COMMANDS = {
     "render": (["FILE", "--compiled=FILE"], ["-o", "--stats"], []),
     "merge": (["FILE"], ["-o"], []),

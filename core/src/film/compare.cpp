@@ -158,7 +158,7 @@ class BlockTest {
   double sum_ = 0, squares_ = 0, fourth_ = 0, flux_ = 0, variance_ = 0;
 };
 
-/// Of a sum with this variance. A picture in which no ray found light is as it is.
+/// Relative error of a sum with this variance. A picture in which no ray found light is as it is.
 double relative_error(double variance, double sum) {
   return sum > 0 ? std::sqrt(variance) / sum : 0;
 }

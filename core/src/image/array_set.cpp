@@ -40,8 +40,8 @@ void keep_quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// What HDF5 was told by the system when it failed just now: "errno = 28"; 0: nothing. It cleans up
-/// after that, and errno need not be the same any more.
+/// Text of the error that the system gave HDF5 when it failed just now: "errno = 28"; 0: nothing.
+/// It cleans up after that, and errno need not be the same any more.
 int system_error_of_stack() {
   int found = 0;
   H5Ewalk2(

@@ -34,7 +34,7 @@ double micro_images(int x, int y) {
   return dx * dx + dy * dy < 20 ? 1 : 0;
 }
 
-/// What importing an even picture with a correction says; empty: it is done.
+/// Message of the import of an even picture with a correction; empty: it succeeded.
 std::string refusal(const CountFrames* flat, const CountFrames* white,
                     std::vector<std::uint8_t> defects = {}) {
   ImportSettings settings;

@@ -429,7 +429,7 @@ TEST(Bundle, IsRefusedInOneLineWhenCutOffOrNoBundle) {
   EXPECT_NE(reading_error(folder.path()).find("not a file"), std::string::npos);
 }
 
-/// What reading all tiles says.
+/// Message of reading all tiles; empty: all were read.
 std::string reading_tiles_error(const CompiledCamera& camera) {
   try {
     for (std::size_t t = 0; t < camera.tiles.size(); ++t) camera.content(t);

@@ -63,7 +63,7 @@ void check_record(const Json& record, bool lattice) {
   }
 }
 
-/// What is known of a run that is done.
+/// Record of a finished run.
 Json read_record(const std::string& folder, int run, const Json& plan) {
   return read_json(folder + "/runs/" + run_name(run) + ".json",
                    [&](const Json& record) { check_record(record, plan.contains("lattice")); });

@@ -40,7 +40,7 @@ struct CompiledTile {
   std::uint32_t reserved = 0;
 };
 
-/// What a compiled camera keeps of a tile.
+/// Content of one tile of a compiled camera.
 struct CompiledContent {
   std::vector<CompiledGroup> groups;
   std::vector<CompiledNode> nodes;  ///< of one group after the other

@@ -56,8 +56,8 @@ class TileProgress {
   void foresee(const Film& film, const std::vector<double>& samples);
   /// From now on tiles get so many samples, which tell how many more are needed.
   void explore(const Film& film, const std::vector<double>& samples);
-  /// What was measured of the film: from now on each report has the error that further samples
-  /// leave of it, as kErrorSlope foresees.
+  /// Takes the measured error of the film: from now on each report has the error that further
+  /// samples leave of it, as kErrorSlope foresees.
   /// @param relative_error of the picture
   /// @param squares share of each tile in its square, up to a factor
   void measured(const Film& film, double relative_error, std::vector<double> squares);
