@@ -127,7 +127,7 @@ class ProgressOnATerminal(CommandTest):
             self.assertEqual(percents, sorted(percents), label)
 
     def test_of_a_compiled_camera(self):
-        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1200,1200,640,640", "--error", "2%", "--threads", "1")
+        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1344,1344,320,320", "--error", "2%", "--threads", "1")
         self.assertGreater(len({s.percent for s in shown if 0 < s.percent < 100}), 3, shown)
         self.assertTrue(all(s.error is None for s in shown))
 
