@@ -179,9 +179,17 @@ class Slurm(CommandTest):
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
         self.assertFalse(os.path.exists(self.path("flame.exr.state")))
 
+    def kill(self):
+        """Ends the task as a lack of memory would: Slurm itself asks by SIGTERM first."""
+        pids = self.cluster.said("pgrep", "-f", "plenoflame render").split()
+        ours = [pid for pid in pids if os.path.realpath(f"/proc/{pid}/cwd") == os.path.realpath(self.folder)]
+        self.assertTrue(ours, pids)
+        for pid in ours:
+            os.kill(int(pid), signal.SIGKILL)
+
     def test_a_task_that_was_killed_goes_on(self):
         job = self.long_task(LONG)
-        self.cluster.said("scancel", "--signal=KILL", "--full", job)
+        self.kill()
         self.wait_until(job, "FAILED", "CANCELLED")
         self.assertFalse(os.path.exists(self.path("flame.exr")))
         job = re.search(r"\d+", self.cluster.said("sbatch", "--parsable", "jobs.sbatch", folder=self.folder))[0]
