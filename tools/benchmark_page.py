@@ -147,8 +147,8 @@ def colours(folder):
     if not runs:
         return []
     lines = ["## Colours", "",
-             "The middle 1000 x 1000 pixels of `paper-flame-1m` with one band of 10 nm at 650 nm and with several channels, in turn: 64 samples,\n"
-             f"1 thread, compiling included. Medians of the pairs, on {machine()}.", "",
+             "Renderings of one band (10 nm at 650 nm) and of several channels, in turn. They show the middle 1000 x 1000 pixels of\n"
+             f"`paper-flame-1m` with 64 samples and 1 thread. Times include compiling; medians of the pairs on {machine()}.", "",
              "| channels | one band | these | ratio |", "|---|---|---|---|"]
     for what, many, one in COLOURS:
         if many not in runs or one not in runs:
