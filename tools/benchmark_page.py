@@ -168,7 +168,7 @@ def native(folder):
     speeds = [statistics.median(run["native"][k] / run["chosen"][k] for k in run["chosen"]) for run in runs.values()]
     return ["\n".join(["## Instruction sets", "",
                        f"The installed program chooses its instruction set at the start. It reaches {min(speeds):.2f} to {max(speeds):.2f} of the\n"
-                       f"speed of a build with `-march=native`, in {len(speeds)} pictures (one thread, medians of 3 runs on {machine()}).\n"
+                       f"speed of a build with `-march=native` (medians of 3 runs of {len(speeds)} pictures, one thread, {machine()}).\n"
                        "`PARTS=native NATIVE=-march=native tools/make_benchmarks.sh` measures it."]) + "\n"]
 
 
