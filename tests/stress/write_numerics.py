@@ -136,16 +136,14 @@ def table(rows):
         key = precision[1] if precision else ""
         if key not in found or float(worst) > float(found[key][0]):
             found[key] = (worst, bound)
-    references = {reference for _, reference in cases} - {"none"}
-    own = len(references) > 1
-    text = f"Reference: {references.pop()}.\n\n" if len(references) == 1 else ""
-    text += line_of(["case", *["reference"][:own], "largest error", "bound"]) + "|---" * (3 + own) + "|\n"
-    for (name, reference), found in cases.items():
+    references = list(dict.fromkeys(reference for _, reference in cases if not reference.startswith("none")))
+    text = f"References: {'; '.join(references)}.\n\n" if references else ""
+    text += line_of(["case", "largest error", "bound"]) + "|---|---|---|\n"
+    for (name, _), found in cases.items():
         order = [key for key in ("single", "double", "") if key in found]
         if len(order) == 1 and order[0]:
             name = re.sub(r"( \[[^\]]*\])?$", f", {order[0]}\\1", name, count=1)
-        told = ["-" if reference == "none" else reference][:own]
-        text += line_of([name, *told, *("; ".join(found[key][i] for key in order) for i in (0, 1))])
+        text += line_of([name, *("; ".join(found[key][i] for key in order) for i in (0, 1))])
     return text.rstrip("\n")
 
 
