@@ -69,6 +69,20 @@ def machine():
     return "an unknown processor"
 
 
+def grouped(names, ends):
+    """{beginning of the name: [name with each of the ends, or None]}; names without these ends stand alone, as first."""
+    groups = {}
+    for name in names:
+        end = next((k for k, end in enumerate(ends) if name.endswith(", " + end)), 0)
+        groups.setdefault(name.removesuffix(", " + ends[end]), [None] * len(ends))[end] = name
+    return groups
+
+
+def listed(names, text):
+    """The texts of several names in one cell."""
+    return ", ".join("-" if name is None else text(name) for name in names)
+
+
 def whole_images(folder):
     """Table of the renders that `render --stats` described, medians over their runs."""
     runs = {}
@@ -85,10 +99,11 @@ def whole_images(folder):
              "0.234 mm voxels (96 x 96 x 264). Compiling the scene (camera and pupils) takes up to "
              f"{max(run['seconds_compile'] for of_name in runs.values() for run in of_name):.2g} s before\n"
              "the first ray and is not part of the time. The paper gives 28 thousand rays/s per thread and 10 hours on 20 threads.", "",
-             "| what | time | rays/s | stated RMSE |", "|---|---|---|---|"]
-    for name in runs:
-        lines.append(f"| {name} | {median(name, 'seconds'):.3g} s | "
-                     f"{median(name, 'rays_per_second'):.3g} | {100 * median(name, 'relative_error'):.3g} % |")
+             "| what | time [s], 1 and 2 threads | million rays/s | stated RMSE |", "|---|---|---|---|"]
+    for what, names in grouped(runs, ("1 thread", "2 threads")).items():
+        seconds = listed(names, lambda name: cell(median(name, "seconds")))
+        rays = listed(names, lambda name: cell(median(name, "rays_per_second"), factor=1e-6))
+        lines.append(f"| {what} | {seconds} | {rays} | {100 * median(next(filter(None, names)), 'relative_error'):.3g} % |")
     return ["\n".join(lines) + "\n"]
 
 
@@ -102,15 +117,19 @@ def skipping(folder):
         return []
     largest = max(abs(r["largest_difference_W"]) / r["reference_mean_W"] for run in runs.values() for r in run["difference"])
     lines = ["## Skipping", "",
-             "Renderings with and without `--no-skip`, 1 thread, 16 samples unless others are given, medians of 3 runs. No pixel\n"
+             "Renderings with and without `--no-skip`, 1 thread, 16 samples (two numbers: 16 and 256), medians of 3 runs. No pixel\n"
              f"differs by more than {largest:.1g} of the mean flux. The single lens is wide open and blurs a point to several millimetres. Through it,\n"
              "1.48 % of the pixels that the large sphere lights get light from the small one ([theory](theory/sampling.md#what-sees-nothing)).", "",
-             "| what is skipped, in which scene | time | time without | gain |", "|---|---|---|---|"]
-    for name, run in runs.items():
-        def median(kind, key):
-            return statistics.median(r[key] for r in run[kind])
-        gain = median("without", "seconds") / median("with", "seconds")
-        lines.append(f"| {name} | {median('with', 'seconds'):.3g} s | {median('without', 'seconds'):.3g} s | {gain:.3g} |")
+             "| what is skipped, in which scene | time [s] | time without [s] | gain |", "|---|---|---|---|"]
+
+    def median(name, kind):
+        return statistics.median(run["seconds"] for run in runs[name][kind])
+
+    for what, names in grouped(runs, ("16 samples", "256 samples")).items():
+        names = [name for name in names if name]
+        cells = (listed(names, lambda name: cell(median(name, "with"))), listed(names, lambda name: cell(median(name, "without"))),
+                 listed(names, lambda name: cell(median(name, "without") / median(name, "with"))))
+        lines.append(f"| {what} | " + " | ".join(cells) + " |")
     return ["\n".join(lines) + "\n"]
 
 
