@@ -18,7 +18,7 @@ RULES = ("long", "opening", "diary", "gets", "glossary")
 # Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
 LIMITS = {
     "README, CONTRIBUTING": (1, 0, 0, 0, 0),
-    "docs": (36, 12, 4, 1, 1),
+    "docs": (35, 12, 4, 1, 1),
     "docs/benchmarks.md": (8, 2, 1, 0, 0),
     "docs/developer": (21, 5, 0, 0, 0),
     "docs/numerics.md": (14, 1, 0, 0, 1),
