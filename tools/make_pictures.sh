@@ -56,6 +56,7 @@ picture() {
   join "$1" out/panel-whole.png out/panel-100.png "out/panel-$((100 * zoom)).png"
 }
 
+if chosen overview; then PLENOFLAME=$plenoflame tools/make_overview.py; fi
 picture paper-flame-1m 0.53,0.5
 picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
