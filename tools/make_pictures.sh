@@ -124,7 +124,6 @@ if chosen lenslets-30; then
   scene=examples/lenslets-30.toml
   "$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
   draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
-  draw --image out/lenslets-30.exr --pixel 150,150 --rays 48 -o docs/images/picture-scene.png
   draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
   draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
   xvfb-run -a "$plenoflame" picture examples/paper-objects-5m.toml --view flame -o docs/images/picture-objects.png
@@ -136,6 +135,9 @@ if chosen lenslets-30; then
   cp out/render.png docs/images/scripting-render.png
   cp out/rays.png docs/images/scripting-rays.png
 fi
+
+# Setups with shortened distances (docs/scripting.md, docs/user/cameras.md); they need the flame of the overview.
+if chosen setups; then PLENOFLAME=$plenoflame xvfb-run -a tools/draw_setups.py; fi
 
 # The paper's objects through three cameras, side by side.
 if chosen paper-objects-5m; then
