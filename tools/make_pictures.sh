@@ -20,6 +20,7 @@ command -v convert >/dev/null || {
 wanted=" $* "
 size=600 # of a panel
 zoom=6   # picture pixels per sensor pixel in the last panel
+shades=96 # of a picture, so that its file stays below 400 kB
 mkdir -p out docs/images
 
 chosen() { [ "$wanted" = "  " ] || [[ "$wanted" == *" $1 "* ]]; }
@@ -42,7 +43,7 @@ panel() {
 join() { # SCENE PANEL ...
   local name=$1
   shift
-  convert "$@" -background gray30 -gravity center +smush 8 -depth 8 -strip "docs/images/$name.png"
+  convert "$@" -background gray30 -gravity center +smush 8 +dither -colors "$shades" -strip "PNG8:docs/images/$name.png"
   echo "docs/images/$name.png"
 }
 
@@ -57,6 +58,9 @@ picture() {
 }
 
 if chosen overview; then PLENOFLAME=$plenoflame tools/make_overview.py; fi
+if chosen planes; then PLENOFLAME=$plenoflame tools/draw_light_field.py; fi
+if chosen reconstruction; then PLENOFLAME=$plenoflame tools/draw_reconstruction.py; fi
+if chosen calibration; then PLENOFLAME=$plenoflame tools/draw_calibration.py; fi # needs the flame of the overview
 picture paper-flame-1m 0.53,0.5
 picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
@@ -107,16 +111,10 @@ if chosen paper-previous-60x60; then
   render paper-previous-60x60
   panel paper-previous-60x60 $((size / zoom)) 0.5,0.5 $((100 * zoom))
   join paper-previous-60x60 out/paper-previous-60x60.png "out/panel-$((100 * zoom)).png"
-  rm -rf out/views out/stack
-  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 3
-  convert out/views/contact.png -filter point -resize 300% -depth 8 -strip docs/images/views-contact.png
-  "$plenoflame" refocus out/paper-previous-60x60.exr -o out/stack --depths 0.9m:1.1m:3
-  mapfile -t stack < <(find out/stack -name '*.png' | sort)
-  convert "${stack[@]}" -filter point -resize 400% -background gray30 +smush 8 -depth 8 -strip \
-    docs/images/refocus-stack.png
-  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 9 --epipolar-row 30 --force
+  rm -rf out/views
+  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 9 --epipolar-row 30
   convert out/views/epipolar_row.png -filter point -resize '1000%' -depth 8 -strip docs/images/epipolar.png
-  echo "docs/images/views-contact.png docs/images/refocus-stack.png docs/images/epipolar.png"
+  echo "docs/images/epipolar.png"
 fi
 
 # Pictures in 3-D (docs/scripting.md, docs/rays.md), and what the Python examples plot.
@@ -125,7 +123,8 @@ if chosen lenslets-30; then
   "$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
   draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
   draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
-  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
+  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o out/picture-array.png
+  join picture-array out/picture-array.png
   xvfb-run -a "$plenoflame" picture examples/paper-objects-5m.toml --view flame -o docs/images/picture-objects.png
   build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
   packages=$(find "$build/lib" -type d -path '*/python3/dist-packages')
@@ -173,7 +172,7 @@ if chosen smoke; then
   convert out/smoke-planes/*.png -filter point -resize 300% -background gray30 +smush 8 out/panel-planes.png
   join smoke out/panel-smoke.png out/panel-planes.png
 fi
-picture calibration-plate 0.3,0.3
+shades=48 picture calibration-plate 0.3,0.3
 
 # The plots of docs/design.md, made by its commands.
 if chosen design; then
