@@ -66,20 +66,7 @@ picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture candle 0.57,0.5
 
-# The candle in colour, its two-colour temperature, the true one.
-if chosen candle-temperature; then
-  "$plenoflame" flame candle -o examples/candle.vdb
-  "$plenoflame" render examples/candle-colours.toml --truth --samples "$samples" -o out/candle-colours.exr
-  "$plenoflame" develop out/candle-colours.exr --colour -o out/candle-colours.png
-  "$plenoflame" pyrometry out/candle-colours.exr --channels 650nm,850nm --picture out/two-colours.png \
-    --truth-picture out/truth-temperature.png --range "1650 K,1850 K"
-  for map in two-colours truth-temperature; do
-    convert "out/$map.png" -filter point -resize 200% -font DejaVu-Sans -fill white -pointsize 16 -gravity NorthEast -annotate +28+4 "1850 K" \
-      -gravity SouthEast -annotate +28+4 "1650 K" "out/$map.png"
-  done
-  convert out/candle-colours.png -filter point -resize 200% out/candle-colours.png
-  join candle-temperature out/candle-colours.png out/two-colours.png out/truth-temperature.png
-fi
+if chosen candle-temperature; then PLENOFLAME=$plenoflame tools/draw_temperature.py; fi
 
 # The candle with its blue base in colour, in the light of CH* and in that of soot.
 if chosen candle-blue; then
