@@ -1,8 +1,11 @@
 from os import PathLike
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 from numpy import ndarray
 
+from ._home import AtHome
+from ._run import Progress
+from .flame import Flame
 from .light_field import LightField
 from .scene import Scene
 
@@ -10,16 +13,20 @@ _Path = Union[str, PathLike[str]]
 _Image = Union[LightField, _Path]
 _Place = Union[str, Sequence[float]]
 
-class Reconstruction:
+class Reconstruction(AtHome):
     algorithm: Any
-    image: Any
+    unknowns: str
+    complete: bool
+    flame: Flame
     figures: dict[str, Any]
     report: str
     shape: tuple[int, ...]
-    def __init__(self, algorithm: Any) -> None: ...
+    places: ndarray
+    residuals: list[ndarray]
+    explained: list[ndarray]
+    def __init__(self, algorithm: Any, unknowns: str) -> None: ...
     def __repr__(self) -> str: ...
-    @property
-    def complete(self) -> bool: ...
+    def __getstate__(self) -> dict[str, Any]: ...
     @property
     def temperature(self) -> Optional[ndarray]: ...
     @property
@@ -37,13 +44,7 @@ class Reconstruction:
     @property
     def resolved_absorption(self) -> Optional[ndarray]: ...
     @property
-    def places(self) -> ndarray: ...
-    @property
     def history(self) -> ndarray: ...
-    @property
-    def residuals(self) -> list[ndarray]: ...
-    @property
-    def explained(self) -> list[ndarray]: ...
     def save(self, path: _Path) -> None: ...
 
 def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequence[_Image], Mapping[str, _Image]], *,
@@ -59,4 +60,4 @@ def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequ
                 start: Union[None, Reconstruction, _Path] = ..., rays: int = ..., bin: Union[int, str] = ..., cells: Optional[int] = ...,
                 draws: int = ...,
                 probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., form: str = ..., seed: Optional[int] = ...,
-                truth: bool = ..., threads: int = ..., progress: Optional[Callable[[float], Any]] = ...) -> Reconstruction: ...
+                truth: bool = ..., threads: int = ..., progress: Optional[Progress] = ...) -> Reconstruction: ...
