@@ -79,7 +79,6 @@ class Arguments(PackageTest):
         self.refused("spacing takes one length or three", make, hot, hot, spacing=(1, 2))
         self.refused("temperature is no array of numbers", make, [["hot"]], hot, spacing=1)
         self.refused("there is no flame 'match'", plenoflame.make_flame, "match")
-        self.refused("has no parameter 'colour'", plenoflame.make_flame, "candle", colour="red")
         self.refused("height: ", plenoflame.make_flame, "candle", height=3)
         scene = self.small.copy()
         self.refused("image takes a Flame", scene.add_flame, hot)

@@ -6,6 +6,7 @@ import os
 import numpy
 
 from . import _check, _home
+from ._arguments import refusal
 from ._library import data, library, need_vtk
 from ._run import Error, update
 
@@ -135,6 +136,10 @@ def make_flame(name, *, progress=None, **parameters):
     parameters: those of flame_generators(), as text with units, or as numbers where there is no unit; progress: True for a
     bar, or a function that is called with the fraction done. Raises Error.
     """
+    known = {flame["name"]: [parameter["name"] for parameter in flame["parameters"]] for flame in flame_generators()}
+    for key in parameters:
+        if key not in known.get(name, parameters):
+            raise TypeError(refusal("make_flame", key, known[name]))
     generator = library.FlameGenerator()
     generator.SetFlameName(_check.text("name", name))
     for key, value in parameters.items():
