@@ -133,7 +133,7 @@ class Home(PackageTest):
         numpy.testing.assert_allclose(found.row, [(PIXELS / 2 - 20 - n - 0.5) * pitch for n in range(11)], rtol=1e-9)
         numpy.testing.assert_array_equal(found.sel(channel="other"), self.two["other"])
         self.assertTrue(numpy.shares_memory(self.field.to_xarray().values, self.field.flux))
-        self.labels(self.field.to_xarray().plot().axes, "right of the sensor's middle [m]", "above the sensor's middle [m]")
+        self.labels(self.field.to_xarray().plot().axes, "x on the sensor [m]", "height on the sensor [m]")
 
     def test_views_know_their_places_on_the_lens(self):
         found = self.views.to_xarray()
@@ -153,13 +153,13 @@ class Home(PackageTest):
         numpy.testing.assert_array_equal(found.isel(u=right, v=top), self.views[0, 2])
         cell = float(self.small["camera.array.pitch"]) ** 2 * 3 ** 0.5 / 2  # of a hexagon [m^2]
         numpy.testing.assert_allclose([numpy.diff(found.x)[0], -numpy.diff(found.y)[0]], cell ** 0.5, rtol=1e-9)
-        self.labels(found.isel(u=0, v=0).plot().axes, "on the microlens array [m]", "on the microlens array [m]")
+        self.labels(found.isel(u=0, v=0).plot().axes, "x on the microlens array [m]", "height on the microlens array [m]")
 
     def test_refocused_pictures_lie_on_their_plane(self):
         found = self.sharp.to_xarray()
         numpy.testing.assert_array_equal(found.x, self.sharp.x)
         numpy.testing.assert_array_equal(found.y, -self.sharp.y)
-        self.labels(found.plot().axes, "right of the camera's axis [m]", "above the camera's axis [m]")
+        self.labels(found.plot().axes, "x on the plane in focus [m]", "height on the plane in focus [m]")
 
     def test_flames_have_the_coordinates_of_the_world(self):
         found = self.flame.to_xarray()

@@ -3,6 +3,7 @@
 import base64
 import html
 import struct
+import warnings
 import zlib
 
 import numpy
@@ -16,12 +17,14 @@ class Shown:
     or None."""
 
     def _repr_html_(self):
-        picture = self._preview()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # nobody has asked for a picture or a check
+            picture, summary = self._preview(), list(self._summary())
         image = "" if picture is None else (
             f'<td style="vertical-align:top"><img alt="" style="width:{_SIDE}px;image-rendering:pixelated" '
             f'src="data:image/png;base64,{base64.b64encode(_png(picture)).decode()}"></td>')
         rows = "".join(f'<tr><td style="text-align:left">{html.escape(name)}</td>'
-                       f'<td style="text-align:left">{html.escape(str(text))}</td></tr>' for name, text in self._summary())
+                       f'<td style="text-align:left">{html.escape(str(text))}</td></tr>' for name, text in summary)
         return (f'<table><tr>{image}<td style="vertical-align:top"><b>plenoflame.{type(self).__name__}</b>'
                 f'<table>{rows}</table></td></tr></table>')
 

@@ -47,15 +47,13 @@ def _shown(what):
 
 @contextlib.contextmanager
 def watcher(progress, what):
-    """The function to call with the fraction done, or None. progress: None, False, True, or a function."""
-    if progress is None or progress is False:
-        yield None
-    elif progress is not True:
-        yield progress
-    else:
-        shown = _shown(what)
-        try:
-            yield shown.show
-            shown.show(1.0)
-        finally:
-            shown.close()
+    """The function to call with the fraction done, or None, and one to call at the end of a run that did not fail.
+    progress: None, False, True, or a function."""
+    if progress is not True:
+        yield progress or None, lambda: None
+        return
+    shown = _shown(what)
+    try:
+        yield shown.show, lambda: shown.show(1.0)
+    finally:
+        shown.close()

@@ -57,13 +57,18 @@ def update(algorithm, progress=None, what="progress"):
     result stops the run, and so do an exception, which is raised again, and Ctrl-C. True shows a bar, named `what`."""
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise Error(f"progress takes True or a function of the fraction done, not {progress!r}")
-    with watcher(progress, what) as watch:
-        return _update(algorithm, watch)
+    errors, cautions = [], []
+    with watcher(progress, what) as (watch, show_the_end):
+        _run(algorithm, watch, errors, cautions)
+        if not errors:
+            show_the_end()
+    deliver(errors, cautions)
+    return algorithm
 
 
-def _update(algorithm, progress):
+def _run(algorithm, progress, errors, cautions):
     from ._library import data
-    raised, interrupted, errors, cautions = [], [], [], []
+    raised, interrupted = [], []
 
     def on_progress(fraction):
         try:
@@ -81,5 +86,3 @@ def _update(algorithm, progress):
     finally:
         if raised:
             raise raised[0]
-    deliver(errors, cautions)
-    return algorithm

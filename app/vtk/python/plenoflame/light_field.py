@@ -22,7 +22,8 @@ class LightField(_home.AtHome):
     others see. With VTK they are views of the vtkImageData `image`.
 
     numpy.asarray(light_field) is the flux of a single channel (rows, columns), in the same memory; of several it is a copy
-    (rows, columns, channels). to_xarray() has the axes row, column, channel.
+    (rows, columns, channels). to_xarray() has the axes row, column, channel; places
+    on the sensor count from its middle, x to the right of the picture.
     """
 
     def __init__(self, image, relative_error=-1.0):
@@ -56,8 +57,8 @@ class LightField(_home.AtHome):
         pitch = float(sensor["camera.sensor.pixel_pitch"])
         pitch_y = float(sensor["camera.sensor.pixel_pitch_y"]) or pitch
         return _home.labelled(xarray, self._stack(), "flux", self.unit, {
-            "row": (-_home.middles(sensor.rows, pitch_y)[y:y + height], "height above the sensor's middle", "m"),
-            "column": (_home.middles(sensor.columns, pitch)[x:x + width], "place right of the sensor's middle", "m"),
+            "row": (-_home.middles(sensor.rows, pitch_y)[y:y + height], "height on the sensor", "m"),
+            "column": (_home.middles(sensor.columns, pitch)[x:x + width], "x on the sensor", "m"),
             "channel": (self.channels, "channel", "")})
 
     def _summary(self):
@@ -310,7 +311,7 @@ class Views(_home.AtHome):
     """Sub-aperture views; indexed [row, column] of the grid, each a numpy array (rows, columns).
 
     numpy.asarray(views) is all of them in the same memory, [row, column of the grid, row, column of the view]. to_xarray() has
-    the axes u, v (place on the main lens, to the right and up), y, x.
+    the axes u, v (x and height on the main lens) and y, x (on the microlens array, from the middle of the view).
     """
 
     def __init__(self, algorithm, grid, array, spread, scene_text):
@@ -337,10 +338,10 @@ class Views(_home.AtHome):
         rows, columns = self._views.shape[2:]
         return _home.labelled(
             xarray, self._views.transpose(1, 0, 2, 3), "radiance" if "sr" in self.unit else "flux", self.unit, {
-                "u": (places, "place on the main lens, to the right", "m"),
-                "v": (-places, "place on the main lens, upwards", "m"),
-                "y": (-_home.middles(rows, step), "height above the view's middle, on the microlens array", "m"),
-                "x": (_home.middles(columns, step), "place right of the view's middle, on the microlens array", "m")})
+                "u": (places, "x on the main lens", "m"),
+                "v": (-places, "height on the main lens", "m"),
+                "y": (-_home.middles(rows, step), "height on the microlens array", "m"),
+                "x": (_home.middles(columns, step), "x on the microlens array", "m")})
 
     def _summary(self):
         rows, columns = self._views.shape[2:]
@@ -404,7 +405,7 @@ class Refocused(_home.AtHome):
 
     def _labelled(self, xarray):
         return _home.labelled(xarray, self.image, "radiance", "W/(m^2 sr)", {
-            "y": (-self.y, "height above the camera's axis", "m"), "x": (self.x, "place right of the camera's axis", "m")})
+            "y": (-self.y, "height on the plane in focus", "m"), "x": (self.x, "x on the plane in focus", "m")})
 
     def _summary(self):
         rows, columns = self.image.shape
