@@ -90,6 +90,17 @@ if chosen candle-blue; then
   join candle-blue out/candle-blue.png out/candle-CH.png out/candle-soot.png
 fi
 
+# The raw picture of the tutorial, and views of it.
+if chosen tutorial; then
+  "$plenoflame" flame candle -o examples/candle.vdb
+  render tutorial
+  rm -rf out/tutorial-views
+  "$plenoflame" views out/tutorial.exr --grid 3 -o out/tutorial-views
+  convert out/tutorial.png -filter point -resize 300% out/panel-raw.png
+  convert out/tutorial-views/contact.png -filter point -resize 500% out/panel-views.png
+  join tutorial out/panel-raw.png out/panel-views.png
+fi
+
 # A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.
 if chosen paper-previous-60x60; then
   render paper-previous-60x60
