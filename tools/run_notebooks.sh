@@ -6,5 +6,5 @@ set -euo pipefail
 cd "$(dirname "$0")/../examples/notebooks"
 for notebook in *.ipynb; do
   /usr/bin/python3 -m nbconvert --to notebook --execute --inplace --ExecutePreprocessor.record_timing=False "$notebook"
-  sed -i 's#/tmp/ipykernel_[0-9]*/[0-9]*\.py#notebook#' "$notebook"  # in warnings
+  sed -i 's#[a-z/]*ipykernel_[0-9]*/[0-9]*\.py#notebook#' "$notebook"  # in warnings
 done

@@ -68,6 +68,15 @@ class Home(PackageTest):
         stated = re.search(r"^project\(plenoflame VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
         self.assertEqual(plenoflame.__version__, stated)
 
+    def test_code_of_the_page_runs(self):
+        """docs/scripting.md, with a smaller picture."""
+        page = (ROOT / "docs" / "scripting.md").read_text().split("## At home in NumPy and notebooks")[1]
+        code = page.split("```python\n")[1].split("```")[0].replace('plenoflame.Scene("examples/lenslets-30.toml")', "small.copy()")
+        with contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            exec(code, {"small": self.small})
+        pyplot.close("all")
+
     # --- arrays
 
     def test_arrays_share_memory(self):

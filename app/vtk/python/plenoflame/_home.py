@@ -18,7 +18,7 @@ class Shown:
 
     def _repr_html_(self):
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # nobody has asked for a picture or a check
+            warnings.simplefilter("ignore")  # the scene is only looked at
             picture, summary = self._preview(), list(self._summary())
         image = "" if picture is None else (
             f'<td style="vertical-align:top"><img alt="" style="width:{_SIDE}px;image-rendering:pixelated" '
