@@ -16,7 +16,7 @@ import zlib
 import matplotlib
 import numpy
 import xarray
-from package import ROOT, PackageTest, main
+from package import ROOT, PackageTest, main, needs_vtk
 
 import plenoflame
 
@@ -344,6 +344,11 @@ class Home(PackageTest):
                 (r"make_flame\(\) .* 'hight'; did you mean 'height'\?", lambda: plenoflame.make_flame("candle", hight=1))):
             with self.assertRaisesRegex(TypeError, sentence):
                 action()
+
+    @needs_vtk
+    def test_properties_of_the_camera_are_keywords(self):
+        with self.assertRaisesRegex(TypeError, r"Scene.camera\(\) .* 'LevelOfDetial'; did you mean 'LevelOfDetail'"):
+            self.small.camera(LevelOfDetial=1)
 
     def test_operators_name_both_shapes(self):
         rows = self.operator.shape[0]
