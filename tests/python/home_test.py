@@ -246,6 +246,11 @@ class Home(PackageTest):
         self.assertEqual(picture.shape, (6, 4, 3))
         self.assertEqual([tuple(place) for place in numpy.argwhere(picture[..., 2])], [(0, 3)])
 
+    def test_a_scene_of_several_cameras_shows_its_flame(self):
+        page = plenoflame.Scene(ROOT / "examples" / "three-cameras.toml")._repr_html_()
+        self.assertIn("front, side, plain", page)
+        self.assertGreater(png(page).max(), 200)
+
     def test_what_has_no_picture_shows_its_numbers(self):
         scene = self.small.copy()
         scene.remove("flames", 0)

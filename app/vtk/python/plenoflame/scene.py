@@ -81,7 +81,8 @@ class Scene(_home.Shown):
 
     def _preview(self):
         try:
-            return self.flame(48)._preview()
+            one = self if self.camera_name or len(self.cameras) == 1 else self.with_camera(self.cameras[0])
+            return one.flame(48)._preview()
         except Error:  # no flame, or one of emission alone
             return None
 
