@@ -222,11 +222,8 @@ TEST(Validate, MainLens) {
               s.camera.lens.diameter = 0.1;
             }).find("camera.lens.focal_length"),
             std::string::npos);
-  const auto with_stop_of = [](double diameter) {
-    return warning_after([&](Scene& s) {
-      for (SurfaceSpec& surface : s.camera.lens.surfaces)
-        if (surface.stop) surface.diameter = diameter;
-    });
+  const auto with_stop_of = [](double d) {
+    return warning_after([&](Scene& s) { s.camera.lens.surfaces[2].diameter = d; });
   };
   EXPECT_NE(with_stop_of(0.5).find("the stop of the main lens is 500 mm wide"), std::string::npos);
   EXPECT_EQ(with_stop_of(0.01), "0 warnings");
