@@ -306,7 +306,8 @@ def draw_scene():
     drawing.light((1.2, -0.6, 0.2), 0.5)
     drawing.camera(scene, axis, shown=True)
     drawing.sensor_image(scene, axis, scene.render(samples=16, threads=1).develop() / 2 ** 14)
-    drawing.rays(scene.rays(pixels=[behind(scene, k, *near) for k, near in enumerate(((150, 70), (150, 150), (150, 230)))], rays=16, status="reached"), axis, 0.00028, 0.75)
+    pixels = [behind(scene, kind, 150, row) for kind, row in enumerate((70, 150, 230))]
+    drawing.rays(scene.rays(pixels=pixels, rays=16, status="reached"), axis, 0.00028, 0.75)
     drawing.flame(scene, 25.0, 1900)
     below = numpy.array([0, 0, -0.066])
     drawing.distance(axis, -0.4493, -0.0243, below, "425 mm")

@@ -18,17 +18,17 @@ RULES = ("long", "opening", "diary", "gets", "glossary")
 # Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
 LIMITS = {
     "README, CONTRIBUTING": (1, 0, 0, 0, 0),
-    "docs": (35, 12, 4, 1, 1),
+    "docs": (34, 12, 4, 1, 1),
     "docs/benchmarks.md": (0, 0, 0, 0, 0),
-    "docs/developer": (5, 1, 0, 0, 0),
+    "docs/developer": (0, 0, 0, 0, 0),
     "docs/numerics.md": (0, 0, 0, 0, 0),
     "docs/reference": (2, 5, 0, 0, 0),
     "docs/theory": (21, 4, 0, 0, 1),
     "docs/user": (0, 0, 0, 0, 0),
     "docs/validation.md": (9, 0, 0, 0, 1),
-    "core (comments)": (506, 74, 36, 0, 61),
+    "core (comments)": (506, 69, 36, 0, 61),
     "volumes (comments)": (26, 4, 1, 0, 0),
-    "app (comments)": (89, 19, 25, 0, 2),
+    "app (comments)": (89, 16, 25, 0, 2),
 }
 GENERATED = ("docs/reference/", "docs/benchmarks.md", "docs/numerics.md", "docs/validation.md")
 SOURCES = ("core", "volumes", "app")
