@@ -17,7 +17,7 @@ MOST_WORDS = 25
 RULES = ("long", "opening", "diary", "gets", "glossary")
 # Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
 LIMITS = {
-    "README, CONTRIBUTING": (1, 0, 0, 0, 0),
+    "README, CONTRIBUTING": (0, 0, 0, 0, 0),
     "docs": (34, 12, 4, 1, 1),
     "docs/benchmarks.md": (0, 0, 0, 0, 0),
     "docs/developer": (0, 0, 0, 0, 0),
