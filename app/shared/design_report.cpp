@@ -45,7 +45,7 @@ std::string focus_text(double value) {
   return std::fabs(value) > kFar ? "infinity" : object_text(value);
 }
 
-/// Where image and pitch are equal, rounding leaves some 1e-14 pixels between them.
+/// Rounding leaves some 1e-14 pixels between an image and a pitch that are equal.
 std::string overlap_text(double pixels) {
   if (std::fabs(pixels) < 1e-9) return "as wide as the pitch";
   return readable_number(std::fabs(pixels)) + (pixels > 0 ? " more" : " less") + " than the pitch";
