@@ -2,14 +2,12 @@
 #include <unistd.h>
 #include <QApplication>
 #include <QCommandLineParser>
-#include <QDockWidget>
 #include <QElapsedTimer>
 #include <QEventLoop>
 #include <QIcon>
 #include <QSettings>
 #include <QStandardPaths>
 #include <QSurfaceFormat>
-#include <QTabWidget>
 #include <QTimer>
 #include <algorithm>
 #include <csignal>
@@ -174,7 +172,7 @@ int main(int argc, char** argv) {
     } catch (const plenoflame::Error& error) {
       return fail(2, QString("--depth: ") + error.what());
     }
-    window.light_field_panel().tabs().setCurrentIndex(1);
+    window.light_field_panel().show_tab(plenoflame::desktop::LightFieldPanel::Tab::refocus);
     refocus = true;
   }
   if (!unattended) return QApplication::exec();
@@ -184,11 +182,10 @@ int main(int argc, char** argv) {
   QTimer poll;
   int settled = 0, status = 0;
   QObject::connect(&poll, &QTimer::timeout, &window, [&] {
-    const auto* const views = window.findChild<QDockWidget*>("lightFieldDock");
     auto& session = window.session();
     // Views that are on display, and can be made, are waited for.
     const bool views_missing =
-        views && views->isVisible() && !session.document().is_empty() &&
+        window.light_field_panel().shows_views() && !session.document().is_empty() &&
         session.document().camera().array.present && window.last_message().isEmpty() &&
         (!session.light_field().views() ||
          (refocus &&

@@ -5,6 +5,7 @@ set(desktop_model_sources
   model/jobs/design_job.cpp
   model/document.cpp
   model/example_flames.cpp
+  model/eye_view.cpp
   model/jobs/flame_cache.cpp
   model/flame_glow.cpp
   model/flame_look.cpp
@@ -55,7 +56,9 @@ set(desktop_widget_sources
   widgets/controls/notice.cpp
   widgets/flame/opacity_curve.cpp
   widgets/controls/plot_widget.cpp
+  widgets/controls/side_panel.cpp
   widgets/window/preferences_dialog.cpp
+  widgets/scene/eye_layer.cpp
   widgets/scene/ray_lines.cpp
   widgets/panels/rays_panel.cpp
   widgets/panels/reconstruct_panel.cpp
@@ -77,7 +80,7 @@ set(desktop_widget_sources
   widgets/window/view_commands.cpp
   widgets/window/welcome_page.cpp)
 # With macros of VTK in them.
-set(desktop_vtk_sources widgets/window/beside_window.cpp widgets/flame/flame_opacity.cpp widgets/image/image_view.cpp widgets/window/main_window_menus.cpp widgets/scene/ray_lines.cpp
+set(desktop_vtk_sources widgets/window/beside_window.cpp widgets/flame/flame_opacity.cpp widgets/image/image_view.cpp widgets/window/main_window_menus.cpp widgets/scene/eye_layer.cpp widgets/scene/ray_lines.cpp
   widgets/image/ruler.cpp widgets/scene/scene_geometry.cpp widgets/scene/scene_view.cpp
   widgets/image/scale_bar.cpp widgets/scene/scene_labels.cpp widgets/scene/scene_view_aim.cpp widgets/scene/scene_view_light.cpp widgets/scene/scene_view_move.cpp widgets/scene/scene_view_tools.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")

@@ -309,7 +309,7 @@ class DrawingTest : public test::SceneFixture {
 
   void viewsOfOneTypeOfMicrolenses() {
     QVERIFY(open_example("lenslets-30"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(views_there());
     auto* const type = child<QComboBox>("viewType");
     QVERIFY(type->isVisible());
@@ -341,9 +341,9 @@ class DrawingTest : public test::SceneFixture {
     run(PLENOFLAME_COMMAND, {"render", file("glass.toml"), "-o", file("raw.exr")});
     QVERIFY(window_->open(file("raw.exr")));
     QVERIFY(written() && settled());
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(views_there());
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    show_tab(LightFieldPanel::Tab::refocus);
     auto* edit = child<QLineEdit>("depthEdit");
     edit->selectAll();
     QTest::keyClicks(edit, "1.05 m");
@@ -363,7 +363,7 @@ class DrawingTest : public test::SceneFixture {
 
   void histogramStandsBehindTheCurve() {
     QVERIFY(open_example("lenslets-30"));
-    raise("flameDock");
+    raise("flameGroup");
     auto* const curve = child<OpacityCurve>("flameOpacity");
     double hottest = 0;
     for (const EllipsoidSpec& layer : session().document().scene().flames[0].layers)

@@ -50,7 +50,7 @@ class ExportsTest : public test::WindowFixture {
       session().document().set_value(key, side);
     session().document().set_value("render.samples", "8");
     QVERIFY(settled());
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(until([&] { return session().light_field().micro_images() != nullptr; }));
   }
   /// Writes the files of a tool from the menu, and beside them what the library makes of the same
@@ -255,7 +255,7 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY(window_->open_example("paper-previous-60x60"));
     QVERIFY(click_menu({"File", "Export", "All views..."}));
     QVERIFY(window_->last_message().contains("light-field panel"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(settled());
     QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     save_for_the_command();
@@ -279,7 +279,7 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY2(compared >= LightFieldJobs::kGrid * LightFieldJobs::kGrid,
              qPrintable(own.join(' ') + " | " + command.join(' ')));
     // The refocused picture: its values, by the menu.
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    show_tab(LightFieldPanel::Tab::refocus);
     auto* edit = child<QLineEdit>("depthEdit");
     edit->selectAll();
     QTest::keyClicks(edit, "0.9 m");

@@ -51,7 +51,7 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     write(file("burner.vti"), simulation());
-    raise("flameDock");
+    raise("flameGroup");
     const auto flames_before = session().document().scene().flames;
     when_shown<ImportDialog>([&](ImportDialog& dialog) {
       const auto type = [&](const char* name, const QString& text) {
@@ -111,7 +111,7 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(settled());
     write(file("burner.vti"), simulation());
     QVERIFY(QDir(folder_->path()).mkdir("out"));
-    raise("flameDock");
+    raise("flameGroup");
     const Scene before = session().document().scene();
     cancel_at_once([&] {
       when_shown<ImportDialog>([&](ImportDialog& dialog) {
@@ -168,7 +168,7 @@ class FilesTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     write(file("burner.vti"), simulation());
-    raise("flameDock");
+    raise("flameGroup");
     const Scene before = session().document().scene();
     when_shown<ImportDialog>([&](ImportDialog& dialog) {
       QTest::keyClicks(dialog.findChild<QLineEdit*>("importFile"), file("burner.vti"));

@@ -137,7 +137,7 @@ int measure(const char* scene) {
     QTest::qWait(300);
   }
   std::printf("  %s\n", heart.take().c_str());
-  window.light_field_panel().tabs().setCurrentIndex(1);
+  window.light_field_panel().show_tab(LightFieldPanel::Tab::refocus);
   auto* slider = window.findChild<QSlider*>("depthSlider");
   const auto shown = [&](bool exact) {
     const DerivedImage& r = session.light_field().refocused();

@@ -3,7 +3,7 @@
 #include <QAction>
 #include <QComboBox>
 #include <QDir>
-#include <QDockWidget>
+#include <QAction>
 #include <QFile>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -22,6 +22,7 @@
 #include "plenoflame/lightfield/export.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/window/main_window.h"
@@ -62,12 +63,8 @@ int survey(const char* scene) {
   until([&] { return session.light_field().views() != nullptr; }, kLong);
   QTest::qWait(1000);
   step("nothing", [] { QTest::qWait(1000); });
-  for (const auto* dock : window.findChildren<QDockWidget*>())
-    step("panel " + dock->windowTitle(), [&] {
-      auto* own = const_cast<QDockWidget*>(dock);
-      own->show();
-      own->raise();
-    });
+  for (QAction* group : window.side_panel().groups())
+    step("panel " + group->text(), [&] { group->setChecked(true); });
   for (const Qt::Key key : {Qt::Key_2, Qt::Key_3, Qt::Key_4, Qt::Key_5, Qt::Key_1})
     step(QString("part Ctrl+%1").arg(static_cast<int>(key) - Qt::Key_0), [&] {
       QApplication::setActiveWindow(&window);
@@ -96,7 +93,7 @@ int survey(const char* scene) {
   for (int tab = 1; tab < 4; ++tab)
     step("tab " + window.light_field_panel().tabs().tabText(tab),
          [&] { window.light_field_panel().tabs().setCurrentIndex(tab); });
-  window.light_field_panel().tabs().setCurrentIndex(2);
+  window.light_field_panel().show_tab(LightFieldPanel::Tab::refocus);
   step("total focus", [&] {
     const auto before = session.light_field().stack();
     QTest::mouseClick(window.findChild<QPushButton*>("totalFocus"), Qt::LeftButton);

@@ -152,7 +152,7 @@ class HandlingTest : public test::SceneFixture {
 
   void helpOpensInsideTheApplication() {
     QVERIFY(open_example("lenslets-30"));
-    raise("raysDock");
+    raise("raysGroup");
     child<QWidget>("raysTable")->setFocus();
     press(Qt::Key_F1);
     auto* help = window_->findChild<HelpWindow*>();

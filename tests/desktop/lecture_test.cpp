@@ -1,7 +1,6 @@
 // Time, films, the guided tour: what a lecture shows. References: the table that moves a flame,
 // values between two ends by arithmetic, what the steps of the tour say.
 #include <QAction>
-#include <QDockWidget>
 #include <QLabel>
 #include <QLineEdit>
 #include <QScreen>
@@ -215,8 +214,7 @@ class LectureTest : public test::SceneFixture {
         window_->save_screenshot(QString("%1/step%2.png").arg(folder).arg(step + 1));
       if (step < 9) QTest::mouseClick(next, Qt::LeftButton);
     }
-    QVERIFY(dock("lightFieldDock")->isVisible());
-    QCOMPARE(window_->light_field_panel().tabs().currentIndex(), 1);
+    QVERIFY(window_->light_field_panel().tab() == LightFieldPanel::Tab::refocus);
     QTest::mouseClick(next, Qt::LeftButton);
     QVERIFY(until([this] { return !child<TourDialog>("tourDialog"); }));
   }
@@ -287,14 +285,17 @@ class LectureTest : public test::SceneFixture {
     QCOMPARE(types.size(), std::size_t{3});
   }
 
-  void largeLightField() {
+  void viewsHaveTheScreenForThemselves() {
     QVERIFY(open_example("lenslets-30"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     const int before = window_->light_field_panel().width();
-    QTest::mouseClick(child<QToolButton>("lightFieldLarge"), Qt::LeftButton);
+    child<QWidget>("subApertureView")->setFocus();
+    press(Qt::Key_F11);
     QVERIFY(until([&] { return window_->light_field_panel().width() > 2 * before; }));
-    QTest::mouseClick(child<QToolButton>("lightFieldLarge"), Qt::LeftButton);
-    QVERIFY(until([&] { return !child<QDockWidget>("lightFieldDock")->isFloating(); }));
+    QVERIFY(!window_->side_panel().isVisible() && !window_->scene_view().isVisible());
+    press(Qt::Key_F11);
+    QVERIFY(until([&] { return window_->light_field_panel().width() <= before; }));
+    QVERIFY(window_->side_panel().isVisible() && window_->scene_view().isVisible());
   }
 };
 

@@ -16,12 +16,12 @@
 #include <QClipboard>
 #include <QComboBox>
 #include <QDialogButtonBox>
-#include <QDockWidget>
 #include <QHeaderView>
 #include <QLabel>
 #include <QScrollBar>
 #include <QSlider>
 #include <QSpinBox>
+#include <QSplitter>
 #include <QTableWidget>
 #include <QToolButton>
 
@@ -62,15 +62,20 @@ class LooksTest : public test::SceneFixture {
     QVERIFY(until([&] { return image().hasFocus(); }));
     const int before = image().height();
     press(Qt::Key_F11);
-    QVERIFY(until([&] { return !section().isVisible() && !scene3d()->isVisible(); }));
-    QVERIFY(!child<QDockWidget>("sceneDock")->isVisible());
+    QVERIFY(until([&] { return !view().isVisible(); }));
+    QVERIFY(!window_->side_panel().isVisible());
     QVERIFY(until([&] { return image().height() > before; }));
     press(Qt::Key_F11);
-    QVERIFY(until([&] { return section().isVisible() && scene3d()->isVisible(); }));
-    QVERIFY(child<QDockWidget>("sceneDock")->isVisible());
-    child<QDockWidget>("sceneDock")->close();
+    QVERIFY(until([&] { return scene3d()->isVisible(); }));
+    QVERIFY(section().isVisible() && !child<QWidget>("scene3d")->isVisible());
+    QVERIFY(window_->scene_panel().isVisible());
+    QTest::mouseClick(child<QToolButton>("sceneGroupTitle"), Qt::LeftButton);
+    QVERIFY(!window_->scene_panel().isVisible());
+    press(Qt::Key_F9);
+    QVERIFY(!window_->side_panel().isVisible());
     QVERIFY(click_menu({"View", "Reset layout"}));
-    QVERIFY(until([&] { return child<QDockWidget>("sceneDock")->isVisible(); }));
+    QVERIFY(until([&] { return window_->scene_panel().isVisible(); }));
+    QVERIFY(child<QWidget>("scene3d")->isVisible());
     QApplication::clipboard()->clear();
     QVERIFY(click_menu({"Edit", "Copy picture"}));
     QVERIFY(!QApplication::clipboard()->image().isNull());
@@ -82,7 +87,7 @@ class LooksTest : public test::SceneFixture {
 
   void designHasColumnsAndFoldsItsWarnings() {
     QVERIFY(open_example("lenslets-30"));
-    raise("designDock");
+    raise("designGroup");
     QVERIFY(until(
         [&] { return session().design().result() && session().design().result()->complete; }));
     auto* table = child<QTableWidget>("designTable");
@@ -96,7 +101,7 @@ class LooksTest : public test::SceneFixture {
       QVERIFY(whole.endsWith(table->item(row, 2)->text()));
     }
     // Nothing is cut: a narrow panel has the remarks below their values, a wide one beside them.
-    auto* const dock = child<QDockWidget>("designDock");
+    auto* const split = child<QSplitter>("workspace");
     const auto all_seen = [&] {
       for (int row = 0; row < table->rowCount(); ++row) {
         const QRect needed =
@@ -106,9 +111,10 @@ class LooksTest : public test::SceneFixture {
       }
       return true;
     };
-    for (const int width : {0, 300, 900}) {  // 0: as wide as it is
-      if (width > 0) window_->resizeDocks({dock}, {width}, Qt::Horizontal);
-      QVERIFY(until([&] { return width == 0 || std::abs(dock->width() - width) < 60; }));
+    for (const int width : {0, 300, 620}) {  // 0: as wide as it is
+      if (width > 0) split->setSizes({width, 700 - width / 2, 700 - width / 2});
+      const SidePanel& side = window_->side_panel();
+      QVERIFY(until([&] { return width == 0 || std::abs(side.width() - width) < 60; }));
       const bool narrow = width < 500;
       QVERIFY(until([&] { return table->isColumnHidden(2) == narrow; }));
       QVERIFY(until([&] { return table->horizontalScrollBar()->maximum() == 0; }));
@@ -142,7 +148,16 @@ class LooksTest : public test::SceneFixture {
     for (const QSize size : {QSize(1600, 1000), QSize(1366, 768), QSize(1280, 720)}) {
       fresh.resize(size);
       QVERIFY(until([&] { return fresh.size() == size; }));
-      fresh.findChild<QDockWidget*>("renderDock")->raise();
+      // Two views share the window, each at least two fifths of it.
+      for (const QWidget* view : std::initializer_list<const QWidget*>{
+               &fresh.scene_view(), &fresh.light_field_panel()}) {
+        QVERIFY2(until([&] { return 5 * view->width() >= 2 * size.width(); }, 5000),
+                 qPrintable(QString("%1 of %2").arg(view->width()).arg(size.width())));
+        QVERIFY(10 * view->height() >= 9 * size.height());
+      }
+      QCOMPARE(cut_tool(fresh, size, fresh.scene_view()), QString());
+      QCOMPARE(cut_tool(fresh, size, fresh.image_panel()), QString());
+      fresh.side_panel().set_opened({"renderGroup"});
       QVERIFY(until([&] { return left_out->isVisible(); }));
       QTest::qWait(50);
       // The line of what was left out is seen in full.
@@ -152,14 +167,17 @@ class LooksTest : public test::SceneFixture {
       QVERIFY(!left_out->text().contains(QChar(0x2026)));
       QVERIFY(words.height() <= left_out->height() && words.width() <= left_out->width());
       QVERIFY(left_out->visibleRegion().boundingRect() == left_out->rect());
-      fresh.findChild<QDockWidget*>("raysDock")->raise();
+      fresh.side_panel().set_opened({"raysGroup"});
       for (const char* name : {"raysTable", "surfacesTable"}) {
         const auto* const table = fresh.findChild<QTableWidget*>(name);
         QVERIFY(table->rowCount() > 0);
         QVERIFY2(until([&] { return table->horizontalScrollBar()->maximum() == 0; }, 5000), name);
         const QHeaderView& header = *table->horizontalHeader();
         for (int i = 0; i < header.count(); ++i)
-          QVERIFY2(header.sectionSize(i) >= header.sectionSizeHint(i), name);
+          QVERIFY2(header.isSectionHidden(i) || header.sectionSize(i) >= header.sectionSizeHint(i),
+                   name);
+        // What there is no room for is told by the tooltip.
+        QCOMPARE(table->item(0, 0)->toolTip().count('\n') + 1, table->columnCount());
       }
       // Ten rays are seen, each as high as its letters.
       const QRect tenth = rays->visualItemRect(rays->item(9, 0));

@@ -144,13 +144,13 @@ class MannersTest : public test::WindowFixture {
     };
     QCOMPARE(page(&image()), QString("desktop.md"));
     QCOMPARE(page(&window_->scene_panel().tree()), QString("scene.md"));
-    raise("raysDock");
+    raise("raysGroup");
     QCOMPARE(page(child<QTableWidget>("raysTable")), QString("rays.md"));
-    raise("designDock");
+    raise("designGroup");
     QCOMPARE(page(child<QTableWidget>("designTable")), QString("design.md"));
-    raise("flameDock");
+    raise("flameGroup");
     QCOMPARE(page(child<QWidget>("flameGenerate")), QString("flames.md"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QCOMPARE(page(child<QWidget>("exportDerived")), QString("light-fields.md"));
   }
 
@@ -176,8 +176,9 @@ class MannersTest : public test::WindowFixture {
   void everyControlSaysWhatItIs() {
     open_small();
     QStringList silent;
-    for (QDockWidget* dock : window_->findChildren<QDockWidget*>())
-      for (QWidget* widget : dock->widget()->findChildren<QWidget*>()) {
+    for (QWidget* view : std::initializer_list<QWidget*>{
+             &window_->side_panel(), &window_->scene_view(), &window_->light_field_panel()})
+      for (QWidget* widget : view->findChildren<QWidget*>()) {
         const bool control = qobject_cast<QComboBox*>(widget) || qobject_cast<QSlider*>(widget) ||
                              qobject_cast<QAbstractSpinBox*>(widget) ||
                              qobject_cast<QAbstractButton*>(widget) ||
@@ -188,7 +189,7 @@ class MannersTest : public test::WindowFixture {
                           parent->inherits("QAbstractItemView");
         if (!control || part || !widget->toolTip().isEmpty()) continue;
         if (widget->inherits("QTableCornerButton")) continue;
-        silent << dock->objectName() + "/" + widget->metaObject()->className() + " " +
+        silent << view->objectName() + "/" + widget->metaObject()->className() + " " +
                       widget->objectName();
       }
     QVERIFY2(silent.isEmpty(), qPrintable(silent.join("; ")));

@@ -198,7 +198,7 @@ class MeasuredTest : public test::SceneFixture {
     QVERIFY(QFile::rename(file("flame.pgm"), file("pictures/flame.pgm")));
     choose("pictures/flame.pgm");
     QVERIFY(session().measured().field());
-    raise("reconstructDock");
+    raise("reconstructGroup");
     child<QTreeWidget>("reconstructCameras")
         ->setCurrentItem(child<QTreeWidget>("reconstructCameras")->topLevelItem(0));
     const std::vector<std::pair<const char*, std::function<void()>>> questions{

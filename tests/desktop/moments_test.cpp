@@ -102,9 +102,9 @@ class MomentsTest : public test::SceneFixture {
       QCOMPARE(view().flame_temperatures()[1], 0.0);
       QVERIFY(child<QLabel>("sceneViewNotice")->isVisible());
       QCOMPARE(child<QLabel>("sceneViewNotice")->text(), said);
-      raise("lightFieldDock");
+      show_tab(LightFieldPanel::Tab::views);
       QCOMPARE(child<QLabel>("lightFieldNotice")->text(), said);
-      dock("lightFieldDock")->hide();
+      show_tab(LightFieldPanel::Tab::raw);
       const QImage scene3d_now = view().picture();
       const QColor ground(scene3d_now.pixel(2, 2));
       int other = 0;
@@ -113,7 +113,7 @@ class MomentsTest : public test::SceneFixture {
           other += QColor(scene3d_now.pixel(x, y)) != ground ? 1 : 0;
       QCOMPARE(other, 0);
       QVERIFY(difference(section_before, section().grab().toImage()) > 0.01);
-      QVERIFY(!child<QLabel>("busyLabel")->text().contains("preparing"));
+      QVERIFY(!child<QToolButton>("statusLine")->text().contains("preparing"));
       // The row of the file has the message, as other wrong values do.
       const QModelIndex row = window_->scene_panel().model().find("flames[0].file");
       QVERIFY(row.data(ParameterModel::kIsErrorRole).toBool());

@@ -2,7 +2,6 @@
 // makes of the same scene.
 #include <QAction>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QDropEvent>
 #include <QFile>
@@ -70,7 +69,7 @@ class PanelsTest : public test::WindowFixture {
 
   void apertureAndDepthAreDragged() {
     QVERIFY(window_->open_example("paper-previous-60x60"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(settled());
     QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     auto* pad = child<QWidget>("aperturePad");
@@ -81,7 +80,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(difference(middle, lower) > 1e-3);
     QTest::keyClick(pad, Qt::Key_Up);
     QVERIFY(difference(lower, view->grab().toImage()) > 1e-4);
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    show_tab(LightFieldPanel::Tab::refocus);
     auto* slider = child<QSlider>("depthSlider");
     auto* picture = child<ImageView>("refocusedView");
     const auto sharp = [&] {
@@ -142,12 +141,12 @@ class PanelsTest : public test::WindowFixture {
       QCOMPARE(window_->light_field_panel().depth(), typed);
     }
     // All in focus, and an epipolar slice.
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(2);
+    show_tab(LightFieldPanel::Tab::total);
     QTest::mouseClick(child<QPushButton>("totalFocus"), Qt::LeftButton);
     QVERIFY2(
         until([&] { return child<ImageView>("totalFocusView")->image() != nullptr; }),
         qPrintable(window_->last_message() + "; " + window_->light_field_panel().shown_name()));
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
+    show_tab(LightFieldPanel::Tab::slice);
     QVERIFY(child<ImageView>("epipolarView")->image() != nullptr);
     const QString path = folder_->filePath("slice.png");
     answer_file_dialog(path);
@@ -158,7 +157,7 @@ class PanelsTest : public test::WindowFixture {
 
   void designIsTheCommandsAndFollowsEdits() {
     QVERIFY(window_->open_example("lenslets-30"));
-    raise("designDock");
+    raise("designGroup");
     auto* table = child<QTableWidget>("designTable");
     const auto rows = [&] {
       QStringList texts;
@@ -174,7 +173,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(before.size() > 15);
     // The slider of the tree moves a number; the report follows.
     window_->scene_panel().reveal("camera.focus.object_distance");
-    raise("sceneDock");
+    raise("sceneGroup");
     auto* slider = child<QSlider>("parameterSlider");
     QVERIFY(slider->isEnabled());
     for (int i = 0; i < 5; ++i) QTest::keyClick(slider, Qt::Key_PageUp);
@@ -195,7 +194,7 @@ class PanelsTest : public test::WindowFixture {
     QVERIFY(window_->open_example("lenslets-30"));
     QVERIFY(settled());
     const QString path = folder_->filePath("candle.vdb");
-    raise("flameDock");
+    raise("flameGroup");
     when_shown<GenerateDialog>([&](GenerateDialog& dialog) {
       auto* edit = dialog.findChild<QLineEdit*>("field-voxel size");
       edit->selectAll();

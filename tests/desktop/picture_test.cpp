@@ -63,7 +63,6 @@ class PictureTest : public test::WindowFixture {
       there += static_cast<double>(channel().flux.at(column, 150));
     QVERIFY(std::fabs(drawn / points.size() / (there / 61) - 1) < 0.05);
     QVERIFY(std::fabs(points.back().x() - 60) < 1);
-    QVERIFY(child<QDockWidget>("profileDock")->isVisible());
     QVERIFY(plot->isVisible());
   }
 
@@ -117,7 +116,7 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(lit > 1000);
     QVERIFY2(std::fabs(counted / lit - 1) < 0.01,
              qPrintable(QString("%1 of %2").arg(counted).arg(lit)));
-    raise("histogramDock");
+    raise("histogramGroup");
     const QImage before = plot->grab().toImage();
     choose("quantity", "Standard error");
     QVERIFY(until([&] { return difference(before, plot->grab().toImage()) > 1e-3; }));
@@ -197,7 +196,7 @@ class PictureTest : public test::WindowFixture {
 
   void apertureDepthAndLineAreDraggedByThePointer() {
     QVERIFY(window_->open_example("paper-previous-60x60"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(settled());
     QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
     auto* pad = child<QWidget>("aperturePad");
@@ -209,7 +208,7 @@ class PictureTest : public test::WindowFixture {
     // Three views to the right of the middle one.
     QCOMPARE(window_->light_field_panel().shown_name(), QString("view-4-7"));
     QVERIFY(difference(from_the_middle, view->grab().toImage()) > 1e-3);
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(1);
+    show_tab(LightFieldPanel::Tab::refocus);
     auto* slider = child<QSlider>("depthSlider");
     const double before = window_->light_field_panel().depth();
     // The handle, ten pixels wide, is taken where it stands.
@@ -223,7 +222,7 @@ class PictureTest : public test::WindowFixture {
       return r.image && !r.preview && std::fabs(r.depth / wanted - 1) < 1e-9;
     };
     QVERIFY(until(exact));
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
+    show_tab(LightFieldPanel::Tab::slice);
     auto* slice = child<ImageView>("epipolarView");
     QVERIFY(slice->image() != nullptr);
     const QImage earlier = slice->grab().toImage();
@@ -410,7 +409,7 @@ class PictureTest : public test::WindowFixture {
 
   void opacityOfTheFlameIsDrawnByHandAndUndone() {
     open_small();
-    raise("flameDock");
+    raise("flameGroup");
     QVERIFY(until([&] { return window_->flame_panel().sampler().samples() != nullptr; }));
     QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     auto* curve = dynamic_cast<OpacityCurve*>(child<QWidget>("flameOpacity"));
@@ -456,7 +455,7 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(session().document().look().points == kept);
     QVERIFY(!session().document().can_undo());
     open_small();
-    raise("flameDock");
+    raise("flameGroup");
     curve = dynamic_cast<OpacityCurve*>(child<QWidget>("flameOpacity"));
     QTest::mouseClick(curve, Qt::RightButton, {}, curve->to_widget(kept[1]).toPoint());
     QCOMPARE(session().document().look().points.size(), std::size_t(2));

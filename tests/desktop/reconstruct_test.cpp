@@ -72,7 +72,7 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(window_->open(file("round.toml")));
     QVERIFY(settled());
     QVERIFY(click_menu({"Render", "Reconstruct the flame..."}));
-    QVERIFY(dock("reconstructDock")->isVisible());
+    QVERIFY(dock("reconstructGroup")->isVisible());
   }
 
  private slots:
@@ -219,8 +219,7 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(ended());
     QVERIFY2(child<QLabel>("reconstructState")->text().contains("--grid"),
              qPrintable(job().text()));
-    auto* const tabs = child<QTabWidget>("reconstructTabs")->tabBar();
-    QTest::mouseClick(tabs, Qt::LeftButton, {}, tabs->tabRect(0).center());
+    QVERIFY(window_->light_field_panel().tab() == LightFieldPanel::Tab::reconstruction);
     fill("reconstructGrid", "12");
     fill("reconstructRays", "8");
     fill("reconstructBin", "2");

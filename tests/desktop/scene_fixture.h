@@ -1,5 +1,7 @@
 // A small scene in the window, and where its things are seen.
 #pragma once
+#include <QAction>
+
 #include "plenoflame/base/error.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/scene/section_view.h"
@@ -10,8 +12,21 @@ namespace plenoflame::desktop::test {
 class SceneFixture : public WindowFixture {
  protected:
   SceneView& view() { return window_->scene_view(); }
-  SectionView& section() { return window_->section_view(); }
-  QWidget* scene3d() { return child<QWidget>("scene3d"); }
+  /// The section, and the view in three dimensions: one takes the place of the other.
+  SectionView& section() {
+    show_section(true);
+    return window_->section_view();
+  }
+  QWidget* scene3d() {
+    show_section(false);
+    return child<QWidget>("scene3d");
+  }
+  void show_section(bool on) {
+    auto* const mode = child<QAction>("viewSection");
+    for (auto* button : window_->findChildren<QToolButton*>())
+      if (mode->isChecked() != on && button->defaultAction() == mode)
+        QTest::mouseClick(button, Qt::LeftButton);
+  }
   const Selection& selection() { return session().document().selection(); }
   const CompiledScene& scene() { return *session().compiler().compiled(); }
   bool open_example(const char* name) {

@@ -234,7 +234,7 @@ class SurroundingsTest : public test::SceneFixture {
     run(PLENOFLAME_COMMAND, {"render", file("glass.toml"), "-o", file("raw.exr")});
     QVERIFY(window_->open(file("raw.exr")));
     QVERIFY(written() && settled());
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(until([this] { return session().light_field().views() != nullptr; }));
     const auto views = session().light_field().views();
     run(PLENOFLAME_COMMAND, {"views", file("raw.exr"), "--grid",

@@ -539,10 +539,10 @@ class ViewsTest : public test::SceneFixture {
 
   void sliceIsALineOfEveryView() {
     QVERIFY(window_->open_example("paper-previous-60x60"));
-    raise("lightFieldDock");
+    show_tab(LightFieldPanel::Tab::views);
     QVERIFY(settled());
     QVERIFY(until([&] { return session().light_field().views() != nullptr; }));
-    child<QTabWidget>("lightFieldTabs")->setCurrentIndex(3);
+    show_tab(LightFieldPanel::Tab::slice);
     const Views& views = *session().light_field().views();
     auto* line = child<QSlider>("lineSlider");
     const auto compare = [&](bool vertical) {

@@ -1,7 +1,6 @@
 #pragma once
 #include <QApplication>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QFile>
 #include <QFileDialog>
 #include <QLineEdit>
@@ -11,6 +10,8 @@
 #include <QProcess>
 #include <QPushButton>
 #include <QSettings>
+#include <QTabBar>
+#include <QTabWidget>
 #include <QTemporaryDir>
 #include <QTest>
 #include <QThread>
@@ -23,8 +24,10 @@
 #include "answers.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
+#include "widgets/image/light_field_panel.h"
 #include "widgets/panels/scene_panel.h"
 #include "widgets/window/file_tasks.h"
 #include "widgets/window/main_window.h"
@@ -59,7 +62,6 @@ class WindowFixture : public QObject {
   void make_window() {
     window_ = std::make_unique<MainWindow>(settings(), folder_->filePath("recovery").toStdString());
     window_->set_unattended(true);
-    dock("lightFieldDock")->hide();  // views cost time: shown where they are wanted
     window_->resize(1400, 900);
     window_->show();
     QVERIFY(QTest::qWaitForWindowExposed(window_.get()));
@@ -119,7 +121,10 @@ class WindowFixture : public QObject {
     QTest::keyClick(editor, Qt::Key_Return);
     QVERIFY(until([&] { return !open; }));  // what was typed is taken, or refused
   }
-  ImageView& image() { return window_->image_panel().view(); }
+  ImageView& image() {
+    if (!window_->image_panel().isVisible()) show_tab(LightFieldPanel::Tab::raw);
+    return window_->image_panel().view();
+  }
   Session& session() { return window_->session(); }
   QPoint of_pixel(int column, int row) {
     return image().to_widget(QPointF(column + 0.5, row + 0.5)).toPoint();
@@ -162,11 +167,16 @@ class WindowFixture : public QObject {
     }
     return {};
   }
-  void raise(const char* dock) {
-    auto* widget = child<QDockWidget>(dock);
-    widget->show();
-    widget->raise();
+  /// Opens a group of the side panel by its title, where it is closed.
+  void raise(const char* group) {
+    auto* const title = child<QToolButton>(qPrintable(QString(group) + "Title"));
+    QVERIFY(title);
+    if (!title->isChecked()) QTest::mouseClick(title, Qt::LeftButton);
     QTest::qWait(50);
+  }
+  void show_tab(LightFieldPanel::Tab tab) {
+    QTabBar& bar = *window_->light_field_panel().tabs().tabBar();
+    QTest::mouseClick(&bar, Qt::LeftButton, {}, bar.tabRect(static_cast<int>(tab)).center());
   }
   /// Waits; a slow machine gets its time.
   static bool until(const std::function<bool()>& condition, int milliseconds = test::kPatience) {

@@ -136,10 +136,10 @@ class WindowTest : public test::WindowFixture {
       while (at && at->objectName() != "welcomePage") at = at->parentWidget();
       return at != nullptr;
     };
-    for (const char* name : {"sceneDock", "renderDock", "scene3d", "rawImage"})
+    for (const char* name : {"sceneGroup", "renderGroup", "scene3d", "rawImage"})
       QVERIFY2(covered(name), name);
     QVERIFY(window_->open_example("lenslets-30") && settled());
-    for (const char* name : {"sceneDock", "renderDock", "scene3d", "rawImage"})
+    for (const char* name : {"sceneGroup", "renderGroup", "scene3d", "rawImage"})
       QVERIFY2(!covered(name), name);
   }
 

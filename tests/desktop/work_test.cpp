@@ -76,7 +76,7 @@ class WorkTest : public test::SceneFixture {
     const auto first = session().document().image();
     QVERIFY(until([&] { return session().document().image() != first; }));
     QVERIFY(job.state() == RenderJob::State::running);
-    QVERIFY(child<QLabel>("busyLabel")->text().contains("rendering"));
+    QVERIFY(child<QToolButton>("statusLine")->text().contains("rendering"));
     auto* rays = child<QLabel>("renderRays");
     auto* time = child<QLabel>("renderTime");
     QVERIFY(until([&] { return rays->text().contains("million per second"); }));
@@ -92,19 +92,23 @@ class WorkTest : public test::SceneFixture {
 
   void whatIsDeferredSaysSo() {
     QVERIFY(open_example("lenslets-30"));
-    auto* busy = child<QLabel>("busyLabel");
-    QVERIFY(until([&] { return busy->text().isEmpty(); }));
+    auto* busy = child<QToolButton>("statusLine");
+    QVERIFY(until([&] { return busy->text().startsWith("error"); }));
+    // A click opens the curve of the error.
+    QVERIFY(!child<QWidget>("renderCurve")->isVisible());
+    QTest::mouseClick(busy, Qt::LeftButton);
+    QVERIFY(child<QWidget>("renderCurve")->isVisible());
     QTest::mouseClick(child<QAbstractButton>("renderAutomatic"), Qt::LeftButton, {}, QPoint(8, 8));
     type("camera.focus.object_distance", "1.2 m");
     QVERIFY2(until([&] { return busy->text().contains("F5"); }), qPrintable(busy->text()));
     press(Qt::Key_F5);
     QVERIFY(settled());
-    QVERIFY(until([&] { return busy->text().isEmpty(); }));
+    QVERIFY(until([&] { return busy->text().startsWith("error"); }));
   }
 
   void warningsOfTheDesignAreTheCommands() {
     QVERIFY(window_->open_example("paper-previous-60x60"));
-    raise("designDock");
+    raise("designGroup");
     QVERIFY(until(
         [&] { return session().design().result() && session().design().result()->complete; }));
     auto* warnings = child<QLabel>("designWarnings");
@@ -125,7 +129,7 @@ class WorkTest : public test::SceneFixture {
     press(Qt::Key_O, Qt::ControlModifier);
     QVERIFY(until([&] { return !session().document().is_empty(); }));
     QVERIFY(settled());
-    raise("flameDock");
+    raise("flameGroup");
     const QString command = run(PLENOFLAME_COMMAND, {"info", flame}).simplified();
     QString warning, guess;
     when_shown<MappingDialog>([&](MappingDialog& dialog) {

@@ -22,7 +22,8 @@ constexpr std::array<MapName, 3> kMaps{{{ColourMap::inferno, "inferno"},
                                         {ColourMap::viridis, "viridis"},
                                         {ColourMap::cividis, "cividis"}}};
 
-constexpr std::array<const char*, 3> kDrawings{"emission", "absorption", "surfaces"};
+constexpr double kMostStops = 10;
+constexpr std::array<const char*, 4> kDrawings{"eye", "emission", "absorption", "surfaces"};
 
 bool is_share(double value) {
   return value >= 0 && value <= 1;
@@ -35,7 +36,7 @@ bool operator==(const OpacityPoint& a, const OpacityPoint& b) {
 }
 
 bool operator==(const FlameLook& a, const FlameLook& b) {
-  return a.map == b.map && a.drawing == b.drawing && a.automatic == b.automatic &&
+  return a.map == b.map && a.drawing == b.drawing && a.exposure == b.exposure && a.automatic == b.automatic &&
          a.cold == b.cold && a.hot == b.hot && a.density == b.density && a.points == b.points;
 }
 
@@ -84,6 +85,7 @@ QByteArray look_to_text(const FlameLook& look) {
   for (const MapName& m : kMaps)
     if (m.map == look.map) object["colours"] = m.name;
   object["drawing"] = kDrawings[static_cast<std::size_t>(look.drawing)];
+  object["exposure"] = look.exposure;
   object["automatic"] = look.automatic;
   object["cold"] = look.cold;
   object["hot"] = look.hot;
@@ -103,6 +105,7 @@ std::optional<FlameLook> look_from_text(const QByteArray& text) {
   for (std::size_t i = 0; i < kDrawings.size(); ++i)
     if (object["drawing"].toString() == QLatin1String(kDrawings[i]))
       look.drawing = static_cast<FlameDrawing>(i);
+  look.exposure = std::clamp(object["exposure"].toDouble(), -kMostStops, kMostStops);
   look.automatic = object["automatic"].toBool(true);
   look.cold = object["cold"].toDouble();
   look.hot = object["hot"].toDouble();

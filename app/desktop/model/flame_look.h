@@ -17,6 +17,7 @@ bool operator==(const OpacityPoint& a, const OpacityPoint& b);
 
 /// The quantity that makes a place of the flame visible.
 enum class FlameDrawing {
+  eye,         ///< the light that eyes see of it, in its colours
   emission,    ///< in proportion to absorption times T^4: what shines
   absorption,  ///< soot that does not shine as well
   surfaces,    ///< of equal temperature
@@ -26,7 +27,8 @@ enum class FlameDrawing {
 /// does not depend on it.
 struct FlameLook {
   ColourMap map = ColourMap::inferno;
-  FlameDrawing drawing = FlameDrawing::emission;
+  FlameDrawing drawing = FlameDrawing::eye;
+  double exposure = 0;       ///< [stops] of what eyes see, beside the automatic one
   bool automatic = true;     ///< temperatures of the ends from the flame itself
   double cold = 0, hot = 0;  ///< [K] ends of the colours otherwise
   double density = 1;        ///< times what makes the thickest way nearly opaque

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plenoflame/base/units.h"
+#include "widgets/controls/flow_layout.h"
 #include "widgets/controls/plot_widget.h"
 #include "widgets/flame/flame_look_editor.h"
 #include "widgets/image/image_view.h"
@@ -90,7 +91,8 @@ FlamePanel::FlamePanel(Document& document, SceneCompiler& compiler, QWidget* par
   histogram_->set_empty_text(tr("The distribution of temperature appears with a flame."));
   look_ = new FlameLookEditor(document, this);
 
-  auto* buttons = new QHBoxLayout;
+  auto* buttons = new FlowLayout;
+  buttons->setContentsMargins(0, 0, 0, 0);
   buttons->addWidget(generate);
   buttons->addWidget(import);
   buttons->addWidget(mapping);

@@ -23,6 +23,7 @@
 namespace plenoflame::desktop {
 namespace {
 
+constexpr int kLettersOfChoice = 7;
 constexpr int kInferno = 3;         ///< in the list of colours
 constexpr int kCountedSide = 1500;  ///< of the picture whose values the histogram counts, at most
 
@@ -55,6 +56,10 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
     box->setObjectName(name);
     box->addItems(entries);
     box->setToolTip(tip);
+    // The lists have room for what the toolbar, which is to stay on one line, has none for.
+    box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    box->setMinimumContentsLength(kLettersOfChoice);
+    box->view()->setMinimumWidth(box->view()->sizeHintForColumn(0) + 24);
     flow->addWidget(box);
     return box;
   };
@@ -63,7 +68,6 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
                     tr("What is shown: radiant flux of each pixel [W], its "
                        "standard error [W], or their ratio"));
   channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
-  channel_->setSizeAdjustPolicy(QComboBox::AdjustToContents);  // names come with the image
   scale_ = combo("scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
                  tr("Brightness by value: as displays do, in proportion, or by "
                     "its logarithm (3 decades)"));

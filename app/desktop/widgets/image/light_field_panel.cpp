@@ -21,6 +21,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/refocus.h"
+#include "widgets/controls/glyphs.h"
 #include "widgets/controls/notice.h"
 #include "widgets/controls/pointer.h"
 #include "widgets/image/image_view.h"
@@ -120,46 +121,54 @@ void AperturePad::paintEvent(QPaintEvent*) {
     }
 }
 
-LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget* parent)
+LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget& picture,
+                                 QWidget& reconstruction, QWidget* parent)
     : QWidget(parent), document_(document), jobs_(jobs), tabs_(new QTabWidget(this)) {
+  setObjectName("lightFieldPanel");
   tabs_->setObjectName("lightFieldTabs");
   tabs_->setDocumentMode(true);
   tabs_->setUsesScrollButtons(false);
+  tabs_->setElideMode(Qt::ElideRight);
+  tabs_->addTab(&picture, tr("Light field"));
   tabs_->addTab(make_views_tab(), tr("Views"));
   tabs_->addTab(make_refocus_tab(), tr("Refocus"));
   tabs_->addTab(make_total_tab(), tr("Total focus"));
   tabs_->addTab(make_epipolar_tab(), tr("Slice"));
-  auto* save = new QPushButton(tr("Export this picture..."), this);
+  tabs_->addTab(&reconstruction, tr("Reconstruction"));
+  auto* save = new QToolButton(tabs_);
   save->setObjectName("exportDerived");
+  save->setIcon(glyph_icon(Glyph::picture));
+  save->setAutoRaise(true);
   save->setToolTip(tr("Write what is shown as .png, or its values as .exr"));
-  connect(save, &QPushButton::clicked, this, &LightFieldPanel::export_requested);
+  tabs_->setCornerWidget(save);
+  connect(save, &QToolButton::clicked, this, &LightFieldPanel::export_requested);
   auto* layout = new QVBoxLayout(this);
-  layout->setContentsMargins(2, 2, 2, 2);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->setSpacing(0);
   notice_ = new Notice(this);
   notice_->setObjectName("lightFieldNotice");
   layout->addWidget(notice_);
   layout->addWidget(tabs_, 1);
-  auto* large = new QToolButton(this);
-  large->setObjectName("lightFieldLarge");
-  large->setText(tr("Large"));
-  large->setToolTip(tr("The panel in a window of its own; again: back at its place"));
-  connect(large, &QToolButton::clicked, this, &LightFieldPanel::large_requested);
-  auto* below = new QHBoxLayout;
-  below->addWidget(large);
-  below->addStretch(1);
-  below->addWidget(save);
-  layout->addLayout(below);
   connect(&jobs_, &LightFieldJobs::views_changed, this, &LightFieldPanel::on_views_changed);
   connect(&jobs_, &LightFieldJobs::refocused_changed, this, &LightFieldPanel::show_refocused);
   connect(&jobs_, &LightFieldJobs::stack_changed, this, &LightFieldPanel::show_stack);
-  connect(tabs_, &QTabWidget::currentChanged, this, [this](int tab) {
-    if (tab == 1) request_refocus();
-    if (tab == 3) show_slice();
+  connect(tabs_, &QTabWidget::currentChanged, this, [this] {
+    if (shows_views()) emit views_wanted();
+    if (tab() == Tab::refocus) request_refocus();
+    if (tab() == Tab::slice) show_slice();
   });
   connect(&document_, &Document::image_changed, this, [this] {
     if (!jobs_.views()) on_views_changed();
   });
   on_views_changed();
+}
+
+LightFieldPanel::Tab LightFieldPanel::tab() const {
+  return static_cast<Tab>(tabs_->currentIndex());
+}
+
+void LightFieldPanel::show_tab(Tab tab) {
+  tabs_->setCurrentIndex(static_cast<int>(tab));
 }
 
 QWidget* LightFieldPanel::make_views_tab() {
@@ -429,7 +438,7 @@ void LightFieldPanel::on_views_changed() {
   }
   show_view();
   show_slice();
-  if (tabs_->currentIndex() == 1) request_refocus();
+  if (tab() == Tab::refocus) request_refocus();
 }
 
 void LightFieldPanel::show_view() {
@@ -492,21 +501,21 @@ void LightFieldPanel::show_slice() {
 }
 
 std::shared_ptr<const Image> LightFieldPanel::shown_image() const {
-  const ImageView* const view = tabs_->currentIndex() == 0   ? view_
-                                : tabs_->currentIndex() == 1 ? refocused_
-                                : tabs_->currentIndex() == 2 ? total_
-                                                             : slice_;
+  const ImageView* const view = tab() == Tab::views     ? view_
+                                : tab() == Tab::refocus ? refocused_
+                                : tab() == Tab::total   ? total_
+                                                   : slice_;
   if (!view->image() || view->image()->empty()) return nullptr;
   return std::shared_ptr<const Image>(view->image(), &view->image()->level(0));
 }
 
 QString LightFieldPanel::shown_name() const {
-  switch (tabs_->currentIndex()) {
-    case 0:
+  switch (tab()) {
+    case Tab::views:
       return QString("view-%1-%2").arg(pad_->row()).arg(pad_->column());
-    case 1:
+    case Tab::refocus:
       return QString("refocused-%1m").arg(depth(), 0, 'f', 3);
-    case 2:
+    case Tab::total:
       return total_kind_->currentIndex() == 1 ? "depth" : "all-in-focus";
     default:
       return "epipolar";

@@ -46,12 +46,16 @@ class AperturePad : public QWidget {
   int grid_, column_, row_;
 };
 
-/// The uses of a light field: views from places of the aperture, pictures focused elsewhere, all
-/// in focus, and epipolar slices. Follows the raw image.
+/// The light field and its uses, each as large as the panel: the raw image, views from places of the
+/// aperture, pictures focused elsewhere, all in focus, epipolar slices, and what is reconstructed.
 class LightFieldPanel : public QWidget {
   Q_OBJECT
  public:
-  LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget* parent = nullptr);
+  enum class Tab { raw, views, refocus, total, slice, reconstruction };
+
+  /// @param picture the raw image  @param reconstruction the page of what is reconstructed
+  LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidget& picture,
+                  QWidget& reconstruction, QWidget* parent = nullptr);
 
   /// Depth of the refocused picture [m].
   double depth() const { return depth_wanted_; }
@@ -61,6 +65,10 @@ class LightFieldPanel : public QWidget {
   std::shared_ptr<const Image> shown_image() const;
   QString shown_name() const;
   QTabWidget& tabs() { return *tabs_; }
+  Tab tab() const;
+  void show_tab(Tab tab);
+  /// True if what is shown is made of views, which cost time.
+  bool shows_views() const { return tab() != Tab::raw && tab() != Tab::reconstruction; }
   /// Colours of all its pictures.
   void set_map(ColourMap map);
   /// @param failure why there are no pictures; empty: they are there or come
@@ -69,8 +77,7 @@ class LightFieldPanel : public QWidget {
 
  signals:
   void export_requested();
-  /// The panel is wanted as large as the screen, or back at its place.
-  void large_requested();
+  void views_wanted();
 
  private:
   QWidget* make_views_tab();
@@ -90,7 +97,7 @@ class LightFieldPanel : public QWidget {
 
   Document& document_;
   LightFieldJobs& jobs_;
-  QTabWidget* tabs_;
+  QTabWidget* tabs_;  ///< in the order of Tab
   Notice* notice_;
   AperturePad* pad_;
   ImageView *view_, *refocused_, *total_, *slice_;

@@ -20,9 +20,10 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
-constexpr int kRows = 10;  ///< that are seen at first
-constexpr std::array<double, 4> kLetters{1, 0.92, 0.84,
-                                         0.8};  ///< sizes of the tables', of the panel's
+constexpr int kRows = 4;  ///< that are seen at least
+/// Columns that a narrow panel leaves out, first to last: the lines' tooltips have them.
+constexpr std::array<int, 7> kRaysLeaveOut{1, 5, 8, 4, 6, 3, 7};
+constexpr std::array<int, 3> kSurfacesLeaveOut{3, 4, 2};
 
 QString quantity(double value, Dimension dimension) {
   return std::isfinite(value) ? QString::fromStdString(readable_quantity(value, dimension))
@@ -31,11 +32,6 @@ QString quantity(double value, Dimension dimension) {
 
 int row_height(const QFontMetrics& letters) {
   return letters.height() + 2;
-}
-
-/// Height of a table with a header of two lines and all the rows that are to be seen.
-int wanted_height(const QFontMetrics& letters) {
-  return 2 * letters.height() + 8 + kRows * row_height(letters);
 }
 
 QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QWidget* parent) {
@@ -51,16 +47,37 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
   table->verticalHeader()->setDefaultSectionSize(row_height(table->fontMetrics()));
   table->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   table->horizontalHeader()->setHighlightSections(false);  // bold names would be wider
+  table->setMinimumHeight(2 * table->fontMetrics().height() + 8 +
+                          kRows * row_height(table->fontMetrics()));
   return table;
 }
 
-/// Width at which every column of a table is whole.
-int wanted_width(const QTableWidget& table) {
-  int width = 2 * table.frameWidth() + table.verticalScrollBar()->sizeHint().width();
-  for (int i = 0; i < table.columnCount(); ++i)
+/// Shows as many columns as are whole in the table's width.
+template <std::size_t Count>
+void fit(QTableWidget& table, const std::array<int, Count>& leave_out) {
+  int width = 2 * table.frameWidth() + table.verticalScrollBar()->sizeHint().width() + 2;
+  for (int i = 0; i < table.columnCount(); ++i) {
+    table.setColumnHidden(i, false);
     width += std::max(table.horizontalHeader()->sectionSizeHint(i),
                       static_cast<const QAbstractItemView&>(table).sizeHintForColumn(i));
-  return width + 2;
+  }
+  for (const int column : leave_out) {
+    if (width <= table.width()) return;
+    width -= table.columnWidth(column);
+    table.setColumnHidden(column, true);
+  }
+}
+
+/// A line of a table; each of its places says all of it.
+void fill_line(QTableWidget& table, int line, const QStringList& texts) {
+  QStringList all;
+  for (int k = 0; k < texts.size(); ++k)
+    all << QString(table.horizontalHeaderItem(k)->text()).replace('\n', ' ') + ": " + texts[k];
+  for (int k = 0; k < texts.size(); ++k) {
+    auto* item = new QTableWidgetItem(texts[k]);
+    item->setToolTip(all.join('\n'));
+    table.setItem(line, k, item);
+  }
 }
 
 }  // namespace
@@ -69,7 +86,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
     : QWidget(parent),
       rays_(rays),
       title_(new QLabel(this)),
-      split_(new QSplitter(Qt::Horizontal, this)) {
+      split_(new QSplitter(Qt::Vertical, this)) {
   table_ = make_table(
       {tr("Ray"), tr("Pixel"), tr("Ended"), tr("Microlens"), tr("Angle\nat sensor"),
        tr("Angle\nin scene"), tr("Optical\nthickness"), tr("Radiance\n[W/(m\302\262 sr)]"),
@@ -91,6 +108,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
                           tr("Refractive index behind the surface")},
                          split_);
   surfaces_->setObjectName("surfacesTable");
+  surfaces_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
   split_->addWidget(table_);
   split_->addWidget(surfaces_);
   split_->setStretchFactor(0, 3);
@@ -102,13 +120,11 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   export_->setObjectName("exportRays");
   export_->setToolTip(tr("Write these rays as .vtp (ParaView), .csv or .json"));
   export_->setEnabled(false);
-  auto* top = new QHBoxLayout;
-  top->addWidget(title_, 1);
-  top->addWidget(export_);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 2, 4, 2);
-  layout->addLayout(top);
+  layout->addWidget(title_);
   layout->addWidget(split_, 1);
+  layout->addWidget(export_, 0, Qt::AlignRight);
   connect(&rays_, &RaySelector::rays_changed, this, &RaysPanel::fill);
   connect(table_, &QTableWidget::currentCellChanged, this, [this] {
     fill_surfaces(chosen());
@@ -122,7 +138,6 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
     if (ray.column >= 0) emit pixel_requested(ray.column, ray.row);
   });
   connect(export_, &QPushButton::clicked, this, &RaysPanel::export_requested);
-  connect(split_, &QSplitter::splitterMoved, this, [this] { split_by_hand_ = true; });
   fill();
 }
 
@@ -154,11 +169,8 @@ void RaysPanel::fill() {
         QString::number(row.optical_thickness, 'g', 4),
         QString::number(row.radiance, 'g', 4),
         QString::number(row.weight, 'g', 4)};
-    for (int k = 0; k < texts.size(); ++k) {
-      auto* item = new QTableWidgetItem(texts[k]);
-      item->setData(Qt::UserRole, row.ray);
-      table_->setItem(i, k, item);
-    }
+    fill_line(*table_, i, texts);
+    for (int k = 0; k < texts.size(); ++k) table_->item(i, k)->setData(Qt::UserRole, row.ray);
   }
   colour_endings();
   show_title();
@@ -207,37 +219,9 @@ void RaysPanel::show_title() {
   title_->setText(text);
 }
 
-QFont RaysPanel::letters(double scale) const {
-  QFont scaled = font();
-  scaled.setPointSizeF(scale * scaled.pointSizeF());
-  return scaled;
-}
-
-/// Each table gets the width that its columns take, in smaller letters where there is little room.
 void RaysPanel::fit_tables() {
-  const int room = split_->width() - split_->handleWidth();
-  if (room <= 0) return;
-  int rays = 0, surfaces = 0;
-  for (const double scale : kLetters) {
-    const QFont smaller = letters(scale);
-    for (QTableWidget* table : {table_, surfaces_}) {
-      if (table->font() == smaller) continue;
-      table->setFont(smaller);
-      table->horizontalHeader()->setFont(smaller);
-      table->verticalHeader()->setDefaultSectionSize(row_height(table->fontMetrics()));
-    }
-    rays = wanted_width(*table_);
-    surfaces = wanted_width(*surfaces_);
-    if (rays + surfaces <= room && wanted_height(table_->fontMetrics()) <= split_->height()) break;
-  }
-  if (!split_by_hand_) split_->setSizes({rays + (room - rays - surfaces) / 2, surfaces});
-}
-
-QSize RaysPanel::sizeHint() const {
-  const QMargins margins = layout()->contentsMargins();
-  return {QWidget::sizeHint().width(),
-          margins.top() + export_->sizeHint().height() + layout()->spacing() +
-              wanted_height(QFontMetrics(letters(kLetters.back()))) + margins.bottom()};
+  fit(*table_, kRaysLeaveOut);
+  fit(*surfaces_, kSurfacesLeaveOut);
 }
 
 void RaysPanel::resizeEvent(QResizeEvent* event) {
@@ -281,7 +265,7 @@ void RaysPanel::fill_surfaces(int ray) {
                             quantity(row.height, Dimension::length),
                             quantity(row.angle, Dimension::angle),
                             QString::number(row.index, 'g', 5)};
-    for (int k = 0; k < texts.size(); ++k) surfaces_->setItem(i, k, new QTableWidgetItem(texts[k]));
+    fill_line(*surfaces_, i, texts);
   }
   fit_tables();
 }

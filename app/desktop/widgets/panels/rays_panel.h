@@ -21,8 +21,6 @@ class RaysPanel : public QWidget {
   void set_pixel_of_picture(const QString& text);
   /// Number of the ray that is chosen; -1: none.
   int chosen() const;
-  /// With room for ten rays.
-  QSize sizeHint() const override;
 
  signals:
   void ray_chosen(int ray);
@@ -39,14 +37,12 @@ class RaysPanel : public QWidget {
   void fill_surfaces(int ray);
   void show_title();
   void colour_endings();
-  QFont letters(double scale) const;
   void fit_tables();
 
   RaySelector& rays_;
   QLabel* title_;
   QSplitter* split_;
   QTableWidget *table_, *surfaces_;
-  bool split_by_hand_ = false;
   QPushButton* export_;
   QString pixel_of_picture_;
 };

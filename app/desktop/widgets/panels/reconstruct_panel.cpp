@@ -10,10 +10,8 @@
 #include <QLineEdit>
 #include <QPlainTextEdit>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QSlider>
-#include <QTabWidget>
 #include <QTreeWidget>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -23,6 +21,7 @@
 #include "plenoflame/scene/cameras.h"
 #include "reconstruct_request.h"
 #include "widgets/controls/file_chooser.h"
+#include "widgets/controls/flow_layout.h"
 #include "widgets/controls/plot_widget.h"
 #include "widgets/image/image_view.h"
 #include "widgets/window/beside_window.h"
@@ -31,8 +30,6 @@ namespace plenoflame::desktop {
 namespace {
 
 /// A picture may be finer than the field: values between 0 and the largest of found and truth.
-constexpr int kSliceHeight = 240;  ///< [logical pixel] at most
-
 void show_slice_of(ImageView& view, const ReconstructFields& fields,
                    const std::vector<float>& values, int axis, double share, double white) {
   ToneSettings tone;
@@ -62,22 +59,11 @@ QComboBox* choice_of(QWidget* parent, const char* name, const QString& tip,
 
 ReconstructPanel::ReconstructPanel(Session& session, FileChooser& chooser, QWidget* parent)
     : QWidget(parent), session_(session), chooser_(chooser) {
-  const auto scrolled = [this](QWidget* page) {  // a low window has no room for all of it
-    auto* scroll = new QScrollArea(this);
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setWidget(page);
-    return scroll;
-  };
-  tabs_ = new QTabWidget(this);
-  tabs_->setObjectName("reconstructTabs");
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(4, 4, 4, 4);
   layout->addLayout(make_buttons());
-  layout->addWidget(tabs_, 1);
-  tabs_->addTab(scrolled(make_form()), tr("Problem"));
-  tabs_->addTab(scrolled(make_result()), tr("Result"));
+  layout->addWidget(make_form());
+  make_result();
 
   const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
   for (QComboBox* box : {find_, unknowns_, solver_, penalty_})
@@ -123,7 +109,8 @@ QLayout* ReconstructPanel::make_pictures(QWidget* page) {
   connect(scene, &QPushButton::clicked, this, &ReconstructPanel::choose_scene);
   connect(own_, &QPushButton::clicked, this,
           [this] { set_picture(cameras_->indexOfTopLevelItem(cameras_->currentItem()), {}); });
-  auto* pictures = new QHBoxLayout;
+  auto* pictures = new FlowLayout;
+  pictures->setContentsMargins(0, 0, 0, 0);
   for (QPushButton* b : {file, own_, scene}) pictures->addWidget(b);
   return pictures;
 }
@@ -250,7 +237,8 @@ QLayout* ReconstructPanel::make_buttons() {
                  tr("Everything that was found, as grids of an OpenVDB file"));
   beside_ = button(tr("3-D"), "reconstructBeside",
                    tr("What was found beside the flame of the scene, in three dimensions"));
-  auto* buttons = new QHBoxLayout;
+  auto* buttons = new FlowLayout;
+  buttons->setContentsMargins(0, 0, 0, 0);
   for (QPushButton* b : {start_, stop_, save_, beside_}) buttons->addWidget(b);
   state_ = new QLabel(this);
   state_->setObjectName("reconstructState");
@@ -262,8 +250,8 @@ QLayout* ReconstructPanel::make_buttons() {
   return column;
 }
 
-QWidget* ReconstructPanel::make_result() {
-  auto* page = new QWidget(this);
+void ReconstructPanel::make_result() {
+  auto* page = result_ = new QWidget;
   curve_ = new PlotWidget(page);
   curve_->setObjectName("reconstructCurve");
   curve_->set_axes(tr("iteration"), tr("chi^2 per row"), false, true);
@@ -282,7 +270,6 @@ QWidget* ReconstructPanel::make_result() {
   cut->addWidget(position_, 2);
   const auto slice = [&](const char* name) {
     auto* view = new ImageView(page);
-    view->setMaximumHeight(kSliceHeight);  // on a page that scrolls it would take all that it likes
     view->setObjectName(name);
     view->set_smooth(false);
     view->setMinimumSize(90, 90);
@@ -312,11 +299,12 @@ QWidget* ReconstructPanel::make_result() {
   report_->setLineWrapMode(QPlainTextEdit::WidgetWidth);
   auto* layout = new QVBoxLayout(page);
   layout->setContentsMargins(0, 0, 0, 0);
-  layout->addWidget(curve_, 2);
   layout->addLayout(cut);
-  layout->addLayout(slices, 3);
-  layout->addWidget(report_, 2);
-  return page;
+  layout->addLayout(slices, 4);
+  auto* below = new QHBoxLayout;
+  below->addWidget(curve_, 1);
+  below->addWidget(report_, 1);
+  layout->addLayout(below, 2);
 }
 
 void ReconstructPanel::add_row(Row row, bool taken) {
@@ -501,7 +489,7 @@ void ReconstructPanel::start() {
   options.emplace_back("all-voxels", behind_dark_->isChecked() ? "true" : "false");
   const bool has_flame = !sources.empty() && !sources.front().scene.scene.flames.empty();
   options.emplace_back("truth", has_flame ? "true" : "false");
-  tabs_->setCurrentIndex(1);
+  emit began();
   job_.start(std::move(sources), options);
 }
 

@@ -16,7 +16,6 @@ class QLineEdit;
 class QPlainTextEdit;
 class QPushButton;
 class QSlider;
-class QTabWidget;
 class QTreeWidget;
 class QTreeWidgetItem;
 
@@ -36,6 +35,8 @@ class ReconstructPanel : public QWidget {
   ~ReconstructPanel() override;
 
   ReconstructJob& job() { return job_; }
+  /// The page with curve, slices and report, for the large view.
+  QWidget& result() { return *result_; }
   /// Takes a picture for a camera, by its number in the list. @param file empty: its own again
   void set_picture(int row, const QString& file);
   /// Adds the cameras of another scene. @throws FileError, InputError
@@ -44,6 +45,8 @@ class ReconstructPanel : public QWidget {
  signals:
   void failed(const QString& message);
   void save_requested();
+  /// It has begun: its page is to be seen.
+  void began();
   void warned(const QString& message);
 
  private:
@@ -60,7 +63,7 @@ class ReconstructPanel : public QWidget {
   QLayout* make_pictures(QWidget* page);
   void make_choices(QWidget* page);
   QLayout* make_buttons();
-  QWidget* make_result();
+  void make_result();
   void fill_cameras();
   void show_pictures();
   void show_choices();
@@ -76,7 +79,7 @@ class ReconstructPanel : public QWidget {
   FileChooser& chooser_;
   ReconstructJob job_;
   std::vector<Row> rows_;
-  QTabWidget* tabs_ = nullptr;
+  QWidget* result_ = nullptr;
   QTreeWidget* cameras_ = nullptr;
   QComboBox *find_ = nullptr, *unknowns_ = nullptr, *absorption_ = nullptr, *channel_ = nullptr,
             *solver_ = nullptr, *penalty_ = nullptr, *rule_ = nullptr, *field_ = nullptr,

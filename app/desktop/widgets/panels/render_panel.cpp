@@ -69,6 +69,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   curve_ = new PlotWidget(this);
   curve_->setObjectName("renderCurve");
   curve_->set_axes(tr("time [s]"), tr("relative RMSE"), true, true);
+  curve_->setMinimumHeight(110);
   curve_->set_empty_text(tr("Error against time appears while an image is rendered."));
   auto* buttons = new FlowLayout;  // a small window has them in two lines
   buttons->setContentsMargins(0, 0, 0, 0);
@@ -78,21 +79,16 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   form->addRow(tr("Error"), error_);
   form->addRow(tr("Rays"), rays_);
   form->addRow(tr("Time"), time_);
-  auto* left = new QVBoxLayout;
-  left->addLayout(buttons);
   auto* second = new QHBoxLayout;
   second->addWidget(automatic_);
   second->addWidget(bar_, 1);
-  left->addLayout(second);
-  left->addLayout(form);
-  left->addStretch(1);
-  auto* upper = new QHBoxLayout;
-  upper->addLayout(left, 1);
-  upper->addWidget(curve_, 1);
   auto* layout = new QVBoxLayout(this);
   layout->setContentsMargins(6, 4, 6, 4);
-  layout->addLayout(upper, 1);
-  layout->addWidget(skipped_);  // it needs the whole width
+  layout->addLayout(buttons);
+  layout->addLayout(second);
+  layout->addLayout(form);
+  layout->addWidget(curve_, 1);
+  layout->addWidget(skipped_);
 
   RenderJob& job = session_.render();
   connect(&job, &RenderJob::state_changed, this, &RenderPanel::show_status);
@@ -124,6 +120,21 @@ void RenderPanel::multiply_samples(double factor) {
   } catch (const Error& error) {
     emit failed(QString::fromUtf8(error.what()));
   }
+}
+
+QString RenderPanel::brief() const {
+  const RenderJob& job = session_.render();
+  const RenderJob::Status& status = job.status();
+  QStringList parts;
+  if (status.relative_error >= 0)
+    parts << tr("error %1 %").arg(100 * status.relative_error, 0, 'g', 2);
+  if (job.state() == RenderJob::State::running && status.remaining_seconds >= 0)
+    parts << tr("%1 to go").arg(duration(status.remaining_seconds));
+  else if (status.seconds > 0)
+    parts << duration(status.seconds);
+  if (status.rays_per_second > 0)
+    parts << tr("%1 million rays/s").arg(status.rays_per_second / 1e6, 0, 'f', 1);
+  return parts.join(QString::fromUtf8(" \xc2\xb7 "));
 }
 
 void RenderPanel::show_status() {

@@ -17,6 +17,8 @@ class RenderPanel : public QWidget {
   Q_OBJECT
  public:
   explicit RenderPanel(Session& session, QWidget* parent = nullptr);
+  /// Error, time and speed in one line, of a picture that is made or was made; empty: of none.
+  QString brief() const;
 
  signals:
   void failed(const QString& message);

@@ -24,6 +24,7 @@
 #include <QAction>
 #include <QActionGroup>
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QLayout>
 #include <QMouseEvent>
 #include <QSignalBlocker>
@@ -60,6 +61,7 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
+constexpr int kLightPoints = 128;
 constexpr int kSensorTexture = 640;
 
 /// Parts that are made for paper are seen before the dark, too.
@@ -96,12 +98,15 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   interactor->SetStillUpdateRate(15);
   v.style->AutoAdjustCameraClippingRangeOff();
   v.scale_bar = std::make_unique<ScaleBar>(*v.renderer);
+  v.eye = std::make_unique<EyeLayer>(*v.renderer);
+  connect(v.eye.get(), &EyeLayer::changed, this, &SceneView::render);
   v.before_drawing->SetClientData(&v);
   v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
     auto* const drawn = static_cast<View*>(drawn_by);
     // VTK 9.1 now and then keeps an aspect of 1. The flame has rays of its own: it would then stand
     // beside its place, or outside of the picture.
     drawn->renderer->SetAspect(drawn->renderer->GetTiledAspectRatio(), 1);
+    drawn->eye->follow_camera();
     fit_clipping(*drawn->renderer);
     drawn->scale_bar->update(*drawn->renderer);
     drawn->place_labels();
@@ -141,6 +146,7 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
 
 SceneView::~SceneView() {
   task_.cancel();
+  light_task_.cancel();
   view_->ruler->RemoveObserver(view_->ruler_moved);
   view_->ruler->SetInteractor(nullptr);
   for (const View::Handle& handle : view_->handles) handle.widget->SetInteractor(nullptr);
@@ -221,6 +227,10 @@ void SceneView::set_scene(std::shared_ptr<const CompiledScene> scene, const Scen
 
 void SceneView::clear() {
   task_.cancel();
+  light_task_.cancel();
+  lit_.clear();
+  light_known_ = true;
+  view_->eye->set_flame(nullptr);
   built_ = ++newest_;
   show_all();
   scene_ = nullptr;
@@ -245,8 +255,34 @@ void SceneView::set_notice(const QString& text) {
   notice_->say(text);
 }
 
+/// In the background, for flames that are others than before.
+void SceneView::find_light() {
+  if (scene_->flames == lit_) return;
+  lit_ = scene_->flames;
+  light_known_ = false;
+  light_task_.request([this, scene = scene_](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    std::shared_ptr<const EyeFlame> light;
+    try {
+      light = eye_flame(scene->scene, kLightPoints, execution);
+    } catch (const Cancelled&) {
+      return;
+    } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
+    }
+    post(this, [this, light, flames = scene->flames] {
+      if (flames != lit_) return;
+      light_known_ = true;
+      view_->eye->set_flame(light);
+      add_flame();
+      render();
+    });
+  });
+}
+
 void SceneView::build_geometry() {
   if (!scene_ || held_) return;
+  find_light();
   const unsigned number = ++newest_;
   std::array<int, 2> pixel{scene_->scene.camera.sensor.columns / 2,
                            scene_->scene.camera.sensor.rows / 2};
@@ -401,6 +437,8 @@ void SceneView::set_flame_look(const FlameLook& look) {
   look_ = look;
   const QSignalBlocker quiet(drawing_);
   drawing_->setCurrentIndex(static_cast<int>(look.drawing));
+  const QSignalBlocker still(exposure_);
+  exposure_->setValue(look.exposure);
   add_flame();
   render();
 }
@@ -413,7 +451,8 @@ void SceneView::show_part(Part part) {
   update_schematic();
   if (was_to_scale && schematic_.is_to_scale()) {
     add_camera();
-    for (const char* layer : {"flame", "surroundings"}) view_->show(layer, shows_flame());
+    show_flame();
+    view_->show("surroundings", shows_flame());
     add_gaps();
   } else {
     add_layers();
@@ -447,7 +486,8 @@ std::array<double, 2> SceneView::clipping_range() const {
 }
 
 bool SceneView::is_current() const {
-  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive();
+  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive() &&
+         light_known_ && view_->eye->is_fine();
 }
 
 QImage SceneView::picture() {
@@ -463,6 +503,7 @@ QImage SceneView::picture() {
         mappers.push_back(mapper);
       }
   view_->window->Render();
+  view_->eye->refine();
   // A view that was resized a moment ago is drawn once more by the grab: finely, too.
   QImage picture = view_->widget->grabFramebuffer();
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();

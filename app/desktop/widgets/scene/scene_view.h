@@ -17,8 +17,10 @@
 
 class QAction;
 class QComboBox;
+class QDoubleSpinBox;
 class QLabel;
 class QSlider;
+class vtkImageData;
 class vtkRenderer;
 
 namespace plenoflame::desktop {
@@ -54,6 +56,10 @@ class SceneView : public QWidget {
   void set_image(const std::shared_ptr<const ImagePyramid>& image);
   void set_flame_look(const FlameLook& look);
   const FlameLook& flame_look() const { return look_; }
+  /// Takes a drawing that is shown instead of the one in three dimensions while *Section* is on.
+  void set_section(QWidget* section);
+  void show_section(bool on);
+  bool shows_section() const;
   void show_part(Part part);
   /// Looks from where the other one does from now on: what turns one turns both.
   void look_as(SceneView& other);
@@ -107,7 +113,7 @@ class SceneView : public QWidget {
  private:
   struct View;
   void make_tools();
-  std::array<QWidget*, 3> make_drawing_tools();
+  std::array<QWidget*, 4> make_drawing_tools();
   void draw_to_scale();
   void update_schematic();
   void add_gaps();
@@ -125,6 +131,11 @@ class SceneView : public QWidget {
   void show_next();
   void show_all();
   void add_flame();
+  void show_flame();
+  void add_volume(vtkImageData& flame, vtkRenderer& renderer);
+  /// True if the flames are drawn as eyes see them, or will be once their light is known.
+  bool shows_eye() const;
+  void find_light();
   void add_rays();
   void add_camera();
   void add_surroundings();
@@ -166,18 +177,24 @@ class SceneView : public QWidget {
   bool aimed_ = false, warm_ = false, held_ = false;
   bool along_axis_ = false;  ///< aimed along x, y or z rather than as the part is seen best
   bool first_ = true;        ///< geometry: its parts come one by one
-  QWidget* tools_ = nullptr;
+  QWidget *tools_ = nullptr, *section_ = nullptr;
+  std::vector<QWidget*> space_tools_;  ///< of three dimensions, which the section has no use for
   QComboBox *drawing_ = nullptr, *cut_ = nullptr;
   QSlider* cut_place_ = nullptr;
   Notice* notice_ = nullptr;
   std::array<QAction*, 5> part_actions_{};
-  QAction *measure_ = nullptr, *shortened_ = nullptr, *move_ = nullptr, *light_ = nullptr;
+  QAction *measure_ = nullptr, *shortened_ = nullptr, *move_ = nullptr, *light_ = nullptr,
+          *section_mode_ = nullptr;
   Schematic schematic_;
   std::vector<Schematic> other_schematics_;  ///< of others_; fewer: those are to scale
   int dragged_ = -1, stroke_ = 0;            ///< number of the handle that is dragged; -1: none
   QPointF pressed_;
   QTimer render_later_, show_later_, light_timer_;
+  QDoubleSpinBox* exposure_ = nullptr;
+  std::vector<std::shared_ptr<const Medium>> lit_;  ///< the flames whose light is known, or sought
+  bool light_known_ = true;
   unsigned newest_ = 0, built_ = 0;
+  LatestTask light_task_{Urgency::work};
   LatestTask task_{Urgency::work};  ///< last: it ends first
 };
 

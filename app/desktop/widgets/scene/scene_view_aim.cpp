@@ -151,7 +151,7 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
 void SceneView::look(const std::vector<Vec3>& drawn, const Vec3& direction, const Vec3& up) {
   const double aspect = static_cast<double>(std::max(1, view_->widget->width())) /
                         std::max(1, view_->widget->height());
-  const double bar = shows_flame() && geometry_->flame ? kBarShare : 0;
+  const double bar = shows_flame() && geometry_->flame && !shows_eye() ? kBarShare : 0;
   views::look_at(drawn, direction, up, (1 - bar) * aspect, 10, *view_->renderer);
   view_->renderer->GetActiveCamera()->SetWindowCenter(bar, 0);
   view_->renderer->GetActiveCamera()->GetPosition(aimed_from_.data());
@@ -241,7 +241,10 @@ void SceneView::look_as(SceneView& other) {
 }
 
 bool SceneView::eventFilter(QObject* object, QEvent* event) {
-  if (object == view_->widget && event->type() == QEvent::Resize) fit_to_size();
+  if (object == view_->widget && event->type() == QEvent::Resize) {
+    fit_to_size();
+    if (section_) section_->resize(view_->widget->size());  // pictures of it are made unseen, too
+  }
   if (object == view_->widget && move_->isChecked() &&
       (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseMove ||
        event->type() == QEvent::MouseButtonRelease)) {

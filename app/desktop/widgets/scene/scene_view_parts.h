@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "widgets/image/scale_bar.h"
+#include "widgets/scene/eye_layer.h"
 #include "widgets/scene/scene_labels.h"
 #include "widgets/scene/scene_view.h"
 
@@ -42,6 +43,7 @@ struct SceneView::View {
   vtkNew<vtkCallbackCommand> ruler_moved;
   vtkNew<vtkOrientationMarkerWidget> axes;
   std::unique_ptr<ScaleBar> scale_bar;
+  std::unique_ptr<EyeLayer> eye;  ///< the flames as eyes see them
   SceneLabels labels;  ///< of the layer "gaps"
   /// Something of the scene that is dragged by the pointer.
   struct Handle {

@@ -20,9 +20,11 @@
 #include <QAction>
 #include <QActionGroup>
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QHBoxLayout>
 #include <QSlider>
 #include <QToolButton>
+#include <QVBoxLayout>
 #include <algorithm>
 #include <array>
 
@@ -203,11 +205,23 @@ void SceneView::make_tools() {
     connect(action, &QAction::triggered, this,
             [this, i] { emit part_requested(static_cast<int>(i)); });
   }
+  section_mode_ = new QAction(tr("Section"), this);
+  section_mode_->setObjectName("viewSection");
+  section_mode_->setToolTip(tr("The section through the optical axis, with names; again: 3-D"));
+  section_mode_->setCheckable(true);
+  section_mode_->setVisible(false);
+  auto* section = button_for(section_mode_, tools_);
+  section->hide();
+  flow->addWidget(section);
+  connect(section_mode_, &QAction::toggled, this, &SceneView::show_section);
+  connect(section_mode_, &QAction::changed, section,
+          [this, section] { section->setVisible(section_mode_->isVisible()); });
   const auto tool = [&](Glyph glyph, const QString& text, const char* name, const QString& tip) {
     auto* action = new QAction(glyph_icon(glyph), text, this);
     action->setObjectName(name);
     action->setToolTip(tip);
-    flow->addWidget(button_for(action, tools_, true));
+    space_tools_.push_back(button_for(action, tools_, true));
+    flow->addWidget(space_tools_.back());
     return action;
   };
   shortened_ = tool(Glyph::shortened, tr("Shorten gaps"), "shortenGaps",
@@ -241,17 +255,49 @@ void SceneView::make_tools() {
   });
   connect(tool(Glyph::picture, tr("Picture..."), "scenePicture", tr("Save this view as a picture")),
           &QAction::triggered, this, &SceneView::picture_requested);
-  for (QWidget* tools : make_drawing_tools()) flow->addWidget(tools);
+  for (QWidget* tools : make_drawing_tools()) {
+    space_tools_.push_back(tools);
+    flow->addWidget(tools);
+  }
+}
+
+void SceneView::set_section(QWidget* section) {
+  section_ = section;
+  section_->hide();
+  static_cast<QVBoxLayout*>(layout())->addWidget(section_, 1);
+  section_mode_->setVisible(true);
+}
+
+bool SceneView::shows_section() const {
+  return section_mode_->isChecked();
+}
+
+void SceneView::show_section(bool on) {
+  section_mode_->setChecked(on);
+  view_->widget->setVisible(!on);
+  section_->setVisible(on);
+  for (QWidget* const tool : space_tools_)
+    tool->setVisible(!on && (tool != exposure_ || look_.drawing == FlameDrawing::eye));
 }
 
 /// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
-std::array<QWidget*, 3> SceneView::make_drawing_tools() {
+std::array<QWidget*, 4> SceneView::make_drawing_tools() {
   auto* const tools = new QWidget(tools_);
   drawing_ = new QComboBox(tools_);
   drawing_->setObjectName("flameDrawing");
-  drawing_->addItems({tr("Emission"), tr("Absorption"), tr("Surfaces")});
+  drawing_->addItems({tr("As seen"), tr("Emission"), tr("Absorption"), tr("Surfaces")});
   drawing_->setToolTip(
-      tr("What makes the flame visible: its light, its soot, or surfaces of equal temperature"));
+      tr("What makes the flame visible: its light in the colours that eyes see, or, in colours of "
+         "temperature, its light, its soot, or surfaces of equal temperature"));
+  exposure_ = new QDoubleSpinBox(tools_);
+  exposure_->setObjectName("flameExposure");
+  exposure_->setRange(-10, 10);
+  exposure_->setDecimals(1);
+  exposure_->setSingleStep(0.5);
+  exposure_->setSuffix(tr(" stops"));
+  exposure_->setKeyboardTracking(false);
+  exposure_->setToolTip(tr("Exposure of the flame as it is seen: 0 is automatic, +1 is twice as "
+                           "bright"));
   cut_ = new QComboBox(tools_);
   cut_->setObjectName("flameCut");
   cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
@@ -284,6 +330,12 @@ std::array<QWidget*, 3> SceneView::make_drawing_tools() {
     look.drawing = static_cast<FlameDrawing>(index);
     emit look_edited(look, tr("drawing of the flame"));
   });
+  connect(exposure_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+          [this](double stops) {
+            FlameLook look = look_;
+            look.exposure = stops;
+            emit look_edited(look, tr("exposure of the flame"));
+          });
   connect(cut_, chosen, this, [this](int index) {
     cut_place_->setEnabled(index > 0);
     add_flame();
@@ -293,7 +345,7 @@ std::array<QWidget*, 3> SceneView::make_drawing_tools() {
     add_flame();
     render();
   });
-  return {drawing_, cut_, tools};
+  return {drawing_, exposure_, cut_, tools};
 }
 
 void SceneView::look_along(int axis) {
@@ -312,67 +364,98 @@ void SceneView::look_along(int axis) {
   render();
 }
 
+bool SceneView::shows_eye() const {
+  return look_.drawing == FlameDrawing::eye && (view_->eye->has_light() || !light_known_);
+}
+
 void SceneView::add_flame() {
   if (!geometry_) return;
   const vtkSmartPointer<vtkImageData> flame = placed(geometry_->flame, schematic_);
-  const double cold = look_.automatic ? temperatures_[0] : look_.cold,
-               hot = look_.automatic ? temperatures_[1] : look_.hot;
-  view_->replace("flame", [&](vtkRenderer& renderer) {
-    if (!flame) return;
-    auto colours = views::temperature_colours(*flame);
-    colours->RemoveAllPoints();
-    constexpr int kStops = 17;
-    for (int i = 0; i < kStops; ++i) {
-      const double t = static_cast<double>(i) / (kStops - 1);
-      const Rgb c = flame_colour(look_.map, t);
-      colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
-    }
-    const int axis = cut_->currentIndex() - 1;
+  exposure_->setVisible(look_.drawing == FlameDrawing::eye && !shows_section());
+  if (geometry_->flame) {
+    const auto vec = [](const double* p) { return Vec3{p[0], p[1], p[2]}; };
     std::array<double, 6> box{};
-    flame->GetBounds(box.data());
-    if (axis >= 0) {
-      const auto k = 2 * static_cast<std::size_t>(axis);
-      box[k + 1] = box[k] + (box[k + 1] - box[k]) * cut_place_->value() / 100.0;
-    }
-    if (look_.drawing == FlameDrawing::surfaces) {
-      for (std::size_t i = 0; i < kSurfaces.size(); ++i) {
-        const auto surface = surface_of(
-            *flame, cold + kSurfaces[i] * (hot - cold), *colours,
-            std::clamp((0.15 + 0.25 * static_cast<double>(i)) * look_.density, 0.02, 1.0));
-        if (axis >= 0) {
-          vtkNew<vtkPlane> plane;
-          std::array<double, 3> normal{}, origin{};
-          normal[static_cast<std::size_t>(axis)] = -1;
-          origin[static_cast<std::size_t>(axis)] = box[2 * static_cast<std::size_t>(axis) + 1];
-          plane->SetNormal(normal.data());
-          plane->SetOrigin(origin.data());
-          surface->GetMapper()->AddClippingPlane(plane);
-        }
-        renderer.AddActor(surface);
-      }
-    } else {
-      const auto drawn =
-          look_.drawing == FlameDrawing::emission ? shining(*flame) : vtkSmartPointer(flame);
-      const auto volume = views::flame_volume(*drawn, colours);
-      FlameLook look = look_;
-      // Shining places are to be seen as such: thin hot sheets of it, too.
-      if (look.drawing == FlameDrawing::emission) look.density *= kShine;
-      apply_opacity(look, cold, hot, *volume);
-      if (axis >= 0) cut_volume(*volume, axis, box[2 * static_cast<std::size_t>(axis) + 1]);
-      if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
-        mapper->SetAutoAdjustSampleDistances(1);
-        mapper->SetMinimumImageSampleDistance(1);
-        mapper->SetMaximumImageSampleDistance(8);
-      }
-      renderer.AddVolume(volume);
-    }
-    // A clear flame may have no temperatures to tell.
-    if (flame->GetPointData()->GetArray("temperature")->GetRange()[1] > 0)
-      views::add_temperature_bar(colours, renderer);
+    geometry_->flame->GetBounds(box.data());
+    Box kept{{-1e9, -1e9, -1e9}, {1e9, 1e9, 1e9}};
+    const double share = cut_place_->value() / 100.0;
+    const int axis = cut_->currentIndex() - 1;
+    if (axis == 0) kept.upper.x = box[0] + (box[1] - box[0]) * share;
+    if (axis == 1) kept.upper.y = box[2] + (box[3] - box[2]) * share;
+    if (axis == 2) kept.upper.z = box[4] + (box[5] - box[4]) * share;
+    view_->eye->set_shift(vec(flame->GetOrigin()) - vec(geometry_->flame->GetOrigin()));
+    view_->eye->set_look(look_.exposure, kept);
+  }
+  view_->replace("flame", [&](vtkRenderer& renderer) {
+    if (flame && !shows_eye()) add_volume(*flame, renderer);
   });
   for (const auto& prop : view_->layers["flame"])
     if (auto* bar = vtkScalarBarActor::SafeDownCast(prop)) set_bar_style(*bar);
+  show_flame();
+}
+
+/// Or hides it, with parts that it is none of.
+void SceneView::show_flame() {
+  view_->eye->set_visible(geometry_ && geometry_->flame && shows_eye() && shows_flame());
   view_->show("flame", shows_flame());
+}
+
+/// The flame by a quantity, in colours of its temperature.
+void SceneView::add_volume(vtkImageData& flame, vtkRenderer& renderer) {
+  const double cold = look_.automatic ? temperatures_[0] : look_.cold,
+               hot = look_.automatic ? temperatures_[1] : look_.hot;
+  auto colours = views::temperature_colours(flame);
+  colours->RemoveAllPoints();
+  constexpr int kStops = 17;
+  for (int i = 0; i < kStops; ++i) {
+    const double t = static_cast<double>(i) / (kStops - 1);
+    const Rgb c = flame_colour(look_.map, t);
+    colours->AddRGBPoint(cold + t * (hot - cold), c.red / 255.0, c.green / 255.0, c.blue / 255.0);
+  }
+  // Flames that give no light to see are drawn by what else there is.
+  const FlameDrawing drawing =
+      look_.drawing == FlameDrawing::eye ? FlameDrawing::emission : look_.drawing;
+  const int axis = cut_->currentIndex() - 1;
+  std::array<double, 6> box{};
+  flame.GetBounds(box.data());
+  if (axis >= 0) {
+    const auto k = 2 * static_cast<std::size_t>(axis);
+    box[k + 1] = box[k] + (box[k + 1] - box[k]) * cut_place_->value() / 100.0;
+  }
+  if (drawing == FlameDrawing::surfaces) {
+    for (std::size_t i = 0; i < kSurfaces.size(); ++i) {
+      const auto surface = surface_of(
+          flame, cold + kSurfaces[i] * (hot - cold), *colours,
+          std::clamp((0.15 + 0.25 * static_cast<double>(i)) * look_.density, 0.02, 1.0));
+      if (axis >= 0) {
+        vtkNew<vtkPlane> plane;
+        std::array<double, 3> normal{}, origin{};
+        normal[static_cast<std::size_t>(axis)] = -1;
+        origin[static_cast<std::size_t>(axis)] = box[2 * static_cast<std::size_t>(axis) + 1];
+        plane->SetNormal(normal.data());
+        plane->SetOrigin(origin.data());
+        surface->GetMapper()->AddClippingPlane(plane);
+      }
+      renderer.AddActor(surface);
+    }
+  } else {
+    const vtkSmartPointer<vtkImageData> drawn =
+        drawing == FlameDrawing::emission ? shining(flame) : &flame;
+    const auto volume = views::flame_volume(*drawn, colours);
+    FlameLook look = look_;
+    // Shining places are to be seen as such: thin hot sheets of it, too.
+    if (drawing == FlameDrawing::emission) look.density *= kShine;
+    apply_opacity(look, cold, hot, *volume);
+    if (axis >= 0) cut_volume(*volume, axis, box[2 * static_cast<std::size_t>(axis) + 1]);
+    if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+      mapper->SetAutoAdjustSampleDistances(1);
+      mapper->SetMinimumImageSampleDistance(1);
+      mapper->SetMaximumImageSampleDistance(8);
+    }
+    renderer.AddVolume(volume);
+  }
+  // A clear flame may have no temperatures to tell.
+  if (flame.GetPointData()->GetArray("temperature")->GetRange()[1] > 0)
+    views::add_temperature_bar(colours, renderer);
 }
 
 }  // namespace plenoflame::desktop

@@ -3,7 +3,6 @@
 #include <QAction>
 #include <QApplication>
 #include <QCloseEvent>
-#include <QDockWidget>
 #include <QDragEnterEvent>
 #include <QElapsedTimer>
 #include <QFile>
@@ -15,15 +14,20 @@
 #include <QScreen>
 #include <QSplitter>
 #include <QStatusBar>
+#include <QTabWidget>
 #include <QThread>
+#include <QToolButton>
 #include <QTreeView>
 #include <QUrl>
 #include <QVBoxLayout>
 #include <QWindow>
+#include <algorithm>
+#include <initializer_list>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "widgets/controls/plot_widget.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/controls/theme.h"
 #include "widgets/controls/time_bar.h"
 #include "widgets/flame/flame_panel.h"
@@ -39,6 +43,7 @@
 #include "widgets/scene/section_view.h"
 #include "widgets/window/file_tasks.h"
 #include "widgets/window/preferences_dialog.h"
+#include "widgets/window/view_commands.h"
 #include "widgets/window/welcome_page.h"
 
 namespace plenoflame::desktop {
@@ -48,6 +53,15 @@ constexpr int kAutosaveInterval = 5000;  ///< [ms]
 constexpr int kMostRecent = 10;
 constexpr int kLongestAppearance = 500;  ///< [ms]
 constexpr int kAppearanceStep = 10;      ///< [ms]
+constexpr QSize kFirstSize{1500, 950};
+constexpr double kShareOfScreen = 0.95;           ///< at most; the rest is the frame's
+constexpr double kSideShare = 0.185;              ///< of the width, that the side panel takes
+constexpr int kLeastSide = 220, kMostSide = 400;  ///< [logical pixel]
+
+/// Groups that are open at the first start.
+QStringList first_groups() {
+  return {"sceneGroup"};
+}
 
 }  // namespace
 
@@ -55,30 +69,14 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
     : settings_(std::move(settings)), chooser_(*settings_) {
   setObjectName("mainWindow");
   setAcceptDrops(true);
-  setDockNestingEnabled(true);
   if (!recovery_folder.empty()) recovery_ = std::make_unique<Recovery>(recovery_folder);
-  pointer_label_ = new QLabel(this);
-  pointer_label_->setObjectName("pointerLabel");
   make_views();
-  make_docks();
+  make_side_panel();
+  make_status_line();
+  connect_panels();
   make_menus();
   connect_session();
   connect_selection();
-  busy_label_ = new QLabel(this);
-  busy_label_->setObjectName("busyLabel");
-  files_ = new FileTasks(this);
-  connect(files_, &FileTasks::failed, this, &MainWindow::fail);
-  connect(files_, &FileTasks::done, this, [this](const QString& what) {
-    statusBar()->showMessage(tr("%1: done").arg(what), 8000);
-  });
-  connect(files_, &FileTasks::cancelled, this, [this](const QString& what) {
-    last_message_ = tr("%1: cancelled").arg(what);
-    statusBar()->showMessage(last_message_, 8000);
-  });
-  connect(files_, &FileTasks::warned, &session_, &Session::warned);
-  statusBar()->addPermanentWidget(files_);
-  statusBar()->addPermanentWidget(pointer_label_);
-  statusBar()->addPermanentWidget(busy_label_);
   connect(&autosave_, &QTimer::timeout, this, [this] {
     if (!recovery_) return;
     try {
@@ -88,9 +86,13 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
     }
   });
   autosave_.start(kAutosaveInterval);
-  resize(QSize(1500, 950).boundedTo(screen()->availableSize()));
+  // The frame needs room, too: a screen that has little more than the window gives it all.
+  const QSize room = kShareOfScreen * screen()->availableSize();
+  resize(kFirstSize.boundedTo(room));
+  if (size() != kFirstSize) setWindowState(Qt::WindowMaximized);
   restoreGeometry(settings_->value("window/geometry").toByteArray());
-  restoreState(settings_->value("window/state").toByteArray());
+  split_by_hand_ = split_->restoreState(settings_->value("window/split").toByteArray());
+  side_->set_opened(settings_->value("window/groups", first_groups()).toStringList());
   set_dark(settings_->value("window/dark", false).toBool());
   apply_preferences(preferences_of(*settings_));
   if (const auto look = look_from_text(settings_->value("flame/look").toByteArray()))
@@ -104,32 +106,32 @@ MainWindow::~MainWindow() {
   // Widgets go before what they show: members would be gone before children are.
   autosave_.stop();
   delete files_;  // waits for what is being written
-  qDeleteAll(findChildren<QDockWidget*>());
   delete takeCentralWidget();
 }
 
 void MainWindow::make_views() {
   welcome_ = new WelcomePage(this);
-  auto* across = new QSplitter(Qt::Horizontal, this);
-  across->setObjectName("workspace");
-  auto* left = new QSplitter(Qt::Vertical, across);
-  scene_view_ = new SceneView(left);
-  section_ = new SectionView(left);
-  left->addWidget(scene_view_);
-  left->addWidget(section_);
-  left->setStretchFactor(0, 3);
-  left->setStretchFactor(1, 2);
-  image_ = new ImagePanel(session_.document(), session_.measured(), across);
-  across->addWidget(left);
-  across->addWidget(image_);
-  across->setStretchFactor(0, 1);
-  across->setStretchFactor(1, 1);
+  split_ = new QSplitter(Qt::Horizontal, this);
+  split_->setObjectName("workspace");
+  side_ = new SidePanel(split_);
+  scene_view_ = new SceneView(split_);
+  section_ = new SectionView(scene_view_);
+  scene_view_->set_section(section_);
+  image_ = new ImagePanel(session_.document(), session_.measured());
+  reconstruct_ = new ReconstructPanel(session_, chooser_);
+  light_field_ = new LightFieldPanel(session_.document(), session_.light_field(), *image_,
+                                     reconstruct_->result(), split_);
+  for (const int view : {1, 2}) {
+    split_->setStretchFactor(view, 1);
+    split_->setCollapsible(view, false);
+  }
+  connect(split_, &QSplitter::splitterMoved, this, [this] { split_by_hand_ = true; });
   auto* workspace = new QWidget(this);
-  auto* rows = new QVBoxLayout(workspace);
-  rows->setContentsMargins(0, 0, 0, 0);
-  rows->setSpacing(0);
-  rows->addWidget(across, 1);
-  rows->addWidget(new TimeBar(session_, workspace));
+  workspace_ = new QVBoxLayout(workspace);
+  workspace_->setContentsMargins(0, 0, 0, 0);
+  workspace_->setSpacing(0);
+  workspace_->addWidget(split_, 1);
+  workspace_->addWidget(new TimeBar(session_, workspace));
   setCentralWidget(workspace);
   connect(welcome_, &WelcomePage::example_chosen, this,
           [this](const QString& name) { open_example(name); });
@@ -137,39 +139,48 @@ void MainWindow::make_views() {
   connect(welcome_, &WelcomePage::back_requested, this, [this] { show_welcome(false); });
 }
 
-QDockWidget* MainWindow::add_dock(const char* name, const QString& title, QWidget* content,
-                                  Qt::DockWidgetArea area) {
-  auto* dock = new QDockWidget(title, this);
-  dock->setObjectName(name);
-  dock->setWidget(content);
-  addDockWidget(area, dock);
-  return dock;
+void MainWindow::make_side_panel() {
+  scene_ = new ScenePanel(session_.document());
+  rays_ = new RaysPanel(session_.rays());
+  render_ = new RenderPanel(session_);
+  design_ = new DesignPanel(session_.design());
+  flame_ = new FlamePanel(session_.document(), session_.compiler());
+  side_->add("sceneGroup", tr("Scene"), scene_);
+  side_->add("flameGroup", tr("Flame"), flame_);
+  side_->add("designGroup", tr("Design"), design_);
+  side_->add("renderGroup", tr("Rendering"), render_);
+  side_->add("raysGroup", tr("Rays"), rays_);
+  side_->add("histogramGroup", tr("Histogram"), &image_->histogram_plot());
+  side_->add("profileGroup", tr("Line profile"), &image_->profile_plot());
+  side_->add("reconstructGroup", tr("Reconstruct"), reconstruct_);
 }
 
-void MainWindow::make_docks() {
-  setCorner(Qt::BottomLeftCorner, Qt::LeftDockWidgetArea);
-  scene_ = new ScenePanel(session_.document(), this);
-  rays_ = new RaysPanel(session_.rays(), this);
-  render_ = new RenderPanel(session_, this);
-  light_field_ = new LightFieldPanel(session_.document(), session_.light_field(), this);
-  design_ = new DesignPanel(session_.design(), this);
-  flame_ = new FlamePanel(session_.document(), session_.compiler(), this);
-  QDockWidget* const scene = add_dock("sceneDock", tr("Scene"), scene_, Qt::LeftDockWidgetArea);
-  QDockWidget* const flame = add_dock("flameDock", tr("Flame"), flame_, Qt::LeftDockWidgetArea);
-  QDockWidget* const design = add_dock("designDock", tr("Design"), design_, Qt::LeftDockWidgetArea);
-  tabifyDockWidget(scene, flame);
-  tabifyDockWidget(flame, design);
-  scene->raise();
-  QDockWidget* const light_field =
-      add_dock("lightFieldDock", tr("Light field"), light_field_, Qt::RightDockWidgetArea);
+void MainWindow::make_status_line() {
+  pointer_label_ = new QLabel(this);
+  pointer_label_->setObjectName("pointerLabel");
+  status_line_ = new QToolButton(this);
+  status_line_->setObjectName("statusLine");
+  status_line_->setAutoRaise(true);
+  status_line_->setToolTip(tr("Opens the curve of the error, and what was left out"));
+  connect(status_line_, &QToolButton::clicked, this, [this] { side_->open("renderGroup"); });
+  files_ = new FileTasks(this);
+  connect(files_, &FileTasks::failed, this, &MainWindow::fail);
+  connect(files_, &FileTasks::done, this, [this](const QString& what) {
+    statusBar()->showMessage(tr("%1: done").arg(what), 8000);
+  });
+  connect(files_, &FileTasks::cancelled, this, [this](const QString& what) {
+    last_message_ = tr("%1: cancelled").arg(what);
+    statusBar()->showMessage(last_message_, 8000);
+  });
+  connect(files_, &FileTasks::warned, &session_, &Session::warned);
+  for (QWidget* widget : std::initializer_list<QWidget*>{files_, pointer_label_, status_line_})
+    statusBar()->addPermanentWidget(widget);
+}
+
+void MainWindow::connect_panels() {
   // Views cost time: they are made once somebody looks at them.
-  connect(light_field, &QDockWidget::visibilityChanged, this, [this](bool visible) {
-    if (visible && isVisible()) session_.set_views_wanted(true);
-  });
-  connect(light_field_, &LightFieldPanel::large_requested, this, [this, light_field] {
-    light_field->setFloating(!light_field->isFloating());
-    if (light_field->isFloating()) light_field->setGeometry(geometry().adjusted(20, 20, -20, -20));
-  });
+  connect(light_field_, &LightFieldPanel::views_wanted, this,
+          [this] { session_.set_views_wanted(true); });
   connect(light_field_, &LightFieldPanel::export_requested, this, &MainWindow::export_derived);
   connect(&session_.document(), &Document::look_changed, this, [this] {
     const FlameLook& look = session_.document().look();
@@ -179,36 +190,37 @@ void MainWindow::make_docks() {
   connect(flame_, &FlamePanel::generate_requested, this, &MainWindow::generate_flame);
   connect(flame_, &FlamePanel::import_requested, this, &MainWindow::import_flame);
   connect(flame_, &FlamePanel::mapping_requested, this, &MainWindow::map_grids);
-  reconstruct_ = new ReconstructPanel(session_, chooser_, this);
-  QDockWidget* const reconstruct =
-      add_dock("reconstructDock", tr("Reconstruct"), reconstruct_, Qt::RightDockWidgetArea);
-  tabifyDockWidget(light_field, reconstruct);
-  reconstruct->hide();
   connect(reconstruct_, &ReconstructPanel::failed, this, &MainWindow::fail);
   connect(reconstruct_, &ReconstructPanel::warned, &session_, &Session::warned);
   connect(reconstruct_, &ReconstructPanel::save_requested, this, &MainWindow::save_reconstruction);
-  QDockWidget* const render =
-      add_dock("renderDock", tr("Rendering"), render_, Qt::BottomDockWidgetArea);
-  QDockWidget* const rays = add_dock("raysDock", tr("Rays"), rays_, Qt::BottomDockWidgetArea);
-  QDockWidget* const histogram = add_dock("histogramDock", tr("Histogram"),
-                                          &image_->histogram_plot(), Qt::BottomDockWidgetArea);
-  QDockWidget* const profile = add_dock("profileDock", tr("Line profile"), &image_->profile_plot(),
-                                        Qt::BottomDockWidgetArea);
-  tabifyDockWidget(render, rays);
-  tabifyDockWidget(rays, histogram);
-  tabifyDockWidget(histogram, profile);
-  render->raise();
-  const int frame = 2 * (fontMetrics().height() + 10);  // title and tabs
-  resizeDocks({render}, {rays_->sizeHint().height() + frame}, Qt::Vertical);
-  resizeDocks({scene, light_field}, {330, 300}, Qt::Horizontal);
-  connect(image_->findChild<ImageView*>("rawImage"), &ImageView::profile_drawn, profile,
-          &QDockWidget::raise);
+  connect(reconstruct_, &ReconstructPanel::began, this,
+          [this] { light_field_->show_tab(LightFieldPanel::Tab::reconstruction); });
+  connect(&image_->view(), &ImageView::profile_drawn, this,
+          [this] { side_->open("profileGroup"); });
   connect(rays_, &RaysPanel::ray_chosen, section_, &SectionView::set_highlighted);
   connect(rays_, &RaysPanel::ray_chosen, scene_view_, &SceneView::set_highlighted);
   connect(rays_, &RaysPanel::export_requested, this, &MainWindow::export_rays);
   connect(render_, &RenderPanel::failed, this, &MainWindow::fail);
   connect(scene_, &ScenePanel::failed, this, &MainWindow::fail);
   connect(&scene_->model(), &ParameterModel::refusals_changed, this, &MainWindow::update_title);
+}
+
+/// Until somebody moves a border each view has at least two fifths of the width.
+void MainWindow::place_split() {
+  if (split_by_hand_) return;
+  const int side = std::clamp(static_cast<int>(kSideShare * width()), kLeastSide, kMostSide);
+  const int view = std::max(1, (width() - side) / 2);
+  split_->setSizes({side, view, view});
+}
+
+void MainWindow::reset_layout() {
+  view_commands_->set_full(false);
+  split_by_hand_ = false;
+  side_->show();
+  side_->set_opened(first_groups());
+  scene_view_->show_section(false);
+  light_field_->show_tab(LightFieldPanel::Tab::raw);
+  place_split();
 }
 
 bool MainWindow::guarded(const std::function<void()>& function) {
@@ -433,12 +445,13 @@ QString MainWindow::apply_options(const QString& pixel, const QString& part, con
     show_part(index);
   }
   if (!panel.isEmpty()) {
+    if (side_->open(panel)) return {};
     QStringList names;
-    for (QDockWidget* dock : findChildren<QDockWidget*>()) {
-      names << dock->windowTitle();
-      if (dock->windowTitle().compare(panel, Qt::CaseInsensitive) != 0) continue;
-      dock->show();
-      dock->raise();
+    for (const QAction* group : side_->groups()) names << group->text();
+    for (int i = 0; i < light_field_->tabs().count(); ++i) {
+      names << light_field_->tabs().tabText(i);
+      if (names.back().compare(panel, Qt::CaseInsensitive) != 0) continue;
+      light_field_->tabs().setCurrentIndex(i);
       return {};
     }
     return "--panel: there is no panel '" + panel + "'; there are " + names.join(", ");
@@ -489,7 +502,6 @@ void MainWindow::show_welcome(bool on) {
   }
   welcome_->setVisible(on);
   // The keyboard does not get at what is covered.
-  for (QDockWidget* dock : findChildren<QDockWidget*>()) dock->setEnabled(!on);
   centralWidget()->setEnabled(!on);
 }
 
@@ -501,6 +513,7 @@ void MainWindow::place_welcome() {
 
 void MainWindow::resizeEvent(QResizeEvent* event) {
   QMainWindow::resizeEvent(event);
+  place_split();
   place_welcome();
 }
 
@@ -524,7 +537,8 @@ void MainWindow::closeEvent(QCloseEvent* event) {
   }
   files_->cancel_all();
   settings_->setValue("window/geometry", saveGeometry());
-  settings_->setValue("window/state", saveState());
+  if (split_by_hand_) settings_->setValue("window/split", split_->saveState());
+  settings_->setValue("window/groups", side_->opened());
   session_.render().stop();
   event->accept();
 }

@@ -10,9 +10,11 @@
 #include "model/session.h"
 #include "widgets/controls/file_chooser.h"
 
-class QDockWidget;
 class QLabel;
 class QMenu;
+class QSplitter;
+class QToolButton;
+class QVBoxLayout;
 
 namespace plenoflame::desktop {
 
@@ -29,6 +31,8 @@ class RenderPanel;
 class ScenePanel;
 class SceneView;
 class SectionView;
+class SidePanel;
+class ViewCommands;
 class WelcomePage;
 
 /// The window. It shows the session and passes on what the user does; messages go to its status bar
@@ -51,6 +55,7 @@ class MainWindow : public QMainWindow {
   LightFieldPanel& light_field_panel() { return *light_field_; }
   FlamePanel& flame_panel() { return *flame_; }
   ReconstructPanel& reconstruct_panel() { return *reconstruct_; }
+  SidePanel& side_panel() { return *side_; }
 
   /// Shows the window and draws it, before anything is computed that would keep the processors from
   /// it. Returns soon where the screen has no room for it, too.
@@ -95,15 +100,17 @@ class MainWindow : public QMainWindow {
 
  private:
   void make_views();
-  void make_docks();
+  void make_side_panel();
+  void make_status_line();
+  void connect_panels();
   void make_menus();
   void make_view_menu(QMenu& menu);
   void connect_session();
   void show_state();
   void show_pixel_of_picture();
   void connect_selection();
-  QDockWidget* add_dock(const char* name, const QString& title, QWidget* content,
-                        Qt::DockWidgetArea area);
+  void place_split();
+  void reset_layout();
   void show_welcome(bool on);
   void place_welcome();
   void show_part(int index);
@@ -124,7 +131,6 @@ class MainWindow : public QMainWindow {
   void show_compiled_camera();
   void compare_with(const QString& file);
   void select_next_type();
-  void raise_dock(const char* name);
   void show_preferences();
   void apply_preferences(const Preferences& wanted);
   void open_help();
@@ -157,6 +163,10 @@ class MainWindow : public QMainWindow {
   ImagePanel* image_ = nullptr;
   SceneView* scene_view_ = nullptr;
   SectionView* section_ = nullptr;
+  SidePanel* side_ = nullptr;
+  QSplitter* split_ = nullptr;        ///< side panel, 3-D, light field
+  QVBoxLayout* workspace_ = nullptr;  ///< split_, and what stands below it
+  ViewCommands* view_commands_ = nullptr;
   ScenePanel* scene_ = nullptr;
   RaysPanel* rays_ = nullptr;
   RenderPanel* render_ = nullptr;
@@ -166,9 +176,11 @@ class MainWindow : public QMainWindow {
   ReconstructPanel* reconstruct_ = nullptr;
   QMenu* recent_menu_ = nullptr;
   QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr, *rays_again_ = nullptr;
-  QLabel *pointer_label_ = nullptr, *busy_label_ = nullptr;
+  QLabel* pointer_label_ = nullptr;
+  QToolButton* status_line_ = nullptr;
   QTimer autosave_;
   bool unattended_ = false;
+  bool split_by_hand_ = false, had_selection_ = false;
   QString last_message_;
   QString standing_failure_;    ///< in the status bar until it is mended
   unsigned scenes_opened_ = 0;  ///< at once, without files_

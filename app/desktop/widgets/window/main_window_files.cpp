@@ -76,6 +76,8 @@ void MainWindow::make_export_menu(QMenu& menu) {
 }
 
 void MainWindow::export_derived() {
+  if (light_field_->tab() == LightFieldPanel::Tab::raw) return export_image();
+  if (light_field_->tab() == LightFieldPanel::Tab::reconstruction) return save_reconstruction();
   const auto image = light_field_->shown_image();
   const auto field = session_.document().image();
   if (!image || !field) return fail(tr("There is no picture in the light-field panel yet."));

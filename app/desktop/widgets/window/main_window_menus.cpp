@@ -1,7 +1,6 @@
 #include <QAction>
 #include <QApplication>
 #include <QDir>
-#include <QDockWidget>
 #include <QFileInfo>
 #include <QMenu>
 #include <QMenuBar>
@@ -12,8 +11,10 @@
 #include <vtkVersion.h>
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
+#include "widgets/image/light_field_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/scene/section_view.h"
 #include "widgets/window/help_window.h"
@@ -89,12 +90,14 @@ void MainWindow::make_menus() {
   rays_again_->setEnabled(false);
   render->addSeparator();
   add(render, tr("Reconstruct the flame..."), {}, "actionReconstruct",
-      [this] { raise_dock("reconstructDock"); });
+      [this] { side_->open("reconstructGroup"); });
   add(render, tr("Film of a parameter..."), {}, "actionFilm", [this] { make_film(); });
 
   QMenu* const view = menuBar()->addMenu(tr("&View"));
   make_view_menu(*view);
-  new ViewCommands(*this, *scene_view_, {scene_view_, section_, image_}, *view, *edit);
+  view_commands_ = new ViewCommands(*this, *scene_view_, *light_field_, {side_, statusBar()},
+                                    {view, edit});
+  add(view, tr("Reset layout"), {}, "actionReset", [this] { reset_layout(); });
 
   QMenu* const help = menuBar()->addMenu(tr("&Help"));
   add(help, tr("Documentation"), QKeySequence::HelpContents, "actionHelp", [this] { open_help(); });
@@ -146,7 +149,10 @@ void MainWindow::make_view_menu(QMenu& menu) {
   menu.addSeparator();
   QAction* const above = menu.addAction(tr("Section seen from above"));
   above->setCheckable(true);
-  connect(above, &QAction::toggled, section_, &SectionView::set_horizontal);
+  connect(above, &QAction::toggled, this, [this](bool on) {
+    section_->set_horizontal(on);
+    scene_view_->show_section(true);
+  });
   dark_ = menu.addAction(tr("Dark theme"));
   dark_->setObjectName("actionDark");
   dark_->setCheckable(true);
@@ -171,7 +177,11 @@ void MainWindow::make_view_menu(QMenu& menu) {
   connect(lens->addAction(tr("MTF...")), &QAction::triggered, this,
           [=] { lens_window(LensDiagrams::Kind::contrast); });
   menu.addSeparator();
-  for (QDockWidget* dock : findChildren<QDockWidget*>()) menu.addAction(dock->toggleViewAction());
+  QAction* const side = menu.addAction(tr("Side panel"));
+  side->setObjectName("actionSide");
+  side->setShortcut(Qt::Key_F9);
+  connect(side, &QAction::triggered, this, [this] { side_->setVisible(!side_->isVisible()); });
+  for (QAction* const group : side_->groups()) menu.addAction(group);
 }
 
 void MainWindow::show_preferences() {
@@ -190,7 +200,6 @@ void MainWindow::apply_preferences(const Preferences& wanted) {
   if (wanted.font_points <= 0 || font.pointSize() == wanted.font_points) return;
   font.setPointSize(wanted.font_points);
   QApplication::setFont(font);
-  QApplication::setFont(font, "QDockWidgetTitle");  // of panels, which the style has for itself
 }
 
 void MainWindow::update_recent() {
@@ -221,11 +230,11 @@ void MainWindow::open_help() {
   QString page = "desktop.md";
   for (QWidget* w = QApplication::focusWidget(); w; w = w->parentWidget()) {
     if (w->objectName() == "sceneTree") page = "reference/scene.md";
-    if (w->objectName() == "raysDock") page = "rays.md";
-    if (w->objectName() == "reconstructDock") page = "reconstruct.md";
-    if (w->objectName() == "lightFieldDock") page = "light-fields.md";
-    if (w->objectName() == "designDock") page = "design.md";
-    if (w->objectName() == "flameDock") page = "user/flames.md";
+    if (w->objectName() == "raysGroup") page = "rays.md";
+    if (w->objectName() == "reconstructGroup") page = "reconstruct.md";
+    if (w == light_field_ && light_field_->shows_views()) page = "light-fields.md";
+    if (w->objectName() == "designGroup") page = "design.md";
+    if (w->objectName() == "flameGroup") page = "user/flames.md";
   }
   for (const QString& folder : {QCoreApplication::applicationDirPath() + "/" PLENOFLAME_DOC_FOLDER,
                                 QString(PLENOFLAME_SOURCE_DOCS)}) {

@@ -1,7 +1,7 @@
 #include <QAction>
-#include <QDockWidget>
 #include <QLabel>
 #include <QStatusBar>
+#include <QToolButton>
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -9,10 +9,12 @@
 #include <utility>
 
 #include "plenoflame/base/units.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/panels/rays_panel.h"
+#include "widgets/panels/render_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/scene/section_view.h"
 #include "widgets/window/main_window.h"
@@ -100,11 +102,15 @@ void MainWindow::show_state() {
   const bool compiling = !shown.is_empty() && shown.is_valid() && failure.isEmpty() &&
                          !session_.compiler().is_current();
   const bool old = shown.image() && !shown.image_is_current();
-  busy_label_->setText(running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
-                       : compiling          ? tr("preparing the scene")
-                       : !failure.isEmpty() ? tr("the scene has an error")
-                       : old ? tr("the picture is older than the last change; F5 renders")
-                             : QString());
+  QStringList said{running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
+                   : compiling          ? tr("preparing the scene")
+                   : !failure.isEmpty() ? tr("the scene has an error")
+                   : old ? tr("the picture is older than the last change; F5 renders")
+                         : QString(),
+                   render_->brief()};
+  said.removeAll(QString());
+  status_line_->setText(said.join(", "));
+  status_line_->setVisible(!said.isEmpty());
   const bool gone = !session_.compiler().compiled();
   const QString notice = failure.isEmpty() ? QString()
                          : gone            ? failure
@@ -217,9 +223,10 @@ void MainWindow::show_selection() {
   show_pixel_of_picture();
   view.set_selected_lens(
       selection.kind == Selection::Kind::microlens ? std::optional(selection.lens) : std::nullopt);
-  if (auto* dock = findChild<QDockWidget*>("raysDock");
-      dock && selection.kind != Selection::Kind::none)
-    dock->raise();
+  // Somebody who closed the table while something was selected does not want it.
+  const bool selected = selection.kind != Selection::Kind::none;
+  if (selected && !had_selection_) side_->open("raysGroup");
+  had_selection_ = selected;
 }
 
 }  // namespace plenoflame::desktop

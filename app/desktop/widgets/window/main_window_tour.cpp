@@ -1,9 +1,8 @@
 #include <QAction>
 #include <QComboBox>
-#include <QDockWidget>
 #include <QLineEdit>
-#include <QTabWidget>
 #include <QTreeView>
+#include <QVBoxLayout>
 #include <array>
 #include <memory>
 #include <vector>
@@ -36,12 +35,6 @@ Pixel brightest_pixel(const LightField& field) {
 
 }  // namespace
 
-void MainWindow::raise_dock(const char* name) {
-  auto* const dock = findChild<QDockWidget*>(name);
-  dock->show();
-  dock->raise();
-}
-
 void MainWindow::start_tour() {
   if (!open_example("paper-previous-60x60")) return;
   using Part = SceneView::Part;
@@ -52,20 +45,17 @@ void MainWindow::start_tour() {
     const Pixel pixel = brightest_pixel(*document.image());
     document.select(Selection::of_pixel(pixel.column, pixel.row));
   };
-  const auto tab = [this](int index) {
-    raise_dock("lightFieldDock");
-    light_field_->tabs().setCurrentIndex(index);
-  };
   const auto show_whole_image = [this, &document] {
+    light_field_->show_tab(LightFieldPanel::Tab::raw);
     document.select({});
     image_->outlines_action()->setChecked(false);
     image_->view().fit();
   };
   std::vector<TourDialog::Step> steps{
       {tr("A flame before a camera"),
-       tr("On the left in 3-D a flame stands one metre before a camera; the section below shows "
-          "both from the side. The picture in the middle is what the sensor gets: it is being "
-          "rendered by rays from every pixel."),
+       tr("In 3-D a flame stands one metre before a camera; Section shows both from the side. The "
+          "picture on the right is what the sensor gets: it is being rendered by rays from every "
+          "pixel."),
        [=] {
          show_whole_image();
          part(Part::scene);
@@ -111,7 +101,7 @@ void MainWindow::start_tour() {
        }},
       {tr("One pixel, its rays"),
        tr("A click on a pixel shows the rays that it gets: a thin bundle through one part of the "
-          "main lens, and a thin way through the flame. The table below has them one by one."),
+          "main lens, and a thin way through the flame. The table on the left has them one by one."),
        [=, this] {
          image_->outlines_action()->setChecked(false);
          image_->view().fit();
@@ -132,26 +122,25 @@ void MainWindow::start_tour() {
        }},
       {tr("Views"),
        tr("The same pixel of every disc together is a picture through one part of the main lens. "
-          "Drag the point in the opening at the right: the flame moves as it would for an eye that "
-          "moves."),
-       [=] {
+          "Drag the point in the opening: the flame moves as it would for an eye that moves."),
+       [=, this] {
          show_whole_image();
-         tab(0);
+         light_field_->show_tab(LightFieldPanel::Tab::views);
          part(Part::scene);
        }},
       {tr("Refocusing"),
        tr("Views that are shifted and added are a picture focused elsewhere, after it was taken. "
           "Drag the depth. From several directions, or several cameras, the flame itself can be "
           "found: Render > Reconstruct the flame."),
-       [=] {
+       [=, this] {
          show_whole_image();
-         tab(1);
+         light_field_->show_tab(LightFieldPanel::Tab::refocus);
        }}};
   auto* const tour = new TourDialog(std::move(steps), this);
   tour->setAttribute(Qt::WA_DeleteOnClose);
-  // Before the tree, which is not spoken of: views, table and light field stay seen.
-  tour->adjustSize();
-  tour->move(mapToGlobal(QPoint(8, height() - tour->height() - 60)));
+  // Below everything that it speaks of.
+  tour->setWindowFlags(Qt::Widget);
+  workspace_->addWidget(tour);
   tour->show();
   tour->go_to(0);
 }

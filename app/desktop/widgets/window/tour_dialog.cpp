@@ -20,7 +20,6 @@ TourDialog::TourDialog(std::vector<Step> steps, QWidget* parent)
   text_->setWordWrap(true);
   text_->setTextFormat(Qt::RichText);
   text_->setAlignment(Qt::AlignTop);
-  text_->setMinimumSize(340, 150);
   back_->setObjectName("tourBack");
   next_->setObjectName("tourNext");
   next_->setDefault(true);

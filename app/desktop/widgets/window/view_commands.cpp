@@ -3,30 +3,31 @@
 #include <QAction>
 #include <QApplication>
 #include <QClipboard>
-#include <QDockWidget>
 #include <QEvent>
 #include <QMainWindow>
 #include <QMenu>
+#include <QMenuBar>
 #include <QStatusBar>
+#include <utility>
 
 #include "widgets/scene/scene_view.h"
 
 namespace plenoflame::desktop {
 
-ViewCommands::ViewCommands(QMainWindow& window, SceneView& scene,
-                           const std::array<QWidget*, 3>& views, QMenu& view, QMenu& edit)
-    : QObject(&window), window_(window), scene_(scene), views_(views), first_(window.saveState()) {
-  full_ = view.addAction(tr("Full size"));
+ViewCommands::ViewCommands(QMainWindow& window, SceneView& scene, QWidget& pictures,
+                           std::vector<QWidget*> others, const std::array<QMenu*, 2>& view_and_edit)
+    : QObject(&window),
+      window_(window),
+      scene_(scene),
+      views_{&scene, &pictures},
+      others_(std::move(others)) {
+  full_ = view_and_edit[0]->addAction(tr("Full size"));
   full_->setObjectName("actionFull");
   full_->setCheckable(true);
   full_->setShortcut(Qt::Key_F11);
   full_->setToolTip(tr("The view under the pointer, or the one that has the focus, alone"));
-  connect(full_, &QAction::toggled, this, &ViewCommands::set_full);
-  connect(view.addAction(tr("Reset layout")), &QAction::triggered, this, [this] {
-    full_->setChecked(false);
-    window_.restoreState(first_);
-  });
-  QAction* const copied = edit.addAction(tr("Copy picture"), this, &ViewCommands::copy);
+  connect(full_, &QAction::toggled, this, &ViewCommands::show_alone);
+  QAction* const copied = view_and_edit[1]->addAction(tr("Copy picture"), this, &ViewCommands::copy);
   copied->setShortcut(QKeySequence("Ctrl+Shift+C"));
   copied->setToolTip(tr("What the view under the pointer shows, for other programs"));
   window_.installEventFilter(this);
@@ -34,7 +35,7 @@ ViewCommands::ViewCommands(QMainWindow& window, SceneView& scene,
 
 bool ViewCommands::eventFilter(QObject* object, QEvent* event) {
   // The next start is to have all of the window.
-  if (object == &window_ && event->type() == QEvent::Close) full_->setChecked(false);
+  if (object == &window_ && event->type() == QEvent::Close) set_full(false);
   return QObject::eventFilter(object, event);
 }
 
@@ -47,19 +48,29 @@ QWidget* ViewCommands::view_in_use() const {
 }
 
 void ViewCommands::set_full(bool on) {
+  full_->setChecked(on);
+}
+
+void ViewCommands::show_alone(bool on) {
   const QWidget* const chosen = view_in_use();
   if (on) {
-    before_full_ = window_.saveState();
-    for (QDockWidget* dock : window_.findChildren<QDockWidget*>()) dock->hide();
+    for (QWidget* const view : views_)
+      if (view != chosen) hidden_.push_back(view);
+    for (QWidget* const other : others_)
+      if (other->isVisible()) hidden_.push_back(other);
   }
-  for (QWidget* const view : views_) view->setVisible(!on || view == chosen);
-  views_[0]->parentWidget()->setVisible(!on || chosen != views_[2]);
-  if (!on) window_.restoreState(before_full_);
+  for (QWidget* const widget : hidden_) widget->setVisible(!on);
+  if (!on) hidden_.clear();
+  // A menu bar that were hidden would take its shortcuts with it.
+  window_.menuBar()->setMaximumHeight(on ? 0 : QWIDGETSIZE_MAX);
+  window_.setWindowState(on ? window_.windowState() | Qt::WindowFullScreen
+                            : window_.windowState() & ~Qt::WindowFullScreen);
 }
 
 void ViewCommands::copy() {
   QWidget* const view = view_in_use();
-  QApplication::clipboard()->setImage(view == &scene_ ? scene_.picture() : view->grab().toImage());
+  const bool space = view == &scene_ && !scene_.shows_section();
+  QApplication::clipboard()->setImage(space ? scene_.picture() : view->grab().toImage());
   window_.statusBar()->showMessage(tr("picture copied"), 8000);
 }
 

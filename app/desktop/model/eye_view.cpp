@@ -1,0 +1,319 @@
+#include "model/eye_view.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/colour.h"
+#include "plenoflame/lightfield/develop.h"
+#include "plenoflame/scene/spectral.h"
+#include "plenoflame/volumes/load_medium.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+using Point = EyeFlame::Point;
+
+constexpr double kBrightShare = 0.98;  ///< of the columns with light that are darker than `bright`
+constexpr double kBrightOnScreen = 1.1;  ///< exposure of these, of white
+constexpr double kGlare = 0.08;          ///< share of the light that is scattered in the eye
+constexpr double kWhitening = 0.55;      ///< of the brightest light that loses its colour
+
+Vec3 least_of(const Vec3& a, const Vec3& b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+}
+Vec3 most_of(const Vec3& a, const Vec3& b) {
+  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+}
+
+/// The scene's flames before an eye instead of its camera: no filters, no windows.
+Scene seen_by_eye(const Scene& scene) {
+  Scene eye;
+  eye.file = scene.file;
+  eye.flames = scene.flames;
+  for (const char* response : {"cie_x", "cie_y", "cie_z"}) {
+    ChannelSpec channel;
+    channel.name = response;
+    channel.kind = ChannelKind::named;
+    channel.response = response;
+    eye.channels.push_back(channel);
+  }
+  return eye;
+}
+
+/// Calls work(row) for all rows, on all processors.
+template <class Work>
+void for_rows(int rows, const Execution& execution, Work work) {
+  std::atomic<int> next{0};
+  const auto run = [&] {
+    for (int row = next++; row < rows && !execution.stop.stop_requested(); row = next++) work(row);
+  };
+  std::vector<std::jthread> helpers;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+    helpers.emplace_back(run);
+  run();
+  helpers.clear();
+  if (execution.stop.stop_requested()) throw Cancelled();
+}
+
+/// Adds the light of one flame.
+void add_flame(const Medium& medium, const SpectralNodes& nodes, double brightness,
+               const Execution& execution, EyeFlame& all) {
+  const auto count = nodes.sources.size();
+  const auto weight = [&](int channel, std::size_t node) {
+    if (nodes.mix.empty()) return static_cast<std::size_t>(channel) == node ? 1.0 : 0.0;
+    return nodes.mix.weight(channel, static_cast<int>(node));
+  };
+  const auto [nx, ny, nz] = all.count;
+  for_rows(ny * nz, execution, [&, nx = nx, ny = ny](int row) {
+    std::vector<double> emission(count), absorption(count);
+    for (int i = 0; i < nx; ++i) {
+      const Vec3 place{all.origin.x + i * all.step.x, all.origin.y + (row % ny) * all.step.y,
+                       all.origin.z + (row / ny) * all.step.z};
+      medium.coefficients(place, emission.data());
+      medium.absorptions(place, absorption.data());
+      std::array<double, 3> xyz{};
+      double luminous = 0;
+      for (std::size_t n = 0; n < count; ++n)
+        for (int c = 0; c < 3; ++c) {
+          const double light = brightness * weight(c, n) * emission[n];
+          xyz[static_cast<std::size_t>(c)] += light;
+          if (c == 1) luminous += light * absorption[n];
+        }
+      Point& point = all.points[static_cast<std::size_t>(row) * static_cast<std::size_t>(nx) +
+                                static_cast<std::size_t>(i)];
+      point.x += static_cast<float>(xyz[0]);
+      point.y += static_cast<float>(xyz[1]);
+      point.z += static_cast<float>(xyz[2]);
+      point.absorption += static_cast<float>(xyz[1] > 0 ? luminous / xyz[1] : absorption.front());
+    }
+  });
+}
+
+/// Luminance of the bright columns along each axis, of the axis that has most.
+double bright_of(const EyeFlame& flame) {
+  double most = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const std::array<std::size_t, 3> stride{
+        1, static_cast<std::size_t>(flame.count[0]),
+        static_cast<std::size_t>(flame.count[0]) * static_cast<std::size_t>(flame.count[1])};
+    const double length = axis == 0 ? flame.step.x : axis == 1 ? flame.step.y : flame.step.z;
+    std::vector<double> sums;
+    for (int i = 0; i < flame.count[u]; ++i)
+      for (int j = 0; j < flame.count[v]; ++j) {
+        double sum = 0, passed = 1;
+        for (int k = 0; k < flame.count[axis]; ++k) {
+          const Point& p = flame.points[static_cast<std::size_t>(i) * stride[u] +
+                                        static_cast<std::size_t>(j) * stride[v] +
+                                        static_cast<std::size_t>(k) * stride[axis]];
+          sum += passed * static_cast<double>(p.y) * length;
+          passed *= std::exp(-static_cast<double>(p.absorption) * length);
+        }
+        if (sum > 0) sums.push_back(sum);
+      }
+    if (sums.empty()) continue;
+    // Columns through the faint rim say nothing of what is bright.
+    const double least = 0.02 * *std::max_element(sums.begin(), sums.end());
+    std::erase_if(sums, [&](double sum) { return sum < least; });
+    const auto at = sums.begin() + static_cast<std::ptrdiff_t>(
+                                       kBrightShare * static_cast<double>(sums.size() - 1));
+    std::nth_element(sums.begin(), at, sums.end());
+    most = std::max(most, *at);
+  }
+  return most;
+}
+
+/// Where a ray is within a box: from and to, in units of its direction; none: from > to.
+std::array<double, 2> within(const Box& box, const Vec3& from, const Vec3& way) {
+  double near = 0, far = 1e300;
+  const auto cut = [&](double low, double high, double start, double speed) {
+    if (speed == 0) {
+      if (start < low || start > high) far = -1;
+      return;
+    }
+    const double a = (low - start) / speed, b = (high - start) / speed;
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  };
+  cut(box.lower.x, box.upper.x, from.x, way.x);
+  cut(box.lower.y, box.upper.y, from.y, way.y);
+  cut(box.lower.z, box.upper.z, from.z, way.z);
+  return {near, far};
+}
+
+/// Values between the points, by straight lines.
+Point between(const EyeFlame& flame, double x, double y, double z) {
+  std::array<std::size_t, 3> cell{};
+  std::array<float, 3> share{};
+  const std::array<double, 3> place{x, y, z};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double at = std::clamp(place[k], 0.0, static_cast<double>(flame.count[k] - 1));
+    cell[k] = static_cast<std::size_t>(std::min(static_cast<int>(at), flame.count[k] - 2));
+    share[k] = static_cast<float>(at - static_cast<double>(cell[k]));
+  }
+  const auto row = static_cast<std::size_t>(flame.count[0]);
+  const auto layer = row * static_cast<std::size_t>(flame.count[1]);
+  const Point* const first = &flame.points[cell[0] + row * cell[1] + layer * cell[2]];
+  Point sum;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const bool dx = (k & 1U) != 0, dy = (k & 2U) != 0, dz = (k & 4U) != 0;
+    const Point& p = first[(dx ? 1 : 0) + (dy ? row : 0) + (dz ? layer : 0)];
+    const float w = (dx ? share[0] : 1 - share[0]) * (dy ? share[1] : 1 - share[1]) *
+                    (dz ? share[2] : 1 - share[2]);
+    sum.x += w * p.x;
+    sum.y += w * p.y;
+    sum.z += w * p.z;
+    sum.absorption += w * p.absorption;
+  }
+  return sum;
+}
+
+/// Blurs by the mean of neighbours, three times, which is nearly a bell.
+void blur(std::vector<float>& values, int width, int height, int radius) {
+  std::vector<float> line;
+  const auto along = [&](std::size_t first, std::size_t stride, int count) {
+    line.resize(static_cast<std::size_t>(count));
+    double sum = 0;
+    const auto at = [&](int i) -> double {
+      return i < 0 || i >= count ? 0.0
+                                 : static_cast<double>(
+                                       values[first + stride * static_cast<std::size_t>(i)]);
+    };
+    for (int i = 0; i <= radius; ++i) sum += at(i);
+    for (int i = 0; i < count; ++i) {
+      line[static_cast<std::size_t>(i)] = static_cast<float>(sum / (2 * radius + 1));
+      sum += at(i + radius + 1) - at(i - radius);
+    }
+    for (int i = 0; i < count; ++i)
+      values[first + stride * static_cast<std::size_t>(i)] = line[static_cast<std::size_t>(i)];
+  };
+  for (int pass = 0; pass < 3; ++pass) {
+    for (int y = 0; y < height; ++y)
+      along(static_cast<std::size_t>(y) * static_cast<std::size_t>(width), 1, width);
+    for (int x = 0; x < width; ++x)
+      along(static_cast<std::size_t>(x), static_cast<std::size_t>(width), height);
+  }
+}
+
+}  // namespace
+
+Box EyeFlame::box() const {
+  return {origin, origin + Vec3{step.x * (count[0] - 1), step.y * (count[1] - 1),
+                                step.z * (count[2] - 1)}};
+}
+
+std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
+                                          const Execution& execution) {
+  if (scene.flames.empty()) return nullptr;
+  const Scene eye = seen_by_eye(scene);
+  const SpectralNodes nodes = spectral_nodes(eye);
+  const std::string folder = std::filesystem::path(scene.file).parent_path().string();
+  std::vector<std::shared_ptr<const Medium>> media;
+  Box all;
+  for (const FlameSpec& flame : eye.flames) {
+    media.push_back(load_medium(flame, folder, nodes.sources, execution));
+    const Box box = media.back()->bounds();
+    if (box.empty()) continue;
+    all = all.empty() ? box : Box{least_of(all.lower, box.lower), most_of(all.upper, box.upper)};
+  }
+  if (all.empty()) return nullptr;
+  auto result = std::make_shared<EyeFlame>();
+  const Vec3 size = all.upper - all.lower;
+  const double step = std::max({size.x, size.y, size.z}) / (longest - 1);
+  result->origin = all.lower;
+  const auto divide = [&](double length, double& each) {
+    const int cells = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
+    each = length / cells;
+    return cells + 1;
+  };
+  result->count = {divide(size.x, result->step.x), divide(size.y, result->step.y),
+                   divide(size.z, result->step.z)};
+  result->points.resize(static_cast<std::size_t>(result->count[0]) *
+                        static_cast<std::size_t>(result->count[1]) *
+                        static_cast<std::size_t>(result->count[2]));
+  for (std::size_t i = 0; i < media.size(); ++i)
+    add_flame(*media[i], nodes, eye.flames[i].brightness, execution, *result);
+  result->bright = bright_of(*result);
+  return result;
+}
+
+EyeLight eye_light(const EyeFlame& flame, const EyeWindow& window, const Execution& execution) {
+  EyeLight light{window.width, window.height, {}};
+  light.pixels.resize(static_cast<std::size_t>(window.width) *
+                      static_cast<std::size_t>(window.height));
+  const Box box{most_of(flame.box().lower, window.kept.lower),
+                least_of(flame.box().upper, window.kept.upper)};
+  const double step = std::min({flame.step.x, flame.step.y, flame.step.z});
+  for_rows(window.height, execution, [&](int row) {
+    for (int column = 0; column < window.width; ++column) {
+      const Vec3 place = window.corner + (column + 0.5) / window.width * window.across +
+                         (row + 0.5) / window.height * window.down;
+      const Vec3 way = normalize(place - window.eye);
+      const auto [near, far] = within(box, window.eye, way);
+      EyeLight::Pixel& pixel =
+          light.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(window.width) +
+                       static_cast<std::size_t>(column)];
+      if (!(near < far)) continue;
+      const int steps = std::max(1, static_cast<int>(std::ceil((far - near) / step)));
+      const double length = (far - near) / steps;
+      for (int i = 0; i < steps && pixel.passed > 1e-3F; ++i) {
+        const Vec3 at = window.eye + (near + (i + 0.5) * length) * way - flame.origin;
+        const Point p =
+            between(flame, at.x / flame.step.x, at.y / flame.step.y, at.z / flame.step.z);
+        if (p.y == 0 && p.absorption == 0) continue;
+        // Of equal light and absorption along the step.
+        const float thick = p.absorption * static_cast<float>(length);
+        const float kept = std::exp(-thick);
+        const float reach = pixel.passed * (thick > 1e-4F ? (1 - kept) / p.absorption
+                                                          : static_cast<float>(length));
+        pixel.x += reach * p.x;
+        pixel.y += reach * p.y;
+        pixel.z += reach * p.z;
+        pixel.passed *= kept;
+      }
+    }
+  });
+  return light;
+}
+
+std::vector<std::uint8_t> eye_picture(EyeLight light, double bright, double exposure, int glare) {
+  const std::size_t count = light.pixels.size();
+  const double gain = bright > 0 ? kBrightOnScreen * std::exp2(exposure) / bright : 0;
+  std::array<std::vector<float>, 3> sharp;
+  for (std::vector<float>& channel : sharp) channel.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const EyeLight::Pixel& p = light.pixels[i];
+    const auto rgb = linear_srgb({gain * static_cast<double>(p.x), gain * static_cast<double>(p.y),
+                                  gain * static_cast<double>(p.z)});
+    for (std::size_t c = 0; c < 3; ++c) sharp[c][i] = static_cast<float>(std::max(0.0, rgb[c]));
+  }
+  std::array<std::vector<float>, 3> soft = sharp;
+  if (glare > 0)
+    for (std::vector<float>& channel : soft) blur(channel, light.width, light.height, glare);
+  std::vector<std::uint8_t> picture;
+  picture.reserve(4 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::array<double, 3> rgb{};
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb[c] = (1 - kGlare) * static_cast<double>(sharp[c][i]) +
+               kGlare * static_cast<double>(soft[c][i]);
+    const double luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    const double white = kWhitening * (1 - std::exp(-luminance * luminance));
+    double most = 1 - static_cast<double>(light.pixels[i].passed);
+    for (double& value : rgb) {
+      value = encode_srgb(1 - std::exp(-1.6 * (value + white * (luminance - value))));
+      most = std::max(most, value);
+    }
+    for (const double value : rgb)
+      picture.push_back(static_cast<std::uint8_t>(most > 0 ? std::lround(255 * value / most) : 0));
+    picture.push_back(static_cast<std::uint8_t>(std::lround(255 * std::min(1.0, most))));
+  }
+  return picture;
+}
+
+}  // namespace plenoflame::desktop

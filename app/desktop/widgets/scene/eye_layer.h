@@ -1,0 +1,66 @@
+#pragma once
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+#include <QTimer>
+#include <array>
+#include <memory>
+
+#include "model/eye_view.h"
+#include "model/jobs/latest_task.h"
+
+class vtkActor;
+class vtkImageData;
+class vtkPlaneSource;
+class vtkRenderer;
+
+namespace plenoflame::desktop {
+
+/// What eyes see of the flames, as a picture in the plane through their middle that faces the eye:
+/// coarse while that moves, as fine as the screen at rest.
+class EyeLayer : public QObject {
+  Q_OBJECT
+ public:
+  explicit EyeLayer(vtkRenderer& renderer);
+  ~EyeLayer() override;
+
+  void set_flame(std::shared_ptr<const EyeFlame> flame);
+  /// @param shift [m] from the flames' place to where they are drawn
+  void set_shift(const Vec3& shift);
+  /// @param kept [m] part of the flames that is not cut away
+  void set_look(double exposure, const Box& kept);
+  void set_visible(bool on) { visible_ = on; }
+  /// Before each drawing of the view: follows its camera.
+  void follow_camera();
+  /// Draws it finely now.
+  void refine();
+  /// True if there is light to be seen.
+  bool has_light() const { return flame_ && flame_->bright > 0; }
+  /// True if what is shown is as fine as it gets.
+  bool is_fine() const { return !visible_ || !has_light() || fine_; }
+
+ signals:
+  /// It has got finer.
+  void changed();
+
+ private:
+  EyeWindow window() const;
+  void place(const EyeWindow& window);
+  void take(const EyeLight& light);
+
+  vtkRenderer& renderer_;
+  std::shared_ptr<const EyeFlame> flame_;
+  Vec3 shift_;
+  Box kept_;
+  double exposure_ = 0;
+  bool visible_ = false, fine_ = false;
+  std::array<double, 16> camera_{};  ///< for which it was drawn
+  vtkNew<vtkPlaneSource> plane_;
+  vtkNew<vtkImageData> image_;
+  vtkNew<vtkActor> actor_;
+  QTimer rest_;
+  unsigned newest_ = 0;
+  LatestTask task_{Urgency::waited_for};  ///< last: it ends first
+};
+
+}  // namespace plenoflame::desktop
