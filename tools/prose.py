@@ -45,8 +45,8 @@ class Sentence:
 
 
 def plain(text):
-    """A line without markup: inline code becomes one word, a link its text, an address nothing."""
-    text = re.sub(r"`[^`]*`", "Code", text)
+    """A line without markup: inline code and a formula become one word, a link its text, an address nothing."""
+    text = re.sub(r"`[^`]*`|\$[^$]+\$", "Code", text)
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
     return re.sub(r"<!--.*?-->|<?\bhttps?://\S+", "", text)
 
@@ -68,12 +68,12 @@ def page_sentences(text):
     paragraph, start, fence, comment = [], 0, False, False
     for number, line in enumerate(text.splitlines() + [""], 1):
         bare = line.strip()
-        if bare.startswith("```"):
+        if bare.startswith("```") or bare.count("$$") == 1:
             fence, bare = not fence, ""
         elif bare.startswith("<!--") and "-->" not in bare:
             comment = True
         formula = line.startswith("    ") and not paragraph
-        ignored = fence or comment or formula or not bare or bare.startswith(("|", "<!--"))
+        ignored = fence or comment or formula or not bare or bare.startswith(("|", "<!--", "$$"))
         item = re.match(r"([-*+]|\d+\.)\s+", bare)
         heading = re.match(r"#+\s+", bare)
         if paragraph and (ignored or item or heading):

@@ -49,6 +49,7 @@ class Prose(unittest.TestCase):
 
     def test_code_tables_formulas_and_addresses_are_ignored(self):
         self.assertEqual(self.found(f"```sh\n{LONG}\n```\n\n| {LONG} |\n\n    {LONG}\n\n<!-- {LONG}\n{LONG} -->\n"), [])
+        self.assertEqual(self.found(f"$$ {LONG} $$\n\n$$\n{LONG}\n$$\n\nThe flux is ${LONG}$ at most.\n"), [])
         words = "The renderer reads the file " + "`--option value with words` " * 9 + "from [here](https://a.b/c d)"
         self.assertEqual(self.found(f"{words} and stops.\n"), [])
 

@@ -25,7 +25,7 @@ class Site(unittest.TestCase):
                            "docs/user/a.md": "# A\n", "docs/images/p.png": "", "examples/x.toml": "x"}.items():
             self.write(name, text)
         (self.root / "packaging/site").mkdir(parents=True)
-        for name in ("mkdocs.yml", "site.css"):
+        for name in ("mkdocs.yml", "site.css", "formulas.js"):
             shutil.copy(ROOT / "packaging/site" / name, self.root / "packaging/site")
         self.out = self.root.parent / "out"
 
