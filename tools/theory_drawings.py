@@ -88,7 +88,7 @@ def outline(axes):
                  or (middle + r * math.cos(phi) - shift) ** 2 + (r * math.sin(phi)) ** 2 >= stop ** 2)
     edge = middle + reach * math.cos(phi), reach * math.sin(phi)
     axes.annotate("", xy=edge, xytext=(middle, 0), arrowprops={"arrowstyle": "->", "color": OPEN, "lw": 1.2})
-    axes.text(edge[0] + 0.06, edge[1] + 0.02, "c + r v", fontsize=9, color=OPEN)
+    axes.text(edge[0] + 0.06, edge[1] + 0.02, r"$c+\rho v$", fontsize=9, color=OPEN)
     axes.text(-1.02, 0.75, "aperture", fontsize=9, ha="right", color=INK)
     axes.text(1.65, 0.95, "stop", fontsize=9, color=CUT)
     axes.text(2.1, -0.16, "p", fontsize=9, ha="right")
