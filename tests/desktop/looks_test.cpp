@@ -16,6 +16,7 @@
 #include <QClipboard>
 #include <QComboBox>
 #include <QDialogButtonBox>
+#include <QDoubleSpinBox>
 #include <QHeaderView>
 #include <QLabel>
 #include <QScrollBar>
@@ -237,7 +238,42 @@ class LooksTest : public test::SceneFixture {
     }
   }
 
-  void flameIsCutAndDrawnInThreeWays() {
+  void flameIsSeenAsEyesSeeItAndExposed() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_2));
+    QVERIFY(until([&] { return view().is_current(); }));
+    const auto mean = [&](const QImage& picture) {
+      double sum = 0;
+      for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) sum += qGray(picture.pixel(x, y));
+      return sum / (picture.width() * picture.height());
+    };
+    const QImage whole = view().picture();
+    // Soot has no green or blue anywhere that its red does not exceed: no fringe, no olive. It
+    // fills most of its view's height.
+    int top = whole.height(), bottom = 0;
+    for (int y = 0; y < whole.height(); ++y)
+      for (int x = whole.width() / 4; x < whole.width() * 3 / 4; ++x) {
+        const QColor c(whole.pixel(x, y));
+        if (c.red() < 60 || c.red() - c.blue() < 30) continue;
+        QVERIFY(c.red() >= c.green() && c.green() >= c.blue());
+        top = std::min(top, y);
+        bottom = std::max(bottom, y);
+      }
+    QVERIFY2(bottom - top > 0.6 * whole.height(), qPrintable(QString::number(bottom - top)));
+    auto* const exposure = child<QDoubleSpinBox>("flameExposure");
+    QVERIFY(exposure->isVisible());
+    exposure->selectAll();
+    QTest::keyClicks(exposure, "-3");
+    QTest::keyClick(exposure, Qt::Key_Return);
+    QCOMPARE(session().document().look().exposure, -3.0);
+    QVERIFY(mean(view().picture()) < 0.7 * mean(whole));
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QCOMPARE(exposure->value(), 0.0);
+    QVERIFY(test::difference(whole, view().picture()) < 1e-3);
+  }
+
+  void flameIsCutAndDrawnInFourWays() {
     QVERIFY(open_example("lenslets-30"));
     QVERIFY(part(Qt::Key_2));
     QTest::mouseClick(child<QToolButton>("alongZ"), Qt::LeftButton);
@@ -245,12 +281,11 @@ class LooksTest : public test::SceneFixture {
     auto* const drawing = child<QComboBox>("flameDrawing");
     auto* const cut = child<QComboBox>("flameCut");
     drawing->setFocus();
-    for (const char* way : {"absorption", "surfaces"}) {
+    for (const char* way : {"emission", "absorption", "surfaces"}) {
       QTest::keyClick(drawing, Qt::Key_Down);
       QVERIFY2(test::difference(whole, view().picture()) > 1e-3, way);
     }
-    press(Qt::Key_Z, Qt::ControlModifier);
-    press(Qt::Key_Z, Qt::ControlModifier);
+    for (int i = 0; i < 3; ++i) press(Qt::Key_Z, Qt::ControlModifier);
     QCOMPARE(drawing->currentIndex(), 0);
     // Cut across y at the middle: one side of the picture is as before, the other has no flame.
     cut->setFocus();

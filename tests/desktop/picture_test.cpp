@@ -263,7 +263,9 @@ class PictureTest : public test::WindowFixture {
       }
       return out;
     };
-    FlameLook look;
+    FlameLook plain;
+    plain.drawing = FlameDrawing::emission;
+    FlameLook look = plain;
     const Drawn usual = draw(look);
     QVERIFY(usual.covered > 0);
     look.density = 4;
@@ -271,14 +273,14 @@ class PictureTest : public test::WindowFixture {
     look.density = 0.25;
     const Drawn thin = draw(look);
     QVERIFY(dense.covered > 1.1 * usual.covered && usual.covered > 1.1 * thin.covered);
-    look = {};
+    look = plain;
     look.map = ColourMap::viridis;
     const Drawn viridis = draw(look);
     QVERIFY2(viridis.green > 500 && usual.green < viridis.green / 10,
              qPrintable(QString("%1, %2").arg(viridis.green).arg(usual.green)));
     // A range below all temperatures: everything is as hot as can be, nearly white before the dark
     // background; one above: as cold, dark.
-    look = {};
+    look = plain;
     look.automatic = false;
     look.cold = 0.4 * coldest;
     look.hot = 0.8 * coldest;
@@ -300,7 +302,7 @@ class PictureTest : public test::WindowFixture {
         if (place > 0.9) hot_reach = std::max(hot_reach, y);
         if (place < 0.1) cold_reach = std::max(cold_reach, y);
       }
-    look = {};
+    look = plain;
     look.density = 20;
     look.points = {{0, 0}, {0.9, 0}, {1, 1}};
     const int hot_width = draw(look).width;

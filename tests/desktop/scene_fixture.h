@@ -33,6 +33,12 @@ class SceneFixture : public WindowFixture {
     return window_->open_example(name) && settled() &&
            until([this] { return view().flame_temperatures()[1] > 0; });
   }
+  /// The flame in colours of its temperature, with their bar.
+  void draw_temperatures() {
+    FlameLook look;
+    look.drawing = FlameDrawing::emission;
+    session().document().set_look(look, "test");
+  }
   /// A part of the 3-D view by its key, and drawn.
   bool part(Qt::Key key) {
     press(key, Qt::ControlModifier);

@@ -191,6 +191,7 @@ class SurroundingsTest : public test::SceneFixture {
 
   void flamesHaveTheSameColoursInTheWindowAndInTheCommandsPicture() {
     QVERIFY(open_example("lenslets-30"));
+    draw_temperatures();
     QVERIFY(part(Qt::Key_2));
     run(PLENOFLAME_COMMAND, {"picture", PLENOFLAME_EXAMPLES "/lenslets-30.toml", "--no-insets",
                              "-o", file("picture.png")});
@@ -255,6 +256,7 @@ class SurroundingsTest : public test::SceneFixture {
 
   void numbersStandBesideTheColourBar() {
     QVERIFY(open_example("lenslets-30"));
+    draw_temperatures();
     // As it is on the screen: a picture for a file is laid out anew.
     auto* const screen = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
     const auto ink = [screen] {

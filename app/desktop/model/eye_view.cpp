@@ -19,7 +19,7 @@ namespace {
 using Point = EyeFlame::Point;
 
 constexpr double kBrightShare = 0.98;  ///< of the columns with light that are darker than `bright`
-constexpr double kBrightOnScreen = 1.1;  ///< exposure of these, of white
+constexpr double kBrightOnScreen = 0.9;  ///< exposure of these, of white
 constexpr double kGlare = 0.08;          ///< share of the light that is scattered in the eye
 constexpr double kWhitening = 0.55;      ///< of the brightest light that loses its colour
 
@@ -33,6 +33,7 @@ Vec3 most_of(const Vec3& a, const Vec3& b) {
 /// The scene's flames before an eye instead of its camera: no filters, no windows.
 Scene seen_by_eye(const Scene& scene) {
   Scene eye;
+  eye.channels.clear();
   eye.file = scene.file;
   eye.flames = scene.flames;
   for (const char* response : {"cie_x", "cie_y", "cie_z"}) {
@@ -61,7 +62,7 @@ void for_rows(int rows, const Execution& execution, Work work) {
 }
 
 /// Adds the light of one flame.
-void add_flame(const Medium& medium, const SpectralNodes& nodes, double brightness,
+void add_flame(const Medium& medium, const SpectralNodes& nodes, const FlameSpec& flame,
                const Execution& execution, EyeFlame& all) {
   const auto count = nodes.sources.size();
   const auto weight = [&](int channel, std::size_t node) {
@@ -74,13 +75,15 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, double brightne
     for (int i = 0; i < nx; ++i) {
       const Vec3 place{all.origin.x + i * all.step.x, all.origin.y + (row % ny) * all.step.y,
                        all.origin.z + (row / ny) * all.step.z};
-      medium.coefficients(place, emission.data());
       medium.absorptions(place, absorption.data());
+      // Light without absorption is that of lines.
+      if (flame.lines.empty() && absorption.front() == 0 && absorption.back() == 0) continue;
+      medium.coefficients(place, emission.data());
       std::array<double, 3> xyz{};
       double luminous = 0;
       for (std::size_t n = 0; n < count; ++n)
         for (int c = 0; c < 3; ++c) {
-          const double light = brightness * weight(c, n) * emission[n];
+          const double light = flame.brightness * weight(c, n) * emission[n];
           xyz[static_cast<std::size_t>(c)] += light;
           if (c == 1) luminous += light * absorption[n];
         }
@@ -94,9 +97,10 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, double brightne
   });
 }
 
-/// Luminance of the bright columns along each axis, of the axis that has most.
+/// Luminance of the bright columns along each axis, of the axis that has least: flames are seen from
+/// the side, and are brighter along their length.
 double bright_of(const EyeFlame& flame) {
-  double most = 0;
+  double bright = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
     const std::array<std::size_t, 3> stride{
@@ -116,16 +120,16 @@ double bright_of(const EyeFlame& flame) {
         }
         if (sum > 0) sums.push_back(sum);
       }
-    if (sums.empty()) continue;
+    if (sums.empty()) return 0;
     // Columns through the faint rim say nothing of what is bright.
     const double least = 0.02 * *std::max_element(sums.begin(), sums.end());
     std::erase_if(sums, [&](double sum) { return sum < least; });
     const auto at = sums.begin() + static_cast<std::ptrdiff_t>(
                                        kBrightShare * static_cast<double>(sums.size() - 1));
     std::nth_element(sums.begin(), at, sums.end());
-    most = std::max(most, *at);
+    bright = axis == 0 ? *at : std::min(bright, *at);
   }
-  return most;
+  return bright;
 }
 
 /// Where a ray is within a box: from and to, in units of its direction; none: from > to.
@@ -237,7 +241,7 @@ std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
                         static_cast<std::size_t>(result->count[1]) *
                         static_cast<std::size_t>(result->count[2]));
   for (std::size_t i = 0; i < media.size(); ++i)
-    add_flame(*media[i], nodes, eye.flames[i].brightness, execution, *result);
+    add_flame(*media[i], nodes, eye.flames[i], execution, *result);
   result->bright = bright_of(*result);
   return result;
 }

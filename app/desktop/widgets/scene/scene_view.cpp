@@ -61,7 +61,7 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
-constexpr int kLightPoints = 128;
+constexpr int kLightPoints = 112;
 constexpr int kSensorTexture = 640;
 
 /// Parts that are made for paper are seen before the dark, too.

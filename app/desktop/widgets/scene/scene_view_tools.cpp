@@ -438,8 +438,8 @@ void SceneView::add_volume(vtkImageData& flame, vtkRenderer& renderer) {
       renderer.AddActor(surface);
     }
   } else {
-    const vtkSmartPointer<vtkImageData> drawn =
-        drawing == FlameDrawing::emission ? shining(flame) : &flame;
+    const auto drawn = drawing == FlameDrawing::emission ? shining(flame)
+                                                         : vtkSmartPointer<vtkImageData>(&flame);
     const auto volume = views::flame_volume(*drawn, colours);
     FlameLook look = look_;
     // Shining places are to be seen as such: thin hot sheets of it, too.
