@@ -112,8 +112,9 @@ class LooksTest : public test::SceneFixture {
       }
       return true;
     };
-    for (const int width : {0, 300, 620}) {  // 0: as wide as it is
-      if (width > 0) split->setSizes({width, 700 - width / 2, 700 - width / 2});
+    for (const int width : {0, 300, 900}) {  // 0: as wide as it is
+      if (width == 900) window_->resize(2000, 900);
+      if (width > 0) split->setSizes({width, 1000 - width / 2, 1000 - width / 2});
       const SidePanel& side = window_->side_panel();
       QVERIFY(until([&] { return width == 0 || std::abs(side.width() - width) < 60; }));
       const bool narrow = width < 500;
