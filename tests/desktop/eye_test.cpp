@@ -96,9 +96,11 @@ TEST(EyeView, SootIsOrangeAndBrighterByEachStop) {
 }
 
 TEST(EyeView, TwiceTheBrightnessIsTwiceTheLight) {
-  const auto once = eye_flame(layered(), 40, {}), twice = eye_flame(layered("brightness = 2\n"), 40, {});
+  const auto once = eye_flame(layered(), 40, {}),
+             twice = eye_flame(layered("brightness = 2\n"), 40, {});
   EXPECT_NEAR(twice->bright / once->bright, 2, 1e-5);
-  EXPECT_FALSE(eye_flame(parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene, 40, {}));
+  EXPECT_FALSE(
+      eye_flame(parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene, 40, {}));
 }
 
 TEST(EyeView, GlareSpreadsLightAndKeepsMostOfIt) {

@@ -3,7 +3,6 @@
 #include <QAction>
 #include <QComboBox>
 #include <QDir>
-#include <QAction>
 #include <QFile>
 #include <QFileDialog>
 #include <QFileInfo>
@@ -20,9 +19,9 @@
 #include "gui_tests.h"
 #include "heartbeat.h"
 #include "plenoflame/lightfield/export.h"
+#include "widgets/controls/side_panel.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
-#include "widgets/controls/side_panel.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/window/main_window.h"

@@ -151,8 +151,8 @@ class LooksTest : public test::SceneFixture {
       fresh.resize(size);
       QVERIFY(until([&] { return fresh.size() == size; }));
       // Two views share the window, each at least two fifths of it.
-      for (const QWidget* view : std::initializer_list<const QWidget*>{
-               &fresh.scene_view(), &fresh.light_field_panel()}) {
+      for (const QWidget* view :
+           std::initializer_list<const QWidget*>{&fresh.scene_view(), &fresh.light_field_panel()}) {
         QVERIFY2(until([&] { return 5 * view->width() >= 2 * size.width(); }, 5000),
                  qPrintable(QString("%1 of %2").arg(view->width()).arg(size.width())));
         QVERIFY(10 * view->height() >= 9 * size.height());

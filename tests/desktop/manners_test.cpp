@@ -173,6 +173,22 @@ class MannersTest : public test::WindowFixture {
     QVERIFY(text.contains("F6"));
   }
 
+  void questionOfUnsavedChangesIsAnsweredByKeys() {
+    open_small();
+    type("render.samples", "3");
+    window_->set_unattended(false);
+    QStringList texts;
+    when_shown<QMessageBox>([&](QMessageBox& box) {
+      for (const QAbstractButton* button : box.buttons()) texts << button->text();
+      QTest::keyClick(&box, Qt::Key_C, Qt::AltModifier);
+    });
+    press(Qt::Key_N, Qt::ControlModifier);
+    window_->set_unattended(true);
+    QCOMPARE(texts.size(), 3);
+    for (const QString& text : texts) QVERIFY2(text.contains('&'), qPrintable(text));
+    QVERIFY(session().document().is_modified());
+  }
+
   void everyControlSaysWhatItIs() {
     open_small();
     QStringList silent;

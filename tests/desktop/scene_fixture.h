@@ -23,9 +23,11 @@ class SceneFixture : public WindowFixture {
   }
   void show_section(bool on) {
     auto* const mode = child<QAction>("viewSection");
-    for (auto* button : window_->findChildren<QToolButton*>())
-      if (mode->isChecked() != on && button->defaultAction() == mode)
-        QTest::mouseClick(button, Qt::LeftButton);
+    for (auto* button : window_->findChildren<QToolButton*>()) {
+      if (mode->isChecked() == on || button->defaultAction() != mode) continue;
+      QTest::mouseClick(button, Qt::LeftButton);
+      QTest::qWait(50);  // it gets its place
+    }
   }
   const Selection& selection() { return session().document().selection(); }
   const CompiledScene& scene() { return *session().compiler().compiled(); }

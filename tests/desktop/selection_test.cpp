@@ -198,7 +198,7 @@ class SelectionTest : public test::SceneFixture {
     QVERIFY(line < table()->rowCount());
     table()->setCurrentCell(line, 0);
     const QString text = table()->item(line, 1)->text();
-    const QPoint cell = table()->visualItemRect(table()->item(line, 1)).center();
+    const QPoint cell = table()->visualItemRect(table()->item(line, 0)).center();
     QTest::mouseClick(table()->viewport(), Qt::LeftButton, {}, cell);
     QTest::mouseDClick(table()->viewport(), Qt::LeftButton, {}, cell);
     QVERIFY(selection().kind == Selection::Kind::pixel);

@@ -97,8 +97,8 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, const FlameSpec
   });
 }
 
-/// Luminance of the bright columns along each axis, of the axis that has least: flames are seen from
-/// the side, and are brighter along their length.
+/// Luminance of the bright columns along each axis, of the axis that has least: flames are seen
+/// from the side, and are brighter along their length.
 double bright_of(const EyeFlame& flame) {
   double bright = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -184,9 +184,9 @@ void blur(std::vector<float>& values, int width, int height, int radius) {
     line.resize(static_cast<std::size_t>(count));
     double sum = 0;
     const auto at = [&](int i) -> double {
-      return i < 0 || i >= count ? 0.0
-                                 : static_cast<double>(
-                                       values[first + stride * static_cast<std::size_t>(i)]);
+      return i < 0 || i >= count
+                 ? 0.0
+                 : static_cast<double>(values[first + stride * static_cast<std::size_t>(i)]);
     };
     for (int i = 0; i <= radius; ++i) sum += at(i);
     for (int i = 0; i < count; ++i) {
@@ -207,8 +207,8 @@ void blur(std::vector<float>& values, int width, int height, int radius) {
 }  // namespace
 
 Box EyeFlame::box() const {
-  return {origin, origin + Vec3{step.x * (count[0] - 1), step.y * (count[1] - 1),
-                                step.z * (count[2] - 1)}};
+  return {origin,
+          origin + Vec3{step.x * (count[0] - 1), step.y * (count[1] - 1), step.z * (count[2] - 1)}};
 }
 
 std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
@@ -273,8 +273,8 @@ EyeLight eye_light(const EyeFlame& flame, const EyeWindow& window, const Executi
         // Of equal light and absorption along the step.
         const float thick = p.absorption * static_cast<float>(length);
         const float kept = std::exp(-thick);
-        const float reach = pixel.passed * (thick > 1e-4F ? (1 - kept) / p.absorption
-                                                          : static_cast<float>(length));
+        const float reach =
+            pixel.passed * (thick > 1e-4F ? (1 - kept) / p.absorption : static_cast<float>(length));
         pixel.x += reach * p.x;
         pixel.y += reach * p.y;
         pixel.z += reach * p.z;

@@ -36,8 +36,9 @@ bool operator==(const OpacityPoint& a, const OpacityPoint& b) {
 }
 
 bool operator==(const FlameLook& a, const FlameLook& b) {
-  return a.map == b.map && a.drawing == b.drawing && a.exposure == b.exposure && a.automatic == b.automatic &&
-         a.cold == b.cold && a.hot == b.hot && a.density == b.density && a.points == b.points;
+  return a.map == b.map && a.drawing == b.drawing && a.exposure == b.exposure &&
+         a.automatic == b.automatic && a.cold == b.cold && a.hot == b.hot &&
+         a.density == b.density && a.points == b.points;
 }
 
 double opacity_at(const std::vector<OpacityPoint>& points, double place) {

@@ -52,6 +52,8 @@ void apply_theme(bool dark) {
        {QPalette::WindowText, QPalette::Text, QPalette::ButtonText})
     palette.setColor(QPalette::Disabled, role,
                      dark ? QColor(125, 129, 135) : QColor(140, 144, 150));
+  // Shadows of disabled texts, which would make them look bold before the dark.
+  palette.setColor(QPalette::Disabled, QPalette::Light, palette.color(QPalette::Window));
   // The filled part of a slider that moves nothing is as grey as its texts.
   palette.setColor(QPalette::Disabled, QPalette::Highlight,
                    dark ? QColor(70, 74, 80) : QColor(190, 194, 200));

@@ -504,7 +504,7 @@ std::shared_ptr<const Image> LightFieldPanel::shown_image() const {
   const ImageView* const view = tab() == Tab::views     ? view_
                                 : tab() == Tab::refocus ? refocused_
                                 : tab() == Tab::total   ? total_
-                                                   : slice_;
+                                                        : slice_;
   if (!view->image() || view->image()->empty()) return nullptr;
   return std::shared_ptr<const Image>(view->image(), &view->image()->level(0));
 }

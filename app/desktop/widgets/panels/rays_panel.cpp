@@ -174,7 +174,12 @@ void RaysPanel::fill() {
   }
   colour_endings();
   show_title();
-  if (!rows.empty()) table_->setCurrentCell(0, 0);
+  // The first one that has something to show.
+  const auto reached = std::find_if(rows.begin(), rows.end(), [&](const RayRow& row) {
+    return rays->paths.rays[static_cast<std::size_t>(row.ray)].status.status == RayStatus::reached;
+  });
+  if (!rows.empty())
+    table_->setCurrentCell(reached == rows.end() ? 0 : static_cast<int>(reached - rows.begin()), 0);
   table_->blockSignals(quiet);
   fill_surfaces(chosen());
 }

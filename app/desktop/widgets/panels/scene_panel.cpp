@@ -194,7 +194,10 @@ void ScenePanel::reveal(const QString& path) {
 }
 
 void ScenePanel::resizeEvent(QResizeEvent* event) {
-  tree_->setColumnHidden(ParameterModel::kAllowed, width() < kWidePanel);
+  const bool narrow = width() < kWidePanel;
+  tree_->setColumnHidden(ParameterModel::kAllowed, narrow);
+  tree_->header()->setSectionResizeMode(ParameterModel::kValue,
+                                        narrow ? QHeaderView::Stretch : QHeaderView::Interactive);
   QWidget::resizeEvent(event);
 }
 

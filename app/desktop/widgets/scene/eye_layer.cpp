@@ -17,9 +17,9 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr int kCoarse = 110;        ///< pixels along the longer side while the view moves
-constexpr int kRestsAfter = 120;    ///< [ms]
-constexpr double kMargin = 0.05;    ///< around the flames, for their glare
+constexpr int kCoarse = 110;          ///< pixels along the longer side while the view moves
+constexpr int kRestsAfter = 120;      ///< [ms]
+constexpr double kMargin = 0.05;      ///< around the flames, for their glare
 constexpr double kGlareShare = 0.02;  ///< its radius, of the longer side
 constexpr double kLeastDepth = 1e-3;  ///< of the distance: how near to the eye corners may be
 

@@ -486,8 +486,8 @@ std::array<double, 2> SceneView::clipping_range() const {
 }
 
 bool SceneView::is_current() const {
-  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive() &&
-         light_known_ && view_->eye->is_fine();
+  return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive() && light_known_ &&
+         view_->eye->is_fine();
 }
 
 QImage SceneView::picture() {

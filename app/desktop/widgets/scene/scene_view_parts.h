@@ -44,7 +44,7 @@ struct SceneView::View {
   vtkNew<vtkOrientationMarkerWidget> axes;
   std::unique_ptr<ScaleBar> scale_bar;
   std::unique_ptr<EyeLayer> eye;  ///< the flames as eyes see them
-  SceneLabels labels;  ///< of the layer "gaps"
+  SceneLabels labels;             ///< of the layer "gaps"
   /// Something of the scene that is dragged by the pointer.
   struct Handle {
     vtkSmartPointer<vtkHandleWidget> widget;

@@ -296,8 +296,9 @@ std::array<QWidget*, 4> SceneView::make_drawing_tools() {
   exposure_->setSingleStep(0.5);
   exposure_->setSuffix(tr(" stops"));
   exposure_->setKeyboardTracking(false);
-  exposure_->setToolTip(tr("Exposure of the flame as it is seen: 0 is automatic, +1 is twice as "
-                           "bright"));
+  exposure_->setToolTip(
+      tr("Exposure of the flame as it is seen: 0 is automatic, +1 is twice as "
+         "bright"));
   cut_ = new QComboBox(tools_);
   cut_->setObjectName("flameCut");
   cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
@@ -423,9 +424,9 @@ void SceneView::add_volume(vtkImageData& flame, vtkRenderer& renderer) {
   }
   if (drawing == FlameDrawing::surfaces) {
     for (std::size_t i = 0; i < kSurfaces.size(); ++i) {
-      const auto surface = surface_of(
-          flame, cold + kSurfaces[i] * (hot - cold), *colours,
-          std::clamp((0.15 + 0.25 * static_cast<double>(i)) * look_.density, 0.02, 1.0));
+      const auto surface =
+          surface_of(flame, cold + kSurfaces[i] * (hot - cold), *colours,
+                     std::clamp((0.15 + 0.25 * static_cast<double>(i)) * look_.density, 0.02, 1.0));
       if (axis >= 0) {
         vtkNew<vtkPlane> plane;
         std::array<double, 3> normal{}, origin{};
@@ -438,8 +439,8 @@ void SceneView::add_volume(vtkImageData& flame, vtkRenderer& renderer) {
       renderer.AddActor(surface);
     }
   } else {
-    const auto drawn = drawing == FlameDrawing::emission ? shining(flame)
-                                                         : vtkSmartPointer<vtkImageData>(&flame);
+    const auto drawn =
+        drawing == FlameDrawing::emission ? shining(flame) : vtkSmartPointer<vtkImageData>(&flame);
     const auto volume = views::flame_volume(*drawn, colours);
     FlameLook look = look_;
     // Shining places are to be seen as such: thin hot sheets of it, too.

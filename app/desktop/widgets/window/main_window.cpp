@@ -11,6 +11,7 @@
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
+#include <QPushButton>
 #include <QScreen>
 #include <QSplitter>
 #include <QStatusBar>
@@ -322,11 +323,14 @@ bool MainWindow::save_as() {
 
 bool MainWindow::may_discard() {
   if (!session_.document().is_modified() || unattended_) return true;
-  const auto answer =
-      QMessageBox::question(this, tr("Unsaved changes"),
-                            tr("The scene \"%1\" has changes that are not saved.")
-                                .arg(QString::fromStdString(session_.document().name())),
-                            QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel);
+  QMessageBox box(QMessageBox::Question, tr("Unsaved changes"),
+                  tr("The scene \"%1\" has changes that are not saved.")
+                      .arg(QString::fromStdString(session_.document().name())),
+                  QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel, this);
+  box.button(QMessageBox::Save)->setText(tr("&Save"));
+  box.button(QMessageBox::Discard)->setText(tr("&Discard"));
+  box.button(QMessageBox::Cancel)->setText(tr("&Cancel"));
+  const int answer = box.exec();
   if (answer == QMessageBox::Save) return save();
   return answer == QMessageBox::Discard;
 }

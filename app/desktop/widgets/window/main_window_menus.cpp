@@ -95,8 +95,8 @@ void MainWindow::make_menus() {
 
   QMenu* const view = menuBar()->addMenu(tr("&View"));
   make_view_menu(*view);
-  view_commands_ = new ViewCommands(*this, *scene_view_, *light_field_, {side_, statusBar()},
-                                    {view, edit});
+  view_commands_ =
+      new ViewCommands(*this, *scene_view_, *light_field_, {side_, statusBar()}, {view, edit});
   add(view, tr("Reset layout"), {}, "actionReset", [this] { reset_layout(); });
 
   QMenu* const help = menuBar()->addMenu(tr("&Help"));

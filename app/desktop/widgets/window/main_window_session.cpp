@@ -102,8 +102,8 @@ void MainWindow::show_state() {
   const bool compiling = !shown.is_empty() && shown.is_valid() && failure.isEmpty() &&
                          !session_.compiler().is_current();
   const bool old = shown.image() && !shown.image_is_current();
-  QStringList said{running ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
-                   : compiling          ? tr("preparing the scene")
+  QStringList said{running     ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
+                   : compiling ? tr("preparing the scene")
                    : !failure.isEmpty() ? tr("the scene has an error")
                    : old ? tr("the picture is older than the last change; F5 renders")
                          : QString(),

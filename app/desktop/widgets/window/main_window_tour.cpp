@@ -101,7 +101,8 @@ void MainWindow::start_tour() {
        }},
       {tr("One pixel, its rays"),
        tr("A click on a pixel shows the rays that it gets: a thin bundle through one part of the "
-          "main lens, and a thin way through the flame. The table on the left has them one by one."),
+          "main lens, and a thin way through the flame. The table on the left has them one by "
+          "one."),
        [=, this] {
          image_->outlines_action()->setChecked(false);
          image_->view().fit();

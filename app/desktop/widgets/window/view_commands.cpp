@@ -27,7 +27,8 @@ ViewCommands::ViewCommands(QMainWindow& window, SceneView& scene, QWidget& pictu
   full_->setShortcut(Qt::Key_F11);
   full_->setToolTip(tr("The view under the pointer, or the one that has the focus, alone"));
   connect(full_, &QAction::toggled, this, &ViewCommands::show_alone);
-  QAction* const copied = view_and_edit[1]->addAction(tr("Copy picture"), this, &ViewCommands::copy);
+  QAction* const copied =
+      view_and_edit[1]->addAction(tr("Copy picture"), this, &ViewCommands::copy);
   copied->setShortcut(QKeySequence("Ctrl+Shift+C"));
   copied->setToolTip(tr("What the view under the pointer shows, for other programs"));
   window_.installEventFilter(this);
