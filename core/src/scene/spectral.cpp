@@ -92,7 +92,9 @@ std::vector<double> absorption_factors(const SpectrumSpec& spec,
   std::vector<double> factors;
   for (const SourceFunction& channel : channels) {
     if (channel.is_total())
-      throw InputError("a channel of all wavelengths at once has no absorption that depends on it");
+      throw InputError(
+          "a channel of all wavelengths cannot have an absorption that depends on wavelength; use "
+          "a band or a line");
     factors.push_back(spectrum.factor(channel.wavelength()));
   }
   return factors;
@@ -128,7 +130,7 @@ std::optional<SpectralResponse> camera_response(const Scene& scene, const Channe
   for (const std::string& text : {scene.camera.transmission.filter, pupil_filter}) {
     if (text.empty()) continue;
     const std::vector<SpectralPoint> points = parse_filter_points(text);
-    if (is_opaque(points)) throw InputError("the filter lets nothing through");
+    if (is_opaque(points)) throw InputError("the filter transmits nothing");
     const SpectralResponse filter = SpectralResponse::curve(points);
     // The filter leaves of all wavelengths those that it lets through.
     response = response ? response->behind(filter) : filter;

@@ -100,21 +100,13 @@ std::string scene_reference_markdown() {
       "scene file.\n"
       "\n" +
       units_text() +
-      "\n"
-      "`inf` is a length: a radius of `\"inf\"` is a plane. The world is right-handed with z up; "
-      "the camera's frame has\n"
-      "its origin at the front vertex of the main lens, z towards the scene, x right and y down.\n"
-      "\n"
-      "## Presets\n"
-      "\n"
-      "`preset = \"NAME\"` in `[camera]` (or an item of `[[cameras]]`), `[camera.lens]` or "
-      "`[[flames]]` starts from a preset; "
-      "every other key "
-      "given overrides it. A\n"
-      "list that is given, such as `[[camera.array.types]]`, replaces the whole list of the "
-      "preset. The texts, with what\n"
-      "their sources leave open and what was chosen, are in the folder `core/presets`.\n"
-      "\n";
+      "\n`inf` is a length: a radius of `\"inf\"` is a plane. The world is right-handed with z up; "
+      "the camera's frame has\nits origin at the front vertex of the main lens, z towards the "
+      "scene, x right and y down.\n\n## Presets\n\n`preset = \"NAME\"` in `[camera]` (or an item "
+      "of `[[cameras]]`), `[camera.lens]` or `[[flames]]` starts from a preset; every other key "
+      "given overrides it. A\ngiven list, such as `[[camera.array.types]]`, replaces the whole "
+      "list of the preset. The texts are in the folder\n`core/presets`, with notes on values that "
+      "their sources leave open.\n\n";
   add_presets(page, PresetKind::camera);
   page += "\n";
   add_presets(page, PresetKind::flame);
