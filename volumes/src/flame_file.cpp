@@ -217,7 +217,7 @@ VoxelField read_line(const std::string& path, const std::vector<GridInfo>& grids
   convert(path, field, line.emission, {name, *factor, 0}, quantity);
   if (field.background != 0)
     throw InputError(fmt::format(
-        "{}: grid \"{}\" has the background {:g} W/m^3; it must be 0, or all of space would emit",
+        "{}: grid \"{}\" has the background {:g} W/m^3; it must be 0, or all of space would glow",
         path, field.name, field.background));
   return field;
 }

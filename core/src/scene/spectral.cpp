@@ -130,7 +130,7 @@ std::optional<SpectralResponse> camera_response(const Scene& scene, const Channe
   for (const std::string& text : {scene.camera.transmission.filter, pupil_filter}) {
     if (text.empty()) continue;
     const std::vector<SpectralPoint> points = parse_filter_points(text);
-    if (is_opaque(points)) throw InputError("the filter transmits nothing");
+    if (is_opaque(points)) throw InputError("the filter lets nothing through");
     const SpectralResponse filter = SpectralResponse::curve(points);
     // The filter leaves of all wavelengths those that it lets through.
     response = response ? response->behind(filter) : filter;

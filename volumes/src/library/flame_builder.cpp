@@ -97,7 +97,7 @@ FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double 
   if (!(count < 4.0 * static_cast<double>(kMaxBricks)))
     throw InputError(
         fmt::format("a voxel size of {:g} mm gives {:.3g} million voxels, which is too many; "
-                    "choose a larger voxel size",
+                    "choose a larger one",
                     voxel_size * 1e3, count * kBrickValues / 1e6));
 
   std::vector<BrickIndex> bricks;

@@ -127,7 +127,7 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
 void register_refocus(const Registry& registry) {
   auto settings = std::make_shared<RefocusArguments>();
   CLI::App& command = add_command(registry, "refocus",
-                                  "Refocus a light field on other distances, after the exposure",
+                                  "Refocus a light field to other distances, after the exposure",
                                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
   add_raw_input(command, settings->raw, "Folder for the pictures; made when missing");
   command

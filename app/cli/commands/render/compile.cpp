@@ -107,7 +107,7 @@ void register_compile(const Registry& registry) {
       ->option_text("FILE.bundle");
   command
       .add_option("--error", arguments->error,
-                  "Wanted error of pictures of a layered flame, as relative RMSE over lit pixels; "
+                  "Target error of pictures of a layered flame, as relative RMSE over lit pixels; "
                   "smoother flames have a smaller error (0.5%)")
       ->option_text("SHARE");
   command

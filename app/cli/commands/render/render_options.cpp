@@ -43,7 +43,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       command
           .add_option("--frames", arguments.frames,
                       "Frames A to B of flames that change with time, one file each: OUT.0007.exr; "
-                      "with --resume OUT.exr, existing frames are skipped")
+                      "with --resume OUT.exr, finished frames are skipped")
           ->option_text("A:B[:STEP]");
   command
       .add_option("--time", arguments.time,

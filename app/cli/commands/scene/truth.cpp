@@ -200,7 +200,7 @@ void register_truth(const Registry& registry) {
   command
       .add_option("--projections", settings->projections,
                   "Images of --points, one line per microlens that sees a point: by the ray "
-                  "through its centre and by the centroid of the light")
+                  "through the centre of the lens and by the centroid of the light")
       ->check(written())
       ->option_text("FILE.csv");
   command

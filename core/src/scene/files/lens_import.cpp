@@ -73,7 +73,7 @@ LensFile import_four_columns(std::string_view text, const std::string& name) {
     if (!(surface.diameter > 0)) throw InputError(here, "the clear diameter is not positive");
     if (!(surface.thickness >= 0)) throw InputError(here, "the thickness is negative");
     if (surface.diameter > 2 * greatest_height(surface))
-      throw InputError(here, "the diameter is too large for a sphere of this radius");
+      throw InputError(here, "a sphere of this radius cannot have this diameter");
     file.lens.surfaces.push_back(surface);
   }
   if (file.lens.surfaces.empty())

@@ -136,7 +136,7 @@ void check_lens(const MainLensSpec& lens, Issues& issues) {
   }
   if (stops.empty())
     issues.error("camera.lens.surfaces",
-                 "no surface of the main lens is the stop; set stop = true for one of them");
+                 "no surface of the main lens is the stop; set stop = true on one of them");
   if (stops.size() > 1)
     issues.error(
         fmt::format("camera.lens.surfaces[{}].stop", stops[1]),

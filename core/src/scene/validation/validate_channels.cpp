@@ -120,7 +120,7 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
   if (!filter.empty())
     issues.expect("camera.transmission.filter", "camera.transmission.filter", [&] {
       for (const SpectralPoint& point : parse_spectral_points(filter))
-        if (point.value > 1) throw InputError("a transmission must be at most 1");
+        if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
     });
   // Light must be left of each channel, once both are sound.
   for (const ChannelSpec& channel : scene.channels)
