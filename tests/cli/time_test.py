@@ -204,7 +204,7 @@ class Time(CommandTest):
                                   (("--truth",), ["--truth", "exposure_time=0s"])):
             self.fails(2, "render", "--resume", "s.exr", *options, mentions=mentions)
         self.fails(1, "render", "film.toml", "--time", "0.25ms", "--resume", "s.exr",
-                   mentions=["begin of the exposure was 500 us and is 250 us"])
+                   mentions=["beginning of the exposure was 500 us and is 250 us"])
         self.fails(1, "render", "film.toml", "--time", "0.5ms", "--resume", "s.exr", "--set",
                    "camera.sensor.exposure_time=1.5ms", mentions='exposure_time was "1 ms" and is "1.5 ms"')
         os.utime(self.path("run_0002.vdb"), (time.time() + 10, time.time() + 10))

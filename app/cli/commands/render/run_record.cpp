@@ -136,7 +136,7 @@ SceneInTime scene_of(const RenderOptions& options, const RunRecord& record,
     now.document.scene = now.timeline->at_time(now.begin);
     now.timeline = nullptr;
   } else if (then.timeline && then.begin != now.begin) {
-    found.add("the begin of the exposure", readable(then.begin, Dimension::time),
+    found.add("the beginning of the exposure", readable(then.begin, Dimension::time),
               readable(now.begin, Dimension::time));
   }
   if (record.white) now.document.scene.flames.clear();

@@ -82,12 +82,14 @@ constexpr SchemaKey kRows[] = {
         "`radius_y`. `inf` in one of them makes a cylinder. 0 m: a round surface.",
         kLength),
     key<SURFACE, &SurfaceSpec::radius_y>("camera.lens.surfaces[].radius_y",
-                                         "The same along camera y.", kLength),
+                                         "Biconic surface: radius of the section along camera y.",
+                                         kLength),
     key<SURFACE, &SurfaceSpec::conic_x>("camera.lens.surfaces[].conic_x",
                                         "Conic constant along camera x of a biconic surface.",
                                         kPure, within(1e6)),
     key<SURFACE, &SurfaceSpec::conic_y>("camera.lens.surfaces[].conic_y",
-                                        "The same along camera y.", kPure, within(1e6)),
+                                        "Conic constant along camera y of a biconic surface.",
+                                        kPure, within(1e6)),
     kGlass,
 
     key<ARRAY, &ArraySpec::present>(
