@@ -118,7 +118,7 @@ PixelWindow window_option(std::string_view option, const std::string& text) {
   constexpr int kLargestSensor = 65536;
   if (std::max({x, y, width, height}) > kLargestSensor)
     throw UsageError(std::string(option) + ": a sensor has at most 65536 pixels per side; '" +
-                     text + "' lies on none");
+                     text + "' lies outside");
   return {x, y, width, height};
 }
 

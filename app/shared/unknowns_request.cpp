@@ -28,8 +28,8 @@ void check_number_of_unknowns(const std::vector<int>& counts) {
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   if (unknowns <= kMost) return;
   std::ostringstream text;
-  text << "--grid: " << unknowns << " unknowns, and " << kMost
-       << " at most; a vector of this length takes " << unknowns * sizeof(double) / 1e9
+  text << "--grid: " << unknowns << " unknowns are more than " << kMost
+       << "; a vector of this length takes " << unknowns * sizeof(double) / 1e9
        << " GB; use a coarser grid";
   throw UsageError(text.str());
 }

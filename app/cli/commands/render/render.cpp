@@ -124,10 +124,10 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   if (s.table.nodes > 0) {
     const double all = s.table.looked_up + s.table.corrected + s.table.rough;
     report.add("radiance table",
-               share(s.table.looked_up, all) + " of the rays took their radiance from it, " +
+               share(s.table.looked_up, all) + " of the rays used it, " +
                    share(s.table.corrected, all) + " were traced to correct it, " +
                    share(s.table.rough, all) + " were traced where radiance varies too fast for " +
-                   "a table; it was filled with " + number(s.table.nodes) + " rays",
+                   "it; filled with " + number(s.table.nodes) + " rays",
                "table_looked_up", s.table.looked_up);
     report.add_json("table_corrected", s.table.corrected);
     report.add_json("table_rough", s.table.rough);

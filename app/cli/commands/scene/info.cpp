@@ -120,10 +120,9 @@ int run_info(const InfoArguments& settings) {
       std::error_code no_file;  // a device, for one
       const bool empty = std::filesystem::is_empty(settings.file, no_file);
       throw InputError(
-          "'" + settings.file + "' is " + (empty && !no_file ? "empty, and so " : "") +
-          "none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
-          "light field (.exr), compiled camera (.bundle), ray paths (.vtp, .csv, .json), "
-          "picture (.png)");
+          "'" + settings.file + "' is " + (empty && !no_file ? "empty, so it is " : "") +
+          "not a file that Plenoflame reads: scene (.toml), flame (.vdb), light field (.exr), "
+          "compiled camera (.bundle), ray paths (.vtp, .csv, .json), picture (.png)");
     }
   }
   report.print(settings.json);
