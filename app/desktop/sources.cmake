@@ -57,6 +57,7 @@ set(desktop_widget_sources
   widgets/flame/opacity_curve.cpp
   widgets/controls/plot_widget.cpp
   widgets/controls/side_panel.cpp
+  widgets/window/poster_dialog.cpp
   widgets/window/preferences_dialog.cpp
   widgets/scene/eye_layer.cpp
   widgets/scene/ray_lines.cpp

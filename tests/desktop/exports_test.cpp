@@ -1,11 +1,13 @@
 // Everything that can be exported, from the menu. References: the files that the command writes,
 // and for other tools (finding micro-images takes long) those of the library.
 #include <QAction>
+#include <QComboBox>
 #include <QDir>
 #include <QDirIterator>
 #include <QFile>
 #include <QMessageBox>
 #include <QPushButton>
+#include <QSpinBox>
 #include <QTabWidget>
 #include <algorithm>
 #include <cstdlib>
@@ -16,6 +18,7 @@
 #include "plenoflame/lightfield/export.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/scene/scene_view.h"
+#include "widgets/window/poster_dialog.h"
 #include "window_fixture.h"
 
 using namespace plenoflame;
@@ -216,6 +219,49 @@ class ExportsTest : public test::WindowFixture {
     QVERIFY(written());
     const QImage kept(file("scene.png"));
     QCOMPARE(test::difference(kept, window_->scene_view().picture()), 0.0);
+  }
+
+  void posterHasTheSizeAndTheGroundThatAreAskedFor() {
+    QVERIFY(window_->open_example("lenslets-30"));
+    QVERIFY(settled());
+    press(Qt::Key_2, Qt::ControlModifier);
+    QVERIFY(settled());
+    const QImage before = window_->scene_view().picture();
+    const FlameLook look = session().document().look();
+    when_shown<PosterDialog>([&](PosterDialog& dialog) {
+      QTest::keyClick(dialog.findChild<QComboBox*>("posterOf"), Qt::Key_End);
+      QTest::keyClick(dialog.findChild<QComboBox*>("posterBackground"), Qt::Key_End);
+      for (const auto& [name, value] :
+           {std::pair{"posterWidth", "1800"}, {"posterHeight", "900"}}) {
+        auto* const box = dialog.findChild<QSpinBox*>(name);
+        box->selectAll();
+        QTest::keyClicks(box, value);
+      }
+      answer_file_dialog(file("poster.png"));
+      QTest::keyClick(&dialog, Qt::Key_Return);
+    });
+    QVERIFY(click_menu({"File", "Export", "Picture of any size..."}));
+    QVERIFY(written());
+    const QImage poster(file("poster.png"));
+    QCOMPARE(poster.size(), QSize(1800, 900));
+    for (const QPoint corner : {QPoint(1, 1), QPoint(898, 898), QPoint(1798, 898)})
+      QCOMPARE(QColor(poster.pixel(corner)), QColor(Qt::white));
+    // The flame fills its half, orange; the light field reaches from edge to edge of its own.
+    int top = 900, bottom = 0, dark = 0;
+    for (int y = 0; y < 900; ++y) {
+      for (int x = 200; x < 700; ++x) {
+        const QColor c(poster.pixel(x, y));
+        if (c.red() < c.blue() + 80) continue;
+        top = std::min(top, y);
+        bottom = std::max(bottom, y);
+      }
+      dark += qGray(poster.pixel(1350, y)) < 200 ? 1 : 0;
+    }
+    QVERIFY2(bottom - top > 450, qPrintable(QString("%1 to %2").arg(top).arg(bottom)));
+    QVERIFY2(dark > 850, qPrintable(QString::number(dark)));
+    // Nothing has changed in the window.
+    QVERIFY(session().document().look() == look);
+    QVERIFY(test::difference(before, window_->scene_view().picture()) < 1e-3);
   }
 
   void filesForOtherToolsAreTheLibrarys() {

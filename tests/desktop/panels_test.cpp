@@ -18,6 +18,7 @@
 
 #include "gui_tests.h"
 #include "plenoflame/image/png_file.h"
+#include "scenes.h"
 #include "widgets/flame/flame_dialogs.h"
 #include "widgets/flame/flame_panel.h"
 #include "widgets/image/light_field_panel.h"
@@ -65,6 +66,43 @@ class PanelsTest : public test::WindowFixture {
         ++compared;
       }
     QVERIFY(compared > 1000);
+  }
+
+  void colourIsThatOfTheDevelopedPicture() {
+    std::string text = test::small_scene_text();
+    for (const char* response : {"cie_x", "cie_y", "cie_z"})
+      text += std::string("\n[[channels]]\nname = \"") + response +
+              "\"\nkind = \"named\"\nresponse = \"" + response + "\"\n";
+    write(file("colours.toml"), text.c_str());
+    const QString raw = file("raw.exr"), png = file("colour.png");
+    run(PLENOFLAME_COMMAND, {"render", file("colours.toml"), "-o", raw});
+    run(PLENOFLAME_COMMAND, {"develop", raw, "--colour", "-o", png});
+    const QImage developed(png);
+    QVERIFY(!developed.isNull());
+    QVERIFY(window_->open(raw));
+    QVERIFY(written() && settled());
+    auto* const channel = child<QComboBox>("channel");
+    channel->setFocus();
+    QTest::keyClick(channel, Qt::Key_End);
+    QCOMPARE(channel->currentText(), QString("Colour"));
+    QVERIFY(settled());
+    QTest::keyClick(&image(), Qt::Key_1);
+    image().centre_on(100 + 0.5 * (image().width() % 2), 90 + 0.5 * (image().height() % 2));
+    const QImage shown = image().grab().toImage();
+    int compared = 0, coloured = 0;
+    for (int row = 40; row < 140; row += 3)
+      for (int column = 50; column < 150; column += 3) {
+        const QPointF middle = image().to_widget(QPointF(column + 0.5, row + 0.5));
+        const QColor seen(shown.pixel(static_cast<int>(std::floor(middle.x())),
+                                      static_cast<int>(std::floor(middle.y()))));
+        const QColor expected(developed.pixel(column, row));
+        QVERIFY(std::abs(seen.red() - expected.red()) <= 2);
+        QVERIFY(std::abs(seen.green() - expected.green()) <= 2);
+        QVERIFY(std::abs(seen.blue() - expected.blue()) <= 2);
+        coloured += expected.red() > expected.blue() + 40 ? 1 : 0;
+        ++compared;
+      }
+    QVERIFY(compared > 1000 && coloured > 100);
   }
 
   void apertureAndDepthAreDragged() {

@@ -158,6 +158,7 @@ void ImagePanel::request() {
   if (!field || field->channels.empty()) {
     task_.cancel();
     pyramid_ = flux_pyramid_ = nullptr;
+    colours_ = nullptr;
     shown_ = number;
     show_picture();
     histogram_plot_->set_series({});
@@ -167,6 +168,8 @@ void ImagePanel::request() {
   QStringList names;
   for (const LightFieldChannel& channel : field->channels)
     names << QString::fromStdString(channel.name);
+  const ColourChannels colours = colours_of(*field);
+  if (colours.present()) names << tr("Colour");
   QStringList known;
   for (int i = 0; i < channel_->count(); ++i) known << channel_->itemText(i);
   if (names != known) {
@@ -178,8 +181,10 @@ void ImagePanel::request() {
   }
   channel_->setToolTip(tr("Channel (wavelengths) that is shown: %1").arg(channel_->currentText()));
   const auto quantity = static_cast<Quantity>(quantity_->currentIndex());
-  const auto channel = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
-  task_.request([this, field, number, quantity, channel](std::stop_token stop) {
+  const std::size_t channel = channel_of(*field);
+  const bool coloured = quantity == Quantity::flux &&
+                        channel_->currentIndex() == static_cast<int>(field->channels.size());
+  task_.request([=, this](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     const LightFieldChannel& c = field->channels[std::min(channel, field->channels.size() - 1)];
@@ -195,6 +200,14 @@ void ImagePanel::request() {
                 : std::make_shared<const Image>(relative_error(c.flux, c.standard_error));
         shown = std::make_shared<const ImagePyramid>(image, execution);
       }
+      std::shared_ptr<ImageView::Colours> seen;
+      if (coloured) {
+        const auto linear = std::make_shared<const LightField>(colour_field(*field, colours));
+        seen = std::make_shared<ImageView::Colours>();
+        for (std::size_t k = 0; k < 3; ++k)
+          (*seen)[k] = std::make_shared<const ImagePyramid>(
+              std::shared_ptr<const Image>(linear, &linear->channels[k].flux), execution);
+      }
       const double saturation = automatic_saturation(c.flux);
       // A relative error of 1 is as bad as it gets.
       const double white = quantity == Quantity::flux ? saturation
@@ -205,11 +218,12 @@ void ImagePanel::request() {
       // large.
       const Histogram counts =
           histogram(shown->level(shown->level_within(kCountedSide)), 80, true, 4);
-      post(this, [this, number, flux, shown, white, saturation, counts] {
+      post(this, [this, number, flux, shown, white, saturation, counts, seen] {
         if (number != newest_) return;
         shown_ = number;
         flux_pyramid_ = flux;
         pyramid_ = shown;
+        colours_ = seen;
         automatic_white_ = white > 0 ? white : 1;
         automatic_saturation_ = saturation;
         show_picture();
@@ -219,6 +233,45 @@ void ImagePanel::request() {
     } catch (const std::exception&) {  // stopped, or an image that is replaced soon
     }
   });
+}
+
+QImage ImagePanel::poster(const QSize& size, const QColor& background, double& metres) const {
+  ImageView whole;
+  QPalette ground = whole.palette();
+  ground.setColor(QPalette::Dark, background);
+  whole.setPalette(ground);
+  whole.set_smooth(true);
+  whole.set_tone(view_->tone_settings());
+  const double ratio = whole.devicePixelRatioF();
+  whole.resize((QSizeF(size) / ratio).toSize());
+  whole.set_image(view_->image());
+  whole.set_colours(picture() == Picture::simulated ? colours_ : nullptr);
+  whole.set_overlay(view_->overlay(), measured_white());
+  const bool there = view_->image() && !view_->image()->empty();
+  metres = there ? document_.camera().sensor.pixel().x / whole.scale() : 0;
+  QImage drawn = whole.grab().toImage().scaled(size);
+  drawn.setDevicePixelRatio(1);
+  return drawn;
+}
+
+std::size_t ImagePanel::channel_of(const LightField& field) const {
+  const auto chosen = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
+  const ColourChannels colours = colours_of(field);
+  if (chosen < field.channels.size() || !colours.present()) return chosen;
+  std::size_t index = 0;
+  while (field.channels[index].name != colours.names[1]) ++index;
+  return index;
+}
+
+/// The channels of a field that are a colour picture, by the scene that it is of.
+ColourChannels ImagePanel::colours_of(const LightField& field) const {
+  if (document_.is_empty()) return {};
+  const ColourChannels colours = colour_channels(document_.scene());
+  const auto has = [&](const std::string& name) {
+    return std::any_of(field.channels.begin(), field.channels.end(),
+                       [&](const LightFieldChannel& channel) { return channel.name == name; });
+  };
+  return std::all_of(colours.names.begin(), colours.names.end(), has) ? colours : ColourChannels();
 }
 
 ColourMap ImagePanel::map() const {
@@ -258,7 +311,8 @@ void ImagePanel::apply_tone() {
   const LightField* const field = drawn_field();
   const bool bare = unit == Dimension::none && !shows_relative_error() && field;
   bar->set_tone(tone, unit, bare ? QString::fromStdString(field->unit) : QString());
-  bar->setVisible(picture() != Picture::overlay);  // has colours of its own
+  // What has colours of its own has no bar of them.
+  bar->setVisible(picture() != Picture::overlay && !(colours_ && picture() == Picture::simulated));
 }
 
 void ImagePanel::update_profile() {
@@ -320,7 +374,7 @@ QString ImagePanel::flux_text(int column, int row) const {
 }
 
 QString ImagePanel::value_text(const LightField& field, int column, int row) const {
-  const auto index = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
+  const std::size_t index = channel_of(field);
   if (column < 0 || index >= field.channels.size()) return {};
   const LightFieldChannel& channel = field.channels[index];
   const int x = column - field.window.x, y = row - field.window.y;

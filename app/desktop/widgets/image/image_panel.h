@@ -8,6 +8,8 @@
 #include "model/jobs/latest_task.h"
 #include "model/jobs/measured_picture.h"
 #include "plenoflame/base/units.h"
+#include "plenoflame/lightfield/colour.h"
+#include "widgets/image/image_view.h"
 
 class QAction;
 class QComboBox;
@@ -20,7 +22,6 @@ namespace plenoflame::desktop {
 /// Dimension of the values of a light field; none for electrons and counts.
 Dimension dimension_of(const LightField& field);
 
-class ImageView;
 class PlotWidget;
 
 /// The raw light field with everything about how it is shown.
@@ -47,6 +48,9 @@ class ImagePanel : public QWidget {
   Picture picture() const;
   /// The colours of the picture, which those of views follow.
   ColourMap map() const;
+  /// The picture as it is shown, the whole of it, of another size [pixel] on another ground.
+  /// @param metres receives the length on the sensor of a pixel of it; 0: there is no picture
+  QImage poster(const QSize& size, const QColor& background, double& metres) const;
   QAction* outlines_action() { return outlines_; }
   /// Description of a pixel for the status bar: "flux 1.2 nW +- 0.1 nW".
   QString describe(int column, int row) const;
@@ -69,6 +73,9 @@ class ImagePanel : public QWidget {
   double measured_white() const;
   /// The light field whose values are drawn, and their unit.
   const LightField* drawn_field() const;
+  /// Channel of a field whose values are shown; with colours, that of their brightness.
+  std::size_t channel_of(const LightField& field) const;
+  ColourChannels colours_of(const LightField& field) const;
   Dimension dimension() const;
   bool shows_relative_error() const;
   QString value_text(const LightField& field, int column, int row) const;
@@ -82,6 +89,7 @@ class ImagePanel : public QWidget {
   QLineEdit* white_;
   QAction *outlines_, *saturation_;
   std::shared_ptr<const ImagePyramid> pyramid_, flux_pyramid_;
+  std::shared_ptr<const ImageView::Colours> colours_;  ///< null: one channel is shown
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;
   unsigned newest_ = 0, shown_ = 0;

@@ -82,8 +82,7 @@ void ImagePanel::request_measured() {
     measured_pyramid_ = nullptr;
     return show_picture();
   }
-  const auto wanted = static_cast<std::size_t>(std::max(0, channel_->currentIndex()));
-  const std::size_t channel = std::min(wanted, field->channels.size() - 1);
+  const std::size_t channel = std::min(channel_of(*field), field->channels.size() - 1);
   measured_task_.request([this, field, channel](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
@@ -138,6 +137,7 @@ void ImagePanel::show_picture() {
   view_->set_image(now == Picture::measured  ? measured_pyramid_
                    : now == Picture::overlay ? flux_pyramid_
                                              : pyramid_);
+  view_->set_colours(now == Picture::simulated ? colours_ : nullptr);
   view_->set_overlay(now == Picture::overlay ? measured_pyramid_ : nullptr, measured_white());
   view_->set_caption(!measured_pyramid_          ? QString()
                      : now == Picture::simulated ? tr("simulated")

@@ -59,11 +59,17 @@ void ImageView::set_overlay(std::shared_ptr<const ImagePyramid> image, double wh
   update();
 }
 
+void ImageView::set_colours(std::shared_ptr<const Colours> colours) {
+  colours_ = std::move(colours);
+  make_tables();
+  update();
+}
+
 void ImageView::make_tables() {
   table_ = std::make_unique<ToneTable>(tone_);
   grey_ = nullptr;
   grey_of_overlay_ = nullptr;
-  if (!overlay_) return;
+  if (!overlay_ && !colours_) return;
   ToneSettings grey = tone_;
   grey.map = ColourMap::grey;
   grey.saturation = 0;
@@ -175,6 +181,14 @@ void ImageView::draw_image(QPainter& painter) {
   const auto mix = [&](float here, float there) {
     return qRgb(qRed((*grey_)(here)), qRed((*grey_of_overlay_)(there)), qRed((*grey_)(here)));
   };
+  const bool coloured = colours_ && (*colours_)[0]->width() == image_->width() &&
+                        (*colours_)[0]->height() == image_->height();
+  const auto colour = [&](std::size_t place) {
+    const auto part = [&](std::size_t c) {
+      return qRed((*grey_)((*colours_)[c]->level(level).pixels[place]));
+    };
+    return qRgb(part(0), part(1), part(2));
+  };
   const auto columns = places(w, centre_.x(), image.width, image_->width());
   const auto rows = places(h, centre_.y(), image.height, image_->height());
   for (int y = 0; y < h; ++y) {
@@ -190,6 +204,7 @@ void ImageView::draw_image(QPainter& painter) {
     for (int x = 0; x < w; ++x) {
       const int column = columns[static_cast<std::size_t>(x)];
       out[x] = column < 0 ? outside
+               : coloured ? colour(first + static_cast<std::size_t>(column))
                : beside   ? mix(in[column], beside[column])
                           : (*table_)(in[column]);
     }

@@ -3,6 +3,7 @@
 #include <QLineF>
 #include <QPointF>
 #include <QWidget>
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,6 +35,10 @@ class ImageView : public QWidget {
   /// brightest
   void set_overlay(std::shared_ptr<const ImagePyramid> image, double white = 1);
   const std::shared_ptr<const ImagePyramid>& overlay() const { return overlay_; }
+  /// Red, green and blue of a picture of the same size, in linear sRGB, that is drawn instead, as
+  /// bright as the tone's white says. Null: none.
+  using Colours = std::array<std::shared_ptr<const ImagePyramid>, 3>;
+  void set_colours(std::shared_ptr<const Colours> colours);
   /// Name of the picture in its lower left corner; empty: none.
   void set_caption(const QString& text);
   const QString& caption() const { return caption_; }
@@ -98,6 +103,7 @@ class ImageView : public QWidget {
   void moved();
 
   std::shared_ptr<const ImagePyramid> image_, overlay_;
+  std::shared_ptr<const Colours> colours_;
   ToneSettings tone_;
   double overlay_white_ = 1;
   std::unique_ptr<ToneTable> table_;

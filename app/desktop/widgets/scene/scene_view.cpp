@@ -490,6 +490,24 @@ bool SceneView::is_current() const {
          view_->eye->is_fine();
 }
 
+QImage SceneView::poster(const QSize& size, const QColor& background, double& metres) {
+  View& v = *view_;
+  const QSize before = v.widget->size();
+  const double ratio = v.widget->devicePixelRatioF();
+  v.show_frame(false);
+  v.renderer->SetBackground(background.redF(), background.greenF(), background.blueF());
+  v.widget->resize((QSizeF(size) / ratio).toSize());
+  const QImage drawn = picture();
+  metres = view_height() / size.height();
+  v.widget->resize(before);
+  v.renderer->SetBackground(views::kBackground[0], views::kBackground[1], views::kBackground[2]);
+  v.show_frame(geometry_ != nullptr);
+  render();
+  QImage exact = drawn.scaled(size, Qt::IgnoreAspectRatio, Qt::SmoothTransformation);
+  exact.setDevicePixelRatio(1);
+  return exact;
+}
+
 QImage SceneView::picture() {
   show_all();
   render_later_.stop();

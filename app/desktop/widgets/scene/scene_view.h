@@ -71,6 +71,9 @@ class SceneView : public QWidget {
   /// The view as it is now, without the window around it; as finely as it can be drawn, however
   /// long that takes.
   QImage picture();
+  /// The same of another size [pixel], on another ground, without cube and scale bar.
+  /// @param metres receives the length of a pixel in the plane through the middle of the view
+  QImage poster(const QSize& size, const QColor& background, double& metres);
   /// True if everything that it was given is drawn.
   bool is_current() const;
   /// Temperatures [K] between which nearly all of the flame's emission lies, the ends of the

@@ -135,6 +135,8 @@ class MainWindow : public QMainWindow {
   void apply_preferences(const Preferences& wanted);
   void open_help();
   void export_picture_of_scene();
+  void export_poster();
+  void write_picture(const QImage& picture, const QString& title);
   void export_rays();
   void save_reconstruction();
   void export_image();

@@ -25,12 +25,14 @@
 #include "plenoflame/volumes/vdb_info.h"
 #include "vtk_commands.h"
 #include "widgets/flame/flame_dialogs.h"
+#include "widgets/image/image_panel.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/panels/reconstruct_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/window/file_tasks.h"
 #include "widgets/window/import_dialog.h"
 #include "widgets/window/main_window.h"
+#include "widgets/window/poster_dialog.h"
 
 // Files that the window reads and writes besides scenes: exports, generated and imported flames.
 namespace plenoflame::desktop {
@@ -60,6 +62,7 @@ void MainWindow::make_export_menu(QMenu& menu) {
   add(tr("Light field (.exr) or developed picture (.png)..."), "exportImage",
       [this] { export_image(); });
   add(tr("Rays of the selection..."), "exportRaysAction", [this] { export_rays(); });
+  add(tr("Picture of any size..."), "exportPoster", [this] { export_poster(); });
   add(tr("Picture of the 3-D view..."), "exportScenePicture",
       [this] { export_picture_of_scene(); });
   add(tr("Picture of the light-field panel..."), "exportDerivedAction",
@@ -368,9 +371,17 @@ void MainWindow::export_image() {
 }
 
 void MainWindow::export_picture_of_scene() {
-  const QImage picture = scene_view_->picture();
-  const QString name = chooser_.file_to_write(this, tr("Picture of the 3-D view"), "scene.png",
-                                              tr("Pictures (*.png)"));
+  write_picture(scene_view_->picture(), tr("Picture of the 3-D view"));
+}
+
+void MainWindow::export_poster() {
+  PosterDialog dialog(this);
+  if (dialog.exec() != QDialog::Accepted) return;
+  write_picture(make_poster(dialog.poster(), *scene_view_, *image_), tr("Export a picture"));
+}
+
+void MainWindow::write_picture(const QImage& picture, const QString& title) {
+  const QString name = chooser_.file_to_write(this, title, "scene.png", tr("Pictures (*.png)"));
   if (name.isEmpty()) return;
   files_->add(
       tr("export of the picture"),
