@@ -521,7 +521,10 @@ QImage SceneView::picture() {
         mappers.push_back(mapper);
       }
   view_->window->Render();
-  view_->eye->refine();
+  if (!view_->eye->is_fine()) {
+    view_->eye->refine();
+    view_->window->Render();
+  }
   // A view that was resized a moment ago is drawn once more by the grab: finely, too.
   QImage picture = view_->widget->grabFramebuffer();
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
