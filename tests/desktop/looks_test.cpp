@@ -158,7 +158,8 @@ class LooksTest : public test::SceneFixture {
         QVERIFY(10 * view->height() >= 9 * size.height());
       }
       QCOMPARE(cut_tool(fresh, size, fresh.scene_view()), QString());
-      QCOMPARE(cut_tool(fresh, size, fresh.image_panel(), {"shownPicture", "blinkPictures"}), QString());
+      QCOMPARE(cut_tool(fresh, size, fresh.image_panel(), {"shownPicture", "blinkPictures"}),
+               QString());
       fresh.side_panel().set_opened({"renderGroup"});
       QVERIFY(until([&] { return left_out->isVisible(); }));
       QTest::qWait(50);
@@ -170,6 +171,7 @@ class LooksTest : public test::SceneFixture {
       QVERIFY(words.height() <= left_out->height() && words.width() <= left_out->width());
       QVERIFY(left_out->visibleRegion().boundingRect() == left_out->rect());
       fresh.side_panel().set_opened({"raysGroup"});
+      QTest::qWait(50);
       for (const char* name : {"raysTable", "surfacesTable"}) {
         const auto* const table = fresh.findChild<QTableWidget*>(name);
         QVERIFY(table->rowCount() > 0);

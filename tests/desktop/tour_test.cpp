@@ -91,7 +91,7 @@ class TourTest : public test::WindowFixture {
       QTest::mouseClick(depth, Qt::LeftButton, {}, QPoint(depth->width() - 4, depth->height() / 2));
     QVERIFY(window_->light_field_panel().depth() > before);
     QVERIFY(until(exact));
-    auto* save = button("Export this picture...");
+    auto* save = child<QToolButton>("exportDerived");
     QVERIFY(save);
     answer_file_dialog(folder_->filePath("refocused"));
     QTest::mouseClick(save, Qt::LeftButton);

@@ -20,7 +20,7 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
-constexpr int kRows = 4;  ///< that are seen at least
+constexpr int kRows = 3;  ///< that are seen at least
 /// Columns that a narrow panel leaves out, first to last: the lines' tooltips have them.
 constexpr std::array<int, 7> kRaysLeaveOut{1, 5, 8, 4, 6, 3, 7};
 constexpr std::array<int, 3> kSurfacesLeaveOut{3, 4, 2};
@@ -111,8 +111,9 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
   surfaces_->horizontalHeader()->setSectionResizeMode(0, QHeaderView::Stretch);
   split_->addWidget(table_);
   split_->addWidget(surfaces_);
-  split_->setStretchFactor(0, 3);
-  split_->setStretchFactor(1, 2);
+  split_->setStretchFactor(0, 2);
+  split_->setStretchFactor(1, 1);
+  split_->setSizes({200, 100});
   title_->setObjectName("raysTitle");
   title_->setWordWrap(true);
   title_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);

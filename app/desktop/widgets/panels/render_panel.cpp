@@ -51,6 +51,8 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
     auto* label = new QLabel(this);
     label->setToolTip(tip);
     label->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    label->setWordWrap(true);  // a long one must not make the panel wider than its place
+    label->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     return label;
   };
   state_ = value(tr("What is going on; samples: rays per pixel and microlens"));
@@ -58,7 +60,6 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   rays_ = value(tr("Rays traced per second, and in this pass"));
   time_ = value(tr("Time spent, and time that remains for all passes"));
   skipped_ = value(tr("What did not need to be computed in the last pass"));
-  skipped_->setWordWrap(true);
   skipped_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Minimum);
   skipped_->setMinimumHeight(2 * fontMetrics().lineSpacing());  // nothing moves when it fills
   skipped_->setObjectName("renderLeftOut");

@@ -68,6 +68,9 @@ EyeLayer::~EyeLayer() {
 void EyeLayer::set_flame(std::shared_ptr<const EyeFlame> flame) {
   flame_ = std::move(flame);
   camera_ = {};
+  rest_.stop();  // nothing is drawn of the one before
+  task_.cancel();
+  ++newest_;
 }
 
 void EyeLayer::set_shift(const Vec3& shift) {
