@@ -209,7 +209,7 @@ class DrawingTest : public test::SceneFixture {
       QVERIFY(written());
       QVERIFY(until([&] { return session().compiler().is_current() && view().is_current(); }));
       press(Qt::Key_1, Qt::ControlModifier);
-      for (const QSize size : {QSize(1280, 720), QSize(1600, 1000)}) {
+      for (const QSize size : {QSize(900, 560), QSize(1280, 720), QSize(1600, 1000)}) {
         window_->resize(size);
         QVERIFY(until([&] { return window_->size() == size; }));
         view().picture();

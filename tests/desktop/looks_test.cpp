@@ -161,17 +161,17 @@ class LooksTest : public test::SceneFixture {
       QCOMPARE(cut_tool(fresh, size, fresh.image_panel(), {"shownPicture", "blinkPictures"}),
                QString());
       fresh.side_panel().set_opened({"renderGroup"});
-      QVERIFY(until([&] { return left_out->isVisible(); }));
-      QTest::qWait(50);
       // The line of what was left out is seen in full.
-      const QRect words = left_out->fontMetrics().boundingRect(
-          QRect(0, 0, left_out->width(), 10000), Qt::TextWordWrap, left_out->text());
       QVERIFY(left_out->text().contains("microlens") && !left_out->text().contains("..."));
       QVERIFY(!left_out->text().contains(QChar(0x2026)));
-      QVERIFY(words.height() <= left_out->height() && words.width() <= left_out->width());
-      QVERIFY(left_out->visibleRegion().boundingRect() == left_out->rect());
+      const auto whole = [&] {
+        const QRect words = left_out->fontMetrics().boundingRect(
+            QRect(0, 0, left_out->width(), 10000), Qt::TextWordWrap, left_out->text());
+        return words.height() <= left_out->height() && words.width() <= left_out->width() &&
+               left_out->visibleRegion().boundingRect() == left_out->rect();
+      };
+      QVERIFY2(until(whole, 10000), qPrintable(QString::number(size.width())));
       fresh.side_panel().set_opened({"raysGroup"});
-      QTest::qWait(50);
       for (const char* name : {"raysTable", "surfacesTable"}) {
         const auto* const table = fresh.findChild<QTableWidget*>(name);
         QVERIFY(table->rowCount() > 0);
@@ -184,6 +184,11 @@ class LooksTest : public test::SceneFixture {
         QCOMPARE(table->item(0, 0)->toolTip().count('\n') + 1, table->columnCount());
       }
       // Ten rays are seen, each as high as its letters.
+      const auto is_seen = [&](int row) {
+        const QRect place = rays->visualItemRect(rays->item(row, 0));
+        return rays->viewport()->rect().contains(place.adjusted(0, 0, -1, -1));
+      };
+      until([&] { return is_seen(9); }, 10000);
       const QRect tenth = rays->visualItemRect(rays->item(9, 0));
       QVERIFY2(rays->viewport()->rect().contains(tenth.adjusted(0, 0, -1, -1)),
                qPrintable(QString("%1 of %2").arg(tenth.bottom()).arg(rays->viewport()->height())));

@@ -416,6 +416,9 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(until([&] { return window_->scene_view().flame_temperatures()[1] > 0; }));
     auto* curve = dynamic_cast<OpacityCurve*>(child<QWidget>("flameOpacity"));
     QVERIFY(curve);
+    FlameLook plain;
+    plain.drawing = FlameDrawing::emission;
+    session().document().set_look(plain, "test");
     Document& document = session().document();
     const bool was_modified = document.is_modified();
     press(Qt::Key_2, Qt::ControlModifier);  // the flame fills the view

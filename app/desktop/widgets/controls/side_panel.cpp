@@ -1,11 +1,28 @@
 #include "widgets/controls/side_panel.h"
 
 #include <QAction>
+#include <QEvent>
 #include <QTimer>
 #include <QToolButton>
 #include <QVBoxLayout>
 
 namespace plenoflame::desktop {
+namespace {
+
+/// Keeps a widget as high as its layout needs at its width: texts that wrap have more lines in a
+/// narrow panel, which a scroll area by itself does not ask about.
+class HeightKeeper : public QObject {
+ public:
+  using QObject::QObject;
+  bool eventFilter(QObject* object, QEvent* event) override {
+    auto* const widget = qobject_cast<QWidget*>(object);
+    if (widget && (event->type() == QEvent::LayoutRequest || event->type() == QEvent::Resize))
+      widget->setMinimumHeight(widget->layout()->minimumHeightForWidth(widget->width()));
+    return false;
+  }
+};
+
+}  // namespace
 
 SidePanel::SidePanel(QWidget* parent) : QScrollArea(parent) {
   setObjectName("sidePanel");
@@ -18,6 +35,7 @@ SidePanel::SidePanel(QWidget* parent) : QScrollArea(parent) {
   column_->setSpacing(0);
   column_->addStretch(0);
   setWidget(all);
+  all->installEventFilter(new HeightKeeper(all));
 }
 
 void SidePanel::add(const char* name, const QString& title, QWidget* content) {

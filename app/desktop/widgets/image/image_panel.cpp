@@ -68,6 +68,7 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
                     tr("What is shown: radiant flux of each pixel [W], its "
                        "standard error [W], or their ratio"));
   channel_ = combo("channel", {tr("total")}, tr("Channel (wavelengths) that is shown"));
+  channel_->setSizeAdjustPolicy(QComboBox::AdjustToContents);  // names come with the image
   scale_ = combo("scale", {tr("Gamma"), tr("Linear"), tr("Logarithmic")},
                  tr("Brightness by value: as displays do, in proportion, or by "
                     "its logarithm (3 decades)"));

@@ -70,7 +70,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   curve_ = new PlotWidget(this);
   curve_->setObjectName("renderCurve");
   curve_->set_axes(tr("time [s]"), tr("relative RMSE"), true, true);
-  curve_->setMinimumHeight(110);
+  curve_->setMinimumHeight(80);
   curve_->set_empty_text(tr("Error against time appears while an image is rendered."));
   auto* buttons = new FlowLayout;  // a small window has them in two lines
   buttons->setContentsMargins(0, 0, 0, 0);
