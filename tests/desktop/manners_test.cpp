@@ -112,7 +112,7 @@ class MannersTest : public test::WindowFixture {
     const auto drawn = [&] {
       const bool still = settled();
       window_->scene_view().picture();
-      return still ? window_->grab().toImage() : QImage();
+      return still ? window_->side_panel().grab().toImage() : QImage();
     };
     const auto lightness = [](const QImage& image) {
       double sum = 0;
@@ -123,6 +123,7 @@ class MannersTest : public test::WindowFixture {
     const QImage light = drawn();
     QVERIFY(click_menu({"View", "Dark theme"}));
     const QImage dark = drawn();
+    // Both views are dark in both themes: the side panel tells them apart.
     QVERIFY(lightness(light) > 0.6 && lightness(dark) < 0.35);
     QVERIFY(lightness(window_->scene_view().picture()) < 0.4);
     // Text stands out from what it is on.

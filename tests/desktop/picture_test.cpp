@@ -418,7 +418,7 @@ class PictureTest : public test::WindowFixture {
     QVERIFY(curve);
     FlameLook plain;
     plain.drawing = FlameDrawing::emission;
-    session().document().set_look(plain, "test");
+    session().document().begin_look(plain);
     Document& document = session().document();
     const bool was_modified = document.is_modified();
     press(Qt::Key_2, Qt::ControlModifier);  // the flame fills the view

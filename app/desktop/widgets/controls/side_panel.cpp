@@ -5,6 +5,7 @@
 #include <QTimer>
 #include <QToolButton>
 #include <QVBoxLayout>
+#include <algorithm>
 
 namespace plenoflame::desktop {
 namespace {
@@ -17,7 +18,8 @@ class HeightKeeper : public QObject {
   bool eventFilter(QObject* object, QEvent* event) override {
     auto* const widget = qobject_cast<QWidget*>(object);
     if (widget && (event->type() == QEvent::LayoutRequest || event->type() == QEvent::Resize))
-      widget->setMinimumHeight(widget->layout()->minimumHeightForWidth(widget->width()));
+      widget->setMinimumHeight(
+          std::max(0, widget->layout()->minimumHeightForWidth(widget->width())));
     return false;
   }
 };

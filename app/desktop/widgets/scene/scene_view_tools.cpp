@@ -276,8 +276,7 @@ void SceneView::show_section(bool on) {
   section_mode_->setChecked(on);
   view_->widget->setVisible(!on);
   section_->setVisible(on);
-  for (QWidget* const tool : space_tools_)
-    tool->setVisible(!on && (tool != exposure_ || look_.drawing == FlameDrawing::eye));
+  for (QWidget* const tool : space_tools_) tool->setVisible(!on);
 }
 
 /// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
@@ -372,7 +371,7 @@ bool SceneView::shows_eye() const {
 void SceneView::add_flame() {
   if (!geometry_) return;
   const vtkSmartPointer<vtkImageData> flame = placed(geometry_->flame, schematic_);
-  exposure_->setVisible(look_.drawing == FlameDrawing::eye && !shows_section());
+  exposure_->setEnabled(look_.drawing == FlameDrawing::eye);
   if (geometry_->flame) {
     const auto vec = [](const double* p) { return Vec3{p[0], p[1], p[2]}; };
     std::array<double, 6> box{};
