@@ -47,7 +47,7 @@ struct GeometrySettings {
   std::vector<std::string> free;
   double outlier = 6;  ///< corners farther off than this many times the RMS are left out; 0: none
   /// Standard deviation of the lens' distance from the array over the exit pupil's. In the model
-  /// the chief rays cross in the middle of the lens, where the quotient is 1. Those of a real lens
+  /// the chief rays cross in the middle of the lens, where the quotient is 1. In a real lens they
   /// cross elsewhere. 0 for a thin lens with its stop.
   double pupil = 0.3;
 };
