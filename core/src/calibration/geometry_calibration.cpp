@@ -9,6 +9,8 @@
 #include <map>
 
 #include "calibration/free_values.h"
+#include "calibration/geometry_errors.h"
+#include "calibration/seen_lines.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
@@ -27,56 +29,6 @@ constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled nor
 /// this part of its distance. Distortion that is noise tells it to a half at best; and where it
 /// stays as it is, so much of it changes the picture by no more than the noise of all corners.
 constexpr double kKnownPlane = 0.1;
-
-/// The camera with its stop wide open: corners may be seen by rays that its own stop ends.
-Camera open_camera(CameraSpec spec) {
-  spec.lens.diameter *= 2;
-  spec.array.diameter = spec.array.pitch;
-  spec.array.diameter_y = 0;
-  spec.array.aperture = ApertureShape::circular;
-  spec.focus.mode = FocusMode::distance;
-  return Camera(spec);
-}
-
-/// The straight line that is seen at a pixel through the middle of a microlens.
-struct SeenLine {
-  Vec2 place, slope;  ///< at z = 0, and dx/dz, dy/dz
-  Vec2 at(double z) const { return place + z * slope; }
-};
-
-SeenLine seen_line(const Camera& camera, LensIndex lens, Vec2 sensor_point) {
-  const Vec3 middle = camera.lens_place(lens);
-  const Ray ray = camera.trace(sensor_point, lens, {middle.x, middle.y}).exit;
-  const Vec2 slope{ray.direction.x / ray.direction.z, ray.direction.y / ray.direction.z};
-  return {Vec2{ray.origin.x, ray.origin.y} - ray.origin.z * slope, slope};
-}
-
-/// The point at which that line meets the plane of the main lens, from its middle.
-Vec2 at_main_lens(const Camera& camera, LensIndex lens, Vec2 sensor_point) {
-  return camera.at_stop(sensor_point, lens)
-      .value_or(Vec2{std::numeric_limits<double>::quiet_NaN(), 0});
-}
-
-/// Inverse of the derivative of a function of the sensor point, times -1 / pixel: what turns a miss
-/// into pixels.
-struct ToPixels {
-  double xx = 0, xy = 0, yx = 0, yy = 0;
-  Vec2 operator()(Vec2 miss) const {
-    return {xx * miss.x + xy * miss.y, yx * miss.x + yy * miss.y};
-  }
-};
-
-template <class Function>
-ToPixels to_pixels(const Camera& camera, Vec2 s, const Function& f) {
-  const Vec2 p = camera.spec().sensor.pixel();
-  const double h = 0.01;
-  const Vec2 u = (0.5 / h) * (f(s + Vec2{h * p.x, 0}) - f(s - Vec2{h * p.x, 0}));
-  const Vec2 v = (0.5 / h) * (f(s + Vec2{0, h * p.y}) - f(s - Vec2{0, h * p.y}));
-  const double determinant = u.x * v.y - v.x * u.y;
-  // The picture is upside down on the sensor.
-  const double k = -1 / determinant;
-  return {k * v.y, -k * v.x, -k * u.y, k * u.x};
-}
 
 Mat3 turned_by(const Mat3& rotation, Vec3 w) {
   const double angle = length(w);
@@ -269,17 +221,21 @@ class GeometryFit {
   bool knows_plane(const std::vector<const FreeValue*>& free) {
     free_ = free;
     linearise();
-    for (const CalibratedValue& value : result(0).values)
-      if (value.key.ends_with(".distance"))
-        return std::isfinite(value.error) && value.error > 0 &&
-               value.error < kKnownPlane * value.value;
-    return false;
+    const auto plane = std::find_if(free.begin(), free.end(), is_plane) - free.begin();
+    const auto used = static_cast<double>(std::count(used_.begin(), used_.end(), true));
+    const double freedom =
+        2 * (used + static_cast<double>(centres_.size())) - static_cast<double>(square_.rows());
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(square_.rows(), plane);
+    const double variance = cost_ / freedom * unit.dot(square_.ldlt().solve(unit));
+    return variance > 0 && std::sqrt(variance) * units_[static_cast<std::size_t>(plane)] <
+                               kKnownPlane * spec_.lens.distortion.distance;
   }
 
   void put_plane(double distance) { spec_.lens.distortion.distance = distance; }
   double plane() const { return spec_.lens.distortion.distance; }
 
-  GeometryCalibration result(int steps) const {
+  /// @param pupil GeometrySettings::pupil
+  GeometryCalibration result(int steps, double pupil) {
     GeometryCalibration result;
     result.camera = spec_;
     result.corner_rms = corner_rms();
@@ -299,11 +255,13 @@ class GeometryFit {
       for (std::size_t i = 0; i < own.size(); ++i) own[i] = used_[i] && corners_[i].pose == pose;
       result.poses.push_back({pose, poses_[index], rms(residuals_, own)});
     }
-    const double count = 2.0 * static_cast<double>(result.corners + result.centres);
-    const double freedom = count - static_cast<double>(square_.rows());
+    const std::vector<FittedPoint> points = fitted_points();
+    const OutwardsDisplacement outwards =
+        outwards_displacement(points, open_camera(spec_).spec().array.types.size());
+    result.outwards = outwards.by_type;
+    result.outwards_scatter = outwards.scatter;
     const Eigen::MatrixXd covariance =
-        (cost_ / freedom) *
-        square_.ldlt().solve(Eigen::MatrixXd::Identity(square_.rows(), square_.rows()));
+        geometry_covariance(points, square_, free_.size(), outwards.scatter, pupil);
     CameraSpec copy = spec_;
     for (std::size_t i = 0; i < free_.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
@@ -316,6 +274,46 @@ class GeometryFit {
     return result;
   }
 
+  /// The observations that are used, where the camera and the poses are now.
+  std::vector<FittedPoint> fitted_points() {
+    const Camera camera = open_camera(spec_);
+    // A pupil elsewhere moves the centres; where there are none, the pitch was found from such.
+    const bool is_told = !centres_.empty() || is_free("camera.array.pitch");
+    CameraSpec stretched = spec_;
+    const double step = 1e-6, part = spec_.array.sensor_distance / spec_.focus.lens_distance;
+    stretched.array.pitch *= 1 + step * part;
+    const Camera with_pitch = open_camera(stretched);
+    const double shrink = camera.array_front() / camera.sensor();
+    std::vector<FittedPoint> points;
+    each_row([&](std::size_t i, const Rows& rows, Vec2 residual, std::size_t pose) {
+      FittedPoint& point = points.emplace_back();
+      point.rows = rows;
+      point.residual = residual;
+      point.pose = pose;
+      const bool is_corner = pose != kNoPose;
+      const Vec2 pixel = is_corner ? corners_[i].pixel : centres_[i - corners_.size()].pixel;
+      point.lens = is_corner ? lenses_[i] : centres_[i - corners_.size()].lens;
+      point.type = static_cast<std::size_t>(camera.lattice().type(point.lens));
+      const Vec2 s = camera.sensor_point(pixel.x, pixel.y);
+      const Vec3 place = camera.lens_place(point.lens);
+      const Vec2 from_foot = Vec2{place.x, place.y} - camera.foot();
+      if (!is_corner) {
+        point.by_pupil = to_pixels(
+            camera, s, [&](Vec2 at) { return at_main_lens(camera, point.lens, at); })(from_foot);
+        return;
+      }
+      const Vec2 from_middle = s - (camera.foot() + (1 / shrink) * from_foot),
+                 size = spec_.sensor.pixel();
+      point.offset = {-from_middle.x / size.x, -from_middle.y / size.y};
+      if (is_told) return;
+      const Vec3 corner = in_camera(i);
+      point.by_pupil = to_pixels(camera, s, [&](Vec2 at) {
+        return seen_line(camera, lenses_[i], at).at(corner.z);
+      })((1 / step) * (corner_miss(with_pitch, i, corner) - corner_miss(camera, i, corner)));
+    });
+    return points;
+  }
+
   static double plane_in_focus(const Camera& camera) {
     const double f = camera.ideal().focal_length;
     const double distance = 1 / (1 / f - 1 / camera.lens_distance());
@@ -323,6 +321,11 @@ class GeometryFit {
   }
 
  private:
+  bool is_free(const char* key) const {
+    return std::any_of(free_.begin(), free_.end(),
+                       [&](const FreeValue* value) { return std::string(value->key) == key; });
+  }
+
   static double rms(const std::vector<Vec2>& residuals, const std::vector<bool>& used) {
     double sum = 0;
     std::size_t count = 0;
@@ -349,8 +352,23 @@ class GeometryFit {
     return seen_line(camera, lenses_[i], s).at(corner.z) - Vec2{corner.x, corner.y};
   }
 
+  using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
   /// Residuals and normal equations where the camera and the poses are now.
   void linearise() {
+    const auto size = static_cast<Eigen::Index>(free_.size() + 6 * poses_.size());
+    square_ = Eigen::MatrixXd::Zero(size, size);
+    right_ = Eigen::VectorXd::Zero(size);
+    cost_ = 0;
+    each_row([&](std::size_t, const Rows& rows, Vec2 residual, std::size_t pose) {
+      add(rows, residual, pose);
+    });
+  }
+
+  /// Finds the residuals. For each used corner and each centre it calls take(observation,
+  /// derivatives, residual, pose). Centres have kNoPose, and numbers after the corners'.
+  template <class Take>
+  void each_row(const Take& take) {
     const Camera camera = open_camera(spec_);
     const std::size_t n = free_.size();
     std::vector<Camera> moved;
@@ -361,10 +379,6 @@ class GeometryFit {
       value->of(spec) += value->step * units_.back();
       moved.push_back(open_camera(spec));
     }
-    const auto size = static_cast<Eigen::Index>(n + 6 * poses_.size());
-    square_ = Eigen::MatrixXd::Zero(size, size);
-    right_ = Eigen::VectorXd::Zero(size);
-    cost_ = 0;
     residuals_.assign(corners_.size(), {});
     for (std::size_t i = 0; i < corners_.size(); ++i) {
       const Vec3 corner = in_camera(i);
@@ -374,7 +388,7 @@ class GeometryFit {
       const Vec2 miss = corner_miss(camera, i, corner);
       residuals_[i] = pixels(miss);
       if (!used_[i]) continue;
-      Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, static_cast<Eigen::Index>(n + 6));
+      Rows rows(2, static_cast<Eigen::Index>(n + 6));
       const auto put = [&](std::size_t column, Vec2 change) {
         const Vec2 p = pixels(change);
         rows.col(static_cast<Eigen::Index>(column)) << p.x, p.y;
@@ -390,7 +404,7 @@ class GeometryFit {
         put(n + k, turned.z * slope - Vec2{turned.x, turned.y});
         put(n + 3 + k, e.z * slope - Vec2{e.x, e.y});
       }
-      add(rows, residuals_[i], n, n + 6 * pose, 6);
+      take(i, rows, residuals_[i], pose);
     }
     centre_residuals_.assign(centres_.size(), {});
     for (std::size_t i = 0; i < centres_.size(); ++i) {
@@ -400,31 +414,40 @@ class GeometryFit {
       const ToPixels pixels = to_pixels(camera, s, [&](Vec2 at) { return miss_of(camera, at); });
       const Vec2 miss = miss_of(camera, s);
       centre_residuals_[i] = pixels(miss);
-      Eigen::Matrix<double, 2, Eigen::Dynamic> rows(2, static_cast<Eigen::Index>(n));
+      Rows rows(2, static_cast<Eigen::Index>(n));
       for (std::size_t k = 0; k < n; ++k) {
         const Vec2 p = pixels((1 / free_[k]->step) * (miss_of(moved[k], s) - miss));
         rows.col(static_cast<Eigen::Index>(k)) << p.x, p.y;
       }
-      add(rows, centre_residuals_[i], n, 0, 0);
+      take(corners_.size() + i, rows, centre_residuals_[i], kNoPose);
     }
   }
 
-  void add(const Eigen::Matrix<double, 2, Eigen::Dynamic>& rows, Vec2 residual, std::size_t n,
-           std::size_t pose, std::size_t pose_size) {
+  void add(const Rows& rows, Vec2 residual, std::size_t pose) {
     const Eigen::Vector2d r(residual.x, residual.y);
     const Eigen::MatrixXd square = rows.transpose() * rows;
-    const Eigen::VectorXd right = rows.transpose() * r;
-    const auto a = static_cast<Eigen::Index>(n), b = static_cast<Eigen::Index>(pose),
-               c = static_cast<Eigen::Index>(pose_size);
-    square_.topLeftCorner(a, a) += square.topLeftCorner(a, a);
-    right_.head(a) += right.head(a);
-    if (c > 0) {
-      square_.block(0, b, a, c) += square.topRightCorner(a, c);
-      square_.block(b, 0, c, a) += square.bottomLeftCorner(c, a);
-      square_.block(b, b, c, c) += square.bottomRightCorner(c, c);
-      right_.segment(b, c) += right.tail(c);
+    const auto n = static_cast<Eigen::Index>(free_.size());
+    square_.topLeftCorner(n, n) += square.topLeftCorner(n, n);
+    if (pose != kNoPose) {
+      const Eigen::Index at = first_of(pose);
+      square_.block(0, at, n, 6) += square.topRightCorner(n, 6);
+      square_.block(at, 0, 6, n) += square.bottomLeftCorner(6, n);
+      square_.block(at, at, 6, 6) += square.bottomRightCorner(6, 6);
     }
+    add_product(rows, residual, pose, right_);
     cost_ += r.squaredNorm();
+  }
+
+  /// Adds the transposed derivatives times what a pixel moves by.
+  void add_product(const Rows& rows, Vec2 moves, std::size_t pose, Eigen::VectorXd& sum) const {
+    const Eigen::VectorXd product = rows.transpose() * Eigen::Vector2d(moves.x, moves.y);
+    const auto n = static_cast<Eigen::Index>(free_.size());
+    sum.head(n) += product.head(n);
+    if (pose != kNoPose) sum.segment(first_of(pose), 6) += product.tail(6);
+  }
+
+  Eigen::Index first_of(std::size_t pose) const {
+    return static_cast<Eigen::Index>(free_.size() + 6 * pose);
   }
 
   void apply(const Eigen::VectorXd& change) {
@@ -560,7 +583,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (finds_plane) solve_all();
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
-  GeometryCalibration result = fit.result(steps);
+  GeometryCalibration result = fit.result(steps, settings.pupil);
   check_plausible(spec, found, rms_of_start, result);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
   return result;

@@ -29,6 +29,7 @@ namespace {
 struct GeometryArguments : CalibrationArguments {
   std::string corners, output, centres, residuals, plot, poses;
   std::vector<std::string> free;
+  double pupil = GeometrySettings().pupil;
 };
 
 int whole_number(double value, const std::string& path, int line) {
@@ -172,6 +173,32 @@ std::string hardly_known(const GeometryCalibration& found) {
   return names;
 }
 
+/// Warns where corners lie outwards in their micro-images by more than noise explains.
+void warn_of_outwards(const GeometryCalibration& found) {
+  constexpr double kMost = 0.01;
+  if (found.outwards_scatter < kMost) return;
+  std::string types;
+  for (const double part : found.outwards)
+    types += fmt::format("{}{:+.1f} %", types.empty() ? "" : ", ", 100 * part);
+  warn(fmt::format(
+      "the fit leaves corners outwards in their micro-images by {:.1f} % of their distance from "
+      "the middle ({} by type of microlens). Distances err alike, and their errors include it; "
+      "corners are found better in sharp micro-images (a board farther from the plane in focus)",
+      100 * found.outwards_scatter, types));
+}
+
+/// Warns of a focal length that the lens' name does not have.
+void warn_of_focal_length(double nominal, double found) {
+  constexpr double kMost = 0.05;  // lenses are within 2 % of their names
+  const double change = found / nominal - 1;
+  if (std::fabs(change) < kMost) return;
+  warn(
+      fmt::format("the focal length is {:.4g} mm, {:+.1f} % from the {:.4g} mm to start with: "
+                  "lenses differ from their names by 2 %. Search for the other values alone "
+                  "(--free), or give boards that are tilted more",
+                  1e3 * found, 100 * change, 1e3 * nominal));
+}
+
 /// The residuals: of each corner, and outwards against the distance from the middle, in which
 /// distortion would show.
 std::vector<Plot> residual_plots(const GeometryCalibration& found,
@@ -212,6 +239,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   if (!arguments.centres.empty()) centres = read_lens_centres(arguments.centres);
   GeometrySettings settings;
   settings.free = arguments.free;
+  settings.pupil = arguments.pupil;
   const GeometryCalibration found =
       calibrate_geometry(start.scene.camera, corners, centres, settings, execution);
   Scene scene = start.scene;
@@ -238,6 +266,8 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   }
   report.add_json("values", values);
   report.add_json("covariance", found.covariance);
+  report.add_json("outwards", found.outwards);
+  report.add_json("outwards_scatter", found.outwards_scatter);
   report.add_text("most alike", most_correlated(found));
   const double distance = mean_distance(found);
   if (const double shift = aside(found, distance); shift > 0) {
@@ -252,6 +282,8 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   for (const CalibratedValue& value : found.values)
     if (value.key.find("array.tilt") != std::string::npos)
       warn_of_tilt(value.key, value.value, value.error);
+  warn_of_outwards(found);
+  warn_of_focal_length(start.scene.camera.lens.focal_length, found.camera.lens.focal_length);
   if (const std::string names = hardly_known(found); !names.empty())
     warn("these poses hardly tell " + names +
          ": give more poses at other distances and angles, or search for fewer values (--free)");
@@ -313,6 +345,13 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
                   "adds distortion to the usual")
       ->delimiter(',')
       ->option_text("KEY,...");
+  command
+      .add_option(
+          "--pupil", a->pupil,
+          "Standard deviation of the lens' distance from the array over the exit pupil's. It "
+          "enters the stated errors; 0: the stop is at a thin lens")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")
       ->check(written())
       ->option_text("FILE.csv");

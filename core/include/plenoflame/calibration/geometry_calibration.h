@@ -34,7 +34,7 @@ struct BoardPose {
 struct CalibratedValue {
   std::string key;
   double value = 0;
-  double error = 0;  ///< standard deviation, from what the fit leaves
+  double error = 0;  ///< standard deviation; GeometryCalibration tells of what
 };
 
 /// Stands for the values that are searched for without any name.
@@ -46,8 +46,17 @@ struct GeometrySettings {
   /// decentre, of the array what centres tell, distortion where the camera has some to start with.
   std::vector<std::string> free;
   double outlier = 6;  ///< corners farther off than this many times the RMS are left out; 0: none
+  /// Standard deviation of the lens' distance from the array over the exit pupil's. In the model
+  /// the chief rays cross in the middle of the lens, where the quotient is 1. In a real lens they
+  /// cross elsewhere. 0 for a thin lens with its stop.
+  double pupil = 0.3;
 };
 
+/// The covariance has three parts:
+/// - The scatter of the residuals: the largest of three estimates for each value, in which single
+///   corners, micro-images or boards err independently.
+/// - The displacement of the corners outwards in their micro-images (outwards_scatter).
+/// - The place of the exit pupil (GeometrySettings::pupil).
 struct GeometryCalibration {
   CameraSpec camera;
   std::vector<BoardPose> poses;
@@ -56,6 +65,10 @@ struct GeometryCalibration {
   double corner_rms = 0;                        ///< [pixel] of both coordinates together
   double centre_rms = 0;
   std::size_t corners = 0, centres = 0, left_out = 0;
+  /// Mean residual of the corners outwards, over their distance from the middle of their
+  /// micro-image; for each type of microlens.
+  std::vector<double> outwards;
+  double outwards_scatter = 0;  ///< over types and distances, beyond noise
   /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.
   std::vector<Vec2> residuals;
   int steps = 0;
