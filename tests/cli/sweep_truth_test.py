@@ -131,7 +131,7 @@ class Truth(CommandTest):
             for part in parts:
                 result = self.run_command(*options, "--part", part, "-o", f"set{len(parts)}")
                 self.assertEqual(result.returncode, 0, result.stderr)
-                self.assertRegex(result.stderr, r"\Aplenoflame: warning: [^\n]* beyond the lattice[^\n]* --region [^\n]*\n\Z")
+                self.assertRegex(result.stderr, r"\Aplenoflame: warning: [^\n]* beyond the lattice[^\n]* --region[^\n]*\n\Z")
                 said += json.loads(result.stdout)["beyond_lattice"]
             self.assertEqual(sorted(said), runs)
         result = self.run_command("merge", "set2-part-1-of-2", "set2-part-2-of-2", "-o", "all", "--json")

@@ -181,6 +181,7 @@ class MannersTest : public test::WindowFixture {
     QStringList texts;
     when_shown<QMessageBox>([&](QMessageBox& box) {
       for (const QAbstractButton* button : box.buttons()) texts << button->text();
+      QApplication::setActiveWindow(&box);  // as a window manager does
       QTest::keyClick(&box, Qt::Key_C, Qt::AltModifier);
     });
     press(Qt::Key_N, Qt::ControlModifier);
