@@ -75,7 +75,7 @@ class Optimize(CommandTest):
         self.write("a.toml", '[camera]\npreset = "raytrix-r29"\n')
         for arguments, words in ((("--merit", "depth"), "--array-range"), (("--merit", "volume"), "--depths"),
                                  (("--merit", "resolution", "--depths", "1m"), "two lengths"),
-                                 (("--merit", "light", "--vary", "types"), "nothing")):
+                                 (("--merit", "light", "--vary", "types"), "no parameter to vary")):
             result = self.run_command("optimize", "a.toml", *arguments, "-o", "b.toml")
             self.assertIn(result.returncode, (1, 2))
             self.assertIn(words, result.stderr.splitlines()[-1])

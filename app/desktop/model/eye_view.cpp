@@ -97,8 +97,8 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, const FlameSpec
   });
 }
 
-/// Luminance of the bright columns along each axis, of the axis that has least: flames are seen
-/// from the side, and are brighter along their length.
+/// Luminance of the bright columns along the axis that has least. Flames are seen from the side,
+/// and are brighter along their length.
 double bright_of(const EyeFlame& flame) {
   double bright = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -132,7 +132,7 @@ double bright_of(const EyeFlame& flame) {
   return bright;
 }
 
-/// Where a ray is within a box: from and to, in units of its direction; none: from > to.
+/// The part of a ray within a box: from and to, in units of its direction; none: from > to.
 std::array<double, 2> within(const Box& box, const Vec3& from, const Vec3& way) {
   double near = 0, far = 1e300;
   const auto cut = [&](double low, double high, double start, double speed) {
@@ -270,7 +270,7 @@ EyeLight eye_light(const EyeFlame& flame, const EyeWindow& window, const Executi
         const Point p =
             between(flame, at.x / flame.step.x, at.y / flame.step.y, at.z / flame.step.z);
         if (p.y == 0 && p.absorption == 0) continue;
-        // Of equal light and absorption along the step.
+        // Light and absorption are equal along the step.
         const float thick = p.absorption * static_cast<float>(length);
         const float kept = std::exp(-thick);
         const float reach =

@@ -39,7 +39,7 @@ struct EyeWindow {
   Box kept;  ///< [m] what is outside of it is cut away
 };
 
-/// What reaches the eye through the middle of each pixel.
+/// The light that reaches the eye through the middle of each pixel.
 struct EyeLight {
   int width = 0, height = 0;
   struct Pixel {
@@ -51,8 +51,8 @@ struct EyeLight {
 /// @throws Cancelled
 EyeLight eye_light(const EyeFlame& flame, const EyeWindow& window, const Execution& execution);
 
-/// Red, green, blue and opacity in sRGB, 8 bits each, rows from the top: what is brighter than the
-/// screen goes towards white, with a little glare around it.
+/// Red, green, blue and opacity in sRGB, 8 bits each, rows from the top. Light that is brighter
+/// than the screen goes towards white, with a little glare around it.
 /// @param exposure [stops] beside the automatic one  @param glare its radius [pixel]
 std::vector<std::uint8_t> eye_picture(EyeLight light, double bright, double exposure, int glare);
 

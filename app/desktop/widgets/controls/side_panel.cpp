@@ -10,8 +10,8 @@
 namespace plenoflame::desktop {
 namespace {
 
-/// Keeps a widget as high as its layout needs at its width: texts that wrap have more lines in a
-/// narrow panel, which a scroll area by itself does not ask about.
+/// Keeps a widget as high as its layout needs at its width. Texts that wrap have more lines in a
+/// narrow panel, and a scroll area does not ask for it.
 class HeightKeeper : public QObject {
  public:
   using QObject::QObject;

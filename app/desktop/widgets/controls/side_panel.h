@@ -18,7 +18,7 @@ class SidePanel : public QScrollArea {
   void add(const char* name, const QString& title, QWidget* content);
   /// Opens a group and brings it into view. False: there is none of this name or title.
   bool open(const QString& name);
-  /// What opens and closes each, checked while it is open; its text is the title.
+  /// Open and close one group each, and are checked while it is open. Their texts are the titles.
   std::vector<QAction*> groups() const;
   /// Names of those that are open.
   QStringList opened() const;

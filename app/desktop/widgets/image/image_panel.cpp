@@ -312,7 +312,7 @@ void ImagePanel::apply_tone() {
   const LightField* const field = drawn_field();
   const bool bare = unit == Dimension::none && !shows_relative_error() && field;
   bar->set_tone(tone, unit, bare ? QString::fromStdString(field->unit) : QString());
-  // What has colours of its own has no bar of them.
+  // A picture in its own colours has no bar of them.
   bar->setVisible(picture() != Picture::overlay && !(colours_ && picture() == Picture::simulated));
 }
 

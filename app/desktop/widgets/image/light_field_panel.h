@@ -46,9 +46,8 @@ class AperturePad : public QWidget {
   int grid_, column_, row_;
 };
 
-/// The light field and its uses, each as large as the panel: the raw image, views from places of
-/// the aperture, pictures focused elsewhere, all in focus, epipolar slices, and what is
-/// reconstructed.
+/// The light field and its uses, each as large as the panel: the raw image, views, refocused
+/// pictures, total focus, epipolar slices and the reconstruction.
 class LightFieldPanel : public QWidget {
   Q_OBJECT
  public:

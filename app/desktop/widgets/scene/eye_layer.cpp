@@ -95,7 +95,7 @@ EyeWindow EyeLayer::window() const {
   const Box box = flame_->box();
   const double depth =
       std::max(dot(0.5 * (box.lower + box.upper) - eye, ahead), kLeastDepth * length(eye));
-  // What the view shows of the plane; its middle may be beside that of the picture.
+  // The view shows a part of the plane, whose middle may be beside that of the picture.
   const int* const size = renderer_.GetSize();
   const double half = depth * std::tan(0.5 * camera.GetViewAngle() * 3.14159265358979 / 180);
   const double aspect = static_cast<double>(std::max(1, size[0])) / std::max(1, size[1]);

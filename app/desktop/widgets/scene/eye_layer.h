@@ -16,8 +16,8 @@ class vtkRenderer;
 
 namespace plenoflame::desktop {
 
-/// What eyes see of the flames, as a picture in the plane through their middle that faces the eye:
-/// coarse while that moves, as fine as the screen at rest.
+/// The flames as eyes see them, a picture in the plane through their middle that faces the eye. It
+/// is coarse while the eye moves, and as fine as the screen at rest.
 class EyeLayer : public QObject {
   Q_OBJECT
  public:

@@ -34,7 +34,7 @@ class PosterDialog : public QDialog {
   QCheckBox* scale_bar_;
 };
 
-/// What both views show at present, drawn anew as finely as the size asks for.
+/// Draws the contents of both views anew, as finely as the size asks for.
 QImage make_poster(const Poster& poster, SceneView& scene, const ImagePanel& image);
 
 }  // namespace plenoflame::desktop
