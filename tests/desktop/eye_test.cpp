@@ -60,10 +60,10 @@ TEST(EyeView, LightIsThatOfTheReferenceIntegrator) {
                                            : compiled.mix.weight(static_cast<int>(c), n)) *
                      nodes[static_cast<std::size_t>(n)];
   // The layers' sharp edges lie between points of the lattice: within one of 40 points across.
-  EXPECT_TRUE(relative(static_cast<double>(seen.x), expected[0], 0.05));
-  EXPECT_TRUE(relative(static_cast<double>(seen.y), expected[1], 0.05));
-  EXPECT_TRUE(relative(static_cast<double>(seen.z), expected[2], 0.05));
-  EXPECT_TRUE(relative(-std::log(static_cast<double>(seen.passed)), nodes.back(), 0.3));
+  EXPECT_TRUE(test::relative(static_cast<double>(seen.x), expected[0], 0.05));
+  EXPECT_TRUE(test::relative(static_cast<double>(seen.y), expected[1], 0.05));
+  EXPECT_TRUE(test::relative(static_cast<double>(seen.z), expected[2], 0.05));
+  EXPECT_TRUE(test::relative(-std::log(static_cast<double>(seen.passed)), nodes.back(), 0.3));
 }
 
 TEST(EyeView, WhatIsCutAwayGivesNoLight) {
@@ -99,7 +99,7 @@ TEST(EyeView, SootIsOrangeAndBrighterByEachStop) {
 TEST(EyeView, TwiceTheBrightnessIsTwiceTheLight) {
   const auto once = eye_flame(layered(), 40, {}),
              twice = eye_flame(layered("brightness = 2\n"), 40, {});
-  EXPECT_TRUE(relative(twice->bright, 2 * once->bright, 1e-5));
+  EXPECT_TRUE(test::relative(twice->bright, 2 * once->bright, 1e-5));
   EXPECT_FALSE(
       eye_flame(parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene, 40, {}));
 }

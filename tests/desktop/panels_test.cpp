@@ -2,7 +2,6 @@
 // makes of the same scene.
 #include <QAction>
 #include <QComboBox>
-#include <QDoubleSpinBox>
 #include <QDropEvent>
 #include <QFile>
 #include <QLabel>
@@ -34,41 +33,6 @@ class PanelsTest : public test::WindowFixture {
   Q_OBJECT
 
  private slots:
-  void flameIsSeenAsEyesSeeItAndExposed() {
-    QVERIFY(open_example("lenslets-30"));
-    QVERIFY(part(Qt::Key_2));
-    QVERIFY(until([&] { return view().is_current(); }));
-    const auto mean = [&](const QImage& picture) {
-      double sum = 0;
-      for (int y = 0; y < picture.height(); ++y)
-        for (int x = 0; x < picture.width(); ++x) sum += qGray(picture.pixel(x, y));
-      return sum / (picture.width() * picture.height());
-    };
-    const QImage whole = view().picture();
-    // Soot has no green or blue anywhere that its red does not exceed: no fringe, no olive. It
-    // fills most of its view's height.
-    int top = whole.height(), bottom = 0;
-    for (int y = 0; y < whole.height(); ++y)
-      for (int x = whole.width() / 4; x < whole.width() * 3 / 4; ++x) {
-        const QColor c(whole.pixel(x, y));
-        if (c.red() < 60 || c.red() - c.blue() < 30) continue;
-        QVERIFY(c.red() >= c.green() && c.green() >= c.blue());
-        top = std::min(top, y);
-        bottom = std::max(bottom, y);
-      }
-    QVERIFY2(bottom - top > 0.6 * whole.height(), qPrintable(QString::number(bottom - top)));
-    auto* const exposure = child<QDoubleSpinBox>("flameExposure");
-    QVERIFY(exposure->isVisible());
-    exposure->selectAll();
-    QTest::keyClicks(exposure, "-3");
-    QTest::keyClick(exposure, Qt::Key_Return);
-    QCOMPARE(session().document().look().exposure, -3.0);
-    QVERIFY(mean(view().picture()) < 0.7 * mean(whole));
-    press(Qt::Key_Z, Qt::ControlModifier);
-    QCOMPARE(exposure->value(), 0.0);
-    QVERIFY(test::difference(whole, view().picture()) < 1e-3);
-  }
-
   void init() { begin(); }
   void cleanup() { end(); }
 
