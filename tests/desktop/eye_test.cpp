@@ -73,7 +73,7 @@ TEST(EyeView, WhatIsCutAwayGivesNoLight) {
   const float whole = eye_light(*flame, window, {}).pixels.front().y;
   window.kept.upper.y = 0.5 * (box.lower.y + box.upper.y);
   const float half = eye_light(*flame, window, {}).pixels.front().y;
-  // What is in front comes through unweakened, so that it is more than half.
+  // The front half is weakened by nothing, so that it gives more than half of the light.
   EXPECT_GT(half, 0.49F * whole);
   EXPECT_LT(half, 0.95F * whole);
   window.kept.upper.y = box.lower.y - 1e-3;

@@ -181,7 +181,7 @@ class LooksTest : public test::SceneFixture {
         for (int i = 0; i < header.count(); ++i)
           QVERIFY2(header.isSectionHidden(i) || header.sectionSize(i) >= header.sectionSizeHint(i),
                    name);
-        // What there is no room for is told by the tooltip.
+        // The tooltip has the columns for which there is no room.
         QCOMPARE(table->item(0, 0)->toolTip().count('\n') + 1, table->columnCount());
       }
       // Ten rays are seen, each as high as its letters.

@@ -268,7 +268,8 @@ class WindowTest : public test::WindowFixture {
       int other = 0;
       for (int y = 0; y < picture.height(); y += 4)
         for (int x = 0; x < picture.width(); x += 4) other += picture.pixel(x, y) != corner ? 1 : 0;
-      // Of a square as wide as the view, which may be far higher than the scene is.
+      // The share is one of a square as wide as the view: the view may be far higher than the
+      // scene.
       QVERIFY2(other > picture.width() * picture.width() / 16 / 50,
                qPrintable(QString("%1 in part %2").arg(other).arg(static_cast<int>(part))));
     }

@@ -378,7 +378,7 @@ TEST(GeometryCalibration, ErrorsHoldCornersThatLieOutwards) {
   for (const CalibratedValue& value : found.values)
     EXPECT_TRUE(within_standard_errors(value.value, value_of(three, value.key), value.error, 3))
         << value.key;
-  // What the fit leaves of them: the mean is taken for a longer sensor distance.
+  // The fit takes the mean for a longer sensor distance; differences between types remain.
   ASSERT_EQ(found.outwards.size(), 3u);
   EXPECT_TRUE(relative(found.outwards[0] - found.outwards[1], 0.04, 0.1));
   EXPECT_TRUE(relative(found.outwards[2] - found.outwards[1], 0.01, 0.1));
