@@ -1,15 +1,14 @@
 #include "model/eye_view.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <thread>
 #include <utility>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/colour.h"
 #include "plenoflame/lightfield/develop.h"
+#include "plenoflame/math/ray_span.h"
 #include "plenoflame/scene/spectral.h"
 #include "plenoflame/volumes/load_medium.h"
 
@@ -18,6 +17,7 @@ namespace {
 
 using Point = EyeFlame::Point;
 
+constexpr double kFar = 1e300;         ///< [m] beyond all flames
 constexpr double kBrightShare = 0.98;  ///< of the columns with light that are darker than `bright`
 constexpr double kBrightOnScreen = 0.9;  ///< exposure of these, of white
 constexpr double kGlare = 0.08;          ///< share of the light that is scattered in the eye
@@ -46,19 +46,12 @@ Scene seen_by_eye(const Scene& scene) {
   return eye;
 }
 
-/// Calls work(row) for all rows, on all processors.
+/// Calls work(row) for all rows. @throws Cancelled
 template <class Work>
-void for_rows(int rows, const Execution& execution, Work work) {
-  std::atomic<int> next{0};
-  const auto run = [&] {
-    for (int row = next++; row < rows && !execution.stop.stop_requested(); row = next++) work(row);
-  };
-  std::vector<std::jthread> helpers;
-  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
-    helpers.emplace_back(run);
-  run();
-  helpers.clear();
-  if (execution.stop.stop_requested()) throw Cancelled();
+void for_rows(int rows, const Execution& execution, const Work& work) {
+  if (!parallel_for(execution, static_cast<std::size_t>(rows),
+                    [&](std::size_t row, int) { work(static_cast<int>(row)); }))
+    throw Cancelled();
 }
 
 /// Adds the light of one flame.
@@ -130,24 +123,6 @@ double bright_of(const EyeFlame& flame) {
     bright = axis == 0 ? *at : std::min(bright, *at);
   }
   return bright;
-}
-
-/// The part of a ray within a box: from and to, in units of its direction; none: from > to.
-std::array<double, 2> within(const Box& box, const Vec3& from, const Vec3& way) {
-  double near = 0, far = 1e300;
-  const auto cut = [&](double low, double high, double start, double speed) {
-    if (speed == 0) {
-      if (start < low || start > high) far = -1;
-      return;
-    }
-    const double a = (low - start) / speed, b = (high - start) / speed;
-    near = std::max(near, std::min(a, b));
-    far = std::min(far, std::max(a, b));
-  };
-  cut(box.lower.x, box.upper.x, from.x, way.x);
-  cut(box.lower.y, box.upper.y, from.y, way.y);
-  cut(box.lower.z, box.upper.z, from.z, way.z);
-  return {near, far};
 }
 
 /// Values between the points, by straight lines.
@@ -258,15 +233,16 @@ EyeLight eye_light(const EyeFlame& flame, const EyeWindow& window, const Executi
       const Vec3 place = window.corner + (column + 0.5) / window.width * window.across +
                          (row + 0.5) / window.height * window.down;
       const Vec3 way = normalize(place - window.eye);
-      const auto [near, far] = within(box, window.eye, way);
+      const RaySpan inside = clip_to_box(box, {window.eye, way}, 0, kFar);
       EyeLight::Pixel& pixel =
           light.pixels[static_cast<std::size_t>(row) * static_cast<std::size_t>(window.width) +
                        static_cast<std::size_t>(column)];
-      if (!(near < far)) continue;
-      const int steps = std::max(1, static_cast<int>(std::ceil((far - near) / step)));
-      const double length = (far - near) / steps;
+      if (inside.empty()) continue;
+      const double whole = inside.far - inside.near;
+      const int steps = std::max(1, static_cast<int>(std::ceil(whole / step)));
+      const double length = whole / steps;
       for (int i = 0; i < steps && pixel.passed > 1e-3F; ++i) {
-        const Vec3 at = window.eye + (near + (i + 0.5) * length) * way - flame.origin;
+        const Vec3 at = window.eye + (inside.near + (i + 0.5) * length) * way - flame.origin;
         const Point p =
             between(flame, at.x / flame.step.x, at.y / flame.step.y, at.z / flame.step.z);
         if (p.y == 0 && p.absorption == 0) continue;

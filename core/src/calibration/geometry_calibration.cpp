@@ -256,8 +256,7 @@ class GeometryFit {
       result.poses.push_back({pose, poses_[index], rms(residuals_, own)});
     }
     const std::vector<FittedPoint> points = fitted_points();
-    const OutwardsDisplacement outwards =
-        outwards_displacement(points, open_camera(spec_).spec().array.types.size());
+    const OutwardsDisplacement outwards = outwards_displacement(points, spec_.array.types.size());
     result.outwards = outwards.by_type;
     result.outwards_scatter = outwards.scatter;
     const Eigen::MatrixXd covariance =
