@@ -10,6 +10,7 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/scene/pupil_transmission.h"
 #include "plenoflame/volumes/grid_writer.h"
+#include "reconstruct_verdict.h"
 #include "unknowns_request.h"
 
 namespace plenoflame {
@@ -140,6 +141,11 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                reconstruction.strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
+  if (reconstruction.noise_factor > 1)
+    report.add_text("model", fmt::format("the pictures differ from it by {:.3g} times their noise; "
+                                         "the deviations hold that",
+                                         reconstruction.noise_factor));
+  report.add_json("noise_factor", reconstruction.noise_factor);
   if (reconstruction.rendered_chi_squared >= 0)
     report.add("as rendered",
                "chi^2 per row " + readable_number(reconstruction.rendered_chi_squared) +
@@ -153,7 +159,7 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
     trials.push_back({{"strength", trial.strength},
                       {"chi_squared", trial.chi_squared},
                       {"penalty", trial.penalty},
-                      {"gcv", trial.gcv < 0 ? nlohmann::json() : nlohmann::json(trial.gcv)}});
+                      {"gcv", trial.gcv}});
   report.add_json("trials", trials);
   report.add_json("strength_at_end", reconstruction.strength_at_end);
   report.add_json("explained_by_noise", reconstruction.explained_by_noise);
@@ -188,34 +194,30 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
   }
   if (!spreads.empty()) report.add_json("point_spreads", spreads);
   // Weighted by what emits, as what does not emit has no temperature.
-  double weight = 0, sum = 0, deviation = 0, hottest = 0, brightest = 0, error = 0, power = 0;
+  double weight = 0, sum = 0, hottest = 0, brightest = 0;
   for (std::size_t j = 0; j < estimate.emission.size(); ++j) {
-    const double w = unknowns.volume(j) * estimate.emission[j];
     brightest = std::max(brightest, estimate.emission[j]);
-    power += w;
-    if (!estimate.emission_deviation.empty())
-      error += unknowns.volume(j) * estimate.emission_deviation[j];
     if (estimate.temperature.empty() || !(estimate.temperature[j] > 0)) continue;
-    weight += w;
-    sum += w * estimate.temperature[j];
+    weight += unknowns.volume(j) * estimate.emission[j];
+    sum += unknowns.volume(j) * estimate.emission[j] * estimate.temperature[j];
     hottest = std::max(hottest, estimate.temperature[j]);
-    if (!estimate.temperature_deviation.empty()) deviation += w * estimate.temperature_deviation[j];
   }
+  const MeanDeviations deviations = mean_deviations(estimate, unknowns);
   report.add("emission", fmt::format("{:.4g} W/(m^3 sr) at most", brightest), "largest_emission",
              brightest);
-  if (!estimate.emission_deviation.empty() && power > 0)
-    report.add("its deviation", readable_percent(error / power) + ", mean, of the noise",
-               "emission_deviation", error / power);
+  if (deviations.emission)
+    report.add("its deviation", readable_percent(*deviations.emission) + ", mean",
+               "emission_deviation", *deviations.emission);
   if (weight > 0) {
     report.add("temperature",
                readable(sum / weight, Dimension::temperature) + " mean, weighted by emission; " +
                    readable(hottest, Dimension::temperature) + " at most",
                "mean_temperature_K", sum / weight);
     report.add_json("highest_temperature_K", hottest);
-    if (!estimate.temperature_deviation.empty())
+    if (deviations.temperature)
       report.add("its deviation",
-                 readable(deviation / weight, Dimension::temperature) + ", mean, of the noise",
-                 "temperature_deviation_K", deviation / weight);
+                 readable(*deviations.temperature, Dimension::temperature) + ", mean",
+                 "temperature_deviation_K", *deviations.temperature);
   }
 }
 

@@ -27,12 +27,7 @@ void check_belongs(const LightField& picture, const Scene& scene, const std::str
                      "; a reconstruction takes fluxes in W, as render writes them, or electrons, "
                      "as develop writes them" +
                      (picture.unit == "DN" ? " (import --unit e- or W)" : ""));
-  if (picture.scene_text.empty()) return;
-  CameraSpec own = parse_embedded_scene(picture.scene_text, what).scene.camera;
-  own.sensor = sensor;                       // how a frame was taken does not move any ray
-  own.wavelength = scene.camera.wavelength;  // not in files
-  own.name = scene.camera.name;
-  if (!(own == scene.camera))
+  if (!may_be_taken_by(picture, scene))
     throw InputError(what +
                      " does not belong to the scene: it was taken by another camera (lens, array, "
                      "focus or place differ)" +
@@ -100,6 +95,17 @@ class LeftOut {
 };
 
 }  // namespace
+
+bool may_be_taken_by(const LightField& picture, const Scene& scene) {
+  const SensorSpec& sensor = scene.camera.sensor;
+  if (picture.sensor_width != sensor.columns || picture.sensor_height != sensor.rows) return false;
+  if (picture.scene_text.empty()) return true;
+  CameraSpec own = parse_embedded_scene(picture.scene_text, "the picture").scene.camera;
+  own.sensor = sensor;                       // how a frame was taken does not move any ray
+  own.wavelength = scene.camera.wavelength;  // not in files
+  own.name = scene.camera.name;
+  return own == scene.camera;
+}
 
 Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
                              double noise, const std::string& what) {

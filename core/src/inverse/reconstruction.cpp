@@ -20,6 +20,7 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/row_noise.h"
 #include "plenoflame/inverse/shared_assembly.h"
+#include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -33,6 +34,8 @@ constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
 constexpr double kGuessStrength = 1e-5;
+/// Iterations of probes and draws, at least.
+constexpr int kLeastProbe = 100;
 
 /// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
 class Watch {
@@ -140,15 +143,14 @@ SolverOptions solver_options(const ReconstructionSettings& settings, double rows
   return options;
 }
 
-/// Strength by the rule; what was found on the way is the next start.
+/// Strength by cross-validation; what was found on the way is the next start.
 std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
-                                       double rows, const ReconstructionInput& input,
-                                       const ReconstructionSettings& settings, Watch& watch,
+                                       double rows, const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
-  const StrengthChoice choice =
-      problem.choose(b, expected_misfit(rows), input.start,
-                     watch.watched(solver_options(settings, rows), problem, kChosen, kTrials, true),
-                     watch.inner());
+  SolverOptions options;
+  options.iterations = kLinearRange.iterations;
+  const StrengthChoice choice = problem.choose(
+      b, input.start, watch.watched(options, problem, kChosen, kTrials, true), watch.inner());
   watch.reached(kChosen);
   result.strength = choice.strength;
   result.strength_at_end = choice.at_end;
@@ -160,37 +162,36 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   return problem.samples(choice.solution.x);
 }
 
-/// @param start what the solution began with, if its end was no minimum
-void add_uncertainty(const ScaledProblem& problem, const ReconstructionSettings& settings,
-                     std::span<const double> b, const std::vector<double>& start, double rows,
+/// Resolution and deviations, of a solution whose penalty is a Gaussian prior.
+void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& input,
+                     const ReconstructionSettings& settings, std::span<const double> b, double rows,
                      Watch& watch, Reconstruction& result) {
-  const ProbeAccuracy accuracy{std::max(40, settings.iterations / 2), 1e-5, settings.draws < 2};
+  const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), 1e-5};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
-  // Neither the end of an iteration nor total variation has a resolution matrix.
-  const bool probes = settings.probes > 0 && is_penalised(settings.solver) &&
-                      settings.solver != ReconstructionSolver::tv;
-  if (settings.draws >= 2) {
-    const std::vector<double> model = *linear.a * problem.scaled(result.values);
-    const std::vector<double>& from = is_penalised(settings.solver) ? result.values : start;
-    const SolverOptions options = solver_options(settings, rows);
-    const auto again = [&](std::span<const double> drawn) {
-      return problem.solve(drawn, result.strength, from, options, watch.inner()).x;
-    };
-    // A draw is a solution, two of which a probe is.
-    const double share = settings.draws / (settings.draws + (probes ? 2.0 * settings.probes : 0));
-    const double to = kSolved + share * (1 - kSolved);
-    result.deviation = problem.samples(
-        bootstrap(model, linear.weights, settings.draws, 1, again, watch.rest(to)).deviation);
+  const double all = std::max(1, settings.draws + settings.probes);
+  if (settings.probes > 0) {
+    const double to = kSolved + settings.probes / all * (1 - kSolved);
+    Uncertainty found =
+        estimate_resolution(linear, penalty, settings.probes, 1, watch.rest(to), accuracy);
+    result.resolved_unknowns = found.resolved_unknowns;
+    result.resolved = std::move(found.resolved);
+    for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
     watch.reached(to);
   }
-  if (!probes) return;
-  Uncertainty found =
-      estimate_uncertainty(linear, penalty, settings.probes, 1, watch.rest(1), accuracy);
-  if (accuracy.deviations) result.deviation = problem.samples(found.deviation);
-  result.resolved_unknowns = found.resolved_unknowns;
-  result.resolved = std::move(found.resolved);
-  for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
+  // The pictures themselves tell how far they are from the model.
+  const double free_rows = std::max(0.5 * rows, rows - std::max(0.0, result.resolved_unknowns));
+  result.noise_factor = std::sqrt(std::max(1.0, result.chi_squared * rows / free_rows));
+  if (settings.draws < 1) return;
+  std::vector<double> squares(result.values.size(), 0.0);
+  const auto add = [&](std::span<const double> u) {
+    const std::vector<double> moved =
+        values_at_places(*input.unknowns, problem.samples(u), result.solved);
+    for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
+  };
+  draw_posterior(linear, penalty, settings.draws, 1, add, watch.rest(1), accuracy);
+  for (const double square : squares)
+    result.deviation.push_back(result.noise_factor * std::sqrt(square / settings.draws));
 }
 
 void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
@@ -258,9 +259,8 @@ void check_settings(const ReconstructionSettings& settings, const Unknowns& unkn
     throw InputError(std::to_string(unknowns.size()) +
                      " unknowns are too many for active sets, which take " +
                      std::to_string(kMostActiveSet) + " at most: use fista, or a coarser grid");
-  if (settings.rule == StrengthRule::gcv && settings.solver == ReconstructionSolver::tv &&
-      settings.strength < 0)
-    throw UsageError("cross-validation is for penalties that are squares, not for tv");
+  if (settings.solver == ReconstructionSolver::tv && settings.strength < 0)
+    throw UsageError("cross-validation is for penalties that are squares: tv needs a strength");
 }
 
 /// Unknowns in units of a typical value, those that few rays meet in larger ones; 0 for what is
@@ -406,7 +406,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     else if (settings.strength >= 0)
       result.strength = settings.strength;
     else
-      reached = start = choose_strength_of(*weighted, b, rows, input, settings, watch, result);
+      reached = start = choose_strength_of(*weighted, b, rows, input, watch, result);
     const SolverOptions last =
         watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
     const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());
@@ -428,6 +428,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     return sum / rows;
   };
   result.chi_squared = chi_squared_of(explained);
+  result.at_places = values_at_places(*input.unknowns, result.values, result.solved);
   // Follows all rays once more.
   if (input.source && result.model == RowModel::source && (result.complete || result.stored))
     result.rendered_chi_squared = chi_squared_of(rendered_fluxes(input, rays, result, quiet));
@@ -435,9 +436,11 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      add_uncertainty(*weighted, settings, b, start, rows, watch, result);
-      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv)
+      // Neither the end of an iteration nor total variation has a posterior.
+      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv) {
+        add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
+      }
       watch.reached(1);
     } catch (const Cancelled&) {
       result.complete = false;  // the values are kept

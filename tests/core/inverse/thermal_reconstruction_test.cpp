@@ -139,7 +139,7 @@ TEST(ThermalReconstruction, WhatIsHeldAtABoundHasNoDeviation) {
   ThermalInput input = flame.input(0.002);
   input.channels.resize(1);
   input.absorption = flame.absorption;
-  flame.settings.linear.probes = 4;
+  flame.settings.linear.draws = 4;
   flame.settings.linear.strength = 1e-3;
   flame.settings.highest_temperature = 1650;
   const FlameEstimate found = reconstruct_thermal(input, flame.settings).estimate;

@@ -150,28 +150,22 @@ Plot history_plot(const Reconstruction& figures) {
 
 std::vector<Plot> strength_plots(const Reconstruction& figures) {
   Plot misfit = labelled("Strengths that were tried", "strength", "chi^2 per row");
-  Plot corner = labelled("L-curve", "chi^2 per row", "|L x|^2");
+  Plot errors = labelled("Cross-validation", "strength", "expected error of a row left out");
   PlotSeries all = named("tried"), curve = all, chosen = named("chosen"), chosen_curve = chosen;
   all.colour = curve.colour = plot_colour(1);
   chosen.colour = chosen_curve.colour = plot_colour(0);
   chosen.style = chosen_curve.style = PlotStyle::marks;
-  std::vector<Reconstruction::Trial> trials = figures.trials;
-  std::sort(trials.begin(), trials.end(),
-            [](const auto& a, const auto& b) { return a.strength < b.strength; });
-  for (const auto& trial : trials) {
-    const bool best = trial.strength == figures.strength;
-    if (trial.chi_squared > 0) {
-      all.points.emplace_back(trial.strength, trial.chi_squared);
-      if (best) chosen.points.push_back(all.points.back());
-      if (trial.penalty > 0) {
-        curve.points.emplace_back(trial.chi_squared, trial.penalty);
-        if (best) chosen_curve.points.push_back(curve.points.back());
-      }
-    }
+  const auto rows = static_cast<double>(figures.rows - figures.left_out);
+  for (const auto& trial : figures.trials) {
+    all.points.emplace_back(trial.strength, trial.chi_squared);
+    curve.points.emplace_back(trial.strength, std::sqrt(trial.gcv * rows));
+    if (trial.strength != figures.strength) continue;
+    chosen.points.push_back(all.points.back());
+    chosen_curve.points.push_back(curve.points.back());
   }
   misfit.series = {all, chosen};
-  corner.series = {curve, chosen_curve};
-  return {misfit, corner};
+  errors.series = {curve, chosen_curve};
+  return {misfit, errors};
 }
 
 }  // namespace

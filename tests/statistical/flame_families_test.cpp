@@ -1,0 +1,132 @@
+// Stated deviations against errors over families of flames (flame_families.h). The long test prints
+// the table of docs/validation.md, which tools/families_table.py puts there.
+#include "statistical/flame_families.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+namespace plenoflame::test::flame_families_test {
+namespace {
+
+/// Means over trials, of squares where they are deviations.
+struct Totals {
+  double pulls = 0, covered = 0, covered_once = 0, error = 0, stated = 0;
+  int count = 0;
+
+  void add(const Errors& errors) {
+    pulls += errors.pulls * errors.pulls;
+    covered += errors.covered;
+    covered_once += errors.covered_once;
+    error += errors.error * errors.error;
+    stated += errors.stated * errors.stated;
+    ++count;
+  }
+  Errors mean() const {
+    return {std::sqrt(error / count), std::sqrt(stated / count), std::sqrt(pulls / count),
+            covered / count, covered_once / count};
+  }
+};
+
+#ifdef PLENOFLAME_LONG_TEST
+
+void print(const std::string& what, const Errors& errors) {
+  std::printf("| %s | %.1f | %.1f | %.2f | %.0f | %.0f |\n", what.c_str(), 100 * errors.error,
+              100 * errors.stated, errors.pulls, 100 * errors.covered_once, 100 * errors.covered);
+}
+
+constexpr Family kFamilies[] = {Family::candle, Family::jet, Family::blobs, Family::turbulent};
+
+/// Three flames of each family at three exposures.
+Totals measure(FamilyTrial trial, Totals& temperature) {
+  Totals emission;
+  for (const Family family : kFamilies) {
+    Totals own;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      trial.family = family;
+      trial.seed = seed;
+      trial.electrons = seed == 1 ? 20000 : seed == 2 ? 5000 : 1000;
+      const FamilyOutcome found = reconstruct_family(trial);
+      own.add(found.emission);
+      emission.add(found.emission);
+      if (trial.absorption > 0) temperature.add(found.temperature);
+    }
+    print(name_of(family) + ", " + (trial.rings ? "rings" : "voxels") + ", " +
+              std::to_string(trial.cameras) + (trial.cameras == 1 ? " camera" : " cameras"),
+          own.mean());
+  }
+  return emission;
+}
+
+void expect_true(const Totals& totals) {
+  const Errors mean = totals.mean();
+  EXPECT_GT(mean.pulls, 0.7);
+  EXPECT_LT(mean.pulls, 1.4);
+  EXPECT_GT(mean.covered, 0.88);
+}
+
+TEST(FlameFamilies, DeviationsAreTheErrors) {
+  for (const bool rings : {true, false})
+    for (const int cameras : {1, 3, 6}) {
+      Totals unused;
+      FamilyTrial trial;
+      trial.rings = rings;
+      trial.cameras = cameras;
+      const Totals emission = measure(trial, unused);
+      print(std::string("**all, ") + (rings ? "rings" : "voxels") + ", " + std::to_string(cameras) +
+                "**",
+            emission.mean());
+      expect_true(emission);
+    }
+}
+
+TEST(FlameFamilies, DeviationsOfTemperatures) {
+  for (const bool rings : {true, false}) {
+    Totals temperature;
+    FamilyTrial trial;
+    trial.rings = rings;
+    trial.cameras = rings ? 1 : 3;
+    trial.absorption = 25;
+    measure(trial, temperature);
+    print(std::string("**temperature, ") + (rings ? "rings, 1" : "voxels, 3") + "**",
+          temperature.mean());
+    expect_true(temperature);
+  }
+}
+
+#else
+
+// A few of the flames. Smoothing takes more from them than noise adds: without its part, deviations
+// are a half of the errors or less.
+TEST(FlameFamilies, DeviationsAreTheErrorsOfSome) {
+  Totals emission, temperature;
+  for (const FamilyTrial& trial : {FamilyTrial{Family::candle, true, 1, 20000, 4, 25},
+                                   FamilyTrial{Family::jet, true, 1, 2000, 5, 25},
+                                   FamilyTrial{Family::turbulent, true, 1, 8000, 6, 25},
+                                   FamilyTrial{Family::blobs, false, 3, 8000, 4, 0}}) {
+    const FamilyOutcome found = reconstruct_family(trial);
+    emission.add(found.emission);
+    if (trial.absorption > 0) temperature.add(found.temperature);
+  }
+  for (const Totals& totals : {emission, temperature}) {
+    const Errors mean = totals.mean();
+    EXPECT_GT(mean.pulls, 0.7);
+    EXPECT_LT(mean.pulls, 1.4);
+    EXPECT_GT(mean.covered, 0.88);
+    EXPECT_LT(mean.error, 0.15);
+  }
+}
+
+// One camera cannot tell depths: most of the light of a voxel is unknown, and the deviation says
+// so.
+TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
+  const Errors found = reconstruct_family({Family::blobs, false, 1, 8000, 7, 0}).emission;
+  EXPECT_GT(found.error, 0.3);
+  EXPECT_GT(found.stated, 0.3);
+  EXPECT_GT(found.covered, 0.8);
+}
+
+#endif
+
+}  // namespace
+}  // namespace plenoflame::test::flame_families_test
