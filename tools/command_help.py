@@ -2,6 +2,7 @@
 and the completions of shells."""
 
 import dataclasses
+import os
 import re
 import subprocess
 
@@ -37,7 +38,7 @@ class Help:
 
 def help_text(command, names):
     return subprocess.run([command, *names, "--help"], capture_output=True, text=True, check=True,
-                          timeout=60).stdout.rstrip("\n")
+                          timeout=60, env={**os.environ, "COLUMNS": "96"}).stdout.rstrip("\n")
 
 
 def entries(lines):

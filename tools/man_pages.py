@@ -50,7 +50,7 @@ def page(each, version, date):
     text += f".SH NAME\n{escape(name)} \\- {escape(description[0].lower() + description[1:])}\n"
     rest = each.usage[len(title):].strip()
     text += f".SH SYNOPSIS\n{bold(title)} {italic(rest)}\n"
-    text += f".SH DESCRIPTION\n{escape(each.description)}\n"
+    text += f".SH DESCRIPTION\n{escape(description)}.\n"
     for title, items in each.sections.items():
         if title == "Subcommands":
             text += ".SH COMMANDS\n"

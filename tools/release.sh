@@ -25,6 +25,10 @@ done
 say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 
 version=$(sed -n 's/^project(plenoflame VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+if ! git rev-parse --verify -q HEAD >/dev/null 2>&1; then
+  echo "release.sh: a release is made of commits, and this folder is no git repository that has some, or there is no git" >&2
+  exit 1
+fi
 if ! git diff --quiet HEAD --; then
   echo "release.sh: there are changes that are not committed; a release is made of commits" >&2
   exit 1

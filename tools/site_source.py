@@ -4,8 +4,8 @@
     site_source.py prepare ROOT FOLDER    FOLDER/source with the pages, FOLDER/mkdocs.yml with the navigation
     site_source.py check SITE             every link and picture of the pages leads somewhere; prints those that do not
 
-The navigation is docs/README.md: its headings are the sections, its lists the pages. Links of a page to sources and
-examples lead to copies of them. Standard library only.
+The navigation is docs/README.md: its headings are the sections, its lists the pages. Numbered lists there are ways through
+the pages and no part of the navigation. Links of a page to sources and examples lead to copies of them. Standard library only.
 """
 
 import html.parser
@@ -90,7 +90,7 @@ class Page:
 
 
 def sections(root):
-    """[(section, [(title, page of the site)])] from docs/README.md."""
+    """[(section, [(title, page of the site)])] from docs/README.md; sections without pages are left out."""
     found = []
     for line in (root / "docs/README.md").read_text(encoding="utf-8").splitlines():
         entry = ENTRY.match(line)
@@ -99,7 +99,7 @@ def sections(root):
         elif entry:
             path = (root / "docs").joinpath(entry["path"]).resolve().relative_to(root).as_posix()
             found[-1][1].append((entry["title"], site_path(path)))
-    return found
+    return [section for section in found if section[1]]
 
 
 def prepare(root, folder):

@@ -15,14 +15,18 @@ namespace fs = std::filesystem;
 /// have.
 void write_as(const std::function<void(const std::string&)>& write, const std::string& name,
               const std::string& final_name) {
-  try {
-    write(name);
-  } catch (const FileError& error) {
-    std::string text = error.what();
+  const auto renamed = [&](std::string text) {
     for (auto at = text.find(name); at != std::string::npos;
          at = text.find(name, at + final_name.size()))
       text.replace(at, name.size(), final_name);
-    throw FileError(text);
+    return text;
+  };
+  try {
+    write(name);
+  } catch (const FileError& error) {
+    throw FileError(renamed(error.what()));
+  } catch (const InputError& error) {
+    throw InputError(renamed(error.what()));
   }
 }
 

@@ -1,33 +1,60 @@
 #include "help_formatter.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <sstream>
+
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
 
-constexpr std::size_t kWidth = 96;
+constexpr std::size_t kNarrowest = 48, kWidest = 96;
 constexpr std::size_t kColumn = 26;
 
-/// Appends a line, broken between words, of which the first stands at column `begin`. Runs of
-/// blanks stay as they are: columns of a list.
-void append_wrapped(std::string& text, const std::string& line, std::size_t begin) {
-  std::size_t used = begin, at = 0;
-  while (at < line.size()) {
-    const std::size_t word = line.find_first_not_of(' ', at);
-    if (word == std::string::npos) break;
-    const std::size_t end = std::min(line.find(' ', word), line.size());
-    if (at > 0 && used + end - at > kWidth) {
-      text.append("\n").append(begin, ' ');
-      used = begin;
-    } else {
-      text.append(line, at, word - at);
-      used += word - at;
-    }
-    text.append(line, word, end - word);
-    used += end - word;
-    at = end;
+/// The columns that the text may take: those of the terminal, up to kWidest; where it goes
+/// elsewhere those that COLUMNS says, or 80.
+std::size_t text_width() {
+  std::size_t columns = output_columns();
+  if (columns == 0) {
+    // Nothing in this process changes the environment.
+    const char* const wanted = std::getenv("COLUMNS");  // NOLINT(concurrency-mt-unsafe)
+    columns = wanted ? std::strtoul(wanted, nullptr, 10) : 0;
+    if (columns == 0) columns = 80;
   }
+  return std::clamp(columns, kNarrowest, kWidest);
+}
+
+/// A line of a command, broken with backslashes between words where it is too wide.
+std::string wrapped_command(const std::string& line) {
+  const std::size_t width = text_width();
+  std::string result, word;
+  std::size_t used = 2;
+  char quote = 0;
+  const auto take = [&] {
+    if (used > 2 && used + word.size() + 3 > width) {
+      result += " \\\n      ";
+      used = 6;
+    } else if (used > 2) {
+      result += ' ';
+      ++used;
+    }
+    result += word;
+    used += word.size();
+    word.clear();
+  };
+  for (const char c : line.substr(std::min<std::size_t>(2, line.size()))) {
+    if (quote == 0 && c == ' ')
+      take();
+    else
+      word += c;
+    if (c == quote)
+      quote = 0;
+    else if (quote == 0 && (c == '\'' || c == '"'))
+      quote = c;
+  }
+  take();
+  return "  " + result;
 }
 
 std::string entry(const std::string& name, const std::string& description) {
@@ -43,7 +70,7 @@ std::string entry(const std::string& name, const std::string& description) {
   std::size_t begin = kColumn;  // where the lines of a list begin
   for (std::string line; std::getline(lines, line); begin = kColumn + 2) {
     if (begin > kColumn) text.append("\n").append(begin, ' ');
-    append_wrapped(text, line, begin);
+    append_wrapped(text, line, begin, begin, text_width());
   }
   text += '\n';
   return text;
@@ -69,6 +96,27 @@ std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positi
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (!option->get_option_text().empty()) return " " + option->get_option_text();
   return option->get_expected_max() == 0 ? "" : " VALUE";
+}
+
+std::string HelpFormatter::make_description(const CLI::App* command) const {
+  std::string text;
+  append_wrapped(text, command->get_description(), 0, 0, text_width());
+  return text + '\n';
+}
+
+std::string HelpFormatter::make_usage(const CLI::App* command, std::string name) const {
+  std::string text = CLI::Formatter::make_usage(command, std::move(name)), wrapped;
+  text.pop_back();  // the line's end
+  append_wrapped(wrapped, text, 0, 7, text_width());
+  return wrapped + '\n';
+}
+
+std::string HelpFormatter::make_footer(const CLI::App* command) const {
+  std::string text;
+  std::istringstream lines(CLI::Formatter::make_footer(command));
+  for (std::string line; std::getline(lines, line);)
+    text += (line.starts_with("  ") ? wrapped_command(line) : line) + '\n';
+  return text;
 }
 
 std::string HelpFormatter::make_subcommand(const CLI::App* command) const {

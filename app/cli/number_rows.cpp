@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -44,7 +44,7 @@ Cells cells_of(std::string_view line) {
 
 std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t count,
                                         std::string_view what) {
-  const std::string text = read_file(path);
+  const std::string text = read_text_file(path);
   std::string_view rest = text;
   std::vector<NumberRow> rows;
   for (int number = 1; !rest.empty(); ++number) {

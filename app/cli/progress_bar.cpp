@@ -52,12 +52,13 @@ std::string format_duration(double seconds) {
   return text;
 }
 
-std::string progress_line(const Progress& progress, int columns) {
+std::string progress_line(const Progress& progress, int columns, const std::string& label) {
   const double fraction = std::clamp(progress.fraction, 0.0, 1.0);
   constexpr int kBar = 24;
   const int filled = static_cast<int>(fraction * kBar);
   // Rounded down: 100 % is shown only when everything is done.
-  std::string line = format("%3.0f %% [", std::floor(100 * fraction));
+  std::string line = label + (label.empty() ? "" : ": ");
+  line += format("%3.0f %% [", std::floor(100 * fraction));
   line += std::string(static_cast<std::size_t>(filled), '#') +
           std::string(static_cast<std::size_t>(kBar - filled), '.') + ']';
   if (progress.rays_per_second > 0) line += "  " + format_rate(progress.rays_per_second);
@@ -80,6 +81,12 @@ ProgressBar::~ProgressBar() {
   finish();
 }
 
+void ProgressBar::begin(const std::string& label) {
+  const std::lock_guard lock(mutex_);
+  label_ = label;
+  last_ = {};
+}
+
 void ProgressBar::update(const Progress& progress) {
   if (!drawing_) return;
   const std::lock_guard lock(mutex_);
@@ -87,7 +94,7 @@ void ProgressBar::update(const Progress& progress) {
   if (visible_ && progress.fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   // One column is left free: some terminals wrap when the last one is used.
-  stream_ << '\r' << progress_line(progress, columns_ - 1) << "\x1b[K" << std::flush;
+  stream_ << '\r' << progress_line(progress, columns_ - 1, label_) << "\x1b[K" << std::flush;
   visible_ = true;
 }
 

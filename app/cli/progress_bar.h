@@ -13,7 +13,8 @@ std::string format_duration(double seconds);
 
 /// One line without a line break: percentage, bar, rays per second, error reached, remaining time;
 /// what is not known yet is left out. At most `columns` characters.
-std::string progress_line(const Progress& progress, int columns);
+/// @param label of what is under way, before all else; empty: none
+std::string progress_line(const Progress& progress, int columns, const std::string& label = "");
 
 /// Progress and messages of a run on one stream. The progress line is drawn only on a terminal and
 /// never more often than ten times per second; messages ("plenoflame: warning: ...") always appear,
@@ -28,6 +29,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
+  /// Another part of the work begins, whose progress goes from 0 to 1 on its own.
+  void begin(const std::string& label);
   void update(const Progress& progress);
   void message(Severity severity, const std::string& text);
   /// Removes the progress line; nothing of it remains.
@@ -44,6 +47,7 @@ class ProgressBar {
   bool quiet_;
   int columns_;
   bool visible_ = false;
+  std::string label_;
   std::chrono::steady_clock::time_point last_{};
   std::mutex mutex_;
 };

@@ -16,6 +16,7 @@
 #include "help_formatter.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "ranks.h"
 
@@ -118,6 +119,7 @@ std::optional<int> parse(CLI::App& app, Action& action, int argc, const char* co
   } catch (const CLI::ParseError& error) {
     return fail(kBadUse, error.what() + help_hint(app));
   }
+  check_outputs(app);
   return std::nullopt;
 }
 

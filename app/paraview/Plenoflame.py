@@ -88,11 +88,15 @@ class _Algorithm(VTKPythonAlgorithmBase):
 
     def __init__(self, **ports):
         super().__init__(**ports)
-        self._kept = None  # (modified time, result)
+        self._kept = None  # (time, result)
+
+    def time(self):
+        """Changes with what the result is made of."""
+        return self.GetMTime()
 
     def result(self):
-        if self._kept is None or self._kept[0] != self.GetMTime():
-            self._kept = (self.GetMTime(), self.compute())
+        if self._kept is None or self._kept[0] != self.time():
+            self._kept = (self.time(), self.compute())
         return self._kept[1]
 
     def sizes(self, _result):
@@ -172,7 +176,8 @@ FILE = smproperty.xml("""
 def _bundles(kind):
     """The properties of bundles of rays."""
     for decorate in (
-        whole("Pixel", "Pixel", "Column and row, from the top left: all rays of this pixel; -1 -1: none", "-1 -1", -1, 2),
+        whole("Pixel", "Pixel", "Column and row, from the top left: all rays of this pixel; -1 -1: none, or that in the middle "
+              "where no other rays are asked for", "-1 -1", -1, 2),
         flag("UsePoint", "Use Point", "Whether rays start from the point, too"),
         number("Point", "Point", "[m] Rays from this point of the world towards the camera, where Use Point is on", "1 0 0", 3),
         whole("Random", "Random Pixels", "All rays of so many pixels drawn at random", "0", 0),
@@ -216,7 +221,10 @@ class _RayBundles(_OfScene):
         self.set("_seed", seed)
 
     def rays(self, scene):
-        return scene.rays(pixels=[self._pixel] if self._pixel != (-1, -1) else [], random=self._random, chief=self._chief,
+        pixels = [self._pixel] if self._pixel != (-1, -1) else []
+        if not (pixels or self._use_point or self._random or self._chief):
+            pixels = [(int(scene["camera.sensor.columns"]) // 2, int(scene["camera.sensor.rows"]) // 2)]
+        return scene.rays(pixels=pixels, random=self._random, chief=self._chief,
                           points=[self._point] if self._use_point else [], rays=self._rays,
                           flame_samples=self._flame_samples, seed=self._seed)
 
@@ -228,7 +236,7 @@ class _RayBundles(_OfScene):
 @CAMERA
 @SETTINGS
 class PlenoflameScene(_RayBundles):
-    """A scene: the camera's surfaces, its flames on a lattice [K, 1/m], and rays of a chosen pixel."""
+    """A scene: the camera's surfaces, its flames on a lattice [K, 1/m], and rays of a chosen pixel (without one, of that in the middle)."""
 
     def __init__(self):
         super().__init__(3, "vtkMultiBlockDataSet")
@@ -411,10 +419,14 @@ class _Filter(_Algorithm):
         info.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkImageData")
         return 1
 
+    def sizes(self, result):
+        return {0: result.GetDimensions()}
+
     def RequestInformation(self, request, inputs, outputs):
-        """How large the picture becomes is known when it is made."""
-        outputs.GetInformationObject(0).Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), [0, 0, 0, 0, 0, 0], 6)
-        return 1
+        """How large the picture becomes is known when it is made: of a light field that has to be there before."""
+        port = self.GetInputConnection(0, 0)
+        port.GetProducer().Update(port.GetIndex())
+        return super().RequestInformation(request, inputs, outputs)
 
     def RequestUpdateExtent(self, request, inputs, outputs):
         """All of the light field, whatever part of the picture is wanted."""
@@ -423,9 +435,16 @@ class _Filter(_Algorithm):
                      upstream.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT()), 6)
         return 1
 
-    def RequestData(self, request, inputs, outputs):
-        return self.reported(lambda: self.make(image_to_light_field(vtkImageData.GetData(inputs[0], 0)),
-                                               vtkImageData.GetData(outputs, 0)))
+    def time(self):
+        return self.GetMTime(), self.GetInputDataObject(0, 0).GetMTime()
+
+    def compute(self):
+        picture = vtkImageData()
+        self.make(image_to_light_field(self.GetInputDataObject(0, 0)), picture)
+        return picture
+
+    def fill(self, result, outputs):
+        vtkImageData.GetData(outputs, 0).ShallowCopy(result)
 
 
 @_filter("PlenoflameViews", "Plenoflame Views", "Sub-aperture views of a light field side by side, or one of them.")
@@ -513,9 +532,6 @@ class PlenoflameDevelop(_Filter):
 
     def SetCurve(self, curve):
         self.set("_curve", curve)
-
-    def RequestInformation(self, request, inputs, outputs):
-        return 1  # as large as the light field
 
     def make(self, field, output):
         x, y, _, height = field.window

@@ -70,17 +70,10 @@ class FlameReader : public Runnable {
  public:
   void run(const Execution& execution) override {
     std::vector<VoxelField> fields;
-    if (grid.empty()) {
-      FlameSpec spec;
-      spec.kind = FlameKind::vdb;
-      spec.file = path;
-      FlameFields flame = read_flame(spec, "", execution);
-      flame.temperature.name = "temperature";
-      flame.absorption.name = "absorption";
-      fields = {std::move(flame.temperature), std::move(flame.absorption)};
-    } else {
+    if (grid.empty())
+      fields = read_flame_grids(path, execution);
+    else
       fields.push_back(read_voxel_field(path, grid));
-    }
     output = voxels_of_fields(fields, path, execution);
   }
   std::string path, grid;

@@ -47,7 +47,7 @@ class OperatorRun : public Runnable {
       compiled.clear();  // of a run that failed halfway
       std::vector<const CompiledScene*> views;
       for (const Handle& scene : scenes) {
-        compiled.push_back(scene->compile(execution));
+        compiled.push_back(scene->compile(execution, {IssueCode::no_flame}));
         views.push_back(compiled.back().get());
       }
       problem = make_operator_problem(request, views, "the scene", execution);
@@ -173,7 +173,9 @@ void bind_reconstruction(py::module_& module) {
            [](Run& r, const Handle& scene, const std::shared_ptr<LightField>& picture,
               const std::string& what) {
              r.task.add_camera(
-                 [scene](const Execution& execution) { return scene->compile(execution); },
+                 [scene](const Execution& execution) {
+                   return scene->compile(execution, {IssueCode::no_flame});
+                 },
                  scene->camera(), *picture, what);
            })
       .def("SetEarlierField",

@@ -81,7 +81,7 @@ std::string compiled_camera_json(const CompiledCamera& camera) {
                                         {{region.lower.x, region.lower.y, region.lower.z},
                                          {region.upper.x, region.upper.y, region.upper.z}}},
                                        {"pixels", camera.lit_pixels()},
-                                       {"rays", camera.nodes.size()},
+                                       {"rays", camera.nodes},
                                        {"error", camera.error},
                                        {"samples", camera.samples},
                                        {"level", camera.level},

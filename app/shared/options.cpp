@@ -18,6 +18,8 @@
 namespace plenoflame {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Least number of characters to insert, remove, replace or swap with their neighbour.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, last, row(b.size() + 1);
@@ -36,6 +38,21 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+bool is_digits(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// The name without links, "." and ".."; also of a file that is not there yet, or of a link to one.
+fs::path resolved(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as the system follows
+  std::error_code ignored;
+  fs::path target = fs::absolute(path, ignored);
+  for (int links = 0; links < kMostLinks && fs::is_symlink(target, ignored); ++links)
+    target = target.parent_path() / fs::read_symlink(target, ignored);
+  fs::path name = fs::weakly_canonical(target, ignored);
+  return name.has_filename() ? name : name.parent_path();
+}
+
 }  // namespace
 
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {
@@ -44,6 +61,41 @@ double quantity_option(std::string_view option, const std::string& text, Dimensi
   } catch (const InputError& error) {
     throw UsageError(std::string(option) + ": " + error.what());
   }
+}
+
+double duration_option(std::string_view option, const std::string& text) {
+  const std::size_t dash = text.find('-', 1);
+  if (text.find(':') == std::string::npos &&
+      (dash == std::string::npos || !is_digits(text.substr(0, dash)))) {
+    const bool minutes =
+        text.size() > 1 && text.back() == 'm' &&
+        std::string_view("0123456789. ").find(text[text.size() - 2]) != std::string_view::npos;
+    return quantity_option(option, minutes ? text + "in" : text, Dimension::time);
+  }
+  const auto fail = [&] {
+    return UsageError(std::string(option) + ": '" + text +
+                      "' is none of D-HH:MM:SS, HH:MM:SS, MM:SS, D-HH:MM and D-HH");
+  };
+  const bool days = dash != std::string::npos;
+  std::vector<double> numbers;
+  std::istringstream parts(days ? text.substr(dash + 1) : text);
+  for (std::string part; std::getline(parts, part, ':');) {
+    // Only the first may be any number: the days, or what stands before the minutes.
+    const bool any = !days && numbers.empty();
+    if (!is_digits(part) || part.size() > (any ? 6U : 2U)) throw fail();
+    numbers.push_back(std::stod(part));
+    if (!any && numbers.back() >= (days && numbers.size() == 1 ? 24 : 60)) throw fail();
+  }
+  if (text.back() == ':' || numbers.size() > 3 || numbers.size() < (days ? 1U : 2U)) throw fail();
+  double seconds = 0;
+  if (days) {
+    if (!is_digits(text.substr(0, dash)) || dash > 6) throw fail();
+    numbers.resize(3);
+    seconds = 86400 * std::stod(text.substr(0, dash));
+  }
+  double unit = 1;
+  for (std::size_t i = numbers.size(); i-- > 0; unit *= 60) seconds += unit * numbers[i];
+  return seconds;
 }
 
 PixelWindow window_option(std::string_view option, const std::string& text) {
@@ -63,6 +115,10 @@ PixelWindow window_option(std::string_view option, const std::string& text) {
   if (x < 0 || y < 0 || width < 1 || height < 1)
     throw UsageError(std::string(option) + ": X and Y start at 0, W and H at 1, not '" + text +
                      "'");
+  constexpr int kLargestSensor = 65536;
+  if (std::max({x, y, width, height}) > kLargestSensor)
+    throw UsageError(std::string(option) + ": a sensor has at most 65536 pixels a side; '" + text +
+                     "' lies on none");
   return {x, y, width, height};
 }
 
@@ -131,10 +187,27 @@ Box box_option(std::string_view option, const std::string& text) {
   return box;
 }
 
+void check_ending(std::string_view option, const std::string& output,
+                  std::initializer_list<std::string_view> endings) {
+  std::string list;
+  for (const std::string_view ending : endings) {
+    if (output.ends_with(ending)) return;
+    list.append(list.empty() ? "" : " or ").append(ending);
+  }
+  throw UsageError(std::string(option) + ": '" + output + "' must end in " + list);
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  // Devices such as /dev/null lose nothing.
+  if (fs::exists(a, ignored) && !fs::is_regular_file(a, ignored) && !fs::is_directory(a, ignored))
+    return false;
+  return resolved(a) == resolved(b) || fs::equivalent(a, b, ignored);
+}
+
 void check_not_overwritten(std::string_view option, const std::string& output,
                            const std::string& input) {
-  std::error_code ignored;
-  if (output == input || std::filesystem::equivalent(output, input, ignored))
+  if (is_same_file(output, input))
     throw UsageError(std::string(option) + ": '" + output +
                      "' is a file that this command reads; give another name");
 }

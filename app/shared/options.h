@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -15,6 +16,10 @@ namespace plenoflame {
 /// Reads an option's value with its unit. @param option as the user writes it, e.g. "--saturation"
 /// @throws UsageError "OPTION: ..."
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension);
+
+/// Reads a time that a run may take [s]: with its unit, where "10m" means minutes, or as batch
+/// systems have it: D-HH:MM:SS, HH:MM:SS, MM:SS, D-HH, D-HH:MM. @throws UsageError "OPTION: ..."
+double duration_option(std::string_view option, const std::string& text);
 
 /// Reads "X,Y,W,H": whole numbers, X and Y not negative, W and H at least 1. @throws UsageError
 PixelWindow window_option(std::string_view option, const std::string& text);
@@ -36,6 +41,13 @@ std::array<double, 3> point_option(std::string_view option, const std::string& t
 /// A box by two of its corners, "1 m, 0 m, 0 mm : 2 m, 1 m, 5 mm" [m].
 /// @throws UsageError for anything else, and for a box without volume
 Box box_option(std::string_view option, const std::string& text);
+
+/// An output must have one of these endings, which says what it is. @throws UsageError
+void check_ending(std::string_view option, const std::string& output,
+                  std::initializer_list<std::string_view> endings);
+
+/// True if both are one file or folder, by whatever names: links, "./". Whether it is there or not.
+bool is_same_file(const std::string& a, const std::string& b);
 
 /// Refuses to write over a file that is read. @throws UsageError when both are the same file
 void check_not_overwritten(std::string_view option, const std::string& output,

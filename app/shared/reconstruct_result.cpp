@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "options.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/scene/pupil_transmission.h"
 #include "plenoflame/volumes/grid_writer.h"
@@ -54,14 +55,29 @@ std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& re
   return fields;
 }
 
+VoxelField on_voxels(const ReconstructedField& field, const Unknowns& unknowns) {
+  VoxelField voxels = unknowns.field(*field.values, field.name);
+  if (field.name != "temperature") return voxels;
+  constexpr auto kLeast = static_cast<float>(kAmbient);
+  voxels.background = std::max(voxels.background, kLeast);
+  for (float& value : voxels.values) value = std::max(value, kLeast);
+  return voxels;
+}
+
 void write_estimate(const std::string& path, const ReconstructResult& result,
                     const Unknowns& unknowns) {
   const std::vector<ReconstructedField> found = reconstructed_fields(result);
   std::vector<VoxelField> fields;
-  for (const ReconstructedField& field : found)
-    fields.push_back(unknowns.field(*field.values, field.name));
+  for (const ReconstructedField& field : found) fields.push_back(on_voxels(field, unknowns));
   std::vector<GridOutput> grids;
   for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (!std::all_of(fields[i].values.begin(), fields[i].values.end(),
+                     [](float value) { return std::isfinite(value); }))
+      throw InputError(
+          fmt::format("'{}' is not written: {} has a value that is no finite number; a "
+                      "value of the scene, of the pictures or of the options is far "
+                      "out of range",
+                      path, found[i].name));
     grids.push_back({&fields[i], found[i].unit});
     // --resume goes on with this strength.
     if (found[i].name == "emission")

@@ -32,6 +32,10 @@ struct ReconstructedField {
 /// The fields that there are, in the order in which they are written.
 std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& result);
 
+/// A field on voxels. Temperatures are those of the surroundings where nothing has one, and at
+/// least as high: the unknowns' interpolation ends at 0.
+VoxelField on_voxels(const ReconstructedField& field, const Unknowns& unknowns);
+
 /// Everything that was found, as grids of one file, under a temporary name that is renamed.
 /// @throws FileError
 void write_estimate(const std::string& path, const ReconstructResult& result,

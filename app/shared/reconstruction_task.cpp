@@ -64,7 +64,7 @@ std::string ReconstructionTask::report_text() const {
 std::vector<VoxelField> ReconstructionTask::voxels(IndexBox& box) const {
   std::vector<VoxelField> fields;
   for (const ReconstructedField& field : reconstructed_fields(result())) {
-    fields.push_back(unknowns().field(*field.values, field.name));
+    fields.push_back(on_voxels(field, unknowns()));
     box.add(stored_box(fields.back()));
   }
   return fields;

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "plenoflame/base/printable.h"
+#include "terminal.h"
 
 namespace plenoflame {
 
@@ -38,8 +39,16 @@ void Report::print(bool as_json) const {
     lines.emplace_back(printable(label), printable(text));
     width = std::max(width, lines.back().first.size());
   }
-  for (const auto& [label, text] : lines)
-    std::cout << label << ':' << std::string(width - label.size() + 1, ' ') << text << '\n';
+  const std::size_t columns = output_columns();
+  const std::size_t begin = width + 2 <= columns / 2 ? width + 2 : 4;
+  for (const auto& [label, text] : lines) {
+    std::string line = label + ':' + std::string(width - label.size() + 1, ' ');
+    if (columns > 0)
+      append_wrapped(line, text, line.size(), begin, columns);
+    else
+      line += text;
+    std::cout << line << '\n';
+  }
 }
 
 }  // namespace plenoflame

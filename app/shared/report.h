@@ -22,7 +22,7 @@ class Report {
   const std::vector<std::pair<std::string, std::string>>& lines() const { return lines_; }
   /// The JSON object as text, ending with a line break.
   std::string json_text() const;
-  /// Prints to standard output.
+  /// Prints to standard output: on a terminal with lines that are broken between words.
   void print(bool as_json) const;
 
  private:

@@ -34,6 +34,18 @@ void check_number_of_unknowns(const std::vector<int>& counts) {
   throw UsageError(text.str());
 }
 
+/// Unknowns that are slivers tell nothing apart, and a line meets all of them.
+void check_shape(const std::string& what, std::initializer_list<double> sides) {
+  constexpr double kMost = 1000;
+  const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+  if (*most <= kMost * *least) return;
+  std::ostringstream text;
+  text << "--grid: " << what << " would be " << *most / *least
+       << " times as long as wide, and 1000 times is the most: take numbers in proportion to the "
+          "sides of the box";
+  throw UsageError(text.str());
+}
+
 Vec3 vector_option(const std::string& option, const std::string& text) {
   const auto [x, y, z] = point_option(option, text);
   return {x, y, z};
@@ -69,11 +81,12 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
   if (counts.size() != 3)
     throw UsageError("--grid: voxels along the longest side, or along all three, NX,NY,NZ");
   check_number_of_unknowns(counts);
+  const Vec3 step{size.x / counts[0], size.y / counts[1], size.z / counts[2]};
+  check_shape("voxels", {step.x, step.y, step.z});
   RegularLattice lattice;
   lattice.count = {counts[0], counts[1], counts[2]};
   lattice.interpolation =
       request.basis == "constant" ? VoxelInterpolation::constant : VoxelInterpolation::trilinear;
-  const Vec3 step{size.x / counts[0], size.y / counts[1], size.z / counts[2]};
   lattice.index_to_world.linear = {{{{step.x, 0, 0}, {0, step.y, 0}, {0, 0, step.z}}}};
   lattice.index_to_world.translation = box.lower + 0.5 * step;
   return make_voxel_unknowns(lattice);
@@ -105,6 +118,7 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
   grid.heights = counts[1];
   grid.radial_step = radius / grid.rings;
   grid.height_step = height / grid.heights;
+  check_shape("rings", {grid.radial_step, grid.height_step});
   grid.base = middle - (0.5 * (height - grid.height_step)) * grid.axis;
   return make_ring_unknowns(grid);
 }

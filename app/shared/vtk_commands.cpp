@@ -29,8 +29,9 @@ void* load() {
     const char* const reason = dlerror();
     throw FileError("cannot load what needs VTK: " + std::string(reason ? reason : path.string()));
   }
-  throw FileError("cannot load what needs VTK: there is no " + tried +
-                  " (a build with PLENOFLAME_WITH_VTK has it)");
+  throw FileError(
+      "cannot load what needs VTK: there is no " + tried +
+      " (the Debian package plenoflame-vtk has it, or a build with PLENOFLAME_WITH_VTK)");
 }
 
 template <class Function>

@@ -34,6 +34,7 @@ def tag():
 def metadata():
     return ("Metadata-Version: 2.1\nName: plenoflame\n"
             f"Version: {version()}\nSummary: What a light-field camera sees of a flame\n"
+            "Author: The Plenoflame developers\nLicense: Apache-2.0\nProject-URL: Homepage, https://plenoflame.invalid/\n"
             "Requires-Python: >=3.9\nRequires-Dist: numpy\n"
             "Provides-Extra: operators\nRequires-Dist: scipy; extra == \"operators\"\n")
 

@@ -249,7 +249,7 @@ def main():
     options = parser.parse_args()
     if options.rule in OBJECT_RULES:
         names = options.objects.read_text().split("\n")
-        rule, subject = OBJECT_RULES[options.rule], [pathlib.Path(n) for n in names if n]
+        rule, subject = OBJECT_RULES[options.rule], [pathlib.Path(n) for n in names if n and not n.endswith(".gch")]
         if not subject:
             sys.exit(f"{options.objects} names no object files")
     else:

@@ -34,7 +34,7 @@ open_debian() {
 
 close_debian() {  # ROOT
   local each
-  for each in mnt/ccache var/cache/apt/archives dev proc .; do
+  for each in srv/ccache var/cache/apt/archives dev proc .; do
     if mountpoint -q "$1/system/$each"; then umount --lazy "$1/system/$each"; fi
   done
 }

@@ -24,24 +24,25 @@ command -v mmdebstrap >/dev/null || skip "there is no mmdebstrap (tools/setup.sh
 say() { printf -- '--- %s (%d s)\n' "$1" "$SECONDS"; }
 fail() { echo "tests/bare: $1" >&2; exit 1; }
 
-roots=()
-finish() { for root in "${roots[@]}"; do close_debian "$root"; rm -rf --one-file-system "$root"; done; }
-trap finish EXIT
+root=
+leave() { [ -z "$root" ] || { close_debian "$root" && rm -rf --one-file-system "$root"; }; }
+trap leave EXIT
 trap 'exit 1' INT TERM
 bare_debian
 
-place="/home/somebody/a folder"  # a path with a blank
+place="/srv/a folder"  # a path with a blank
 # enter NAME LAYER...: a system of its own in $root, with the sources (not what is built, and no .git) in $place.
 enter() {
+  leave
   root=$(mktemp -d "$cache/run.XXXXXX")
-  roots+=("$root")
   open_debian "$root" "$cache/debian" "${@:2}"
-  mkdir -p "$root/system$place"
-  tar -C "$source_tree" --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . | tar -C "$root/system$place" -x
-  in_debian "$root" id somebody >/dev/null 2>&1 || in_debian "$root" useradd -m somebody 2>/dev/null
+  mkdir -p "$root/system$place" "$root/system/srv/scratch"
+  chmod 1777 "$root/system/srv" "$root/system/srv/scratch"
+  { tar -C "$source_tree" --warning=no-file-changed --exclude='./build*' --exclude=./out --exclude=./.git --exclude='*.vdb' -c . || [ $? -eq 1 ]; } | tar -C "$root/system$place" -x
+  in_debian "$root" id somebody >/dev/null 2>&1 || in_debian "$root" useradd somebody 2>/dev/null
   in_debian "$root" chown -R somebody: "$place"
 }
-as() { in_debian "$root" setpriv --reuid "$1" --regid "$1" --clear-groups env HOME=/home/somebody bash -c "cd '$place' && $2"; }
+as() { in_debian "$root" setpriv --reuid "$1" --regid "$1" --clear-groups env HOME=/srv bash -c "cd '$place' && $2"; }
 as_root() { in_debian "$root" bash -c "cd '$place' && $1"; }
 
 say "without anything: the packages are listed"
@@ -58,12 +59,13 @@ way() {
     enter "$name"
     as_root "tools/setup.sh $name >/dev/null" || fail "tools/setup.sh $name"
     close_debian "$root"
-    rm -rf "$root/written$(dirname "$place")" "$cache/$name"-*
+    rm -rf "$root/written/srv" "$cache/$name"-*
     mv "$root/written" "$layer"
+    rm -rf "$root" && root=
   fi
   enter "$name" "$layer"
   as somebody "tools/setup.sh $name" || fail "tools/setup.sh $name leaves something to be installed"
-  as somebody "$2 >/tmp/configured 2>&1" || { cat "$root/system/tmp/configured"; fail "configuration of $name"; }
+  as somebody "$2 >/srv/scratch/configured 2>&1" || { cat "$root/system/srv/scratch/configured"; fail "configuration of $name"; }
 }
 
 for preset in command python desktop release; do
@@ -71,25 +73,25 @@ for preset in command python desktop release; do
   if [ "$preset" = command ]; then
     say "one line for what is missing"
     as_root "dpkg --purge --force-depends libcli11-dev libembree-dev >/dev/null"
-    said=$(as somebody "cmake --preset command -B /tmp/missing 2>&1 >/dev/null" || true)
+    said=$(as somebody "cmake --preset command -B /srv/scratch/missing 2>&1 >/dev/null" || true)
     [[ "$said" == *" missing: embree, CLI11. Install what this build needs: tools/setup.sh core cli"* ]] || fail "without packages CMake says: $said"
   fi
 done
-way wheel "python3 -m venv --system-site-packages /tmp/venv && cmake -G Ninja -S . -B build/wheel -DBUILD_TESTING=OFF -DPLENOFLAME_WITH_CLI=OFF -DPLENOFLAME_WITH_PYTHON=ON"
+way wheel "python3 -m venv --system-site-packages /srv/scratch/venv && cmake -G Ninja -S . -B build/wheel -DBUILD_TESTING=OFF -DPLENOFLAME_WITH_CLI=OFF -DPLENOFLAME_WITH_PYTHON=ON"
 [ "$all" = yes ] || { say "done"; exit 0; }
 
 share_compiler_cache() {
   command -v ccache >/dev/null || return 0
-  mkdir -p "$root/system/mnt/ccache"
-  mount --bind "$(ccache --get-config cache_dir)" "$root/system/mnt/ccache"
-  printf 'cache_dir = /mnt/ccache\n' >"$root/system/etc/ccache.conf"
-  chmod -R a+rwX "$root/system/mnt/ccache"
+  mkdir -p "$root/system/srv/ccache"
+  mount --bind "$(ccache --get-config cache_dir)" "$root/system/srv/ccache"
+  printf 'cache_dir = /srv/ccache\n' >"$root/system/etc/ccache.conf"
+  chmod -R a+rwX "$root/system/srv/ccache"
 }
 
 say "pip install"
 share_compiler_cache
-as somebody "/tmp/venv/bin/pip install --no-deps --no-build-isolation . >/tmp/pip 2>&1" || { tail -30 "$root/system/tmp/pip"; fail "pip install"; }
-as somebody "cd /tmp && /tmp/venv/bin/python -c 'import plenoflame'" || fail "import plenoflame"
+as somebody "/srv/scratch/venv/bin/pip install --no-deps --no-build-isolation . >/srv/scratch/pip 2>&1" || { tail -30 "$root/system/srv/scratch/pip"; fail "pip install"; }
+as somebody "cd /srv/scratch && /srv/scratch/venv/bin/python -c 'import plenoflame'" || fail "import plenoflame"
 
 say "./demo.sh from nothing"
 enter demo

@@ -128,6 +128,11 @@ class BadScene(CommandTest):
         self.refused(lens({}, {"index": "1.5"}), "15:9", "must be 1: the light leaves it into air")
         self.refused(lens({"radius": '"-300 mm"'}, {"radius": '"300 mm"'}), "6:1", "does not converge")
 
+        # As many as the program can trace, no more.
+        many = "".join(surface(2, index="1.5" if i % 2 == 0 else "1", stop="false", thickness='"1 mm"') for i in range(62))
+        self.refused(SOUND + surface(1) + many + surface(2) + surface(2, stop="false"), "6:1", "camera.lens.surfaces",
+                     "0 to 64 are allowed")
+
     def test_array(self):
         array = SOUND + "[camera.array]\n"
         self.refused(array + 'pitch = "0.09 mm"\n', "7:9", "diameter of 100 um at a pitch of 90 um",

@@ -87,6 +87,35 @@ class White(CommandTest):
         self.assertTrue(all(int(row["type"]) == (int(row["q"]) - int(row["r"])) % 3 for row in rows))
         self.assertTrue(self.read("seen.png").startswith(b"\x89PNG"))
 
+    def test_microlenses_have_the_numbers_that_the_camera_gives_them(self):
+        """The array's offset is that of the lens 0, 0: some pitches off the middle, and known to a tenth of one."""
+        for offset in (0.4e-3, -0.5e-3):
+            self.write("true.toml", camera(offset=1e6 * offset) + source(1800))
+            self.succeeds("render", "true.toml", "-o", "white.exr", "--white", "--samples", "64", "--quiet")
+            self.run_command("develop", "white.exr", "-o", "white.tif", "--exposure", "auto")
+            self.write("nominal.toml", camera(126.9, 0.7, 1e6 * offset + 12))
+            figures = self.json_of("calibrate", "white", "white.tif", "--camera", "nominal.toml", "--centres", "centres.csv")
+            self.assertLess(abs(figures["offset_m"][0] - offset), 0.1 * 127.4e-6, figures)
+            self.assertTrue(figures["same_origin"])
+            with open(self.path("centres.csv"), encoding="ascii") as file:
+                first = next(row for row in csv.DictReader(file) if (row["q"], row["r"]) == ("0", "0"))
+            self.assertEqual(first["type"], "0")
+            for name, place in zip(("model_column", "model_row"), figures["origin_pixels"]):
+                self.assertLess(abs(float(first[name]) - place), 1e-3)
+
+    def test_a_tilt_that_is_none_is_warned_of(self):
+        # Mounts of arrays are better than 20 mrad; here the array is tilted by as much indeed.
+        self.write("true.toml", camera().replace("[camera.array]", '[camera.array]\ntilt = ["20 mrad", "0 mrad"]') + source(1800))
+        self.succeeds("render", "true.toml", "-o", "white.exr", "--white", "--samples", "64", "--quiet")
+        self.run_command("develop", "white.exr", "-o", "tilted.tif", "--exposure", "auto")
+        self.write("nominal.toml", camera())
+        result = self.run_command("calibrate", "white", "tilted.tif", "--camera", "nominal.toml", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        figures = json.loads(result.stdout)
+        tilted = [abs(t) > 5e-3 and abs(t) > 5 * e for t, e in zip(figures["tilt_rad"], figures["tilt_error_rad"])]
+        self.assertTrue(any(tilted), figures)
+        self.assertEqual(result.stderr.count("more than arrays are mounted with"), sum(tilted))
+
     def test_keys_without_a_camera(self):
         self.succeeds("calibrate", "white", "white.tif", "--pixel-pitch", "5.5 um", "-o", "array.toml",
                       stderr="")

@@ -53,6 +53,18 @@ XYZ = "".join('[[channels]]\nname = "%s"\nkind = "named"\nresponse = "cie_%s"\n'
 
 
 class Colour(CommandTest):
+    def all_or_none(self, *arguments):
+        """Where the larger of the last run's files has no room the other one is not written either."""
+        names = ("t.exr", "t.png")
+        written = {name: self.read(name) for name in names}
+        limit = max(len(content) for content in written.values()) - 1
+        for name in names:
+            self.write(name, "old " + name)
+        self.fails(1, *arguments, largest_file=limit, mentions="largest file size")
+        for name in names:
+            self.assertEqual(self.read(name), b"old " + name.encode())
+            self.write(name, written[name])
+
     def render(self, scene, *options):
         self.write("a.toml", scene)
         self.succeeds("render", "a.toml", "--samples", "16", "--quiet", "-o", "raw.exr", *options)
@@ -246,6 +258,7 @@ class Colour(CommandTest):
         for spectrum, law in ((SOOT, "as the scene's flames"), ('kind = "grey"', "grey, as the scene's flames")):
             self.render(self.scene(RED + INFRARED, spectrum=spectrum))
             figures = self.json_of("pyrometry", "raw.exr", "-o", "t.exr", "--picture", "t.png")
+            self.all_or_none("pyrometry", "raw.exr", "--picture", "t.png", "-o", "t.exr")
             self.assertEqual(figures["law"], law)
             self.assertEqual(figures["pixels"], 1200)
             for key in ("mean_K", "lowest_K", "highest_K"):

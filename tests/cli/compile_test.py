@@ -1,8 +1,11 @@
 """Compiled cameras on the command line: what they make, and what a wrong bundle or option gets."""
 
+import json
 import signal
+import struct
 import subprocess
 import time
+import zlib
 
 import command
 from command import CommandTest, main
@@ -98,6 +101,68 @@ class Compile(CommandTest):
             with open(f"/proc/{process.pid}/status", encoding="ascii") as file:
                 caught = next(int(line.split()[1], 16) for line in file if line.startswith("SigCgt"))
             time.sleep(0.01)
+
+    @staticmethod
+    def forged(whole, change_header=lambda header: None, change_groups=lambda groups: None, change_nodes=lambda nodes: None):
+        """A bundle with something changed, and all its checksums right."""
+        begin, size = 64, struct.unpack_from("<Q", whole, 20)[0]
+        header = json.loads(whole[begin:begin + size])
+        tiles = bytearray(whole[begin + size:][:40 * header["tiles"]])
+        groups = bytearray(whole[begin + size + len(tiles):][:40 * header["groups"]])
+        nodes = bytearray(whole[begin + size + len(tiles) + len(groups):])
+        change_groups(groups)
+        change_nodes(nodes)
+        for at in range(0, len(tiles), 40):
+            g, gs, n, ns = struct.unpack_from("<4Q", tiles, at)
+            struct.pack_into("<I", tiles, at + 32, zlib.crc32(nodes[12 * n:12 * (n + ns)], zlib.crc32(groups[40 * g:40 * (g + gs)])))
+        header["tiles_checksum"] = zlib.crc32(tiles)
+        change_header(header)
+        text = json.dumps(header).encode()
+        text += b" " * (-len(text) % 64)
+        return (b"plenoflame bundle 1\n" + struct.pack("<QQ", len(text), zlib.crc32(text))).ljust(64, b"\0") + text + tiles + groups + nodes
+
+    def test_right_checksums_do_not_make_numbers_right(self):
+        self.compiled()
+        whole = self.read("a.bundle")
+        self.write("b.bundle", self.forged(whole))
+        self.succeeds("render", "a.toml", "--compiled", "b.bundle", "-o", "x.exr", "--quiet")
+        self.succeeds("info", "b.bundle")
+        subprocess.run(["rm", self.path("x.exr")], check=True)
+        for wrong in ("nan", "inf", "-1e-12", "3.0"):
+            def change_weight(nodes, value=float(wrong)):
+                struct.pack_into("<f", nodes, 12 * 7 + 8, value)
+            self.write("b.bundle", self.forged(whole, change_nodes=change_weight))
+            self.refused("--compiled", "b.bundle", mentions=["b.bundle", "damaged"])
+            self.fails(1, "info", "b.bundle", mentions=["b.bundle", "damaged"])
+        for wrong in ("nan", "inf", "1e30"):
+            for offset in (4, 16 + 8):  # lower, step
+                def change_place(groups, value=float(wrong), at=offset):
+                    struct.pack_into("<f", groups, 40 * 3 + at, value)
+                self.write("b.bundle", self.forged(whole, change_groups=change_place))
+                self.refused("--compiled", "b.bundle", mentions=["b.bundle", "damaged"])
+        for change in (lambda h: h.update(frame=[h["frame"][0], [2, 0, 0], *h["frame"][2:]]), lambda h: h.update(samples=0),
+                       lambda h: h.update(frame=[[1e999, 0, 0], *h["frame"][1:]])):
+            self.write("b.bundle", self.forged(whole, change_header=change))
+            self.fails(1, "info", "b.bundle", mentions=["b.bundle", "damaged"])
+
+    def test_a_stated_window_takes_no_memory(self):
+        self.compiled()
+        def change(header):
+            header["window"] = [0, 0, 4194304, 65536]
+            header["sensor"] = [4194304, 65536]
+        self.write("b.bundle", self.forged(self.read("a.bundle"), change_header=change))
+        # Three tables of 67 million tiles would not fit.
+        self.fails(1, "info", "b.bundle", mentions=["b.bundle", "damaged"], address_space=1 << 30)
+
+    def test_a_region_that_is_not_seen(self):
+        for region in ("-1.1m,-1cm,-3cm:-1m,1cm,0m", "0m,-1cm,-3cm:-1cm,1cm,0m"):
+            self.fails(1, "compile", "a.toml", *WINDOW, *ROUGH, "--region", region, "-o", "x.bundle", mentions=["behind", "--region"])
+        self.fails(1, "compile", "a.toml", *WINDOW, *ROUGH, "--region", "1m,5m,0m:1.1m,5.1m,0.1m", "-o", "x.bundle", mentions="no pixel sees")
+        self.assertEqual(self.files(), ["a.toml"])
+
+    def test_the_ending_says_what_is_written(self):
+        for name in ("a.exr", "a", "a.bundle.gz"):
+            self.fails(2, "compile", "a.toml", *WINDOW, "-o", name, mentions=["-o", name, ".bundle"])
 
     def test_bad_options(self):
         for options, status, mentions in ((("--error", "0%"), 2, "--error"), (("--error", "soon"), 2, "--error"),

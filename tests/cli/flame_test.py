@@ -187,6 +187,18 @@ class Flame(CommandTest):
             self.fails(1, "flame", "layered", "--layers", "l.toml", "-o", "a.vdb", mentions=["l.toml:" + where, message])
         self.assertEqual(self.files(), ["l.toml"])
 
+    def test_equal_flames_are_equal_files(self):
+        """What OpenVDB writes has a random UUID, by which files could not be told to be the same."""
+        options = ("--voxel-size", "2 mm")
+        for compression in ("none", "zip", "blosc"):
+            for name in ("a.vdb", "b.vdb"):
+                self.succeeds("flame", "candle", *options, "--compression", compression, "-o", name)
+            self.assertEqual(self.read("a.vdb"), self.read("b.vdb"))
+        uuid = self.read("a.vdb")[21:57].decode()
+        self.assertRegex(uuid, r"\A[0-9a-f]{8}-[0-9a-f]{4}-8[0-9a-f]{3}-a[0-9a-f]{3}-[0-9a-f]{12}\Z")
+        self.succeeds("flame", "candle", *options, "--set", "height=41 mm", "-o", "b.vdb")
+        self.assertNotEqual(self.read("b.vdb")[21:57].decode(), uuid)
+
     def test_full_disk(self):
         self.fails(1, "flame", "candle", "--voxel-size", "1 mm", "-o", "a.vdb", largest_file=5000,
                    mentions=["a.vdb", "largest file size"])

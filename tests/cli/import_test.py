@@ -206,6 +206,49 @@ class Import(CommandTest):
             for x in (0, WIDTH // 2, WIDTH - 1):
                 self.same(images[name][4][x], images[name][4][WIDTH // 3], 2e-4)
 
+    def test_numbers_that_no_sensor_has(self):
+        self.write("a.toml", camera('bits = 12\ngain = 2\nblack_level = 64\nfull_well = 9000\nexposure_time = "1 ms"\n'))
+        self.write("a.tif", tiff([[[100 + 10 * x for x in range(WIDTH)] for _ in range(HEIGHT)]]))
+        words = ("import", "a.tif", "--camera", "a.toml", "-o", "x.exr")
+        for options, status, mentions in ((("--gain", "1e300"), 2, ["--gain", "1e+09", "1e300"]),
+                                          (("--exposure-time", "1e9 s"), 2, ["--exposure-time", "1e+06 s"]),
+                                          (("--read-noise", "1e8"), 2, "--read-noise"),
+                                          (("--saturation", "1"), 1, ["100 % of the pixels of 'a.tif' are full (1 counts"]),
+                                          (("--saturation", "50", "--dark", "a.tif"), 1, "full"),
+                                          (("-o", "x.png"), 2, "--output")):
+            self.fails(status, *words, *options, mentions=mentions)
+        scale = f'columns = {WIDTH}\nrows = {HEIGHT}\n[[channels]]\nname = "650nm"\njoules_per_count = {{}}\ncurvature = {{}}\n'
+        for joules, curvature, mentions in (("1e300", "0", "joules_per_count must be a number from 1e-30 to 1"), ("-1", "0", "joules_per_count"),
+                                            ("1e-18", "1e300", "curvature must be a number from -0.1 to 0.1"), ("1e-18", "nan", "curvature")):
+            self.write("scale.toml", scale.format(joules, curvature))
+            self.fails(1, *words, "--radiometry", "scale.toml", mentions=["scale.toml:", mentions])
+        self.write("scale.toml", scale.format("1e-18", "0").replace(f"columns = {WIDTH}", "columns = 1e300"))
+        self.fails(1, *words, "--radiometry", "scale.toml", mentions=["scale.toml:1", "columns"])
+        self.assertNotIn("x.exr", self.files())
+
+    def test_the_ending_says_what_is_written(self):
+        self.write("a.toml", camera())
+        self.write("a.tif", tiff([[[100] * WIDTH for _ in range(HEIGHT)]]))
+        for name in ("x.png", "x", "x.toml"):
+            self.fails(2, "import", "a.tif", "--camera", "a.toml", "-o", name, mentions=["-o", name, ".exr"])
+        for words in (("camera", "import", "a.toml"), ("calibrate", "geometry", "c.csv", "--camera", "a.toml"),
+                      ("calibrate", "white", "a.tif", "--camera", "a.toml"), ("calibrate", "rig", "a.toml=p.csv"),
+                      ("calibrate", "radiometry", "1500 K=a.tif", "--camera", "a.toml")):
+            self.fails(2, *words, "-o", "x.png", mentions=["-o", "x.png", ".toml"])
+
+    def test_no_furnace_is_so_hot_and_no_pixel_so_wide(self):
+        self.write("a.toml", camera())
+        self.write("a.tif", tiff([[[100] * WIDTH for _ in range(HEIGHT)]]))
+        self.fails(2, "calibrate", "radiometry", "1e9 K=a.tif", "--camera", "a.toml", "-o", "x.toml", mentions=["100000 K", "1e9 K"])
+        self.fails(2, "calibrate", "white", "a.tif", "--pixel-pitch", "5.5 m", "-o", "x.toml", mentions=["--pixel-pitch", "1 cm", "5.5 m"])
+
+    def test_a_dark_frame_is_no_flat_field(self):
+        self.write("a.toml", camera("bits = 12\ngain = 2\nblack_level = 100\nfull_well = 8000\n"))
+        self.write("a.tif", tiff([[[100 + 10 * x for x in range(WIDTH)] for _ in range(HEIGHT)]]))
+        self.write("d.tif", tiff([[[100] * WIDTH for _ in range(HEIGHT)]]))
+        self.fails(1, "import", "a.tif", "--camera", "a.toml", "--dark", "d.tif", "--flat", "d.tif", "-o", "x.exr",
+                   mentions=["100 % of the pixels", "flat field", "dark frame"])
+
     def test_values_are_shown_in_the_pictures_unit(self):
         self.write("a.toml", camera("bits = 12\ngain = 2\nblack_level = 100\nfull_well = 8000\n"))
         self.write("a.tif", tiff([[[100 + 10 * x for x in range(WIDTH)] for _ in range(HEIGHT)]]))

@@ -50,6 +50,16 @@ class Info(CommandTest):
         self.assertRegex(text, r"complete: +no: ")
         self.assertEqual(self.succeeds("info", "a.exr", "--scene"), scene)
 
+    def test_samples_of_tiles_are_summed_up(self):
+        self.write("a.toml", '[camera]\npreset = "paper-plenoptic2"\n[[flames]]\npreset = "paper-layered"\n'
+                   'position = ["1 m", "0 m", "-29 mm"]\n')
+        self.succeeds("render", "a.toml", "-o", "a.exr", "--target-error", "3%", "--window", "1000,1200,500,300", "--quiet")
+        tiles = self.json_of("info", "a.exr")["texts"]["render.tile_samples"]
+        runs = [word.split("x") for word in tiles.split()]
+        self.assertEqual(sum(int(count) for count, _ in runs), 8 * 5)  # of 64 x 64 pixels
+        least, most = (f(float(samples) for _, samples in runs) for f in (min, max))
+        self.assertRegex(self.succeeds("info", "a.exr"), rf"render.tile_samples: +{least:g} to {most:g} per replicate\n")
+
     def test_windows(self):
         self.write("a.toml", """[camera]
 preset = "paper-previous-60x60"

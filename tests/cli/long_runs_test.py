@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import signal
+import struct
 import subprocess
 import time
 
@@ -58,6 +59,44 @@ class LongRuns(CommandTest):
         self.assertEqual(self.read("part.exr"), self.read("whole.exr"))
         self.assertNotIn("part.exr.state", self.files())
         self.assertLess(json.loads(self.read("part.json"))["rays"], json.loads(self.read("whole.json"))["rays"])
+
+    @staticmethod
+    def forged(state, change_key=lambda key: None, change_samples=lambda samples: samples):
+        """A state with something changed, whose checksum (FNV-1a of 64 bits, RFC 9923) is right."""
+        at = state.index(b"\n") + 1
+        size = struct.unpack_from("<Q", state, at)[0]
+        key = json.loads(state[at + 8:at + 8 + size])
+        change_key(key)
+        text = json.dumps(key).encode()
+        rest = state[at + 8 + size:]
+        x, y, width, height = struct.unpack_from("<4i", rest, 8)
+        tiles = -(-width // 64) * -(-height // 64)
+        begin = 8 + 24 + 8
+        samples = change_samples(struct.unpack_from("<%dd" % tiles, rest, begin))
+        rest = rest[:begin] + struct.pack("<%dd" % tiles, *samples) + rest[begin + 8 * tiles:]
+        goals = struct.unpack_from("<Q", rest, begin + 8 * tiles)[0]
+        summed = rest[8:32] + rest[begin:begin + 8 * tiles] + rest[begin + 8 * tiles + 8:]
+        value = 0xcbf29ce484222325
+        for byte in summed:
+            value = (value ^ byte) * 0x100000001b3 & 0xffffffffffffffff
+        return state[:at] + struct.pack("<Q", len(text)) + text + rest[:32] + struct.pack("<Q", value) + rest[40:]
+
+    def test_a_count_of_samples_that_no_run_has(self):
+        options = ("--window", "1400,1400,70,70", "--samples", "65536", "--quiet")
+        self.assertTrue(self.kill_when_kept("part.exr", "render", "a.toml", *options))
+        state = self.read("part.exr.state")
+        refused = lambda **changes: (self.write("part.exr.state", self.forged(state, **changes)),
+                                     self.fails(1, "render", "--resume", "part.exr", "--time-limit", "1s", "--quiet",
+                                                mentions=["part.exr.state", "damaged"]))
+        for count in (1e15, 1e300, float("nan"), float("inf"), -1.0, 40000.0):  # per replicate: the run has 2 times 32768
+            refused(change_samples=lambda samples, count=count: (count, *samples[1:]))
+        for samples in (-1, 0, 2 ** 30 + 1, 2 ** 31 - 1):
+            refused(change_key=lambda key, samples=samples: key.update(samples=samples))
+        for name, value in (("replicates", 0), ("replicates", 1000), ("target_error", 2), ("time_limit", -1), ("seconds", -5)):
+            refused(change_key=lambda key, name=name, value=value: key.update({name: value}))
+        # The longest run that can be asked for ends at its limit, and at a signal.
+        self.write("part.exr.state", self.forged(state, change_key=lambda key: key.update(samples=2 ** 30)))
+        self.succeeds("render", "--resume", "part.exr", "--time-limit", "1s", "--quiet")
 
     def test_what_differs_is_named(self):
         options = (*WINDOW, "--samples", "2048", "--quiet")
@@ -200,6 +239,26 @@ class Sets(CommandTest):
         for name in ("t.csv", "t.exr"):
             self.assertEqual(self.read(name), b"old")
         self.assertEqual(self.files(), ["raw.exr", "t.csv", "t.exr"])
+
+    def all_or_none(self, arguments, names, limit):
+        """Old files stay where one of the new ones has no room."""
+        for name in names:
+            self.write(name, "old " + name)
+        self.fails(1, *arguments, largest_file=limit, mentions="largest file size")
+        for name in names:
+            self.assertEqual(self.read(name), b"old " + name.encode())
+        self.assertEqual(self.files(), sorted(["raw.exr", *names]))
+
+    def test_frames_of_develop(self):
+        self.write("b.toml", SCENE + '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "20 nm"\n')
+        self.succeeds("render", "b.toml", "-o", "raw.exr", "--samples", "2", "--window", "1480,1490,40,40", "--quiet")
+        os.remove(self.path("b.toml"))
+        arguments = ("develop", "raw.exr", "--sensor", "--frames", "6", "-o", "f.png")
+        self.succeeds(*arguments)
+        names = [f"f-{k}.png" for k in range(1, 7)]
+        sizes = [len(self.read(name)) for name in names]
+        self.assertGreater(max(sizes), sizes[0], "the first has room, a later one has not")
+        self.all_or_none(arguments, names, max(sizes) - 1)
 
     def test_bench(self):
         self.write("a.toml", SCENE)

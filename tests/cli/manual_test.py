@@ -43,6 +43,11 @@ class Manual(unittest.TestCase):
             for option in re.findall(r"^  (?:-\w, )?(--[a-z-]+)", self.help(name), re.MULTILINE):
                 self.assertIn(f"\\fB{option}\\fR", page, name)
 
+    def test_descriptions_are_sentences(self):
+        for page in self.folder.glob("*.1"):
+            description = re.search(r"^\.SH DESCRIPTION\n(.*)\n", page.read_text(), re.MULTILINE)[1]
+            self.assertRegex(description, r"[^.]\.$", page.name)
+
     def test_pages_begin_no_line_with_a_command_of_roff_that_was_text(self):
         known = {".TH", ".SH", ".TP", ".nf", ".fi"}
         for page in self.folder.glob("*.1"):

@@ -31,6 +31,25 @@ TEST(Options, QuantityNamesTheOption) {
   }
 }
 
+TEST(Options, Durations) {
+  const auto seconds = [](const char* text) { return duration_option("--time", text); };
+  EXPECT_EQ(seconds("10m"), 600);
+  EXPECT_EQ(seconds("10 m"), 600);
+  EXPECT_EQ(seconds("1.5min"), 90);
+  EXPECT_EQ(seconds("90s"), 90);
+  EXPECT_EQ(seconds("2h"), 7200);
+  EXPECT_EQ(seconds("20ms"), 0.02);
+  EXPECT_EQ(seconds("1-02:03:04"), 86400 + 2 * 3600 + 3 * 60 + 4);
+  EXPECT_EQ(seconds("1-02:03"), 86400 + 2 * 3600 + 3 * 60);
+  EXPECT_EQ(seconds("2-12"), 2.5 * 86400);
+  EXPECT_EQ(seconds("36:00:00"), 36 * 3600);
+  EXPECT_EQ(seconds("90:30"), 5430);
+  for (const char* wrong :
+       {"", "10", "10km", "m", "1:2:3:4", ":10", "10:", "1-", "-1-00:00:00", "1:60", "1:60:00",
+        "1-24:00:00", "1-2-3", "1.5:00", "a:10", "1e3:00", "1:-5"})
+    EXPECT_THROW(duration_option("--time", wrong), UsageError) << wrong;
+}
+
 TEST(Options, NearestName) {
   const std::vector<std::string> names{"render", "refocus", "info", "views"};
   EXPECT_EQ(nearest_name("rendr", names), "render");

@@ -27,6 +27,11 @@ TEST(ProgressLine, ShowsWhatIsKnown) {
   EXPECT_EQ(progress_line({1.5, 0, 0, -1, -1}, 200), "100 % [########################]");
 }
 
+TEST(ProgressLine, BeginsWithWhatIsUnderWay) {
+  EXPECT_EQ(progress_line({0.5, 0, 0, -1, -1}, 200, "2 of 7, backward 16"),
+            "2 of 7, backward 16:  50 % [############............]");
+}
+
 TEST(ProgressLine, FitsTheTerminal) {
   for (int columns = 1; columns < 80; ++columns)
     EXPECT_LE(progress_line({0.5, 1e9, 12.34e6, 0.0123, 35}, columns).size(),
@@ -78,6 +83,22 @@ TEST(ProgressBar, DrawsSeldom) {
   EXPECT_LT(stream.str().size(), 10000U);
   bar.update({1, 0, 0, -1, -1});
   EXPECT_NE(stream.str().find("100 %"), std::string::npos);
+}
+
+// The first report of a part is drawn, however soon it follows.
+TEST(ProgressBar, ShowsEachPartOfTheWork) {
+  std::ostringstream stream;
+  {
+    ProgressBar bar(stream, true, false, 80);
+    for (const char* part : {"one", "two"}) {
+      bar.begin(part);
+      bar.update({0, 0, 0, -1, -1});
+    }
+  }
+  EXPECT_EQ(stream.str(),
+            "\rone:   0 % [........................]\x1b[K"
+            "\rtwo:   0 % [........................]\x1b[K"
+            "\r\x1b[K");
 }
 
 TEST(ProgressBar, ServesSeveralThreads) {

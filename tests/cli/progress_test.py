@@ -21,7 +21,8 @@ preset = "paper-plenoptic2"
 preset = "paper-layered"
 position = ["1 m", "0 m", "-29 mm"]
 """
-SHOWN = re.compile(rb"(\d+) % \[[#.]{24}\]([^\r]*)")
+SHOWN = re.compile(rb"(?:\r([^\r:]+): +)?(\d+) % \[[#.]{24}\]([^\r]*)")
+ERROR = re.compile(rb"error ([0-9.e+-]+) %")
 LEFT = re.compile(rb"(?:(\d+):)?(\d+):(\d\d) left")
 TICK = os.sysconf("SC_CLK_TCK")
 
@@ -30,8 +31,11 @@ class Shown:
     """One drawing of the bar: share [%], time left [s] or None, and when [s of processor, s of wall clock]."""
 
     def __init__(self, match, processor, wall):
-        self.percent = int(match[1])
-        left = LEFT.search(match[2])
+        self.label = match[1].decode() if match[1] else ""
+        self.percent = int(match[2])
+        error = ERROR.search(match[3])
+        self.error = float(error[1]) if error else None
+        left = LEFT.search(match[3])
         self.left = None if left is None else int(left[1] or 0) * 3600 + int(left[2]) * 60 + int(left[3])
         self.processor, self.wall = processor, wall
 
@@ -105,8 +109,27 @@ class ProgressOnATerminal(CommandTest):
                                       "--window", "1000,800,640,1000", "--threads", "1"))
 
     def test_of_a_target_error(self):
-        self.assert_honest(self.watch("render", "a.toml", "-o", "a.exr", "--target-error", "0.6%",
-                                      "--window", "1000,800,640,1000", "--threads", "1"))
+        shown = self.watch("render", "a.toml", "-o", "a.exr", "--target-error", "0.6%", "--window", "1000,800,640,1000",
+                           "--threads", "1")
+        self.assert_honest(shown)
+        # The error falls while samples are taken, not in one step at the end.
+        errors = [s.error for s in shown if s.error is not None]
+        self.assertGreater(len({e for e in errors if 0.6 < e < 3}), 4, errors)
+        self.assertLessEqual(errors[-1], 0.6)
+
+    def test_of_parts_that_have_names(self):
+        shown = self.watch("bench", "a.toml", "--window", "1400,1400,200,100", "--samples", "4,16", "--estimators", "backward",
+                           "--repeat", "2", "--reference-samples", "64", "--cache", "cache", "--threads", "1")
+        labels = [s.label for s in shown]
+        self.assertEqual(list(dict.fromkeys(labels)), ["reference", "1 of 2, backward 4", "2 of 2, backward 16"])
+        for label in set(labels):  # both repetitions are one part
+            percents = [s.percent for s in shown if s.label == label]
+            self.assertEqual(percents, sorted(percents), label)
+
+    def test_of_a_compiled_camera(self):
+        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1344,1344,320,320", "--error", "2%", "--threads", "1")
+        self.assertGreater(len({s.percent for s in shown if 0 < s.percent < 100}), 3, shown)
+        self.assertTrue(all(s.error is None for s in shown))
 
     def test_of_the_forward_estimator(self):
         self.assert_honest(self.watch("render", "a.toml", "-o", "a.exr", "--estimator", "forward", "--samples",

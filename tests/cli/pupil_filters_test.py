@@ -68,6 +68,31 @@ class PupilFilters(CommandTest):
         self.assertIn("t.exr", self.files())
         self.assertIn("t.png", self.files())
 
+    def test_opaque_masks_take_their_part_of_the_light(self):
+        """Both blocked halves of the stop together are the open stop: the rays are the same."""
+        flux = {}
+        dark = "300 nm 0, 1200 nm 0"
+        for name, filters in (("open", ""), ("left", sector("mask", -90, 180, dark)), ("right", sector("mask", 90, 180, dark))):
+            self.write("a.toml", CAMERA + filters + CHANNEL + FLAME)
+            self.succeeds("render", "a.toml", "-o", name + ".exr", "--samples", "16", "--quiet")
+            flux[name] = self.json_of("info", name + ".exr")["channels"][0]["total_W"]
+        self.assertLess(abs(flux["left"] / flux["right"] - 1), 0.05)
+        self.assertLess(abs((flux["left"] + flux["right"]) / flux["open"] - 1), 1e-5)
+        said = self.run_command("design", "a.toml").stdout
+        self.assertIn("mask: 50", said)
+        self.assertIn("opaque", said)
+
+    def test_an_opaque_stop_gives_a_black_picture(self):
+        self.write("a.toml", CAMERA + sector("lid", 0, 0, "300 nm 0, 1200 nm 0") + CHANNEL + FLAME)
+        result = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "4", "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn('none of the pupil filters lets anything through of channel "sensor", so its picture is black', result.stderr)
+        self.assertEqual(self.json_of("info", "a.exr")["channels"][0]["largest_W"], 0)
+        # A channel that passes beside one that does not: a filter that was meant for another channel.
+        self.write("a.toml", CAMERA + sector("red", 0, 0, "640 nm 0, 650 nm 0.9, 660 nm 0") + CHANNEL.replace("sensor", "blue").replace(
+            "725", "450").replace("400", "20") + CHANNEL + FLAME)
+        self.fails(1, "render", "a.toml", "-o", "b.exr", mentions='none of the pupil filters lets anything through of channel "blue"')
+
     def test_electrons_give_the_temperature_too(self):
         # A uniform flame: what is left is noise of many pixels. The dark signal is 30 electrons of some thousand.
         camera = CAMERA.replace('pixel_pitch = "10 um"', 'pixel_pitch = "10 um"\nfull_well = 20000\n'

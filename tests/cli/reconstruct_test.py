@@ -11,6 +11,8 @@ import subprocess
 import tempfile
 import zipfile
 
+import numpy
+
 import command
 from command import CommandTest, main
 
@@ -68,6 +70,10 @@ class Reconstruct(CommandTest):
         self.assertEqual(json.loads(self.read("rings.json"))["rows"], found["rows"])
         self.assertGreater(len(found["history"]), 5)
         grids = self.json_of("info", "rings.vdb")
+        temperature = next(grid for grid in grids["grids"] if grid["name"] == "temperature")
+        self.assertGreater(temperature["minimum"], 293)  # beyond the last ring fields end at 0
+        self.assertGreater(temperature["background"], 293)
+        self.assertGreater(temperature["maximum"], 1500)
         self.assertIn("resolved", json.dumps(grids))
         self.assertIn("temperature_deviation", json.dumps(grids))
         self.assertIn("explained", self.succeeds("info", "left.exr"))
@@ -221,6 +227,16 @@ class Reconstruct(CommandTest):
         self.succeeds("operator", "front.toml", "--grid", "4", "--quiet", "-o", "A.mtx")
         self.assertTrue(self.read("A.mtx").startswith(b"%%MatrixMarket matrix coordinate real general"))
         self.fails(2, "operator", "front.toml", "--grid", "4", "-o", "A.txt", mentions=".npz")
+
+    def test_rows_of_several_cameras_are_a_table_and_no_flame_is_needed(self):
+        shutil.copy(EXAMPLES / "ring-of-six.toml", self.path("six.toml"))
+        cameras, _, rest = self.read("six.toml").decode().partition("[[flames]]")
+        self.write("bare.toml", cameras + rest[rest.index("[[channels]]"):])
+        made = self.json_of("operator", "bare.toml", "--camera", "at0", "--camera", "at60", "--grid", "4", "--rays", "4",
+                            "--center", "0 m,0 m,0 m", "--size", "20 mm,20 mm,40 mm", "--pixels", "rows.csv", "--quiet", "-o", "A.npz")
+        rows = numpy.genfromtxt(self.path("rows.csv"), delimiter=",", names=True, dtype=None, encoding="utf-8")
+        self.assertEqual(len(rows), made["rows"])
+        self.assertEqual(set(rows["camera"]), {"at0", "at60"})
 
     def test_parts_of_the_operator_are_the_whole(self):
         """The same bits for any split, in any order; with blocks that lie across tiles, and lines that see nothing."""
@@ -390,6 +406,28 @@ class Reconstruct(CommandTest):
             self.fails(1, *command, "--grid", "1000,1000,1000", "-o", output, address_space=limit,
                        mentions=["1000000000 unknowns", "GB of memory", "are to be had", "coarser"])
             self.assertNotIn(output, self.files())
+
+    def test_unknowns_that_are_slivers(self):
+        for words in (("front.toml", "--images", "front.exr", "--grid", "100000,1,1"),
+                      ("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "1,100000")):
+            self.fails(2, "reconstruct", *words, "-o", "x.vdb", *FAST, mentions=["--grid", "times as long as wide", "1000 times is the most"])
+
+    def test_the_files_of_a_frame_appear_together(self):
+        names = ("a.vdb", "r.exr")
+        words = ("reconstruct", *self.RINGS, "--draws", "0", "--probes", "0", "--quiet", "-o", "a.vdb", "--residual", "r.exr")
+        self.assertEqual(self.run_command(*words).returncode, 0)
+        written = {name: self.read(name) for name in names}
+        limit = max(len(content) for content in written.values()) - 1
+        for name in names:
+            self.write(name, "old " + name)
+        result = self.run_command(*words, largest_file=limit)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("largest file size", result.stderr.splitlines()[-1])
+        for name in names:
+            self.assertEqual(self.read(name), b"old " + name.encode())
+        # Equal runs write equal files.
+        self.assertEqual(self.run_command(*words).returncode, 0)
+        self.assertEqual({name: self.read(name) for name in names}, written)
 
     def test_a_matrix_that_does_not_fit_is_not_stored(self):
         """Rays are followed again in each iteration, to the same result; solvers that need its rows refuse."""

@@ -2,6 +2,7 @@
 
 import csv
 import filecmp
+import json
 import os
 import shutil
 import signal
@@ -142,6 +143,43 @@ look_direction = [0, 1, 0]
         self.fails(1, "sweep", "a.toml", "--table", "other.csv", "-o", "p", "--part", "1/2", *OPTIONS, mentions="differs in table")
         self.assertNotIn("all", self.files())
 
+    def test_damaged_sets_are_named(self):
+        self.sweep("p", "--part", "1/2")
+        self.sweep("p", "--part", "2/2")
+        parts = ("p-part-1-of-2", "p-part-2-of-2")
+        wrong = {"sweep.json": (("part", 3), ("part", "x"), ("runs", "many"), ("format", 1), ("lattice", []), (None, None)),
+                 "runs/000001.json": (("run", []), ("seed", "s"), ("values", {"a": 1}), ("pictures", 3), ("lines", None), (None, None))}
+        for name, changes in wrong.items():
+            path = "p-part-2-of-2/" + name
+            whole = self.read(path)
+            for key, value in changes:
+                self.write(path, json.dumps({**json.loads(whole), key: value} if key else []))
+                self.fails(1, "merge", *parts, "-o", "all", mentions=["'" + path + "'", "damaged"])
+            self.write(path, whole)
+        self.succeeds("merge", *parts, "-o", "all")
+        result = self.run_command("merge", *parts, "-o", "all")
+        self.assertEqual((result.returncode, "has files in it" in result.stderr, "--force" in result.stderr), (1, True, False))
+        largest = max(os.path.getsize(os.path.join(at, name)) for at, _, names in os.walk(self.path("all")) for name in names)
+        self.fails(1, "merge", *parts, "-o", "new", largest_file=largest - 1, mentions=["'new/", "largest file size"])
+        self.assertNotIn("new", self.files())
+
+    def test_tables_in_other_encodings(self):
+        for encoding in ("utf-16", "utf-16-le", "utf-16-be"):
+            self.write("wide.csv", TABLE.encode(encoding))
+            self.fails(1, "sweep", "a.toml", "--table", "wide.csv", "-o", "set", *OPTIONS, mentions=["wide.csv", "UTF-16", "save it as UTF-8"])
+            self.write("wide.toml", SCENE.encode(encoding))
+            self.fails(1, "info", "wide.toml", mentions=["wide.toml", "UTF-16", "UTF-8"])
+        self.write("marked.csv", TABLE.encode("utf-8-sig"))
+        self.sweep("marked", table="marked.csv")
+        self.sweep("plain")
+        self.assertEqual(self.read("marked/index.csv"), self.read("plain/index.csv"))
+
+    def test_a_lattice_that_memory_does_not_hold(self):
+        options = [o for o in OPTIONS if o not in ("--lattice", "4,4,6")]
+        self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *options, "--lattice", "1000,1000,1000", address_space=4 << 30,
+                   mentions=["--lattice", "1e+09 cells", "8 GB of memory", "are to be had", "fewer cells"])
+        self.assertNotIn("set", self.files())
+
     def test_no_room_for_a_run_leaves_those_that_are_done(self):
         self.sweep("set")
         os.remove(self.path("set/runs/000002.json"))
@@ -212,6 +250,8 @@ look_direction = [0, 1, 0]
         refused("runs.csv", "scenes stand before")
         refused("--table runs.csv", "3 runs", "--parts", "4")
         refused("--table runs.csv", "one scene", scenes=("a.toml", "b.toml"))
+        for memory in ("4", "4e9", "1.5"):  # sbatch takes megabytes
+            refused("--table runs.csv", ["--memory", "4G", memory], "--memory", memory, status=2)
         self.assertNotIn("jobs.sbatch", self.files())
 
     def begun(self, *options):

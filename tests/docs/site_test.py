@@ -53,6 +53,10 @@ class Site(unittest.TestCase):
         self.assertEqual(self.page("![p\nq](../images/p.png)\n"), "[![p\nq](../images/p.png)](../images/p.png)\n")
         self.assertEqual((self.out / "source/index.md").read_text(), "# P\n[a](user/a.md#b)\n")
 
+    def test_navigation(self):
+        self.write("docs/README.md", "# All\n## Ways\n1. [First](user/a.md): a\n## One\n- [A](user/a.md): a\n")
+        self.assertEqual(site_source.sections(self.root), [("One", [("A", "user/a.md")])])
+
     def test_what_is_not_there(self):
         for text in ("[a](b.md)", "[a](../../../outside.md)"):
             with self.assertRaisesRegex(SystemExit, "leads to no file"):

@@ -18,8 +18,13 @@ refuses() {
 install() { "${apt[@]}" install -y --no-install-recommends "$@" >/dev/null; }
 
 "${apt[@]}" update
-say "two packages"
-install /packages/plenoflame_*.deb /packages/plenoflame-desktop_*.deb
+say "the command alone"
+install /packages/plenoflame_*.deb
+! dpkg-query -W 'libvtk9*' >/dev/null 2>&1 || fail "the command pulls VTK"
+refuses 1 "package plenoflame-vtk" plenoflame picture /usr/share/plenoflame/examples/lenslets-30.toml -o scene.png
+
+say "desktop and pictures"
+install /packages/plenoflame-vtk_*.deb /packages/plenoflame-desktop_*.deb
 mkdir /first
 cd /first
 plenoflame --version

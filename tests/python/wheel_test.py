@@ -1,12 +1,15 @@
 """The wheel that `pip install .` makes of the source tree: installed alone into an empty folder, it renders. CMake's part
 stands already in the build tree, so it is not done again here."""
 
+import email
 import importlib.util
 import os
 import pathlib
+import shlex
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 
 import numpy
@@ -50,6 +53,36 @@ class Wheel(PackageTest):
                              capture_output=True, text=True, env=environment, cwd="/")
         self.assertEqual(run.returncode, 0, run.stderr)
         numpy.testing.assert_array_equal(numpy.load(self.folder / "a.npy"), self.scene(60).render(samples=2).flux)
+
+    def test_the_page_s_commands_work_without_a_network(self):
+        """As docs/scripting.md has them, where CMake has nothing to do but to hand over what it built before."""
+        block = (ROOT / "docs/scripting.md").read_text().split("## Without VTK")[1].split("```sh\n")[1].split("```")[0]
+        tree = self.folder / "tree"
+        tree.mkdir()
+        for name in ("packaging", "pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE", "examples"):
+            (tree / name).symlink_to(ROOT / name)
+        tools = self.folder / "tools"
+        tools.mkdir()
+        built = pathlib.Path(plenoflame.__file__).parent
+        (tools / "cmake").write_text(f'#!/bin/sh\n[ "$1" = --build ] || exit 0\nmkdir -p "$2/python"\n'
+                                     f'cp -r {shlex.quote(str(built))} "$2/python/plenoflame"\n')
+        (tools / "cmake").chmod(0o755)
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        environment.update(HOME=str(self.folder), PATH=f"{tools}:{os.environ['PATH']}", PIP_NO_INDEX="1",
+                           PIP_DISABLE_PIP_VERSION_CHECK="1")
+        run = subprocess.run(["bash", "-ec", block], capture_output=True, text=True, env=environment, cwd=tree)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("<plenoflame.Scene, 1000 x 1000 pixels", run.stdout)
+
+    def test_the_metadata_are_those_of_the_project(self):
+        project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+        said = email.message_from_string(self.backend.metadata())
+        self.assertEqual((said["Name"], said["Summary"], said["Requires-Python"]),
+                         (project["name"], project["description"], project["requires-python"]))
+        self.assertEqual(said["Author"], project["authors"][0]["name"])
+        self.assertEqual(said["License"], project["license"]["text"])
+        self.assertIn("Apache License", self.backend._information()["LICENSE"])
+        self.assertEqual(said.get_all("Project-URL"), [f"{name}, {url}" for name, url in project["urls"].items()])
 
     def test_the_source_archive_builds(self):
         """It holds what the backend needs, and nothing that was built."""

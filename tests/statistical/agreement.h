@@ -16,7 +16,8 @@ namespace plenoflame::test {
 inline const int kBundles = in_full() ? 20000000 : 600000, kRaysPerReplicate = in_full() ? 256 : 16;
 /// Relative standard error of the whole image's flux, at most.
 inline const double kTotalError = in_full() ? 1e-3 : 1e-2;
-inline const double kMostEffort = in_full() ? 12 : 1;  ///< times these numbers where they do not reach that
+inline const double kMostEffort =
+    in_full() ? 12 : 1;  ///< times these numbers where they do not reach that
 inline constexpr int kReplicates = 16;
 inline constexpr int kBin = 3;  ///< pixels along the side of a bin
 

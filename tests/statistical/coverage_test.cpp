@@ -13,7 +13,8 @@ namespace {
 
 const int kReferenceSamples = in_full() ? 1 << 15 : 1 << 13;
 const int kSide = in_full() ? 200 : 48;
-const std::vector<double> kTargets = in_full() ? std::vector{0.2, 0.07, 0.03} : std::vector{0.2, 0.1};
+const std::vector<double> kTargets =
+    in_full() ? std::vector{0.2, 0.07, 0.03} : std::vector{0.2, 0.1};
 
 PixelWindow middle(int columns, int rows) {
   return {(columns - kSide) / 2, (rows - kSide) / 2, kSide, kSide};

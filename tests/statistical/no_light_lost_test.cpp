@@ -16,8 +16,8 @@
 namespace plenoflame::test::no_light_lost_test {
 namespace {
 
-const long kFluxRays = in_full() ? 32'000'000 : 800'000, kDiscRays = in_full() ? 4'000'000 : 320'000,
-           kPixelRays = in_full() ? 1'600'000 : 80'000;
+const long kFluxRays = in_full() ? 32'000'000 : 800'000,
+           kDiscRays = in_full() ? 4'000'000 : 320'000, kPixelRays = in_full() ? 1'600'000 : 80'000;
 
 std::vector<double> fields() {
   return in_full() ? std::vector{0.0, 0.3, 0.6, 0.8, 1.0} : std::vector{0.0, 1.0};

@@ -104,6 +104,50 @@ TEST(DamagedFile, RandomBytes) {
   std::printf("flames (.vdb): %d files, %d read, %d refused\n", runs, runs - refused, refused);
 }
 
+/// Counts, lengths, offsets and sizes of a file are small numbers of 4 or 8 bytes: one of them, or
+/// of the doubles of a transform, becomes a number at the end of its type.
+TEST(DamagedFile, AwkwardFields) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("fields.vdb");
+  std::mt19937_64 random(20261206);
+  constexpr std::int64_t kNumbers[] = {0,        1,        -1,       -2,       127,
+                                       128,      255,      32767,    65536,    2147483647,
+                                       1L << 31, 1L << 32, 1L << 53, 1L << 62, -(1L << 62)};
+  int refused = 0, runs = 0;
+  for (const std::uint32_t compression : kCompressions) {
+    const auto whole = sample_file(path, compression, false);
+    std::vector<std::size_t> small, doubles;
+    for (std::size_t at = 0; at + 8 <= whole.size(); ++at) {
+      std::uint32_t number;
+      double real;
+      std::memcpy(&number, &whole[at], 4);
+      std::memcpy(&real, &whole[at], 8);
+      if (number > 0 && number <= whole.size()) small.push_back(at);
+      if (std::fabs(real) > 1e-6 && std::fabs(real) < 1e6) doubles.push_back(at);
+    }
+    for (int run = 0, files = test::damaged_files_wanted(800) / 4; run < files; ++run) {
+      auto bytes = whole;
+      if (random() % 8 == 0) {
+        const double values[] = {0, -1, 1e300, 1e-300, INFINITY, NAN};
+        std::memcpy(&bytes[doubles[random() % doubles.size()]], &values[random() % 6], 8);
+      } else {
+        const std::int64_t number = kNumbers[random() % std::size(kNumbers)];
+        // Half of them in the first kilobytes, where grids are described.
+        const std::size_t limit =
+            random() % 2 == 0 ? std::min<std::size_t>(200, small.size()) : small.size();
+        std::memcpy(&bytes[small[random() % limit]], &number, random() % 2 == 0 ? 4 : 8);
+      }
+      test::spill(path, bytes);
+      refused += try_to_read(path) == Outcome::refused ? 1 : 0;
+      ++runs;
+    }
+  }
+  EXPECT_GT(refused, runs / 20);
+  EXPECT_LT(refused, runs);
+  std::printf("flames (.vdb), fields: %d files, %d read, %d refused\n", runs, runs - refused,
+              refused);
+}
+
 /// OpenVDB reads a block that says to be stored plainly with a wrong length before it looks at the
 /// length: 8 bytes in front of every block, each of which is tried here.
 TEST(DamagedFile, WrongBlockLengths) {

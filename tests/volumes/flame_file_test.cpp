@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -80,6 +81,28 @@ TEST_F(FlameFile, SiWithoutAnyMapping) {
   EXPECT_EQ(flame.temperature.background, 300);
   EXPECT_EQ(value(flame.absorption), 30);
   EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(FlameFile, GridsForScripts) {
+  read({{"T", "K", 1500, 300}, {"kappa", "1/cm", 1}, {"resolved", "", 1}});
+  std::vector<VoxelField> fields = read_flame_grids(path(), {});
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].name, "temperature");
+  EXPECT_EQ(value(fields[1]), 100);
+  // A reconstruction of emission alone is no flame, but voxels all the same.
+  const VoxelField emission = field_of({"emission", "W/(m^3 sr)", 7}),
+                   resolved = field_of({"resolved", "", 0.5f});
+  write_grids(path(), std::array{GridOutput{&emission, "W/(m^3 sr)"}, GridOutput{&resolved, ""}});
+  fields = read_flame_grids(path(), {});
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].name, "emission");
+  EXPECT_EQ(value(fields[0]), 7);
+  EXPECT_EQ(value(fields[1]), 0.5);
+  // With one of the two it is a flame that lacks the other.
+  const VoxelField hot = field_of({"temperature", "K", 1500});
+  write_grids(path(), std::array{GridOutput{&hot, "K"}});
+  EXPECT_TRUE(
+      contains(message_of<InputError>([&] { read_flame_grids(path(), {}); }), "absorption"));
 }
 
 TEST_F(FlameFile, NamesThatOtherProgramsUse) {

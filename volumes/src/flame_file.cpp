@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string_view>
 
@@ -314,6 +315,33 @@ std::span<const std::string_view> temperature_grid_names() {
 }
 std::span<const std::string_view> absorption_grid_names() {
   return kAbsorptionNames;
+}
+
+std::vector<VoxelField> read_flame_grids(const std::string& path, const Execution& execution) {
+  std::vector<VoxelField> fields;
+  const std::vector<GridInfo> grids = list_grids(path, /*statistics=*/false);
+  const bool readable =
+      std::any_of(grids.begin(), grids.end(), [](const GridInfo& grid) { return grid.readable; });
+  if (readable && choose(grids, kTemperatureNames) == nullptr &&
+      choose(grids, kAbsorptionNames) == nullptr) {
+    std::map<std::string, int> before;
+    for (const GridInfo& grid : grids) {
+      const int number = before[grid.name]++;
+      if (!grid.readable) continue;
+      fields.push_back(read_voxel_field(
+          path, number == 0 ? grid.name : fmt::format("{}[{}]", grid.name, number)));
+    }
+    return fields;
+  }
+  FlameSpec spec;
+  spec.kind = FlameKind::vdb;
+  spec.file = path;
+  FlameFields flame = read_flame(spec, "", execution);
+  flame.temperature.name = "temperature";
+  flame.absorption.name = "absorption";
+  fields.push_back(std::move(flame.temperature));
+  fields.push_back(std::move(flame.absorption));
+  return fields;
 }
 
 FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,

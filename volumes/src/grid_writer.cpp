@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <ostream>
@@ -38,6 +42,20 @@ class Writer : public openvdb::io::Archive {
   }
 };
 
+/// Where a .vdb file has its UUID, after the magic number, three versions and a flag.
+constexpr std::int64_t kUuidBegin = 21, kUuidEnd = kUuidBegin + 36;
+
+/// FNV-1a of 64 bits.
+class Hash {
+ public:
+  explicit Hash(std::uint64_t seed) : value_(seed) {}
+  void add(char byte) { value_ = (value_ ^ static_cast<unsigned char>(byte)) * 0x100000001b3U; }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_;
+};
+
 /// The stream that OpenVDB writes to: a file that appears when it is complete, and of which nothing
 /// is left when the process is killed before. Every brick comes as some bytes of its own, at each
 /// of which writing can be stopped.
@@ -49,6 +67,10 @@ class StoppableFile : public std::streambuf {
   std::streamsize xsputn(const char* bytes, std::streamsize count) override {
     if (stop_.stop_requested()) throw Cancelled();
     file_.write({bytes, static_cast<std::size_t>(count)});
+    for (std::streamsize i = 0; i < count; ++i, ++place_) {
+      if (place_ >= kUuidBegin && place_ < kUuidEnd) continue;
+      for (Hash& hash : hashes_) hash.add(bytes[i]);
+    }
     return count;
   }
   int_type overflow(int_type c) override {
@@ -61,17 +83,36 @@ class StoppableFile : public std::streambuf {
     const int whence = from == std::ios::beg   ? SEEK_SET
                        : from == std::ios::cur ? SEEK_CUR
                                                : SEEK_END;
-    if (fseeko(file_.stream(), offset, whence) != 0) return off_type(-1);
-    return ftello(file_.stream());
+    // What is buffered is written first, for which the disk may have no room.
+    if (fseeko(file_.stream(), offset, whence) != 0) file_.fail(errno);
+    place_ = ftello(file_.stream());
+    return place_;
   }
   pos_type seekpos(pos_type place, std::ios::openmode which) override {
     return seekoff(off_type(place), std::ios::beg, which);
   }
-  int sync() override { return std::fflush(file_.stream()) == 0 ? 0 : -1; }
+  int sync() override {
+    if (std::fflush(file_.stream()) != 0) file_.fail(errno);
+    return 0;
+  }
+
+ public:
+  /// Puts a UUID that follows from what was written in the place of OpenVDB's random one: equal
+  /// grids make equal files.
+  void settle_uuid() {
+    const std::uint64_t a = hashes_[0].value(), b = hashes_[1].value();
+    const std::string uuid =
+        fmt::format("{:08x}-{:04x}-8{:03x}-a{:03x}-{:012x}", a >> 32, a >> 16 & 0xffff, a & 0xfff,
+                    b >> 48 & 0xfff, b & 0xffffffffffff);  // version 8: of one's own making
+    seekoff(kUuidBegin, std::ios::beg, std::ios::out);
+    xsputn(uuid.data(), static_cast<std::streamsize>(uuid.size()));
+  }
 
  private:
   AtomicFile& file_;
   std::stop_token stop_;
+  std::int64_t place_ = 0;
+  std::array<Hash, 2> hashes_{Hash(0xcbf29ce484222325U), Hash(0x9e3779b97f4a7c15U)};
 };
 
 [[noreturn]] void fail(const std::string& path, const std::string& cause) {
@@ -115,12 +156,13 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
     std::ostream stream(&buffer);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     Writer(options.compression).write_file(stream, converted, metadata);
+    buffer.settle_uuid();
   } catch (const std::ios_base::failure&) {
     fail(path, "write error");
   } catch (const openvdb::Exception& failure) {
     fail(path, failure.what());
   }
-  std::fseek(file.stream(), 0, SEEK_END);
+  if (std::fseek(file.stream(), 0, SEEK_END) != 0) file.fail(errno);
   const auto size = static_cast<std::uint64_t>(ftello(file.stream()));
   file.commit();
   return size;

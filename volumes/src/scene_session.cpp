@@ -93,7 +93,8 @@ void SceneSession::forget() {
   compiled_.clear();
 }
 
-std::shared_ptr<const CompiledScene> SceneSession::compile(const Execution& execution) {
+std::shared_ptr<const CompiledScene> SceneSession::compile(const Execution& execution,
+                                                           const std::vector<IssueCode>& unsaid) {
   const std::lock_guard lock(compiling_);
   std::shared_ptr<const CompiledScene>& compiled = compiled_[camera_];
   if (compiled) return compiled;
@@ -110,7 +111,7 @@ std::shared_ptr<const CompiledScene> SceneSession::compile(const Execution& exec
     if (other.second) earlier.push_back(other.second.get());
   const SceneDocument one = for_camera(document_, camera_);
   compiled = std::make_shared<const CompiledScene>(
-      plenoflame::compile(one.scene, load, execution, one.positions, earlier));
+      plenoflame::compile(one.scene, load, execution, one.positions, earlier, unsaid));
   return compiled;
 }
 

@@ -40,8 +40,7 @@ void vtkPlenoflameCompiledCamera::PrintSelf(ostream& os, vtkIndent indent) {
      << " to " << this->Region[3] << " " << this->Region[4] << " " << this->Region[5] << "\n"
      << indent << "Margin: " << this->Margin << "\n"
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
-     << indent << "Rays: " << (this->Internal->Rays ? this->Internal->Rays->nodes.size() : 0)
-     << "\n";
+     << indent << "Rays: " << (this->Internal->Rays ? this->Internal->Rays->nodes : 0) << "\n";
 }
 
 void vtkPlenoflameCompiledCamera::SetScene(vtkPlenoflameScene* scene) {

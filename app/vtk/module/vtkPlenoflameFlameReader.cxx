@@ -56,18 +56,10 @@ int vtkPlenoflameFlameReader::RequestData(vtkInformation*, vtkInformationVector*
   return plenoflame::pipeline::run(*this, 0, [&](const Execution& execution) {
     const std::string path = this->FileName ? this->FileName : "";
     std::vector<VoxelField> fields;
-    if (this->GridName.empty()) {
-      FlameSpec spec;
-      spec.kind = FlameKind::vdb;
-      spec.file = path;
-      FlameFields flame = read_flame(spec, "", execution);
-      flame.temperature.name = "temperature";
-      flame.absorption.name = "absorption";
-      fields.push_back(std::move(flame.temperature));
-      fields.push_back(std::move(flame.absorption));
-    } else {
+    if (this->GridName.empty())
+      fields = read_flame_grids(path, execution);
+    else
       fields.push_back(read_voxel_field(path, this->GridName));
-    }
     const AffineTransform& transform = fields.front().index_to_world;
     const auto same = [&](const VoxelField& field) {
       return field.index_to_world.linear == transform.linear &&

@@ -41,7 +41,8 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameReader : public vtkImageAlgorithm {
   ///@{
   /**
    * Any one grid by its name, values as stored; empty (default): temperature and absorption of the
-   * flame, under their usual names, in K and 1/m.
+   * flame, under their usual names, in K and 1/m; of a file with neither of them all grids as
+   * stored.
    */
   vtkSetStdStringFromCharMacro(GridName);
   vtkGetCharFromStdStringMacro(GridName);

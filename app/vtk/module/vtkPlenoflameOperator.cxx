@@ -93,7 +93,7 @@ int vtkPlenoflameOperator::RequestData(vtkInformation*, vtkInformationVector**,
       in.forget();  // of a run that failed halfway
       std::vector<const CompiledScene*> scenes;
       for (const auto& scene : in.Scenes) {
-        in.Compiled.push_back(scene->Compile(execution));
+        in.Compiled.push_back(scene->Compile(execution, {IssueCode::no_flame}));
         scenes.push_back(in.Compiled.back().get());
       }
       in.Problem = make_operator_problem(in.Request, scenes, "the scene", execution);

@@ -62,7 +62,9 @@ void vtkPlenoflameReconstruction::AddCamera(vtkPlenoflameScene* scene, vtkImageD
     if (!scene || !picture) throw plenoflame::UsageError("a camera needs a scene and a picture");
     const vtkSmartPointer<vtkPlenoflameScene> kept = scene;
     this->Internal->Task.add_camera(
-        [kept](const plenoflame::Execution& execution) { return kept->Compile(execution); },
+        [kept](const plenoflame::Execution& execution) {
+          return kept->Compile(execution, {plenoflame::IssueCode::no_flame});
+        },
         scene->GetCamera(), pipeline::image_to_light_field(*picture), name);
     this->Modified();
   });

@@ -272,7 +272,7 @@ void vtkPlenoflameScene::SetDocument(const plenoflame::SceneDocument& document) 
 }
 
 std::shared_ptr<const plenoflame::CompiledScene> vtkPlenoflameScene::Compile(
-    const plenoflame::Execution& execution) {
+    const plenoflame::Execution& execution, const std::vector<plenoflame::IssueCode>& unsaid) {
   Internals& in = *this->Internal;
   {
     const std::lock_guard lock(in.Compiling);
@@ -280,5 +280,5 @@ std::shared_ptr<const plenoflame::CompiledScene> vtkPlenoflameScene::Compile(
     if (in.CompiledOf != time) in.Session.forget();
     in.CompiledOf = time;
   }
-  return in.Session.compile(execution);
+  return in.Session.compile(execution, unsaid);
 }

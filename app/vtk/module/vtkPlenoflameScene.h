@@ -19,6 +19,9 @@ class vtkImageData;
 
 #ifndef __VTK_WRAP__
 #include <memory>
+#include <vector>
+
+#include "plenoflame/scene/validate.h"
 
 namespace plenoflame {
 struct CompiledScene;
@@ -176,8 +179,11 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
   /// The same with the places of its keys in a file, for messages.
   void SetDocument(const plenoflame::SceneDocument& document);
   /// Camera solved, pupils traced, flames loaded; kept until the scene is modified.
+  /// @param unsaid warnings that do not matter for what the caller does with it
   /// @throws plenoflame::Error
-  std::shared_ptr<const plenoflame::CompiledScene> Compile(const plenoflame::Execution& execution);
+  std::shared_ptr<const plenoflame::CompiledScene> Compile(
+      const plenoflame::Execution& execution,
+      const std::vector<plenoflame::IssueCode>& unsaid = {});
 #endif
 
  protected:

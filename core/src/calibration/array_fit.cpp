@@ -34,6 +34,27 @@ std::optional<Vec2> traced_centre(const Camera& camera, LensIndex lens, Vec2 sta
   return std::nullopt;
 }
 
+/// Lens (0, 0) becomes the nominal camera's: of the micro-images of its type, that nearest to where
+/// the nominal one has it, if that is one pitch away at most.
+void choose_origin(const CameraSpec& nominal, const WhiteLattice& lattice, Vec2 middle,
+                   ArrayFit& fit) {
+  const std::optional<Vec2> expected = traced_centre(Camera(nominal), {0, 0}, middle);
+  if (!expected) return;
+  const bool several = lattice.types.size() == nominal.array.types.size();
+  const int types = several ? static_cast<int>(lattice.types.size()) : 1;
+  const int shift = fit.origin_j - fit.origin_i;
+  double nearest = lattice.guess.pitch();
+  for (const MicroImageFit& image : lattice.images) {
+    if ((image.j - image.i - shift) % types != 0) continue;
+    const double distance = length(image.model - *expected);
+    if (distance > nearest) continue;
+    nearest = distance;
+    fit.same_origin = true;
+    fit.origin_i = image.i;
+    fit.origin_j = image.j;
+  }
+}
+
 CameraSpec with_array(const CameraSpec& nominal, const ArraySpec& array) {
   CameraSpec spec = nominal;
   spec.array = array;
@@ -129,6 +150,7 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     }
     fit.type_match = best;
   }
+  choose_origin(nominal, lattice, {0.5 * width, 0.5 * height}, fit);
 
   std::vector<const MicroImageFit*> used;
   constexpr std::size_t kEnough = 1500;

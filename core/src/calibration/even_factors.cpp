@@ -1,7 +1,11 @@
 #include "calibration/even_factors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "plenoflame/base/error.h"
 
 namespace plenoflame {
 namespace {
@@ -12,6 +16,41 @@ double middle_ratio(std::vector<float> values) {
   std::nth_element(values.begin(), middle, values.end());
   return static_cast<double>(*middle);
 }
+
+/// A picture that was taken for another kind has dark pixels everywhere.
+void check_dark_share(const EvenFactors& even, bool white) {
+  constexpr double kMost = 0.05;
+  const auto dark = std::count_if(even.factors.begin(), even.factors.end(),
+                                  [](float factor) { return factor < 0; });
+  const double share = static_cast<double>(dark) / static_cast<double>(even.factors.size());
+  if (share > kMost)
+    throw InputError(fmt::format(
+        "{:.0f} % of the pixels are too dark in the {}, and 5 % is the most that dirt and edges "
+        "may be: {}, well exposed; a dark frame or a picture of a flame is none",
+        100 * share, white ? "white picture" : "flat field",
+        white ? "a white picture shows an evenly bright scene through this camera"
+              : "a flat field is the bare sensor, evenly lit"));
+}
+
+/// How much light varies as it is expected to: their correlation; 1 where nothing varies.
+class Likeness {
+ public:
+  void add(double light, double wanted) {
+    ++count_;
+    x_ += light, y_ += wanted;
+    xx_ += light * light, yy_ += wanted * wanted, xy_ += light * wanted;
+  }
+  double correlation() const {
+    constexpr double kLeastSpread = 0.1;  // of the mean: noise is not to decide
+    const double n = count_, varied = yy_ * n - y_ * y_;
+    if (!(varied > kLeastSpread * kLeastSpread * y_ * y_)) return 1;
+    const double spread = std::sqrt(std::max(0.0, xx_ * n - x_ * x_) * varied);
+    return spread > 0 ? (xy_ * n - x_ * y_) / spread : 0;
+  }
+
+ private:
+  double count_ = 0, x_ = 0, y_ = 0, xx_ = 0, yy_ = 0, xy_ = 0;
+};
 
 }  // namespace
 
@@ -27,10 +66,13 @@ EvenFactors even_factors(
       brightest = std::max(brightest, static_cast<double>(value));
   constexpr double kLeastLight = 0.05;  // of the brightest: below nothing is known of the factor
   std::vector<std::vector<float>> usual(colours);
+  std::vector<Likeness> likeness(colours);
   for (std::size_t i = 0; i < pixels; ++i) {
     const double wanted = expected != nullptr ? static_cast<double>(expected->pixels[i]) : 1;
-    if (wanted < kLeastLight * brightest || measured.state[i] != 0) continue;
+    if (measured.state[i] != 0) continue;
     const auto [light, variance] = light_of(i);
+    likeness[colour_of(i)].add(light, wanted);
+    if (wanted < kLeastLight * brightest) continue;
     // A pixel that saw next to nothing where light was to be has no factor.
     if (!(light > 5 * std::sqrt(variance))) {
       even.factors[i] = -1;
@@ -48,6 +90,14 @@ EvenFactors even_factors(
     const double factor = static_cast<double>(even.factors[i]) / middle[colour_of(i)];
     even.factors[i] = factor > kLargestFactor ? -1.0F : static_cast<float>(factor);
   }
+  check_dark_share(even, expected != nullptr);
+  constexpr double kLeastLikeness = 0.3;
+  if (expected != nullptr &&
+      std::all_of(likeness.begin(), likeness.end(),
+                  [](const Likeness& each) { return each.correlation() < kLeastLikeness; }))
+    throw InputError(
+        "the white picture shows no micro-images where the camera's are: a flat field is none, and "
+        "neither is one of another camera or focus");
   return even;
 }
 

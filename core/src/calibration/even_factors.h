@@ -28,6 +28,8 @@ struct EvenFactors {
 /// @param colour_of  the colour of a pixel, below `colours`
 /// @param light_of   light of a pixel in `measured` [counts above dark, as of a linear sensor], and
 ///                   its variance
+/// @throws InputError for a picture that cannot be what it is taken for: more than 5 % of its
+/// pixels are too dark, or it does not vary as expected
 EvenFactors even_factors(
     const CountFrames& measured, const Image* expected, std::size_t colours,
     const std::function<std::size_t(std::size_t pixel)>& colour_of,

@@ -10,6 +10,7 @@
 
 #include "calibration/free_values.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
 
 namespace plenoflame {
@@ -254,7 +255,7 @@ class GeometryFit {
     const double limit = times * corner_rms();
     std::size_t count = 0;
     for (std::size_t i = 0; i < corners_.size(); ++i)
-      if (used_[i] && !(length(residuals_[i]) <= std::sqrt(2.0) * limit)) {
+      if (used_[i] && !(length(residuals_[i]) <= limit)) {
         used_[i] = false;
         ++count;
       }
@@ -327,7 +328,7 @@ class GeometryFit {
     std::size_t count = 0;
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (used[i]) sum += dot(residuals[i], residuals[i]), ++count;
-    return count ? std::sqrt(0.5 * sum / static_cast<double>(count)) : 0;
+    return count ? std::sqrt(sum / static_cast<double>(count)) : 0;
   }
 
   /// Sum of squares of each pose's corners.
@@ -471,6 +472,33 @@ void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pix
                   what, pixel.x, pixel.y, sensor.columns, sensor.rows));
 }
 
+/// @param free what was searched for @param rms_of_start with the poses alone
+/// @throws InputError where lengths ran away, or the camera to start with explains more
+void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*>& free,
+                     double rms_of_start, const GeometryCalibration& found) {
+  constexpr double kMost = 2;  // times, or a half: values to start with are those of a data sheet
+  const char* const what_to_do =
+      "give more poses at other distances and angles, or centres of micro-images, search for fewer "
+      "values, or check whether the corners are this camera's";
+  CameraSpec before = start, after = found.camera;
+  for (const FreeValue* value : free) {
+    const std::string key = value->key;
+    if (!key.ends_with("focal_length") && !key.ends_with("lens_distance") &&
+        !key.ends_with("sensor_distance") && !key.ends_with("pitch"))
+      continue;
+    const double from = value->of(before), to = value->of(after);
+    if (to > from / kMost && to < from * kMost) continue;
+    throw InputError(fmt::format("the fit ran away: {} went from {} to {}; {}", key,
+                                 readable_quantity(from, Dimension::length),
+                                 readable_quantity(to, Dimension::length), what_to_do));
+  }
+  if (found.corner_rms > rms_of_start)
+    throw InputError(fmt::format(
+        "the camera that was found leaves {:.3g} pixels RMS of the corners, the one to start with "
+        "{:.3g}; {}",
+        found.corner_rms, rms_of_start, what_to_do));
+}
+
 }  // namespace
 
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
@@ -506,6 +534,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   fit.start_poses();
   fit.solve({}, execution);
   fit.turn_poses_over(execution);
+  const double rms_of_start = fit.corner_rms();
   // Without distortion nothing tells of its plane: that comes last.
   std::vector<const FreeValue*> found = free;
   if (finds_plane) found.erase(found.begin() + (plane - free.begin()));
@@ -532,6 +561,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
   GeometryCalibration result = fit.result(steps);
+  check_plausible(spec, found, rms_of_start, result);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
   return result;
 }

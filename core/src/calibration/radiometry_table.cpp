@@ -8,7 +8,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/printable.h"
-#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 
 namespace plenoflame {
 namespace {
@@ -17,7 +17,11 @@ SourcePosition position_in(const std::string& path, const toml::source_region& r
   return {path, static_cast<int>(region.begin.line), static_cast<int>(region.begin.column)};
 }
 
-double number_in(const toml::table& table, const char* key, double otherwise, double least,
+struct Range {
+  double least, greatest;
+};
+
+double number_in(const toml::table& table, const char* key, double otherwise, Range range,
                  const std::string& path) {
   const toml::node* node = table.get(key);
   if (node == nullptr) {
@@ -25,11 +29,10 @@ double number_in(const toml::table& table, const char* key, double otherwise, do
     throw InputError(position_in(path, table.source()), std::string(key) + " is missing");
   }
   const auto value = node->value<double>();
-  if (!value || !std::isfinite(*value) || !(*value >= least))
+  if (!value || !(*value >= range.least && *value <= range.greatest))
     throw InputError(
         position_in(path, node->source()),
-        std::string(key) + " must be a number" +
-            (least > -1e300 ? fmt::format(" of at least {:g}", least) : std::string()));
+        fmt::format("{} must be a number from {:g} to {:g}", key, range.least, range.greatest));
   return *value;
 }
 
@@ -46,14 +49,17 @@ bool flag_in(const toml::table& table, const char* key, const std::string& path)
 RadiometryTable read_radiometry(const std::string& path) {
   toml::table root;
   try {
-    root = toml::parse(read_file(path), path);
+    root = toml::parse(read_text_file(path), path);
   } catch (const toml::parse_error& error) {
     throw InputError(position_in(path, error.source()), printable(error.description()));
   }
   constexpr double kNeeded = std::numeric_limits<double>::quiet_NaN();
+  constexpr Range kPixels{1, 65536}, kErrors{0, 10};
+  // A count has some 1e-19 J for each electron, and a sensor bends by a share of its 65535 counts.
+  constexpr Range kJoules{1e-30, 1}, kCurvatures{-0.1, 0.1};
   RadiometryTable table;
-  table.columns = static_cast<int>(number_in(root, "columns", kNeeded, 1, path));
-  table.rows = static_cast<int>(number_in(root, "rows", kNeeded, 1, path));
+  table.columns = static_cast<int>(number_in(root, "columns", kNeeded, kPixels, path));
+  table.rows = static_cast<int>(number_in(root, "rows", kNeeded, kPixels, path));
   const toml::array* channels = root["channels"].as_array();
   if (channels == nullptr || channels->empty())
     throw InputError(
@@ -68,10 +74,10 @@ RadiometryTable read_radiometry(const std::string& path) {
     const auto name = (*entry)["name"].value<std::string>();
     if (!name) throw InputError(position_in(path, entry->source()), "a channel needs its name");
     scale.channel = *name;
-    scale.joules_per_count = number_in(*entry, "joules_per_count", kNeeded, 1e-300, path);
-    scale.relative_error = number_in(*entry, "relative_error", 0, 0, path);
-    scale.curvature = number_in(*entry, "curvature", 0, -1e308, path);
-    scale.curvature_error = number_in(*entry, "curvature_error", 0, 0, path);
+    scale.joules_per_count = number_in(*entry, "joules_per_count", kNeeded, kJoules, path);
+    scale.relative_error = number_in(*entry, "relative_error", 0, kErrors, path);
+    scale.curvature = number_in(*entry, "curvature", 0, kCurvatures, path);
+    scale.curvature_error = number_in(*entry, "curvature_error", 0, kErrors, path);
     scale.white = flag_in(*entry, "white", path);
     scale.flat = flag_in(*entry, "flat", path);
     table.channels.push_back(scale);

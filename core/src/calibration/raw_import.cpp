@@ -1,5 +1,7 @@
 #include "plenoflame/calibration/raw_import.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -84,6 +86,7 @@ class Importer {
       summary_.saturated += state_[i] == static_cast<std::uint8_t>(PixelState::saturated);
       summary_.defective += state_[i] == static_cast<std::uint8_t>(PixelState::defective);
     }
+    check_defects();
     field.layers["sensor.state"] = std::move(state);
     return field;
   }
@@ -128,6 +131,18 @@ class Importer {
       throw InputError("watts need the flux that a count stands for");
     if (!settings_.curvatures.empty() && settings_.curvatures.size() != settings_.names.size())
       throw InputError("a curvature is needed for each channel of the picture");
+  }
+
+  void check_defects() const {
+    constexpr double kMost = 0.05;
+    const double share =
+        static_cast<double>(summary_.defective) / static_cast<double>(raw_.pixel_count());
+    if (share > kMost)
+      throw InputError(fmt::format(
+          "{:.0f} % of the pixels are defective, by the map of defects or by what the dark frames, "
+          "the white picture and the flat field show; no sensor has more than 5 %: look at what "
+          "these pictures are",
+          100 * share));
   }
 
   /// Counts of dark at a pixel, and their variance.

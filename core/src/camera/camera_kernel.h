@@ -2,12 +2,12 @@
 // instruction set.
 #pragma once
 
+#include "optics/kernel_lens_limit.h"
 #include "optics/kernel_types.h"
 #include "optics/shape_kernel.h"
 
 namespace plenoflame {
 
-inline constexpr int kMaxLensSurfaces = 64;
 /// Rays traced together. What is worked on stays in the second cache; half as many would stay in
 /// the first one, but what is done once a block, and half empty vectors at its end, take longer.
 inline constexpr int kBlockRays = 1024;

@@ -98,6 +98,13 @@ FileError damaged_state(const std::string& path) {
   return FileError(path + ": is damaged; start the run again without it");
 }
 
+/// Numbers of samples that a run can have, or ask for.
+bool are_counts(const std::vector<double>& samples) {
+  constexpr double kMost = 1 << 30;
+  return std::all_of(samples.begin(), samples.end(),
+                     [](double count) { return count >= 0 && count <= kMost; });
+}
+
 Film read_film(Reader& reader, const std::string& path) {
   std::array<std::int32_t, 6> shape{};
   for (auto& value : shape) value = reader.number<std::int32_t>();
@@ -125,6 +132,8 @@ Film read_film(Reader& reader, const std::string& path) {
   film.tile_goals().resize(static_cast<std::size_t>(goal_count));
   if (!goals.empty()) std::memcpy(film.tile_goals().data(), goals.data(), goals.size());
   if (!tiles.empty()) std::memcpy(film.all_tile_samples().data(), tiles.data(), tiles.size());
+  if (!are_counts(film.tile_goals()) || !are_counts(film.all_tile_samples()))
+    throw damaged_state(path);
   for (std::size_t i = 0; i < count; ++i) {
     const int tile = static_cast<int>(i);
     if (present[i] == kNothing) continue;

@@ -84,12 +84,19 @@ class LitChoice {
   LitChoice(const SensorImage& a, const SensorImage& b, double variance_a, double variance_b,
             const PixelWindow& window) {
     const double sum = variance_a + variance_b;
+    const auto largest = [&] {
+      double most = 0;
+      for (int row = window.y; row < window.y + window.height; ++row)
+        for (int column = window.x; column < window.x + window.width; ++column)
+          most = std::max(most, mean(a.at(column, row), b.at(column, row)));
+      return most;
+    };
     share_a_ = sum > 0 ? variance_b / sum : 0.5;
-    double largest = 0;
-    for (int row = window.y; row < window.y + window.height; ++row)
-      for (int column = window.x; column < window.x + window.width; ++column)
-        largest = std::max(largest, mean(a.at(column, row), b.at(column, row)));
-    above_ = kLitShare * largest;
+    above_ = kLitShare * largest();
+    if (above_ > 0) return;
+    // An image in which no ray found light seems to be exact, and would decide alone.
+    share_a_ = 0.5;
+    above_ = kLitShare * largest();
   }
   /// Flux above which a pixel is lit.
   double above() const { return above_; }
@@ -151,15 +158,23 @@ class BlockTest {
   double sum_ = 0, squares_ = 0, fourth_ = 0, flux_ = 0, variance_ = 0;
 };
 
+/// Relative error of a sum with this variance. A picture in which no ray found light is as it is.
+double relative_error(double variance, double sum) {
+  return sum > 0 ? std::sqrt(variance) / sum : 0;
+}
+
 }  // namespace
 
 Verdict verdict(const Comparison& c) {
-  if (!c.has_standard_errors || c.dark_in_one_share > kTooManyDark) return Verdict::unknown;
+  if (!c.has_standard_errors) return Verdict::unknown;
+  const bool doubtful = c.dark_in_one_share > kTooManyDark;
   const bool biased = std::fabs(c.relative_bias) > kVerdictLimit * c.relative_bias_error;
   const bool pixel =
-      c.freedom >= kFreedomForPixels && c.largest_z_probability < kVerdictProbability;
-  return biased || pixel || c.block_score > kVerdictLimit ? Verdict::more_than_noise
-                                                          : Verdict::noise;
+      !doubtful && c.freedom >= kFreedomForPixels && c.largest_z_probability < kVerdictProbability;
+  const bool differ = biased || pixel || c.block_score > kVerdictLimit;
+  if (doubtful)
+    return differ && c.mean_error < kKnownMean ? Verdict::more_than_noise : Verdict::unknown;
+  return differ ? Verdict::more_than_noise : Verdict::noise;
 }
 
 Comparison compare(const LightField& a, const LightField& reference, const std::string& channel) {
@@ -188,6 +203,7 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   // Half a unit in the last place of single precision: values were rounded when stored.
   constexpr double kRounding = 0x1p-24;
   double sum_a = 0, sum_b = 0, difference_sum = 0, square_sum = 0, variance_sum = 0;
+  double variance_a = 0, variance_b = 0;
   double flux = 0, stray = 0, chi_sum = 0;
   BlockTest::Sums block_sums;
   const double dark_block = lit.above() * kBlock * kBlock;
@@ -220,6 +236,8 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
         difference_sum += difference;
         square_sum += difference * difference;
         variance_sum += variance;
+        variance_a += ea * ea;
+        variance_b += eb * eb;
       } else {
         stray += va;
       }
@@ -251,6 +269,8 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   if (result.chi_square_pixels > 0) {
     const auto pixels = static_cast<double>(result.chi_square_pixels);
     result.relative_bias_error = std::sqrt(variance_sum) / n / result.reference_mean;
+    result.mean_error =
+        std::max(relative_error(variance_a, sum_a), relative_error(variance_b, sum_b));
     result.expected_rmse = std::sqrt(variance_sum / n) / result.reference_mean;
     result.largest_z_probability = largest_probability(result.largest_z, pixels, result.freedom);
     result.chi_square = chi_sum / pixels;

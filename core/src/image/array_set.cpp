@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "plenoflame/base/error.h"
@@ -38,6 +40,23 @@ void keep_quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
+/// Text of the error that the system gave HDF5 when it failed just now: "errno = 28"; 0: nothing.
+/// It cleans up after that, and errno need not be the same any more.
+int system_error_of_stack() {
+  int found = 0;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned, const H5E_error2_t* entry, void* data) -> herr_t {
+        constexpr std::string_view kBefore = "errno = ";
+        const std::string_view text = entry->desc ? entry->desc : "";
+        if (const auto at = text.find(kBefore); at != std::string_view::npos)
+          *static_cast<int*>(data) = std::atoi(text.data() + at + kBefore.size());
+        return 0;
+      },
+      &found);
+  return found;
+}
+
 std::vector<hsize_t> sizes(const std::vector<std::size_t>& shape) {
   return {shape.begin(), shape.end()};
 }
@@ -45,7 +64,8 @@ std::vector<hsize_t> sizes(const std::vector<std::size_t>& shape) {
 }  // namespace
 
 void ArraySetWriter::fail(const std::string& what) const {
-  const int error = errno;
+  const int own = errno, told = system_error_of_stack();
+  const int error = told != 0 ? told : own;
   const bool no_room = error == ENOSPC || error == EFBIG || error == EDQUOT;
   throw FileError(fmt::format("cannot write '{}': {}", path_,
                               no_room ? std::string(std::strerror(error)) : "HDF5 cannot " + what));

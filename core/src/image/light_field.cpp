@@ -13,8 +13,11 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfStringVectorAttribute.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -407,6 +410,23 @@ LightField read(const std::string& path, bool with_pixels, bool foreign = false,
   }
 }
 
+/// Layers may hold NaN where there is nothing to tell; pictures are light, and all of it is finite.
+void check_numbers(const std::string& path, const LightField& light_field) {
+  for (const LightFieldChannel& channel : light_field.channels)
+    for (const Image* image : {&channel.flux, &channel.standard_error}) {
+      const auto wrong = std::find_if(image->pixels.begin(), image->pixels.end(),
+                                      [](float value) { return !std::isfinite(value); });
+      if (wrong == image->pixels.end()) continue;
+      const auto at = static_cast<int>(wrong - image->pixels.begin());
+      throw InputError(fmt::format(
+          "'{}' is not written: the {} of channel '{}' is no finite number at pixel {},{}; a value "
+          "of the scene, of the pictures or of the options is far out of range",
+          path, image == &channel.flux ? "light" : "standard error", channel.name,
+          light_field.window.x + at % light_field.window.width,
+          light_field.window.y + at / light_field.window.width));
+    }
+}
+
 }  // namespace
 
 const LightFieldChannel& find_channel(const LightField& light_field, const std::string& name,
@@ -423,6 +443,7 @@ const LightFieldChannel& find_channel(const LightField& light_field, const std::
 void write_light_field(const std::string& path, const LightField& light_field,
                        const std::stop_token& stop, ExrCompression compression) {
   check(light_field);
+  check_numbers(path, light_field);
   AtomicFile file(path);
   ExrOutput output(file, path);
   try {

@@ -57,13 +57,18 @@ class Watch {
                                                                      std::span<const double> u) {
       if (watch_) watch_({problem.samples(u), false, choosing, rows_ > 0 ? misfit / rows_ : 0});
       if (i == 1) from_ += step;
-      report(std::min(to, from_ + step * i / iterations),
-             rows_ > 0 ? std::sqrt(misfit / rows_) : -1);
+      reached(std::min(to, from_ + step * i / iterations));
     };
     return options;
   }
   /// So much of the whole is done.
-  void reached(double share) { report(share, -1); }
+  void reached(double share) {
+    done_ = std::max(done_, share);
+    if (!execution_.progress) return;
+    Progress progress;
+    progress.fraction = done_;
+    execution_.progress(progress);
+  }
   /// For what reports its own progress: from what is done to the end, or up to `to`.
   Execution rest(double to) const { return part_of_progress(execution_, done_, to - done_); }
   /// For solvers: threads and the stop.
@@ -71,15 +76,6 @@ class Watch {
   bool stopped() const { return execution_.stop.stop_requested(); }
 
  private:
-  void report(double share, double relative_error) {
-    done_ = std::max(done_, share);
-    if (!execution_.progress) return;
-    Progress progress;
-    progress.fraction = done_;
-    progress.relative_error = relative_error;
-    execution_.progress(progress);
-  }
-
   const Execution& execution_;
   Execution inner_;
   double rows_, from_ = 0, done_ = kDrawingShare;

@@ -322,7 +322,6 @@ class ThermalSolver {
       if (!execution_.progress) return;
       Progress progress;
       progress.fraction = done + share * std::min(1.0, step / static_cast<double>(count));
-      progress.relative_error = std::sqrt(misfit / rows_);
       execution_.progress(progress);
     };
     return solve_gauss_newton(problem, {&penalty_, strength}, options, inner_);

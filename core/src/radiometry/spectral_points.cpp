@@ -8,8 +8,8 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
-#include "plenoflame/image/atomic_file.h"
-#include "plenoflame/radiometry/spectral_response.h"
+#include "plenoflame/image/text_file.h"
+#include "plenoflame/radiometry/filter_points.h"
 
 namespace plenoflame {
 namespace {
@@ -44,8 +44,7 @@ std::string trouble(const std::vector<SpectralPoint>& before, const SpectralPoin
 
 std::string trouble_as_a_whole(const std::vector<SpectralPoint>& points) {
   if (points.size() < 2) return "a curve needs at least two points";
-  if (std::none_of(points.begin(), points.end(), [](const auto& p) { return p.value > 0; }))
-    return "a curve needs a value above 0";
+  if (is_opaque(points)) return "a curve needs a value above 0";
   return {};
 }
 
@@ -85,7 +84,14 @@ double likely_unit(double number) {
 
 }  // namespace
 
-std::vector<SpectralPoint> parse_spectral_points(std::string_view text) {
+bool is_opaque(const std::vector<SpectralPoint>& points) {
+  return std::none_of(points.begin(), points.end(), [](const auto& p) { return p.value > 0; });
+}
+
+namespace {
+
+/// Each point by itself, and after those before it.
+std::vector<SpectralPoint> parse_points(std::string_view text) {
   std::vector<SpectralPoint> points;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
@@ -103,7 +109,22 @@ std::vector<SpectralPoint> parse_spectral_points(std::string_view text) {
     if (const std::string wrong = trouble(points, point); !wrong.empty()) throw InputError(wrong);
     points.push_back(point);
   }
+  return points;
+}
+
+}  // namespace
+
+std::vector<SpectralPoint> parse_spectral_points(std::string_view text) {
+  std::vector<SpectralPoint> points = parse_points(text);
   if (const std::string wrong = trouble_as_a_whole(points); !wrong.empty()) throw InputError(wrong);
+  return points;
+}
+
+std::vector<SpectralPoint> parse_filter_points(std::string_view text) {
+  std::vector<SpectralPoint> points = parse_points(text);
+  for (const SpectralPoint& point : points)
+    if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
+  if (points.size() < 2) throw InputError(trouble_as_a_whole(points));
   return points;
 }
 
@@ -116,7 +137,7 @@ std::string format_spectral_points(const std::vector<SpectralPoint>& points) {
 }
 
 std::vector<SpectralPoint> read_spectral_csv(const std::string& path) {
-  const std::string text = read_file(path);
+  const std::string text = read_text_file(path);
   std::vector<SpectralPoint> points;
   double unit = 1e-9;
   bool stated = false;

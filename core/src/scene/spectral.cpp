@@ -8,6 +8,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/optics/glass.h"
+#include "plenoflame/radiometry/filter_points.h"
 #include "plenoflame/radiometry/spectral_nodes.h"
 #include "plenoflame/scene/channel_kinds.h"
 #include "scene/schema/schema_fields.h"
@@ -126,7 +127,9 @@ std::optional<SpectralResponse> camera_response(const Scene& scene, const Channe
   std::optional<SpectralResponse> response = spectral_response(channel);
   for (const std::string& text : {scene.camera.transmission.filter, pupil_filter}) {
     if (text.empty()) continue;
-    const SpectralResponse filter = SpectralResponse::curve(parse_spectral_points(text));
+    const std::vector<SpectralPoint> points = parse_filter_points(text);
+    if (is_opaque(points)) throw InputError("the filter lets nothing through");
+    const SpectralResponse filter = SpectralResponse::curve(points);
     // The filter leaves of all wavelengths those that it lets through.
     response = response ? response->behind(filter) : filter;
   }
@@ -281,6 +284,12 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
     all.sources.insert(all.sources.end(), of_part[p].sources.begin(), of_part[p].sources.end());
     all.emitters.insert(all.emitters.end(), of_part[p].emitters.begin(), of_part[p].emitters.end());
     all.error = std::max(all.error, of_part[p].error);
+  }
+  // An opaque stop: rays have to look for something, of which nothing counts.
+  if (all.sources.empty()) {
+    const SpectralNodes open = nodes_behind(scene, {}, numbers, positions);
+    all.sources = open.sources;
+    all.emitters = open.emitters;
   }
   const std::size_t nodes = all.sources.size(), size = scene.channels.size() * nodes;
   std::vector<double> mean(size);

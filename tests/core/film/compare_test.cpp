@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -283,6 +284,45 @@ TEST(Compare, SaysWhatTheDifferencesMean) {
   c.dark_in_one_share = 0.02;
   EXPECT_EQ(verdict(c), Verdict::unknown);
   EXPECT_EQ(verdict(Comparison{}), Verdict::unknown);
+}
+
+/// Pictures of 64 x 64 pixels in which rays bring one unit of light each: `mean_a` and `mean_b` of
+/// them to a pixel in the mean (Poisson), the variance of whose number is its estimate.
+Comparison of_few_rays(double mean_a, double mean_b, std::uint64_t seed) {
+  LightField a = make_field(64, 64, true), b = a;
+  std::mt19937_64 random(seed);
+  const auto fill = [&](LightFieldChannel& channel, double mean, double unit) {
+    std::poisson_distribution<int> rays(std::max(mean, 1e-9));
+    for (std::size_t i = 0; mean > 0 && i < channel.flux.pixels.size(); ++i) {
+      const int n = rays(random);
+      channel.flux.pixels[i] = static_cast<float>(unit * n);
+      channel.standard_error.pixels[i] = static_cast<float>(unit * std::sqrt(n));
+    }
+  };
+  fill(a.channels[0], mean_a, 1e-9);
+  fill(b.channels[0], mean_b, 1e-9);
+  return compare(a, b);
+}
+
+TEST(Compare, FewRaysHideNoLargeDifference) {
+  for (std::uint64_t seed = 41; seed < 61; ++seed) {
+    const Comparison same = of_few_rays(0.5, 0.5, seed);
+    EXPECT_GT(same.dark_in_one_share, kTooManyDark);
+    EXPECT_EQ(verdict(same), Verdict::unknown) << seed;
+    const Comparison other = of_few_rays(0.05, 0.5, seed);
+    EXPECT_GT(other.dark_in_one_share, kTooManyDark);
+    EXPECT_EQ(verdict(other), Verdict::more_than_noise) << seed;
+    // A handful of rays in all: their errors say nothing of the rays that found nothing.
+    EXPECT_EQ(verdict(of_few_rays(0.002, 0.01, seed)), Verdict::unknown) << seed;
+  }
+  EXPECT_EQ(verdict(of_few_rays(0, 0.5, 61)), Verdict::more_than_noise);  // one without light
+}
+
+// The variance of the number of rays in a Poisson process is its mean.
+TEST(Compare, KnowsHowWellTheMeansAreKnown) {
+  const double rays = 0.05 * 64 * 64;  // all pixels with light are lit
+  EXPECT_TRUE(
+      relative(of_few_rays(0.05, 4, 62).mean_error, 1 / std::sqrt(rays), 5 / std::sqrt(rays)));
 }
 
 TEST(Compare, UsesWhatBothWindowsHold) {

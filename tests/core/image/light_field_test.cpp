@@ -126,7 +126,7 @@ TEST(LightFieldFile, ComesBackBitByBit) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.exr");
   LightField field = sample_light_field();
-  field.channels[0].flux.at(2, 3) = std::numeric_limits<float>::quiet_NaN();
+  field.layers.at("truth.depth").at(2, 3) = std::numeric_limits<float>::quiet_NaN();
   field.channels[0].flux.at(3, 3) = std::numeric_limits<float>::denorm_min();
   field.channels[0].flux.at(4, 3) = -0.0F;
   write_light_field(path, field);
@@ -146,6 +146,14 @@ TEST(LightFieldFile, ComesBackBitByBit) {
   // The same light field gives the same bytes.
   write_light_field(folder.file("b.exr"), back);
   EXPECT_EQ(read_bytes(folder.file("b.exr")), read_bytes(path));
+}
+
+TEST(LightFieldFile, LightIsAFiniteNumber) {
+  const TemporaryFolder folder;
+  LightField field = sample_light_field();
+  field.channels[0].flux.at(2, 3) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(write_light_field(folder.file("a.exr"), field), Error);
+  EXPECT_TRUE(folder.names().empty());
 }
 
 TEST(LightFieldFile, TallOneComesBackWhole) {

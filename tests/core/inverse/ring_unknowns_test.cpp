@@ -7,6 +7,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/axis_fit.h"
+#include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/unknowns.h"
 #include "support/approx.h"
 
@@ -192,6 +193,26 @@ TEST(RingUnknowns, RefusesWhatAreNoRings) {
   EXPECT_THROW(make_ring_unknowns(grid), InputError);
   grid = upright(3, 0);
   EXPECT_THROW(make_ring_unknowns(grid), InputError);
+}
+
+// The total of all wavelengths falls as the fourth power of the temperature only: a ten-thousandth
+// of a flame's would be 200 K.
+TEST(FlameEstimate, NothingIsColderThanTheSurroundings) {
+  const auto rings = make_ring_unknowns(upright(5, 13));
+  const SourceFunction source = SourceFunction::total();
+  Reconstruction found;
+  found.model = RowModel::source;
+  found.values.assign(rings->size(), 0.0);
+  found.values[40] = source(2000);
+  found.values[41] = 3e-4 * source(2000);  // 263 K
+  found.values[60] = 1e-3 * source(2000);  // 356 K
+  const FlameEstimate estimate =
+      estimate_flame(found, *rings, std::vector<double>(rings->size(), 30.0), source);
+  EXPECT_TRUE(relative(estimate.temperature[40], 2000, 1e-9));
+  EXPECT_FALSE(estimate.decided[41]);
+  EXPECT_TRUE(relative(estimate.temperature[41], 2000, 1e-9));  // its neighbour's
+  EXPECT_TRUE(relative(estimate.temperature[60], 2000 * std::pow(1e-3, 0.25), 1e-6));
+  for (const double t : estimate.temperature) EXPECT_TRUE(t == 0 || t > 293);
 }
 
 }  // namespace

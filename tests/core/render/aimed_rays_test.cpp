@@ -1,4 +1,5 @@
-// Rays that are aimed through a microlens reach as far as light does. The reference is the camera's exact trace of single rays.
+// Rays that are aimed through a microlens reach as far as light does. The reference is the camera's
+// exact trace of single rays.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -186,12 +187,12 @@ TEST_P(AimedRays, ReachAsFarAsLightGoes) {
 // A microlens that images the stop sharply (the paper's next two) has its edge divide sensor points
 // rather than aim points. No series holds for tilted arrays, and hardly one for strong
 // microlenses, whose rays are held as well as cuts hold them: to 1e-4 (no_light_lost_test.cpp).
-INSTANTIATE_TEST_SUITE_P(
-    Cameras, AimedRays,
-    ::testing::Values(Case{"paper-plenoptic2"}, Case{"raytrix-r29"}, Case{"r12"},
-                      Case{"double Gauss"}, Case{"other lens"}, Case{"plane microlenses"},
-                      Case{"near sensor"}, Case{"paper-plenoptic1"}, Case{"paper-previous-60x60"},
-                      Case{"strong microlenses", 1e-4}, Case{"tilted array"}));
+INSTANTIATE_TEST_SUITE_P(Cameras, AimedRays,
+                         ::testing::Values(Case{"paper-plenoptic2"}, Case{"raytrix-r29"},
+                                           Case{"r12"}, Case{"double Gauss"}, Case{"other lens"},
+                                           Case{"plane microlenses"}, Case{"near sensor"},
+                                           Case{"paper-plenoptic1"}, Case{"paper-previous-60x60"},
+                                           Case{"strong microlenses", 1e-4}, Case{"tilted array"}));
 
 /// Rays that a kernel makes of one pixel, in double precision: where they are aimed, and weights.
 template <class Real>

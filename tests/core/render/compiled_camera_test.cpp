@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <string>
@@ -279,8 +280,18 @@ CompiledScene square_scene() {
 }
 
 template <class T>
-std::string bytes_of(std::span<const T> items) {
-  return {reinterpret_cast<const char*>(items.data()), items.size_bytes()};
+std::string bytes_of(const std::vector<T>& items) {
+  return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
+}
+
+/// All that a camera keeps, tile by tile.
+std::string content_of(const CompiledCamera& camera) {
+  std::string bytes = bytes_of(camera.tiles);
+  for (std::size_t t = 0; t < camera.tiles.size(); ++t) {
+    const CompiledContent content = camera.content(t);
+    bytes += bytes_of(content.groups) + bytes_of(content.nodes);
+  }
+  return bytes;
 }
 
 TEST(CompiledCamera, IsTheSameForAnyNumberOfThreads) {
@@ -288,10 +299,8 @@ TEST(CompiledCamera, IsTheSameForAnyNumberOfThreads) {
   const CompiledScene scene = compile(spec);
   const CompiledCamera one = compile_camera(scene, rough(), threads(1));
   const CompiledCamera three = compile_camera(scene, rough(), threads(3));
-  EXPECT_GT(one.nodes.size(), 1000U);
-  EXPECT_EQ(bytes_of(one.tiles), bytes_of(three.tiles));
-  EXPECT_EQ(bytes_of(one.groups), bytes_of(three.groups));
-  EXPECT_EQ(bytes_of(one.nodes), bytes_of(three.nodes));
+  EXPECT_GT(one.nodes, 1000U);
+  EXPECT_EQ(content_of(one), content_of(three));
   const LightField a = render_compiled(scene, one, {}, threads(1)).light_field;
   const LightField b = render_compiled(scene, three, {}, threads(3)).light_field;
   EXPECT_EQ(a.channels[0].flux, b.channels[0].flux);
@@ -322,7 +331,7 @@ TEST(CompiledCamera, RendersByTheSettingsOfRender) {
   const RenderResult result = render(scene, settings);
   EXPECT_EQ(result.light_field.channels[0].flux,
             render_compiled(scene, *settings.compiled, {}).light_field.channels[0].flux);
-  EXPECT_EQ(result.statistics.rays, static_cast<double>(settings.compiled->nodes.size()));
+  EXPECT_EQ(result.statistics.rays, static_cast<double>(settings.compiled->nodes));
 }
 
 /// The message with which a scene is refused; empty: it is not.
@@ -384,7 +393,7 @@ TEST(Bundle, IsReadAsItWasWritten) {
   EXPECT_EQ(read.window, camera.window);
   EXPECT_EQ(read.region, camera.region);
   EXPECT_EQ(read.anchor, camera.anchor);
-  EXPECT_EQ(bytes_of(read.nodes), bytes_of(camera.nodes));
+  EXPECT_EQ(content_of(read), content_of(camera));
   EXPECT_EQ(pictures(render_compiled(scene, read, {}).light_field),
             pictures(render_compiled(scene, camera, {}).light_field));
   EXPECT_EQ(folder.names().size(), 1U);
@@ -418,6 +427,66 @@ TEST(Bundle, IsRefusedInOneLineWhenCutOffOrNoBundle) {
   write_bytes(path, later.replace(0, 20, "plenoflame bundle 2\n"));
   EXPECT_NE(reading_error(path).find("another version"), std::string::npos);
   EXPECT_NE(reading_error(folder.path()).find("not a file"), std::string::npos);
+}
+
+/// Message of reading all tiles; empty: all were read.
+std::string reading_tiles_error(const CompiledCamera& camera) {
+  try {
+    for (std::size_t t = 0; t < camera.tiles.size(); ++t) camera.content(t);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Into the same file, as cp does it: what is open shows the new bytes.
+void overwrite(const std::string& path, const std::string& bytes) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  ASSERT_TRUE(file.flush());
+}
+
+TEST(Bundle, ThatChangesWhileItIsOpenIsAnErrorOfOneLine) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.bundle");
+  const CompiledScene scene = square_scene();
+  CompileSettings other = rough();
+  other.seed = 2;
+  write_bundle(path, compile_camera(scene, other));
+  const std::string second = read_bytes(path);
+  write_bundle(path, compile_camera(scene, rough()));
+  const std::string first = read_bytes(path);
+  for (const std::size_t size : {first.size() - 1, first.size() / 2, std::size_t{0}}) {
+    write_bytes(path, first);
+    const CompiledCamera camera = read_bundle(path);
+    EXPECT_EQ(reading_tiles_error(camera), "");
+    overwrite(path, first.substr(0, size));
+    EXPECT_NE(reading_tiles_error(camera).find("a.bundle: was cut off while it was read"),
+              std::string::npos)
+        << size;
+    EXPECT_THROW(render_compiled(scene, camera, {}), FileError);
+  }
+  write_bytes(path, first);
+  const CompiledCamera camera = read_bundle(path);
+  overwrite(path, second + std::string(first.size(), '\0'));
+  EXPECT_NE(reading_tiles_error(camera).find("a.bundle: is damaged; compile"), std::string::npos);
+  EXPECT_THROW(render_compiled(scene, camera, {}), FileError);
+  // A file of that name that takes its place does not touch the one that is open.
+  write_bytes(path, first);
+  const CompiledCamera kept = read_bundle(path);
+  write_bundle(path, compile_camera(scene, other));
+  EXPECT_EQ(reading_tiles_error(kept), "");
+}
+
+TEST(CompiledCamera, SeesNothingOfARegionBehindIt) {
+  const CompiledScene scene = square_scene();
+  CompileSettings settings = rough();
+  for (const double x : {-1.0, 0.0}) {
+    settings.region = {{x - 0.01, -0.01, -0.015}, {x + 0.01, 0.01, 0.015}};
+    EXPECT_THROW(compile_camera(scene, settings), InputError) << x;
+  }
+  settings.region = {{0.99, 4.99, -0.015}, {1.01, 5.01, 0.015}};  // beside what it looks at
+  EXPECT_THROW(compile_camera(scene, settings), InputError);
 }
 
 TEST(Bundle, DamageIsFound) {

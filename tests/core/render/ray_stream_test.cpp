@@ -362,7 +362,8 @@ TEST(RayStream, ProgressIsThatOfTheWindow) {
   std::vector<double> fractions;
   execution.progress = [&](const Progress& progress) { fractions.push_back(progress.fraction); };
   stream_rays<float>(scene, settings, execution, [](const RayBlock<float>&, int) {});
-  ASSERT_EQ(fractions.size(), 12u);  // 200 x 150 pixels in tiles of 64 x 64
+  // 200 x 150 pixels in 12 tiles of 64 x 64, each of which takes several blocks of rays.
+  ASSERT_GT(fractions.size(), 24u);
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   EXPECT_EQ(fractions.back(), 1);
 }

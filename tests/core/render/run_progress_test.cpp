@@ -5,10 +5,12 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <vector>
 
 #include "plenoflame/base/progress_share.h"
 #include "plenoflame/render/work_counters.h"
+#include "support/approx.h"
 
 namespace plenoflame::test::run_progress_test {
 namespace {
@@ -161,6 +163,25 @@ TEST(ShareOf, PutsAPartInItsPlace) {
   part.progress({0.5, 0, 0, -1, -1});
   EXPECT_LT(reports.all.back().remaining_seconds, 0);
   EXPECT_FALSE(share_of({}, 0, 1).progress);
+}
+
+// Two tiles, whose errors fall as samples^-0.86 (kErrorSlope): by hand.
+TEST(TileProgress, ReportsTheErrorThatIsLeft) {
+  Reports reports;
+  const Execution execution = reports.execution();
+  RunProgress run(execution, 0);
+  Film film({0, 0, 2 * Film::kTile, 4}, 1, 2);
+  TileProgress tiles(run, film);
+  for (int t = 0; t < 2; ++t) film.add_samples(t, 8);
+  tiles.measured(film, 0.1, {3e-20, 1e-20});
+  tiles.foresee(film, {16, 32});
+  tiles.add(1, 24, 100);
+  EXPECT_TRUE(relative(reports.all.back().relative_error,
+                       0.1 * std::sqrt(0.75 + 0.25 * std::pow(4, -1.72)), 1e-12));
+  tiles.add(0, 8, 100);
+  EXPECT_TRUE(relative(reports.all.back().relative_error,
+                       0.1 * std::sqrt(0.75 * std::pow(2, -1.72) + 0.25 * std::pow(4, -1.72)),
+                       1e-12));
 }
 
 }  // namespace

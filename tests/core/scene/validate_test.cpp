@@ -385,7 +385,20 @@ TEST(Validate, PupilFilters) {
             "camera.pupil_filters[0].transmission: a filter lets at most everything through, 1");
   PupilFilterSpec whole{"whole"};
   whole.transmission = "400 nm 1, 500 nm 1";
-  EXPECT_EQ(error({whole}), "none of the pupil filters lets anything through of channel \"red\"");
+  // An opaque mask is one, too.
+  for (const char* dark : {"400 nm 1, 500 nm 1", "400 nm 0, 800 nm 0"}) {
+    whole.transmission = dark;
+    EXPECT_EQ(error({whole}), "");
+    EXPECT_EQ(warning_after([&](Scene& s) {
+                s.camera.pupil_filters = {whole};
+                s.channels = {{"red", ChannelKind::band, 650e-9, 10e-9}};
+              }),
+              "none of the pupil filters lets anything through of channel \"red\", so its picture "
+              "is black");
+  }
+  whole.transmission = "400 nm 0";
+  EXPECT_EQ(error({whole}),
+            "camera.pupil_filters[0].transmission: a curve needs at least two points");
 }
 
 TEST(Validate, SensorAndFocus) {

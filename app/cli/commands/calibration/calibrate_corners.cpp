@@ -13,6 +13,7 @@
 #include "file_set.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/board_corners.h"
 #include "plenoflame/image/atomic_file.h"
@@ -220,9 +221,11 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option("-o,--output", a->output,
                   "Table for calibrate geometry: pose,x,y,column,row,q,r (.csv)")
+      ->check(written())
       ->required()
       ->option_text("FILE.csv");
   command.add_option("--picture", a->picture, "The first board with what was found in it (.png)")
+      ->check(written())
       ->option_text("FILE");
   finish_calibration(
       command, registry, a, CalibrationInput::pictures,

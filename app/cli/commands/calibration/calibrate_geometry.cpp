@@ -13,6 +13,8 @@
 #include "file_set.h"
 #include "messages.h"
 #include "number_rows.h"
+#include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/geometry_calibration.h"
 #include "plenoflame/camera/camera.h"
@@ -203,6 +205,7 @@ std::vector<Plot> residual_plots(const GeometryCalibration& found,
 }
 
 int run_geometry(const GeometryArguments& arguments, const Execution& execution) {
+  check_ending("-o", arguments.output, {".toml"});
   const SceneDocument start = read_camera_scene(arguments.camera, arguments.set, arguments.which);
   const std::vector<CornerObservation> corners = read_corners(arguments.corners);
   std::vector<CentreObservation> centres;
@@ -222,11 +225,11 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
                  (found.left_out ? ", " + std::to_string(found.left_out) + " left out" : ""),
              "corners", found.corners);
   report.add_json("left_out", found.left_out);
-  report.add("left by the fit", fmt::format("{:.4f} pixel rms per coordinate", found.corner_rms),
+  report.add("left by the fit", fmt::format("{:.4f} pixels {}", found.corner_rms, kRmsOfBoth),
              "corner_rms_pixel", found.corner_rms);
   if (!centres.empty())
     report.add("micro-image centres",
-               fmt::format("{}, {:.4f} pixel rms", found.centres, found.centre_rms),
+               fmt::format("{}, {:.4f} pixels {}", found.centres, found.centre_rms, kRmsOfBoth),
                "centre_rms_pixel", found.centre_rms);
   nlohmann::json values;
   for (const CalibratedValue& value : found.values) {
@@ -246,6 +249,9 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
     report.add_json("boards_distance_m", distance);
   }
 
+  for (const CalibratedValue& value : found.values)
+    if (value.key.find("array.tilt") != std::string::npos)
+      warn_of_tilt(value.key, value.value, value.error);
   if (const std::string names = hardly_known(found); !names.empty())
     warn("these poses hardly tell " + names +
          ": give more poses at other distances and angles, or search for fewer values (--free)");
@@ -291,6 +297,7 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
+      ->check(written())
       ->required()
       ->option_text("FILE.toml");
   command
@@ -307,9 +314,13 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->delimiter(',')
       ->option_text("KEY,...");
   command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")
+      ->check(written())
       ->option_text("FILE.csv");
-  command.add_option("--poses", a->poses, "Table of the boards' places")->option_text("FILE.csv");
+  command.add_option("--poses", a->poses, "Table of the boards' places")
+      ->check(written())
+      ->option_text("FILE.csv");
   command.add_option("--plot", a->plot, "Picture of what the fit leaves")
+      ->check(written())
       ->option_text("FILE.svg|png");
   finish_calibration(command, registry, a, CalibrationInput::tables,
                      [a](const Execution& execution) { return run_geometry(*a, execution); });

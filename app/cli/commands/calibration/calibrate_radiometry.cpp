@@ -14,6 +14,7 @@
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/radiometry_fit.h"
 #include "plenoflame/camera/sensor_levels.h"
@@ -31,6 +32,8 @@ struct RadiometryArguments : CalibrationArguments {
   std::string output, channel, exposure, temperature_error, part;
   double emissivity = 1, emissivity_error = 0, etendue_error = 0;
 };
+
+constexpr double kLongestExposure = 1e6;  // [s] as of a scene's camera
 
 /// Files that were taken alike: "1500 K@2 ms=a.tif".
 struct TakenFiles {
@@ -55,12 +58,16 @@ TakenFiles taken(const std::string& option, const std::string& text, bool temper
   const std::size_t at = label.find('@');
   if (temperature) {
     one.temperature = quantity_option(option, label.substr(0, at), Dimension::temperature);
-    if (!(one.temperature > 0)) throw UsageError(option + ": a temperature above 0 K");
+    constexpr double kHottest = 1e5;  // [K] as of a scene's sources
+    if (!(one.temperature > 0 && one.temperature <= kHottest))
+      throw UsageError(option + ": a temperature above 0 K, at most 100000 K, not '" +
+                       label.substr(0, at) + "'");
   }
   if (!temperature || at != std::string::npos) {
     const std::string time = temperature ? label.substr(at + 1) : label;
     one.exposure = quantity_option(option, time, Dimension::time);
-    if (!(one.exposure > 0)) throw UsageError(option + ": an exposure time above 0 s");
+    if (!(one.exposure > 0 && one.exposure <= kLongestExposure))
+      throw UsageError(option + ": an exposure time above 0 s, at most 1e6 s, not '" + time + "'");
   }
   return one;
 }
@@ -100,11 +107,14 @@ class RadiometryRun {
             ? 0
             : quantity_option("--temperature-error", arguments_.temperature_error,
                               Dimension::temperature);
-    if (temperature_error < 0) throw UsageError("--temperature-error: at least 0 K");
+    if (!(temperature_error >= 0 && temperature_error <= 1e5))
+      throw UsageError("--temperature-error: from 0 K to 100000 K");
     if (!arguments_.exposure.empty()) {
       exposure_ = quantity_option("--exposure-time", arguments_.exposure, Dimension::time);
-      if (!(exposure_ > 0)) throw UsageError("--exposure-time: above 0 s");
+      if (!(exposure_ > 0 && exposure_ <= kLongestExposure))
+        throw UsageError("--exposure-time: above 0 s, at most 1e6 s");
     }
+    check_ending("-o", arguments_.output, {".toml"});
     check_writable(arguments_.output);
     document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
     const Scene& scene = document_.scene;
@@ -382,6 +392,7 @@ void add_calibrate_radiometry(CLI::App& calibrate, const Registry& registry) {
       ->option_text("FILE ...");
   add_camera_options(command, *a, "Scene file with the camera and its channels");
   command.add_option("-o,--output", a->output, "For import --radiometry")
+      ->check(written())
       ->required()
       ->option_text("FILE.toml");
   command

@@ -11,9 +11,11 @@
 #include "messages.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/camera_rig.h"
 #include "plenoflame/camera/camera.h"
+#include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_file.h"
 #include "report.h"
 #include "run.h"
@@ -72,6 +74,7 @@ std::string free_name(const RigCamera& camera, std::size_t number,
 }
 
 int run_rig(const RigArguments& arguments) {
+  check_ending("-o", arguments.output, {".toml"});
   const double size = arguments.board.empty()
                           ? kUsualBoard
                           : quantity_option("--size", arguments.board, Dimension::length);
@@ -163,6 +166,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Registry& registry) {
       ->required();
   command
       .add_option("-o,--output", a->output, "Scene file with all cameras, in the first one's world")
+      ->check(written())
       ->required()
       ->option_text("FILE.toml");
   command

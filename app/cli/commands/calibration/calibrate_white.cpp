@@ -17,6 +17,7 @@
 #include "messages.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/array_fit.h"
 #include "plenoflame/calibration/white_lattice.h"
@@ -34,6 +35,8 @@ struct WhiteArguments : CalibrationArguments {
   std::string output, centres, picture, pixel_pitch, mosaic;
   bool no_tilt = false;
 };
+
+constexpr double kLargestPixel = 0.01;  // [m]
 
 /// A white picture at one f-number; 0: not stated.
 struct Aperture {
@@ -169,6 +172,7 @@ class WhiteRun {
   }
 
   void check_options() {
+    if (!arguments_.output.empty()) check_ending("-o", arguments_.output, {".toml"});
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
       throw UsageError(
           "-o: the array's lengths take the size of a pixel: give --camera or --pixel-pitch");
@@ -177,7 +181,9 @@ class WhiteRun {
       warn("nothing is written: -o, --centres and --picture name files");
     if (!arguments_.pixel_pitch.empty()) {
       pixel_ = quantity_option("--pixel-pitch", arguments_.pixel_pitch, Dimension::length);
-      if (!(pixel_ > 0)) throw UsageError("--pixel-pitch: above 0");
+      if (!(pixel_ > 0 && pixel_ <= kLargestPixel))
+        throw UsageError("--pixel-pitch: above 0, at most 1 cm, not '" + arguments_.pixel_pitch +
+                         "'");
     }
     if (!arguments_.picture.empty() && !arguments_.picture.ends_with(".png"))
       throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
@@ -234,7 +240,7 @@ class WhiteRun {
     // Types are counted from that of lens (0, 0).
     const auto types = static_cast<int>(lattice_.types.size());
     if (types == 1) return;
-    const int shift = (fit_.origin_j - fit_.origin_i + 3 * types) % types;
+    const int shift = ((fit_.origin_j - fit_.origin_i) % types + types) % types;
     for (MicroImageFit& image : lattice_.images) image.type = (image.type - shift + types) % types;
     for (std::vector<TypeLooks>& looks : looks_)
       std::rotate(looks.begin(), looks.begin() + shift, looks.end());
@@ -278,9 +284,10 @@ class WhiteRun {
                "pitch_pixels", {lattice_.pitch_i, lattice_.pitch_j});
     report.add("rotation", fmt::format("{:.5f} deg", lattice_.rotation * 180 / std::numbers::pi),
                "rotation_rad", lattice_.rotation);
-    report.add("centres from the model",
-               fmt::format("{:.4f} pixels RMS, {:.3f} the worst", lattice_.rms, lattice_.worst),
-               "rms_pixels", lattice_.rms);
+    report.add(
+        "centres from the model",
+        fmt::format("{:.4f} pixels {}, {:.3f} the worst", lattice_.rms, kRmsOfBoth, lattice_.worst),
+        "rms_pixels", lattice_.rms);
     report.add_json("worst_pixels", lattice_.worst);
     report.add("distortion",
                fmt::format("{:.3g} s^2 + {:.3g} s^4, s = 1 in the corners", lattice_.model.k1,
@@ -378,6 +385,12 @@ class WhiteRun {
 
   void print_camera(Report& report) const {
     const ArraySpec& array = fit_.array;
+    const Vec2 origin = lattice_.model.point(fit_.origin_i, fit_.origin_j);
+    report.add("microlens 0, 0",
+               fmt::format("its micro-image is at {:.2f}, {:.2f}{}", origin.x, origin.y,
+                           fit_.same_origin ? "" : ", not that of the camera's file"),
+               "origin_pixels", {origin.x, origin.y});
+    report.add_json("same_origin", fit_.same_origin);
     report.add("pitch of the microlenses",
                fmt::format("{:.5f} +- {:.5f} um", 1e6 * array.pitch, 1e6 * fit_.pitch_error),
                "pitch_m", array.pitch);
@@ -399,11 +412,13 @@ class WhiteRun {
                       1e3 * std::max(fit_.tilt_error.x, fit_.tilt_error.y)),
           "tilt_rad", {array.tilt.x, array.tilt.y});
       report.add_json("tilt_error_rad", {fit_.tilt_error.x, fit_.tilt_error.y});
+      warn_of_tilt("camera.array.tilt[0]", array.tilt.x, fit_.tilt_error.x);
+      warn_of_tilt("camera.array.tilt[1]", array.tilt.y, fit_.tilt_error.y);
     }
-    report.add(
-        "centres from the camera",
-        fmt::format("{:.4f} pixels RMS, {:.3f} the worst of {}", fit_.rms, fit_.worst, fit_.used),
-        "camera_rms_pixels", fit_.rms);
+    report.add("centres from the camera",
+               fmt::format("{:.4f} pixels {}, {:.3f} the worst of {}", fit_.rms, kRmsOfBoth,
+                           fit_.worst, fit_.used),
+               "camera_rms_pixels", fit_.rms);
     if (array.types.size() != lattice_.types.size())
       warn(
           fmt::format("the camera has {} types of microlenses, {} can be told apart in the white "
@@ -456,13 +471,16 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
   command
       .add_option("-o,--output", a->output,
                   "Scene file with the array; without --camera its keys alone")
+      ->check(written())
       ->option_text("FILE.toml");
   command.add_option("--centres", a->centres, "Table of all micro-images (.csv)")
+      ->check(written())
       ->option_text("FILE");
   command
       .add_option(
           "--picture", a->picture,
           "Parts of the white picture with what was found in it; also where nothing was (.png)")
+      ->check(written())
       ->option_text("FILE");
   command.add_option("--pixel-pitch", a->pixel_pitch, "Size of a pixel, without --camera")
       ->option_text("LENGTH");

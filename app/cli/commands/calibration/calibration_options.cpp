@@ -1,9 +1,13 @@
 #include "commands/calibration/calibration_options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <utility>
 
 #include "commands/scene_input.h"
+#include "messages.h"
 
 namespace plenoflame::cli {
 
@@ -40,6 +44,15 @@ void finish_calibration(CLI::App& command, const Registry& registry,
               execution.stop = stop;
               return action(execution);
             });
+}
+
+void warn_of_tilt(const std::string& key, double tilt, double error) {
+  constexpr double kErrors = 5, kUsual = 5e-3;  // [rad] mounts of arrays are better
+  if (!(std::fabs(tilt) > kUsual && std::fabs(tilt) > kErrors * error)) return;
+  warn(fmt::format(
+      "{} is {:.3g} +- {:.2g} mrad, more than arrays are mounted with: a main lens that is shifted "
+      "or tilted, distortion, or micro-images that overlap may look like it",
+      key, 1e3 * tilt, 1e3 * error));
 }
 
 }  // namespace plenoflame::cli

@@ -23,6 +23,12 @@ struct CalibrationArguments {
 void add_camera_options(CLI::App& command, CalibrationArguments& arguments, const std::string& text,
                         bool required = true);
 
+/// The kind of RMS that all reports of calibrations have: root mean square of distances in x and y.
+inline constexpr const char* kRmsOfBoth = "RMS of both coordinates together";
+
+/// Warns of an angle that no array is mounted with, beyond its error: something else looks like it.
+void warn_of_tilt(const std::string& key, double tilt, double error);
+
 enum class CalibrationInput { pictures, tables };
 
 /// The end of a command's options: of pictures how raw files are read, and threads; --set, --json.

@@ -6,6 +6,8 @@
 
 #include "choice.h"
 #include "commands/commands.h"
+#include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/camera_import.h"
@@ -91,6 +93,7 @@ void add_camera_rows(Report& report, const CameraSpec& spec) {
 }
 
 int run_camera_import(const CameraImportArguments& arguments) {
+  check_ending("-o", arguments.output, {".toml"});
   std::vector<std::string> values = arguments.set;
   const double f_number = take_f_number(values);
   CameraSpec given = parse_with(kNothingYet, "camera", values).scene.camera;
@@ -115,7 +118,8 @@ int run_camera_import(const CameraImportArguments& arguments) {
   scene = parse_with(write_scene(scene), "camera", values).scene;
   std::vector<std::string> warnings;
   try {
-    for (const SceneIssue& issue : validate({scene, {}})) warnings.push_back(to_string(issue));
+    for (const SceneIssue& issue : validate({scene, {}}))
+      if (issue.code != IssueCode::no_flame) warnings.push_back(to_string(issue));
   } catch (const InputError& error) {
     throw InputError(SourcePosition{arguments.files.front()},
                      "the camera that it describes cannot be: " + std::string(error.what()));
@@ -150,6 +154,7 @@ void register_camera(const Registry& registry) {
       ->required()
       ->option_text("FILE...");
   import.add_option("-o,--output", arguments->output, "The scene file to write (.toml)")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   std::vector<std::string> names;

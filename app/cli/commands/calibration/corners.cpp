@@ -8,6 +8,7 @@
 #include "commands/scene_input.h"
 #include "medium_loader.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/pattern_images.h"
@@ -30,13 +31,12 @@ int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
       settings.rays.empty() ? kCornerRays : whole_number_option("--rays", settings.rays, 1);
   if (!settings.output.ends_with(".csv"))
     throw UsageError("-o: '" + settings.output + "' must end in .csv");
-  check_not_overwritten("-o", settings.output, settings.scene);
   check_writable(settings.output);
   SceneDocument document = read_camera_scene(settings.scene, settings.set, settings.camera);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
   Execution execution;
-  const CompiledScene scene =
-      compile(document.scene, medium_loader(), execution, document.positions);
+  const CompiledScene scene = compile(document.scene, medium_loader(), execution,
+                                      document.positions, {}, {IssueCode::no_flame});
   std::vector<PatternImage> images;
   {
     execution.stop = stop;
@@ -70,6 +70,7 @@ void register_corners(const Registry& registry) {
   command
       .add_option("-o,--output", settings->output,
                   "File to write: .csv, a line for each point and microlens that shows it")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command

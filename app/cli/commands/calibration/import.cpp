@@ -4,6 +4,7 @@
 #include "choice.h"
 #include "commands/calibration/import_run.h"
 #include "commands/commands.h"
+#include "outputs.h"
 
 namespace plenoflame::cli {
 
@@ -20,7 +21,10 @@ void register_import(const Registry& registry) {
           "header (--size). NAME=FILE: a frame of that channel")
       ->required();
   add_camera_options(command, *a, "Scene file with the camera and its channels");
-  command.add_option("-o,--output", a->output, "Light field")->required()->option_text("FIELD.exr");
+  command.add_option("-o,--output", a->output, "Light field")
+      ->check(written())
+      ->required()
+      ->option_text("FIELD.exr");
   command
       .add_option("--channel", a->channel, "Channel of a grey picture, where the file has several")
       ->option_text("NAME");

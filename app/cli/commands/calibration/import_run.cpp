@@ -29,9 +29,12 @@
 namespace plenoflame::cli {
 namespace {
 
-double positive(const char* option, const std::string& text, Dimension dimension) {
+/// @param greatest in the dimension's SI unit, as the scene's key has it
+double positive(const char* option, const std::string& text, Dimension dimension, double greatest) {
   const double value = quantity_option(option, text, dimension);
-  if (!(value > 0) || !std::isfinite(value)) throw UsageError(std::string(option) + ": above 0");
+  if (!(value > 0 && value <= greatest))
+    throw UsageError(fmt::format("{}: above 0, at most {:g}{}, not '{}'", option, greatest,
+                                 dimension == Dimension::time ? " s" : "", text));
   return value;
 }
 
@@ -203,8 +206,7 @@ class ImportRun {
 
   int run() {
     static_cast<void>(arguments_.files.layout());  // bad use is found before bad files
-    for (const std::string& file : arguments_.raw)
-      check_not_overwritten("--output", arguments_.output, file);
+    check_ending("-o", arguments_.output, {".exr"});
     read_response_options();
     check_writable(arguments_.output);
     document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
@@ -231,9 +233,9 @@ class ImportRun {
   void read_response_options() {
     SensorResponse& response = settings_.response;
     if (!arguments_.gain.empty())
-      response.gain = positive("--gain", arguments_.gain, Dimension::none);
+      response.gain = positive("--gain", arguments_.gain, Dimension::none, 1e9);
     if (!arguments_.read_noise.empty())
-      response.read_noise = number_option("--read-noise", arguments_.read_noise, 0, 1e9);
+      response.read_noise = number_option("--read-noise", arguments_.read_noise, 0, 1e6);
     if (!arguments_.black_level.empty())
       response.black_level = number_option("--black-level", arguments_.black_level, 0, 65535);
     if (!arguments_.saturation.empty()) {
@@ -267,7 +269,7 @@ class ImportRun {
     if (values.size() > 1)
       throw UsageError("--exposure-time: one for all channels, or NAME=TIME for each");
     return values.empty() ? document_.scene.camera.sensor.exposure_time
-                          : positive("--exposure-time", values.front(), Dimension::time);
+                          : positive("--exposure-time", values.front(), Dimension::time, 1e6);
   }
 
   PixelWindow window_of(const CountFrames& raw, const std::string& file) const {
@@ -286,11 +288,24 @@ class ImportRun {
     return window;
   }
 
+  void check_not_full(const CountFrames& raw, const std::string& file) const {
+    constexpr double kMost = 0.5;
+    const double share =
+        static_cast<double>(raw.saturated) / static_cast<double>(raw.pixel_count());
+    if (share > kMost)
+      throw InputError(fmt::format(
+          "{:.0f} % of the pixels of '{}' are full ({:g} counts or more), which tells nothing of "
+          "their light: expose it less, or see to --saturation, and to full_well, gain and bits of "
+          "the camera's file",
+          100 * share, file, full_ > 0 ? full_ : std::ldexp(1.0, raw.bits) - 1));
+  }
+
   LightField import_one(const ChannelFiles& files) {
     const std::string channel = files.channels.empty() ? "" : files.channels.front();
     settings_.response.exposure_time = exposure_of(channel);
     frames_ = std::make_unique<CorrectionFrames>(arguments_, channel, document_.scene, full_);
     const CountFrames raw = read_frames(files.files, arguments_.files, full_);
+    check_not_full(raw, files.files.front());
     settings_.window = window_of(raw, files.files.front());
     settings_.names =
         names_of(files, raw, document_.scene, settings_.mosaic != MosaicPattern::none);
@@ -304,6 +319,11 @@ class ImportRun {
       if (!frames_->dark) without_dark_.insert(name);
     }
     fit_noise(raw, corrections);
+    if (full_ > 0 && full_ <= settings_.response.black_level)
+      throw UsageError(fmt::format(
+          "--saturation: pixels are not full at {:g} counts, which is no more than the level "
+          "without light, {:g}",
+          full_, settings_.response.black_level));
     set_scale();
     if (corrections.white != nullptr && settings_.model_white.empty()) {
       const CameraSpec& camera = document_.scene.camera;

@@ -10,6 +10,7 @@
 #include "commands/commands.h"
 #include "commands/light_field/compare_lenses.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "report.h"
 #include "run.h"
@@ -60,7 +61,9 @@ std::string verdict_text(const Comparison& c) {
   switch (verdict(c)) {
     case Verdict::unknown:
       return readable_percent(c.dark_in_one_share) +
-             " of the lit pixels are dark in one image only: too few rays to know the noise";
+             " of the lit pixels are dark in one image only: too few rays to know the noise, and "
+             "no "
+             "difference beyond it is seen";
     case Verdict::noise:
       return "nothing more than noise is seen";
     case Verdict::more_than_noise:
@@ -171,11 +174,13 @@ void register_compare(const Registry& registry) {
   command
       .add_option("--lenses", settings->lenses.csv,
                   "The same, with a table of all micro-images: gain, shift and what is left")
+      ->check(written())
       ->option_text("FILE.csv");
   command
       .add_option("--map", settings->lenses.map,
                   "The same, with a picture of what is left: red where A is brighter, full colour "
                   "at a tenth of the brightest light")
+      ->check(written())
       ->option_text("FILE.png");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_compare(*settings); });

@@ -11,6 +11,7 @@
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
@@ -135,6 +136,7 @@ void register_develop(const Registry& registry) {
   command
       .add_option("-o,--output", settings->output,
                   "Picture to write; without it, RAW's name with .png")
+      ->check(written())
       ->option_text("FILE");
   command
       .add_option(

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/sensor_levels.h"
@@ -306,6 +307,7 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
   Report report;
   nlohmann::json list = nlohmann::json::array();
   std::vector<std::string> written;
+  FileSet files;
   for (std::size_t t = 0; t < times.size(); ++t)
     for (int f = 0; f < options.frames; ++f) {
       const double time = times[t];
@@ -328,11 +330,14 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
         const LightField electrons = developer.electrons(settings, frame);
         for (const LightFieldChannel& each : electrons.channels)
           times_of_channels[each.name] = channel_exposure(electrons, each.name);
-        write_light_field(path, electrons);
+        files.write(path, [&](const std::string& file) { write_light_field(file, electrons); });
       } else {
         frame = developer.frame(index, settings);
         const std::string what = developer.mosaic() ? "mosaic" : "channel " + name;
-        write_numbers(path, frame, sensor, options.dark ? "dark frame" : what, light_field.version);
+        files.write(path, [&](const std::string& file) {
+          write_numbers(file, frame, sensor, options.dark ? "dark frame" : what,
+                        light_field.version);
+        });
       }
       double sum = 0;
       for (const float e : frame.electrons.pixels) sum += static_cast<double>(e);
@@ -354,6 +359,7 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
       if (!options.each.empty() && !times_of_channels.empty())
         list.back()["exposure_times_s"] = times_of_channels;
     }
+  files.commit();
   report.add_json("frames", list);
   report.print(json);
   return kSuccess;

@@ -17,8 +17,10 @@
 #include "commands/light_field/pyrometry_pupil.h"
 #include "commands/light_field/temperature_picture.h"
 #include "commands/scene_input.h"
+#include "file_set.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/micro_images.h"
@@ -145,12 +147,17 @@ int run_with_filters(const PyrometryArguments& settings, const LightField& field
       pupil_pyrometry(field, scene, channel, {settings.filters[0], settings.filters[1]}, law, how);
   const TemperatureMap& map = found.map;
   const auto [low, high] = range_of(settings, map);
+  FileSet files;
   if (!settings.output.empty()) {
     found.picture.texts["pyrometry.law"] = law_name;
-    write_light_field(settings.output, found.picture);
+    files.write(settings.output,
+                [&](const std::string& name) { write_light_field(name, found.picture); });
   }
   if (!settings.picture.empty())
-    write_temperature_picture(settings.picture, map.temperature, low, high);
+    files.write(settings.picture, [&, low = low, high = high](const std::string& name) {
+      write_temperature_picture(name, map.temperature, low, high);
+    });
+  files.commit();
   Report report;
   report.add("channel", field.channels[channel].name, "channel", field.channels[channel].name);
   report.add("filters", settings.filters[0] + " / " + settings.filters[1], "filters",
@@ -170,14 +177,8 @@ int run_with_filters(const PyrometryArguments& settings, const LightField& field
 }
 
 int run_pyrometry(const PyrometryArguments& settings) {
-  for (const auto& [option, path] : {std::pair{"--output", settings.output},
-                                     {"--picture", settings.picture},
-                                     {"--truth-picture", settings.truth}})
-    if (!path.empty()) {
-      check_not_overwritten(option, path, settings.input);
-      if (!settings.reference.empty()) check_not_overwritten(option, path, settings.reference);
-      check_writable(path);
-    }
+  for (const std::string& path : {settings.output, settings.picture, settings.truth})
+    if (!path.empty()) check_writable(path);
   if (settings.filters.empty() && !settings.channels.empty() && settings.channels.size() != 2)
     throw UsageError("--channels: two names, separated by a comma");
   const LightField field = read_light_field(settings.input);
@@ -211,6 +212,7 @@ int run_pyrometry(const PyrometryArguments& settings) {
   const std::optional<PixelBins> bins = bins_of(settings, field, scene);
   const TemperatureMap map = two_colour_map(light[0], light[1], two, how, bins ? &*bins : nullptr);
   const auto [low, high] = range_of(settings, map);
+  FileSet files;
   if (!settings.output.empty()) {
     LightField out = field;
     out.channels = {{"temperature", map.temperature, map.standard_error}};
@@ -219,10 +221,15 @@ int run_pyrometry(const PyrometryArguments& settings) {
     if (!settings.bin.empty()) out.texts["pyrometry.bin"] = settings.bin;
     out.texts["pyrometry.law"] = law_name;
     out.texts["pyrometry.channels"] = field.channels[a].name + "," + field.channels[b].name;
-    write_light_field(settings.output, out);
+    files.write(settings.output, [&](const std::string& name) { write_light_field(name, out); });
   }
-  if (!settings.picture.empty())
-    write_temperature_picture(settings.picture, map.temperature, low, high);
+  const auto write_picture = [&, low = low, high = high](const std::string& path,
+                                                         const Image& temperature) {
+    files.write(path, [&](const std::string& name) {
+      write_temperature_picture(name, temperature, low, high);
+    });
+  };
+  if (!settings.picture.empty()) write_picture(settings.picture, map.temperature);
   const auto truth = field.layers.find("truth.temperature");
   if (!settings.truth.empty()) {
     if (truth == field.layers.end())
@@ -231,8 +238,9 @@ int run_pyrometry(const PyrometryArguments& settings) {
     Image seen = truth->second;
     for (std::size_t i = 0; i < seen.pixels.size(); ++i)
       if (!(map.temperature.pixels[i] > 0)) seen.pixels[i] = 0;
-    write_temperature_picture(settings.truth, seen, low, high);
+    write_picture(settings.truth, seen);
   }
+  files.commit();
   Report report;
   report.add("channels", field.channels[a].name + " / " + field.channels[b].name, "channels",
              {field.channels[a].name, field.channels[b].name});
@@ -273,14 +281,17 @@ void register_pyrometry(const Registry& registry) {
   command
       .add_option("-o,--output", settings->output,
                   "Temperature [K] and its standard error, per pixel")
+      ->check(written())
       ->option_text("FILE.exr");
   command
       .add_option("--picture", settings->picture,
                   "The same in false colours, with a bar of temperatures at the right")
+      ->check(written())
       ->option_text("FILE.png");
   command
       .add_option("--truth-picture", settings->truth,
                   "The layer truth.temperature (render --truth) in the same colours")
+      ->check(written())
       ->option_text("FILE.png");
   command
       .add_option("--reference", settings->reference,

@@ -56,12 +56,7 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
       !settings.output.ends_with(".mtx"))
     throw UsageError("-o: '" + settings.output + "' must end in .npz, .h5 or .mtx");
   for (const std::string& path : {settings.output, settings.pixels, settings.places})
-    if (!path.empty()) {
-      check_not_overwritten("an output", path, settings.scene);
-      for (const std::string& bundle : settings.compiled)
-        check_not_overwritten("an output", path, bundle);
-      check_writable(path);
-    }
+    if (!path.empty()) check_writable(path);
   check_operator(settings);
   const Part part = settings.part.empty() ? Part{} : part_option("--part", settings.part);
   if (!part.is_whole() && settings.output.ends_with(".mtx"))
@@ -79,8 +74,8 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   std::vector<std::string> names;
   for (const CameraScene& view : views) {
     scenes.push_back(compile(view.document.scene, medium_loader(), execution,
-                             view.document.positions,
-                             {scenes.empty() ? nullptr : &scenes.front()}));
+                             view.document.positions, {scenes.empty() ? nullptr : &scenes.front()},
+                             {IssueCode::no_flame}));
     cameras.push_back(&scenes.back());
     if (views.size() > 1) names.push_back(view.document.scene.camera.name);
   }

@@ -7,6 +7,7 @@
 #include "commands/reconstruct/unknowns_options.h"
 #include "commands/render/bundles_option.h"
 #include "commands/scene_input.h"
+#include "outputs.h"
 
 namespace plenoflame::cli {
 
@@ -18,6 +19,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
       .add_option("-o,--output", arguments.output,
                   "Sparse rows: .npz for scipy.sparse.load_npz, .h5, or .mtx (MatrixMarket); "
                   "A times samples is the flux of each row [W]")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command
@@ -25,8 +27,10 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
                   "Which pixel each row is (the first one of its block or cell); pixels that do "
                   "not see the "
                   "grid have no row")
+      ->check(written())
       ->option_text("FILE.csv");
   command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")
+      ->check(written())
       ->option_text("FILE.csv");
   add_unknowns_options(command, arguments.unknowns);
   command

@@ -12,6 +12,7 @@
 #include "commands/reconstruct/reconstruct_page.h"
 #include "commands/reconstruct/reconstruct_ranks.h"
 #include "commands/scene_input.h"
+#include "file_set.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
@@ -44,15 +45,13 @@ std::string plain_text(const Report& report) {
 }
 
 void write_reports(const ReconstructArguments& arguments, const ReconstructPage& page,
-                   std::size_t frame, std::size_t frames) {
+                   std::size_t frame, std::size_t frames, FileSet& files) {
   for (const std::string& name : arguments.reports) {
     const std::string path = frame_name(name, frame, frames);
-    if (path.ends_with(".html"))
-      write_file(path, reconstruct_page(page));
-    else if (path.ends_with(".json"))
-      write_file(path, page.report.json_text());
-    else
-      write_file(path, plain_text(page.report));
+    const std::string text = path.ends_with(".html")   ? reconstruct_page(page)
+                             : path.ends_with(".json") ? page.report.json_text()
+                                                       : plain_text(page.report);
+    files.write(path, [&](const std::string& file) { write_file(file, text); });
   }
 }
 
@@ -88,11 +87,15 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
     bar.finish();
     complete = result.figures.complete;
     const std::string output = frame_name(arguments.output, f, frames);
-    write_estimate(output, result, reconstructor.unknowns());
+    FileSet files;  // of a frame: all of them appear, or none
+    files.write(output, [&](const std::string& name) {
+      write_estimate(name, result, reconstructor.unknowns());
+    });
     for (std::size_t v = 0; v < views.size() && !arguments.residuals.empty(); ++v)
-      write_residual(arguments.residuals[v * frames + f], pictures.pictures[v],
-                     cameras.channel_name(0), result.figures.residual[v],
-                     result.figures.explained[v]);
+      files.write(arguments.residuals[v * frames + f], [&](const std::string& name) {
+        write_residual(name, pictures.pictures[v], cameras.channel_name(0),
+                       result.figures.residual[v], result.figures.explained[v]);
+      });
     const Report report = reconstructor.report(result, output, execution);
     std::vector<std::string> names;
     for (std::size_t k = 0; k < cameras.channels.size(); ++k)
@@ -101,7 +104,8 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
     names.resize(result.figures.residual.size());
     write_reports(arguments,
                   {result, reconstructor.unknowns(), report, names, reconstructor.truth()}, f,
-                  frames);
+                  frames, files);
+    files.commit();
     if (frames == 1)
       report.print(arguments.json);
     else if (arguments.json)

@@ -31,10 +31,11 @@ ReconstructCameras compile_cameras(const ReconstructArguments& arguments,
   std::vector<ReconstructCamera> cameras;
   for (const CameraScene& view : views) {
     const SceneDocument& document = view.document;
-    cameras.push_back({std::make_shared<const CompiledScene>(
-                           compile(document.scene, medium_loader(), execution, document.positions,
-                                   {cameras.empty() ? nullptr : cameras.front().scene.get()})),
-                       view.what()});
+    cameras.push_back(
+        {std::make_shared<const CompiledScene>(compile(
+             document.scene, medium_loader(), execution, document.positions,
+             {cameras.empty() ? nullptr : cameras.front().scene.get()}, {IssueCode::no_flame})),
+         view.what()});
     if (bundles.empty()) continue;
     std::tie(cameras.back().compiled_name, cameras.back().compiled) = bundles[cameras.size() - 1];
   }

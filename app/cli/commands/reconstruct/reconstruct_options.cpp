@@ -11,6 +11,7 @@
 #include "commands/scene_input.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 
@@ -91,6 +92,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
       .add_option("--resume", arguments.resume,
                   "Go on from this result of the same command that was stopped: begin with it and "
                   "keep its strength (.vdb)")
+      ->check(continued())
       ->option_text("FILE.vdb");
 }
 
@@ -145,6 +147,7 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
       .add_option("-o,--output", arguments.output,
                   "Grids of temperature, emission, their deviations, and what is resolved; of a "
                   "series FILE-0001.vdb, ...")
+      ->check(written())
       ->required()
       ->option_text("FILE.vdb");
   add_problem_options(command, arguments);
@@ -153,11 +156,13 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
   command
       .add_option("--residual", arguments.residuals,
                   "What the flame does not explain of each picture, and what it does, as layers")
+      ->check(written())
       ->option_text("FILE.exr ...");
   command
       .add_option("--report", arguments.reports,
                   "The figures with the history: .json, .txt, or .html with pictures and plots; "
                   "may be given more than once")
+      ->check(written())
       ->option_text("FILE");
   command.add_flag("--truth", arguments.truth,
                    "Compare with the first scene's flames, of which the pictures are renderings");
@@ -205,9 +210,13 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
     for (const std::string& report : arguments.reports)
       outputs.push_back(frame_name(report, f, frames));
   }
+  const std::string earlier[] = {arguments.support, arguments.prior, arguments.start};
   for (const std::string& output : outputs) {
-    for (const auto* inputs : {&arguments.scenes, &arguments.images, &arguments.compiled})
-      for (const std::string& input : *inputs) check_not_overwritten("an output", output, input);
+    // The names of a series were not given.
+    for (const std::string& input : arguments.images)
+      check_not_overwritten("an output", output, input);
+    for (const std::string& input : earlier)
+      if (!input.empty()) check_not_overwritten("an output", output, input);
     check_writable(output);
   }
 }

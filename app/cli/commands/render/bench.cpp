@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -10,16 +12,19 @@
 #include "commands/commands.h"
 #include "commands/moment_options.h"
 #include "commands/render/bench_report.h"
+#include "commands/render/estimator_name.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "medium_loader.h"
 #include "options.h"
+#include "outputs.h"
 #include "peak_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/printable.h"
 #include "plenoflame/image/atomic_file.h"
 #include "progress_bar.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -131,9 +136,11 @@ std::string command_of(const Arguments& a) {
 }
 
 std::vector<BenchmarkPoint> measure(const Plan& plan, int repeat, const CompiledScene& compiled,
-                                    const BenchmarkReference& reference,
-                                    const Execution& execution) {
+                                    const BenchmarkReference& reference, const Execution& execution,
+                                    ProgressBar& bar) {
   std::vector<BenchmarkPoint> points;
+  const std::size_t all =
+      (plan.backward ? plan.samples.size() : 0) + (plan.forward ? plan.bundles.size() : 0);
   const auto add = [&](Estimator estimator, const std::vector<int>& counts) {
     for (const int count : counts) {
       RenderSettings settings;
@@ -141,6 +148,7 @@ std::vector<BenchmarkPoint> measure(const Plan& plan, int repeat, const Compiled
       settings.samples = count;
       settings.seed = compiled.scene.render.seed;
       if (estimator == Estimator::forward) settings.replicates = kForwardReplicates;
+      bar.begin(fmt::format("{} of {}, {} {}", points.size() + 1, all, name_of(estimator), count));
       reset_peak_memory();
       points.push_back(benchmark_point(compiled, settings, repeat, reference, execution));
       points.back().peak_memory = peak_memory();
@@ -154,7 +162,11 @@ std::vector<BenchmarkPoint> measure(const Plan& plan, int repeat, const Compiled
 int run_bench(const Arguments& arguments, const std::stop_token& stop) {
   Plan plan = plan_of(arguments);
   nlohmann::ordered_json old;
-  if (!arguments.compare.empty()) old = read_bench_json(arguments.compare);
+  if (!arguments.compare.empty()) {
+    if (!plan.base.empty())
+      check_not_overwritten("--output", plan.base + ".json", arguments.compare);
+    old = read_bench_json(arguments.compare);
+  }
   ProgressBar bar(arguments.quiet);
   Execution execution;
   execution.threads = arguments.threads;
@@ -176,8 +188,9 @@ int run_bench(const Arguments& arguments, const std::stop_token& stop) {
   BenchResult result;
   {
     execution.stop = stop;
+    bar.begin("reference");
     result.reference = benchmark_reference(compiled, plan.reference, execution);
-    result.points = measure(plan, arguments.repeat, compiled, result.reference, execution);
+    result.points = measure(plan, arguments.repeat, compiled, result.reference, execution, bar);
   }
   bar.finish();
   for (const BenchmarkPoint& point : result.points)
@@ -210,10 +223,10 @@ int run_bench(const Arguments& arguments, const std::stop_token& stop) {
     if (!arguments.compare.empty()) std::cerr << printable(bench_comparison(json, old), true);
     return kSuccess;
   }
-  std::cout << printable(bench_table(json), true);
+  std::cout << printable(bench_table(json, output_columns()), true);
   if (!arguments.compare.empty())
     std::cout << "\nagainst " << printable(arguments.compare) << ":\n"
-              << printable(bench_comparison(json, old), true);
+              << fitting(printable(bench_comparison(json, old), true));
   return kSuccess;
 }
 
@@ -233,6 +246,7 @@ void register_bench(const Registry& registry) {
   command
       .add_option("-o,--output", a.output,
                   "Write NAME.json, NAME.csv, and the plot as NAME.svg and NAME.png")
+      ->check(written())
       ->option_text("NAME");
   command
       .add_option("--window", a.window, "Measure only W x H pixels from column X, row Y: X,Y,W,H")

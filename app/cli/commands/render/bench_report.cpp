@@ -141,7 +141,7 @@ Json bench_json(const BenchResult& result) {
   return json;
 }
 
-std::string bench_table(const Json& bench) {
+std::string bench_table(const Json& bench, std::size_t columns) {
   std::vector<std::vector<std::string>> rows{{"estimator", "samples", "RMSE", "bias", "+-", "slope",
                                               "time", "spread", "rays/s", "1/(e^2 t)", "gain",
                                               "memory"}};
@@ -163,11 +163,19 @@ std::string bench_table(const Json& bench) {
   for (const auto& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   std::ostringstream out;
-  for (const auto& row : rows) {
-    out << std::left << std::setw(static_cast<int>(widths[0])) << row[0] << std::right;
-    for (std::size_t i = 1; i < row.size(); ++i)
-      out << "  " << std::setw(static_cast<int>(widths[i])) << row[i];
-    out << '\n';
+  // As many columns beside one another as there is room for, each time behind the first two.
+  constexpr std::size_t kNames = 2;
+  for (std::size_t first = kNames, last = first; first < widths.size(); first = last) {
+    std::size_t used = widths[0] + 2 + widths[1];
+    do used += 2 + widths[last++];
+    while (last < widths.size() && (columns == 0 || used + 2 + widths[last] <= columns));
+    if (first > kNames) out << '\n';
+    for (const auto& row : rows) {
+      out << std::left << std::setw(static_cast<int>(widths[0])) << row[0] << std::right;
+      for (std::size_t i = 1; i < last; i = i + 1 < kNames ? i + 1 : std::max(i + 1, first))
+        out << "  " << std::setw(static_cast<int>(widths[i])) << row[i];
+      out << '\n';
+    }
   }
   const Json& reference = bench["reference"];
   out << "reference: " << formatted("%.6g", number(reference["samples"]))

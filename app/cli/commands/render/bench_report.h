@@ -20,8 +20,9 @@ struct BenchResult {
 
 /// Figures in SI units with machine, compiler, version and date.
 nlohmann::ordered_json bench_json(const BenchResult& result);
-/// The table for people.
-std::string bench_table(const nlohmann::ordered_json& bench);
+/// The table for people. @param columns that a line may have, beyond which further ones of the
+/// table stand below; 0: any number
+std::string bench_table(const nlohmann::ordered_json& bench, std::size_t columns);
 /// One line per point under a line of names.
 std::string bench_csv(const nlohmann::ordered_json& bench);
 /// Error against time as BASE.svg and BASE.png. @throws FileError

@@ -10,6 +10,7 @@
 #include "commands/scene_input.h"
 #include "medium_loader.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/compiled_camera.h"
@@ -50,9 +51,9 @@ CompileSettings checked(const CompileArguments& arguments) {
 }
 
 int run_compile(const CompileArguments& arguments, const std::stop_token& stop) {
+  check_ending("-o", arguments.output, {".bundle"});
   const CompileSettings settings = checked(arguments);
   check_is_scene(arguments.scene);
-  check_not_overwritten("--output", arguments.output, arguments.scene);
   check_writable(arguments.output);
   const SceneDocument document =
       read_camera_scene(arguments.scene, arguments.set, arguments.camera);
@@ -70,7 +71,7 @@ int run_compile(const CompileArguments& arguments, const std::stop_token& stop) 
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   bar.finish();
-  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes.size());
+  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes);
   Report report;
   report.add("pixels", fmt::format("{:.0f} that see the region", lit), "pixels", lit);
   report.add("rays",
@@ -101,6 +102,7 @@ void register_compile(const Registry& registry) {
   command
       .add_option("-o,--output", arguments->output,
                   "The compiled camera, for --compiled of other commands")
+      ->check(written())
       ->required()
       ->option_text("FILE.bundle");
   command

@@ -9,6 +9,7 @@
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "number_range.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/light_field_channel.h"
 #include "plenoflame/image/staging_folder.h"
@@ -32,7 +33,10 @@ const std::map<std::string, ViewResampling>& view_resamplings() {
 
 void add_raw_input(CLI::App& command, RawArguments& arguments, const std::string& output_text) {
   command.add_option("RAW", arguments.input, "Light field (.exr) written by render")->required();
-  command.add_option("-o,--output", arguments.output, output_text)->required()->option_text("DIR");
+  command.add_option("-o,--output", arguments.output, output_text)
+      ->check(written())
+      ->required()
+      ->option_text("DIR");
 }
 
 void add_raw_options(CLI::App& command, RawArguments& arguments) {
@@ -114,7 +118,7 @@ RawLightField read_raw(const RawArguments& arguments, Layers layers) {
   return raw;
 }
 
-void check_folder(const std::string& folder, bool force) {
+void check_folder(const std::string& folder, std::optional<bool> force) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path path(folder);
@@ -124,9 +128,9 @@ void check_folder(const std::string& folder, bool force) {
     StagingFolder::remove_abandoned(folder);
     const bool empty = fs::is_empty(path, error);
     if (error) throw FileError("cannot read the folder '" + folder + "': " + error.message());
-    if (!empty && !force)
-      throw FileError("the folder '" + folder +
-                      "' has files in it; choose another one, or give --force to add to it");
+    if (!empty && !force.value_or(false))
+      throw FileError("the folder '" + folder + "' has files in it; choose another one" +
+                      (force ? ", or give --force to add to it" : ""));
     return;
   }
   fs::path full = fs::absolute(path, error).lexically_normal();

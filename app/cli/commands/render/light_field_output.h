@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,9 @@ void add_view_options(CLI::App& command, ViewArguments& arguments);
 RawLightField read_raw(const RawArguments& arguments, Layers layers = Layers::none);
 
 /// Makes sure that results can go into a folder: its parent must exist, and what is there must be
-/// empty unless `force`. To be asked before the work is done. @throws FileError
-void check_folder(const std::string& folder, bool force);
+/// empty unless `force`. To be asked before the work is done.
+/// @param force  of --force; nothing: the command has no such option
+/// @throws FileError
+void check_folder(const std::string& folder, std::optional<bool> force);
 
 }  // namespace plenoflame::cli

@@ -9,6 +9,7 @@
 #include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
@@ -32,6 +33,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
           "-o,--output", options.output,
           "Light field to write (.exr); without it, that of --resume, or SCENE's name in the "
           "current folder. Of several cameras each gets its own: OUT-NAME.exr")
+      ->check(written())
       ->check([](const std::string& file) {
         return file.empty() ? std::string("the name of the file is empty") : std::string();
       })
@@ -95,10 +97,12 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                   "Go on with the run that was to write this light field (.exr) and was "
                   "stopped: scene and options are in its state, FILE.state. More for a light field "
                   "that is complete: with --samples, --target-error, --time-limit or --truth")
+      ->check(continued())
       ->option_text("FILE");
   command
       .add_option("--stats", options.stats,
                   "Write times, rays, error and what was skipped to this file (.json)")
+      ->check(written())
       ->option_text("FILE");
   command
       .add_option("--compression", options.compression,
@@ -162,7 +166,6 @@ void check_compiled_options(const RenderArguments& arguments, const RenderOption
                        ": a compiled camera (--compiled) has its own rays; leave one of the two");
   if (!options.resume.empty() && !options.frames)
     throw UsageError("--resume: a picture by a compiled camera is made at one go");
-  check_not_overwritten("--output", options.output, options.compiled);
 }
 
 }  // namespace
@@ -183,11 +186,8 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   if (!has_extension(options.output, ".exr"))
     throw UsageError("--output: '" + options.output +
                      "' must end in .exr; 'plenoflame develop' makes a picture of it");
-  check_not_overwritten("--output", options.output, options.scene);
-  if (!options.stats.empty()) {
-    check_not_overwritten("--stats", options.stats, options.scene);
-    check_not_overwritten("--stats", options.stats, options.output);
-  }
+  check_not_overwritten("--output", options.output, options.scene);  // a name that was not given
+  if (!options.stats.empty()) check_not_overwritten("--stats", options.stats, options.output);
   if (!arguments.samples.empty())
     options.samples = whole_number_option("--samples", arguments.samples, 1, 1 << 30);
   if (!arguments.seed.empty())
@@ -201,14 +201,14 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     options.target_error = target;
   }
   if (!arguments.time_limit.empty()) {
-    const double limit = quantity_option("--time-limit", arguments.time_limit, Dimension::time);
+    const double limit = duration_option("--time-limit", arguments.time_limit);
     if (!(limit > 0))
       throw UsageError("--time-limit: a time above 0 s, e.g. 60s, not '" + arguments.time_limit +
                        "'");
     options.time_limit = limit;
   }
   if (!arguments.checkpoint.empty()) {
-    const double interval = quantity_option("--checkpoint", arguments.checkpoint, Dimension::time);
+    const double interval = duration_option("--checkpoint", arguments.checkpoint);
     if (!(interval > 0))
       throw UsageError("--checkpoint: a time above 0 s, e.g. 5min, not '" + arguments.checkpoint +
                        "'");

@@ -180,6 +180,16 @@ std::vector<double> samples_of_part(const Continuation& run) {
   return samples;
 }
 
+/// A state whose tiles have more samples than the run asks for is none: what it asks for would
+/// never be reached.
+void check_samples(const Continuation& run, const std::string& path) {
+  const RenderSettings& settings = run.record.settings;
+  for (const auto* counts : {&run.film.all_tile_samples(), &run.film.tile_goals()})
+    for (const double count : *counts)
+      if (count * settings.replicates > settings.samples)
+        throw FileError(path + ": is damaged; start the run again without it");
+}
+
 /// Moments of an exposure that are done have their samples: none can be added any more.
 void check_same_goal(const RenderOptions& options, const RenderSettings& settings) {
   const auto refuse = [](const char* name, const std::string& then) {
@@ -296,6 +306,10 @@ RunRecord record_from(const std::string& text, const std::string& path) {
                        exposure.at("done").get<std::size_t>(), exposure.at("samples").get<double>(),
                        exposure.at("reached").get<bool>(),     exposure.at("complete").get<bool>(),
                        exposure.at("seconds").get<double>()};
+    if (s.samples < 1 || s.samples > kMostBundles || s.replicates < 1 || s.replicates > 64 ||
+        !(s.target_error >= 0 && s.target_error < 1) || !(s.time_limit >= 0) ||
+        !(record.seconds >= 0))
+      throw InputError("a number that no run has");
     return record;
   } catch (const std::exception&) {
     throw FileError(path +
@@ -326,6 +340,7 @@ Continuation read_continuation(const RenderOptions& options, const SceneInTime* 
       run.exposure = exposure_of(run.record, read_checkpoint_films(state, key), state);
     else
       run.film = read_checkpoint(state, key);
+    check_samples(run, state);
     return run;
   }
   if (!std::filesystem::exists(options.resume))

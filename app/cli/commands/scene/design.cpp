@@ -16,6 +16,7 @@
 #include "design_report.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/cameras.h"
@@ -77,7 +78,6 @@ int run_lens(const DesignArguments& settings) {
   warn_of(notes);
   report.add_json("warnings", notes);
   if (!settings.array.output.empty()) {
-    check_not_overwritten("--output", settings.array.output, settings.scene);
     write_file(settings.array.output, write_lens(lens));
   }
   if (!settings.plots.empty()) {
@@ -147,7 +147,6 @@ int run_design(const DesignArguments& settings) {
   std::vector<SolvedType> solved;
   if (!task.freedom.empty()) solved = solve_for_array(task, scene, report);
   if (!task.output.empty()) {
-    check_not_overwritten("--output", task.output, settings.scene);
     const Scene changed = with_solved_array(scene, solved, freedom_named(task.freedom));
     write_scene_file(task.output, replace_camera(whole, changed.camera));
   }
@@ -175,6 +174,7 @@ void register_design(const Registry& registry) {
       .add_option("--plots", settings->plots,
                   "Folder for plots: effective resolution against distance, spots, microlenses; of "
                   "a lens spots, ray fans, field curvature, distortion, vignetting")
+      ->check(written())
       ->option_text("DIR");
   command.add_option("--format", settings->format, "Format of the plots")
       ->option_text("png|svg")
@@ -199,7 +199,7 @@ void register_design(const Registry& registry) {
       ->capture_default_str();
   const auto text_option = [&](const char* name, std::string& value, const char* shown,
                                const char* meaning) {
-    command.add_option(name, value, meaning)->option_text(shown);
+    return command.add_option(name, value, meaning)->option_text(shown);
   };
   text_option("--least-radius", settings->array.least_radius, "LENGTH",
               "With --solve: smallest radius of the faces");
@@ -207,7 +207,8 @@ void register_design(const Registry& registry) {
               "With --solve: greatest thickness of a microlens");
   text_option("-o,--output", settings->array.output, "FILE.toml",
               "With --solve: the scene with the types that were found; of a lens: its "
-              "prescription (.toml)");
+              "prescription (.toml)")
+      ->check(written());
   text_option("--field", settings->lens.field, "ANGLE",
               "Of a lens: greatest field angle; without it as far as light passes");
   text_option("--distance", settings->lens.distance, "LENGTH",

@@ -6,7 +6,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/lightfield/pupil_views.h"
 #include "plenoflame/lightfield/views.h"
-#include "plenoflame/radiometry/spectral_response.h"
+#include "plenoflame/radiometry/filter_points.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -16,7 +16,9 @@ constexpr int kGrid = 7;
 /// The wavelengths at which a transmission curve lets light through.
 std::string band_text(const std::string& transmission) {
   if (transmission.empty()) return "all wavelengths";
-  const SpectralResponse curve = SpectralResponse::curve(parse_spectral_points(transmission));
+  const std::vector<SpectralPoint> points = parse_filter_points(transmission);
+  if (is_opaque(points)) return "opaque";
+  const SpectralResponse curve = SpectralResponse::curve(points);
   return readable(curve.shortest(), Dimension::length) + " to " +
          readable(curve.longest(), Dimension::length) + ", centroid " +
          readable(curve.centroid(), Dimension::length);

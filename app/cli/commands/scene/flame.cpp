@@ -18,6 +18,7 @@
 #include "commands/scene/flame_import.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/volumes/flame_file.h"
@@ -154,7 +155,6 @@ int run(FlameArguments& s, const std::stop_token& stop) {
   const FlameValues values = values_of(s, generator);
   if (!s.output.ends_with(".vdb"))
     throw UsageError("--output: '" + s.output + "' must end in .vdb");
-  if (s.layers) check_not_overwritten("--output", s.output, *s.layers);
   Execution execution;
   execution.threads = s.threads;
   execution.stop = stop;
@@ -187,7 +187,9 @@ void register_flame(const Registry& registry) {
   std::vector<std::string> names;
   for (const FlameGenerator& generator : flame_generators()) names.emplace_back(generator.name);
   command.add_option("NAME", s->name, "Which flame:" + list_of_flames())->check(one_of(names));
-  command.add_option("-o,--output", s->output, "The .vdb file to write")->option_text("FILE");
+  command.add_option("-o,--output", s->output, "The .vdb file to write")
+      ->check(written())
+      ->option_text("FILE");
   command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"")
       ->option_text("LENGTH");
   command.add_flag("--half", s->half,

@@ -7,6 +7,7 @@
 #include "messages.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
@@ -126,6 +127,7 @@ StoppableAction add_flame_import(CLI::App& flame) {
   command
       .add_option("-o,--output", request.output,
                   "The .vdb file to write; of a series NAME_0000.vdb, NAME_0001.vdb, ...")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command.add_option("--solution", request.solution, "PLOT3D: the solution (.q) of the grid")

@@ -135,7 +135,7 @@ int run_info(const InfoArguments& settings) {
 void describe_bundle(const std::string& path, Report& report) {
   const CompiledCamera camera = read_bundle(path);
   const PixelWindow& w = camera.window;
-  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes.size());
+  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes);
   report.add("type", "compiled camera", "type", "compiled camera");
   report.add("version", camera.version, "version", camera.version);
   report.add("sensor",
@@ -156,8 +156,8 @@ void describe_bundle(const std::string& path, Report& report) {
   report.add("pixels", std::to_string(static_cast<long long>(lit)) + " that see the region",
              "pixels", lit);
   report.add("rays",
-             std::to_string(camera.nodes.size()) + ", " +
-                 readable_number(lit > 0 ? nodes / lit : 0) + " a pixel in two sets",
+             std::to_string(camera.nodes) + ", " + readable_number(lit > 0 ? nodes / lit : 0) +
+                 " a pixel in two sets",
              "rays", nodes);
   report.add("bundles", std::to_string(camera.samples) + " rays a pixel and microlens", "samples",
              camera.samples);

@@ -6,6 +6,7 @@
 #include "commands/scene/info.h"
 #include "options.h"
 #include "plenoflame/film/film.h"
+#include "plenoflame/film/reopened.h"
 #include "plenoflame/image/light_field.h"
 
 namespace plenoflame::cli {
@@ -88,6 +89,19 @@ void describe_channel(const LightFieldChannel& channel, const std::string& unit,
   list.push_back(entry);
 }
 
+/// "4 to 64 per replicate, 12 tiles of 48 have none"; the whole list is in the JSON.
+std::string tile_samples_summary(const LightField& field) {
+  const Film film(field.window, 1, 1);
+  const std::vector<double> samples = tile_samples_of(field, 1, film.tile_count());
+  const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
+  std::string text = readable_number(*least) + " to " + readable_number(*most) + " per replicate";
+  const auto none = std::count(samples.begin(), samples.end(), 0.0);
+  if (none > 0)
+    text +=
+        ", " + std::to_string(none) + " tiles of " + std::to_string(samples.size()) + " have none";
+  return text;
+}
+
 }  // namespace
 
 void describe_light_field(const std::string& path, Report& report) {
@@ -122,7 +136,8 @@ void describe_light_field(const std::string& path, Report& report) {
   report.add("version", field.version, "version", field.version);
   for (const auto& [key, value] : field.numbers) report.add_text(key, with_unit(key, value));
   report.add_json("numbers", field.numbers);
-  for (const auto& [key, value] : field.texts) report.add_text(key, value);
+  for (const auto& [key, value] : field.texts)
+    report.add_text(key, key == kTileSamples ? tile_samples_summary(field) : value);
   report.add_json("texts", field.texts);
   report.add("scene", std::to_string(field.scene_text.size()) + " characters (--scene prints it)",
              "scene", field.scene_text);

@@ -13,6 +13,7 @@
 #include "messages.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_file.h"
@@ -137,7 +138,6 @@ void add_state(const std::string& when, const nlohmann::json& state, Report& rep
 
 int run_optimize(const OptimizeArguments& settings) {
   if (settings.output.empty()) throw UsageError("--output is missing: the scene to write (.toml)");
-  check_not_overwritten("--output", settings.output, settings.scene);
   OptimizerTask task;
   task.merit = merit_spec(settings);
   for (const std::string& name : settings.vary) task.vary.push_back(name);
@@ -260,6 +260,7 @@ void register_optimize(const Registry& registry) {
       ->check(number_between(0.1, 1e5))
       ->capture_default_str();
   command.add_option("-o,--output", settings->output, "The optimised scene (.toml)")
+      ->check(written())
       ->option_text("SCENE.toml");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_optimize(*settings); });

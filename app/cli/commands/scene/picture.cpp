@@ -8,6 +8,7 @@
 #include "commands/scene_input.h"
 #include "number_range.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "run.h"
@@ -74,6 +75,7 @@ void register_picture(const Registry& registry) {
       ->option_text("NAME")
       ->allow_extra_args(false);
   command.add_option("-o,--output", request.output, "Picture to write (.png)")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command

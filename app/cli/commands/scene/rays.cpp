@@ -17,6 +17,7 @@
 #include "messages.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "report.h"
@@ -124,9 +125,6 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
   if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
       !settings.output.ends_with(".json") && !settings.output.ends_with(".npz"))
     throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv, .json or .npz");
-  check_not_overwritten("-o", settings.output, settings.scene);
-  if (!settings.pixel_file.empty())
-    check_not_overwritten("-o", settings.output, settings.pixel_file);
   check_writable(settings.output);
 
   const SceneDocument document =
@@ -184,6 +182,7 @@ void register_rays(const Registry& registry) {
                   "File to write: .vtp (VTK PolyData), .csv (a line for each vertex), .json, or "
                   ".npz (numpy: "
                   "the ends of each ray alone)")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command

@@ -13,6 +13,7 @@
 #include "file_set.h"
 #include "number_rows.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/progress_share.h"
 #include "plenoflame/image/atomic_file.h"
@@ -113,13 +114,6 @@ int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
     throw UsageError(
         "truth writes nothing without --output, --projections, --attach or "
         "--chief-rays");
-  if (!settings.output.empty() && settings.output == settings.projections)
-    throw UsageError("--output and --projections are the same file");
-  for (const auto& [option, path] : {std::pair{"--output", settings.output},
-                                     {"--projections", settings.projections},
-                                     {"--attach", settings.attach},
-                                     {"--chief-rays", settings.chief}})
-    if (!path.empty()) check_not_overwritten(option, path, settings.input);
   LightField field = settings.attach.empty() && settings.chief.empty()
                          ? read_light_field_header(settings.input)
                          : read_light_field(settings.input);
@@ -192,10 +186,12 @@ void register_truth(const Registry& registry) {
   command
       .add_option("-o,--output", settings->output,
                   "Micro-images as CSV: lens, type, centre and radius in pixels")
+      ->check(written())
       ->option_text("FILE.csv");
   command
       .add_option("--attach", settings->attach,
                   "The raw image with that table as attribute plenoflame.text.truth.micro_images")
+      ->check(written())
       ->option_text("FILE.exr");
   command
       .add_option("--points", settings->points,
@@ -206,6 +202,7 @@ void register_truth(const Registry& registry) {
           "--projections", settings->projections,
           "Where they are imaged: a line for every microlens that sees the point, by the ray "
           "through the lens' middle and by the centroid of all light")
+      ->check(written())
       ->option_text("FILE.csv");
   command
       .add_option("--rays", settings->rays,
@@ -215,6 +212,7 @@ void register_truth(const Registry& registry) {
       .add_option("--chief-rays", settings->chief,
                   "The raw image with the chief ray of every pixel: layers chief.x .y .z [m], "
                   "chief.dx .dy .dz, world")
+      ->check(written())
       ->option_text("FILE.exr");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))

@@ -13,6 +13,7 @@
 #include "commands/series/sweep_set.h"
 #include "messages.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/atomic_file.h"
@@ -99,8 +100,6 @@ int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
     report.print(arguments.json);
     return kSuccess;
   }
-  for (const std::string& file : arguments.files)
-    check_not_overwritten("-o", arguments.output, file);
   check_writable(arguments.output);
   if (is_matrix(arguments.files.front())) {
     merge_matrices(arguments);
@@ -128,6 +127,7 @@ void register_merge(const Registry& registry) {
   command
       .add_option("-o,--output", arguments->output,
                   "The whole (.exr; of a sweep a folder; of a matrix .npz, .h5 or .mtx)")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command

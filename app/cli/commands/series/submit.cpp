@@ -15,6 +15,7 @@
 #include "commands/scene_input.h"
 #include "commands/series/sweep_plan.h"
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part.h"
 #include "plenoflame/image/atomic_file.h"
@@ -160,7 +161,7 @@ std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
 
 /// "1-02:03:04", as sbatch has it.
 std::string slurm_time(const std::string& text) {
-  const double seconds = quantity_option("--time", text, Dimension::time);
+  const double seconds = duration_option("--time", text);
   constexpr double kMost = 365 * 86400.0;
   if (!(seconds >= 1 && seconds <= kMost))
     throw UsageError("--time: from 1 s to a year, not '" + text + "'");
@@ -303,12 +304,15 @@ std::string picture_script(const SubmitArguments& arguments, const std::string& 
 
 int run_submit(const SubmitArguments& arguments) {
   if (!arguments.slurm) throw UsageError("say for which batch system: --slurm");
-  for (const std::string& scene : arguments.scenes)
-    check_not_overwritten("-o", arguments.output, scene);
   for (const auto& [option, text] :
        {std::pair{"--memory", arguments.memory}, std::pair{"--partition", arguments.partition}})
     if (text.find_first_of(" \t\n") != std::string::npos)
       throw UsageError(fmt::format("{}: '{}' has blanks", option, text));
+  // sbatch takes a plain number for megabytes.
+  if (!arguments.memory.empty() &&
+      std::string_view("KMGT").find(arguments.memory.back()) == std::string_view::npos)
+    throw UsageError("--memory: say the unit, K, M, G or T, e.g. 4G, not '" + arguments.memory +
+                     "'");
   const std::vector<std::string> options = words_of(arguments.options);
   const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
   const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
@@ -319,7 +323,6 @@ int run_submit(const SubmitArguments& arguments) {
     check_sweep(arguments, options, parts);
     write_file(arguments.output, sweep_script(arguments, name, parts, threads, options));
   } else if (!arguments.matrix.empty()) {
-    check_not_overwritten("-o", arguments.output, arguments.matrix);
     check_matrix(arguments, options);
     std::vector<std::string> kept = options;
     std::erase(kept, "--quiet");
@@ -353,6 +356,7 @@ void register_submit(const Registry& registry) {
       .add_option("-o,--output", arguments->output,
                   "The script; how to submit it is printed. Pictures are written to the folder in "
                   "which it is submitted, named after their scenes")
+      ->check(written())
       ->required()
       ->option_text("FILE");
   command
@@ -373,8 +377,8 @@ void register_submit(const Registry& registry) {
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
       .add_option("--time", arguments->time,
-                  "Time limit of a task, with unit, e.g. 2h; none: the "
-                  "batch system's own")
+                  "Time limit of a task, with unit, e.g. 2h, or as D-HH:MM:SS; none: the batch "
+                  "system's own")
       ->option_text("TIME");
   command.add_option("--memory", arguments->memory, "Memory of a task as sbatch has it, e.g. 4G")
       ->option_text("SIZE");

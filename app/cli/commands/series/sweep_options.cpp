@@ -4,6 +4,7 @@
 #include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "commands/series/sweep_plan.h"
+#include "outputs.h"
 
 namespace plenoflame::cli {
 
@@ -24,6 +25,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
   command
       .add_option("-o,--output", arguments.output,
                   "Folder of the set; one that was begun is gone on with")
+      ->check(written())
       ->required()
       ->option_text("DIR");
   add_set_option(command, options.set);

@@ -16,9 +16,11 @@
 #include "commands/scene_input.h"
 #include "medium_loader.h"
 #include "options.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/compile.h"
 #include "plenoflame/scene/input_files.h"
@@ -88,9 +90,18 @@ Box box_of_flames(const RenderOptions& options) {
   throw UsageError("--lattice: the scene has no flame whose box it could fill; give --region");
 }
 
-TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& options) {
+TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& options,
+                        const Scene& scene) {
   TruthLattice lattice;
   lattice.count = lattice_option(arguments.lattice);
+  const double cells =
+      1.0 * lattice.count[0] * lattice.count[1] * static_cast<double>(lattice.count[2]);
+  const bool lines = std::any_of(scene.flames.begin(), scene.flames.end(),
+                                 [](const FlameSpec& flame) { return !flame.lines.empty(); });
+  // Temperature and absorption; of lines the places, and their light twice.
+  const double bytes_of_cell = lines ? 8 + 36 : 8;
+  require_memory(bytes_of_cell * cells, fmt::format("--lattice: the truth in {:g} cells", cells),
+                 "take fewer cells along x, y or z");
   lattice.box = !arguments.region.empty() ? box_option("--region", arguments.region)
                 : options.compiled_camera ? options.compiled_camera->region
                                           : box_of_flames(options);
@@ -102,9 +113,9 @@ std::vector<SweepRun> runs_of(const SweepArguments& arguments, std::uint64_t see
     throw UsageError("say what the runs are: --table RUNS.csv or --random RULES.toml");
   if (!arguments.table.empty()) {
     if (!arguments.runs.empty()) throw UsageError("--runs: a table has a run in each of its rows");
-    return read_sweep_table(read_file(arguments.table), arguments.table);
+    return read_sweep_table(read_text_file(arguments.table), arguments.table);
   }
-  const SweepRules rules(read_file(arguments.random), arguments.random);
+  const SweepRules rules(read_text_file(arguments.random), arguments.random);
   if (arguments.runs.empty() && !rules.runs())
     throw UsageError("say how many runs are drawn: --runs N, or runs = N in " + arguments.random);
   const int count = arguments.runs.empty()
@@ -311,7 +322,7 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
   const SceneDocument document = read_scene(plan.options.scene, plan.options.set);
   if (runs == RunsAre::unchecked) check_runs(plan, execution);
   if (!arguments.lattice.empty())
-    plan.lattice = lattice_of(arguments, plan.options);
+    plan.lattice = lattice_of(arguments, plan.options, document.scene);
   else if (!arguments.region.empty())
     throw UsageError("--region: it is the box of --lattice");
   plan.text = plan_text(plan, document);

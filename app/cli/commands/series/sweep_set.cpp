@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <system_error>
 
 #include "commands/render/light_field_output.h"
@@ -23,12 +25,48 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-Json read_json(const std::string& path) {
+/// @param check asks for all that is used of the file
+Json read_json(const std::string& path, const std::function<void(const Json&)>& check) {
   try {
-    return Json::parse(read_file(path));
+    Json json = Json::parse(read_file(path));
+    check(json);
+    return json;
   } catch (const Json::exception&) {
-    throw FileError("'" + path + "' is damaged, or not of a sweep");
+  } catch (const InputError&) {
+  } catch (const UsageError&) {
   }
+  throw FileError("'" + path + "' is damaged, or not of a sweep");
+}
+
+/// @throws Json::exception, InputError for what is missing or of another kind
+void check_plan(const Json& plan) {
+  static_cast<void>(part_from(plan.at("part").get<std::string>()));
+  for (const char* text : {"format", "version"}) plan.at(text).get<std::string>();
+  plan.at("runs").get<int>();
+  if (!plan.contains("lattice")) return;
+  const Json& lattice = plan.at("lattice");
+  for (const char* numbers : {"cells", "lower_m", "upper_m"})
+    for (std::size_t i = 0; i < 3; ++i) lattice.at(numbers).at(i).get<double>();
+}
+
+/// The same of a run. @param lattice the sweep has one
+void check_record(const Json& record, bool lattice) {
+  record.at("run").get<int>();
+  record.at("seed").get<std::int64_t>();
+  record.at("split").get<std::string>();
+  record.value("beyond_lattice", false);
+  for (const auto& [key, value] : record.at("values").items()) value.get<std::string>();
+  if (lattice || record.contains("lines")) record.at("lines").get<std::vector<std::string>>();
+  for (const Json& picture : record.at("pictures")) {
+    for (const char* text : {"camera", "file"}) picture.at(text).get<std::string>();
+    for (const char* number : {"flux_W", "relative_error"}) static_cast<void>(picture.at(number));
+  }
+}
+
+/// Record of a finished run.
+Json read_record(const std::string& folder, int run, const Json& plan) {
+  return read_json(folder + "/runs/" + run_name(run) + ".json",
+                   [&](const Json& record) { check_record(record, plan.contains("lattice")); });
 }
 
 std::string csv_cell(const std::string& text) {
@@ -192,7 +230,7 @@ std::vector<int> finish_set(const std::string& folder, const Json& plan,
   std::vector<Json> records;
   std::vector<int> beyond;
   for (const int run : runs) {
-    records.push_back(read_json(folder + "/runs/" + run_name(run) + ".json"));
+    records.push_back(read_record(folder, run, plan));
     if (records.back().value("beyond_lattice", false)) beyond.push_back(run);
   }
   FileSet files;
@@ -221,7 +259,7 @@ Json read_plan(const std::string& folder) {
   const std::string path = folder + "/sweep.json";
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError("'" + folder + "' holds no sweep.json");
-  return read_json(path);
+  return read_json(path, check_plan);
 }
 
 std::string plan_difference(const Json& then, const Json& now) {
@@ -234,7 +272,7 @@ std::string plan_difference(const Json& then, const Json& now) {
 
 std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::string& output,
                             const std::stop_token& stop) {
-  check_folder(output, false);
+  check_folder(output, std::nullopt);
   Json whole;
   std::map<int, std::string> folders;
   int count = 0;
@@ -264,6 +302,7 @@ std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::st
     const std::string& folder = folders.at(run % count + 1);
     if (!run_is_done(folder, run))
       throw InputError(fmt::format("'{}' is not finished: run {} is not there", folder, run));
+    read_record(folder, run, whole);  // a damaged one is named where it is
   }
   std::vector<int> beyond;
   ResultFolder result(output);
@@ -275,8 +314,7 @@ std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::st
         if (stop.stop_requested()) throw Cancelled();
         if (!entry.is_regular_file()) continue;
         const std::string to = folder + "/runs/" + entry.path().filename().string();
-        fs::copy_file(entry.path(), to, error);
-        if (error) throw FileError("cannot write '" + to + "': " + error.message());
+        write_file(to, read_file(entry.path().string()));
       }
     write_file(folder + "/sweep.json", whole.dump(2) + "\n");
     beyond = finish_set(folder, whole, runs, whole.at("format").get<std::string>() == "hdf5", stop);

@@ -87,7 +87,7 @@ def flame_arrays(image):
 
 def read_flame(path, *, grid="", local_frame=False):
     """Reads the grids of a .vdb file as voxels, with the arrays "temperature" [K] and "absorption" [1/m], or any
-    one grid by its name. Origin, spacing and direction matrix place it as the file says. With local_frame it stands
+    one grid by its name. A file with neither of them, as a reconstruction of emission alone, gives all its grids. Origin, spacing and direction matrix place it as the file says. With local_frame it stands
     unrotated at the origin, and the result is (image, vtkMatrix4x4 to the world); that needs VTK. Raises Error."""
     if local_frame:
         need_vtk("read_flame(local_frame=True)")

@@ -12,6 +12,9 @@ namespace plenoflame {
 struct ArrayFit {
   ArraySpec array;                 ///< that of the nominal camera with what was found in its place
   int origin_i = 0, origin_j = 0;  ///< lattice point of lens (0, 0)
+  /// The lens (0, 0) is that of the nominal camera, as far as its offset tells; otherwise one near
+  /// the middle.
+  bool same_origin = false;
   double rms = 0;    ///< [pixel] of measured centres from those of rays through this camera
   double worst = 0;  ///< [pixel]
   std::size_t used = 0;

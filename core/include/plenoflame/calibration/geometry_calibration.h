@@ -28,7 +28,7 @@ struct CentreObservation {
 struct BoardPose {
   int pose = 0;
   RigidTransform to_camera;  ///< board to camera [m]
-  double rms = 0;            ///< [pixel] of its corners
+  double rms = 0;            ///< [pixel] of its corners, both coordinates together
 };
 
 struct CalibratedValue {
@@ -53,7 +53,7 @@ struct GeometryCalibration {
   std::vector<BoardPose> poses;
   std::vector<CalibratedValue> values;
   std::vector<std::vector<double>> covariance;  ///< of the values, in their order and units
-  double corner_rms = 0;                        ///< [pixel] per coordinate
+  double corner_rms = 0;                        ///< [pixel] of both coordinates together
   double centre_rms = 0;
   std::size_t corners = 0, centres = 0, left_out = 0;
   /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.
@@ -70,7 +70,8 @@ std::vector<std::string> calibrated_keys();
 /// @param start a thin ideal main lens and ideal microlenses, near enough that corners are found in
 ///        the right micro-images; poses begin with a homography
 /// @throws InputError for another camera, too few corners, and where a value is not determined by
-///         the observations: it names those that go together
+///         the observations: it names those that go together; lengths that became twice or half of
+///         what they were, and a camera that explains less than the one to start with
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
                                        const std::vector<CornerObservation>& corners,
                                        const std::vector<CentreObservation>& centres,

@@ -72,7 +72,8 @@ struct ImportSummary {
 /// defective hold the mean of their neighbours, for pictures to look at. Of a mosaic every channel
 /// has a value at every pixel, the mean of its neighbours of that colour, and the layer
 /// "sensor.raw" what was recorded.
-/// @throws InputError: pictures that do not fit together, gain or exposure missing
+/// @throws InputError: pictures that do not fit together or are not what they are taken for, gain
+/// or exposure missing, too many defects
 LightField import_counts(const CountFrames& raw, const RawCorrections& corrections,
                          const ImportSettings& settings, ImportSummary& summary);
 

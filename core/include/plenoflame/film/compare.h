@@ -29,6 +29,10 @@ struct Comparison {
 
   bool has_standard_errors = false;  ///< either has; all below is 0 otherwise
   double relative_bias_error = 0;    ///< * standard error of relative_bias
+  /// * The larger relative standard error of the two means over lit pixels. Pixels in which no ray
+  /// has found light yet don't make it too small: in those that have light the squared errors are
+  /// too large by as much.
+  double mean_error = 0;
   /// * What an unbiased a would have as relative_rmse: sqrt(mean(s^2)) / mean(b).
   double expected_rmse = 0;
   double largest_z = 0;  ///< * (a - b) / s, largest by magnitude; with its sign
@@ -63,7 +67,7 @@ struct Comparison {
 
 /// The verdict of a comparison about the cause of the differences.
 enum class Verdict {
-  unknown,         ///< no standard errors, or too few rays for them (dark_in_one_share)
+  unknown,         ///< no standard errors, or too few rays for them (kTooManyDark)
   noise,           ///< nothing speaks against noise alone
   more_than_noise  ///< the bias, a block score or a single pixel is beyond its limit
 };
@@ -76,8 +80,11 @@ inline constexpr double kVerdictProbability = 1e-6;
 /// ... and its error is known from at least so many degrees of freedom. With fewer the mean square
 /// of the differences in units of their errors has no finite mean, or no finite variance.
 inline constexpr double kFreedomForPixels = 5;
-/// Above this share of pixels that are dark in one image only the standard errors are too small.
+/// Above this share of pixels that are dark in one image only the standard errors of single pixels
+/// are too small. The images differ all the same where their means or neighbours do ...
 inline constexpr double kTooManyDark = 0.01;
+/// ... and each mean is known this well (mean_error), as from 25 rays with light.
+inline constexpr double kKnownMean = 0.2;
 
 Verdict verdict(const Comparison& comparison);
 

@@ -134,8 +134,8 @@ inline constexpr double kLitShare = 0.01;
 /// The error of a whole image, by its standard errors.
 struct StatedError {
   double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
-  /// The true relative RMSE is below this with a probability of kErrorConfidence (at least: dim
-  /// pixels that may be lit count as lit). Infinite with one replicate.
+  /// The true relative RMSE is below this with a probability of about kErrorConfidence; where one
+  /// pixel makes most of it, of 82 % with two replicates (docs/theory/errors.md). One: infinite.
   double bound = 0;
 };
 inline constexpr double kErrorConfidence = 0.95;

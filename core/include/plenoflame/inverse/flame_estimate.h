@@ -16,11 +16,14 @@ struct FlameEstimate {
   std::vector<double> absorption, absorption_deviation;  ///< [1/m]; empty: not known
 };
 
+/// [K] Of the surroundings: what shines is hotter, and a colder temperature is none.
+inline constexpr double kAmbient = 293.15;
+
 /// Temperatures follow from the source function where it is above `threshold` times its largest
-/// value: what emits nothing has no temperature. Beside what has one it takes the mean temperature
-/// of its neighbours, weighted by their light, and so little absorption that its emission is what
-/// was found: fields of temperature are interpolated before they shine, and cold samples beside hot
-/// ones would take light away from the cells between.
+/// value, and above that of the surroundings: what emits nothing has no temperature. Beside what
+/// has one it takes the mean temperature of its neighbours, weighted by their light, and so little
+/// absorption that its emission is what was found: fields of temperature are interpolated before
+/// they shine, and cold samples beside hot ones would take light away from the cells between.
 FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);

@@ -2,8 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <span>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,6 +40,12 @@ struct CompiledTile {
   std::uint32_t reserved = 0;
 };
 
+/// Content of one tile of a compiled camera.
+struct CompiledContent {
+  std::vector<CompiledGroup> groups;
+  std::vector<CompiledNode> nodes;  ///< of one group after the other
+};
+
 /// The accuracy to which a camera is to be compiled.
 struct CompileSettings {
   PixelWindow window;  ///< width 0: the whole sensor
@@ -71,12 +76,13 @@ struct CompiledCamera {
   int samples = 0, level = 0;
   std::uint64_t seed = 0;
 
-  std::span<const CompiledTile> tiles;  ///< as of a Film of this window
-  std::span<const CompiledGroup> groups;
-  std::span<const CompiledNode> nodes;
-  std::shared_ptr<const void> memory;  ///< what the spans point to
+  std::vector<CompiledTile> tiles;      ///< as of a Film of this window
+  std::uint64_t groups = 0, nodes = 0;  ///< of all tiles
+  /// A copy of what a tile keeps, from memory or from the bundle's file; several threads may ask.
+  /// @throws FileError for a file that is damaged or was changed
+  std::function<CompiledContent(std::size_t tile)> content;
 
-  double lit_pixels() const;
+  double lit_pixels() const;  ///< @throws FileError
 };
 
 /// The part of a scene that a compiled camera belongs to: camera, paths, wavelengths where they
@@ -91,7 +97,7 @@ CompiledCamera compile_camera(const CompiledScene& scene, const CompileSettings&
 /// @throws FileError
 void write_bundle(const std::string& path, const CompiledCamera& camera);
 
-/// Maps the file into memory. Its tiles are checked as they are used.
+/// Keeps the file open, and reads each tile when it is asked for: it is checked then.
 /// @throws FileError (cannot be read, cut off, damaged, another version), InputError (no bundle)
 CompiledCamera read_bundle(const std::string& path);
 

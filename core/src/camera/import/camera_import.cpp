@@ -171,6 +171,28 @@ void place_grid(const FoundGrid& grid, CameraSpec& camera) {
   array.offset = shrink * (centre + (gap / distance) * camera.lens.decentre);
 }
 
+/// Numbers of a damaged file may leave the range of double on their way into the camera.
+void check_finite(const CameraSpec& camera, const std::string& file) {
+  const ArraySpec& array = camera.array;
+  std::vector<double> values{camera.lens.focal_length,
+                             camera.lens.diameter,
+                             camera.focus.lens_distance,
+                             camera.sensor.pixel_pitch,
+                             camera.sensor.pixel_pitch_y,
+                             array.pitch,
+                             array.pitch_y,
+                             array.sensor_distance,
+                             array.rotation,
+                             array.offset.x,
+                             array.offset.y,
+                             array.tilt.x,
+                             array.tilt.y};
+  for (const MicrolensSpec& type : array.types) values.push_back(type.focal_length);
+  for (const double value : values)
+    if (!std::isfinite(value))
+      throw InputError(SourcePosition{file}, "a length or an angle of this camera is not finite");
+}
+
 }  // namespace
 
 std::span<const CameraFormatName> camera_formats() {
@@ -240,6 +262,7 @@ ImportedCamera import_camera(const std::vector<std::string>& files, const Camera
         "no file says where the microlenses are: camera.array.lattice, offset and rotation "
         "are those that were given, or the default");
   array.diameter = array.pitch_y > 0 ? std::min(array.pitch, array.pitch_y) : array.pitch;
+  check_finite(camera, files.front());
   found.note(
       "microlenses are circles that touch; no file gives their clear diameter "
       "(camera.array.diameter)");

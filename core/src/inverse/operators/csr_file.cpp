@@ -188,10 +188,15 @@ std::vector<Number> hdf5_values(const std::string& path, hid_t file, hsize_t fil
   if (data < 0) refuse(path, fmt::format("\"{}\" is no dataset", name));
   const hid_t space = H5Dget_space(data);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
-  // A size beyond what the storage can hold, at deflate's best, is not believed.
+  // A size beyond what the storage can hold, packed at deflate's best, is not believed.
   const hsize_t stored = H5Dget_storage_size(data);
+  const hid_t made = H5Dget_create_plist(data), item = H5Dget_type(data);
+  const hsize_t most = (H5Pget_layout(made) == H5D_CHUNKED ? kMostShrunk : 1) * stored;
   const bool believable =
-      count >= 0 && stored <= file_size && static_cast<hsize_t>(count) <= kMostShrunk * stored;
+      count >= 0 && stored <= file_size &&
+      static_cast<hsize_t>(count) <= most / std::max<hsize_t>(1, H5Tget_size(item));
+  H5Tclose(item);
+  H5Pclose(made);
   std::vector<Number> values;
   herr_t status = -1;
   if (believable) {
@@ -315,6 +320,11 @@ std::int64_t csr_work(const std::string& description) {
 }
 
 void write_csr(const std::string& path, const CsrMatrix<float>& matrix, const CsrPart& part) {
+  if (!std::all_of(matrix.values().begin(), matrix.values().end(),
+                   [](float value) { return std::isfinite(value); }))
+    throw InputError(path +
+                     ": is not written: an entry of the matrix is no finite number; a value of the "
+                     "scene or of the options is far out of range");
   if (path.ends_with(".mtx")) {
     if (!part.part.is_whole())
       throw UsageError(path + ": parts of a matrix are written as .npz or .h5");

@@ -51,8 +51,9 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
     const double value = reconstruction.at_places[j];
     const double deviation = reconstruction.deviation.empty() ? 0 : reconstruction.deviation[j];
     if (!(absorption[j] > 0) || !(value > threshold * largest)) continue;
-    estimate.decided[j] = 1;
     const double t = temperature_of(source, value);
+    if (t < kAmbient) continue;
+    estimate.decided[j] = 1;
     estimate.temperature[j] = t;
     if (deviation > 0) estimate.temperature_deviation[j] = deviation / source_slope(source, t);
   }

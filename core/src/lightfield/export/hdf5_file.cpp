@@ -81,8 +81,10 @@ void Hdf5File::dataset(const std::string& path, const NamedArray& array) {
   const Handle create(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "a property list");
   check(H5Pset_create_intermediate_group(create, 1), "make groups");
   {
+    const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "a property list");
+    check(H5Pset_obj_track_times(how, false), "leave times away");  // equal runs, equal bytes
     const Handle data(
-        H5Dcreate2(file_, path.c_str(), file_type(array), space, create, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dcreate2(file_, path.c_str(), file_type(array), space, create, how, H5P_DEFAULT),
         H5Dclose, "a dataset");
     const void* values =
         std::visit([](const auto& v) { return static_cast<const void*>(v.data()); }, array.values);

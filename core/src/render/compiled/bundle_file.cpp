@@ -2,16 +2,18 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
-#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
@@ -74,72 +76,116 @@ std::string header_of(const CompiledCamera& camera) {
   json["level"] = camera.level;
   json["seed"] = camera.seed;
   json["tiles"] = camera.tiles.size();
-  json["groups"] = camera.groups.size();
-  json["nodes"] = camera.nodes.size();
-  json["tiles_checksum"] = crc(0, bytes_of(camera.tiles));
+  json["groups"] = camera.groups;
+  json["nodes"] = camera.nodes;
+  json["tiles_checksum"] = crc(0, bytes_of<CompiledTile>(camera.tiles));
   std::string text = json.dump();
   text.resize(aligned(text.size()), ' ');
   return text;
 }
 
-/// A file in memory, as long as it lives.
-class MappedFile {
+/// A bundle that is open, and read where it is asked for. What happens to the file meanwhile is
+/// found by lengths and checksums: nothing of it is ever mapped.
+class OpenBundle {
  public:
-  explicit MappedFile(const std::string& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (file < 0) fail(path);
+  explicit OpenBundle(const std::string& path) : path_(path) {
+    // Without waiting for whoever may write into a pipe.
+    file_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file_ < 0) fail();
     struct stat status {};
-    if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
-      ::close(file);
+    if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+      ::close(file_);
       throw FileError("cannot read '" + path + "': it is not a file");
     }
-    size_ = static_cast<std::size_t>(status.st_size);
-    if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-    const int error = errno;
-    ::close(file);
-    if (data_ == MAP_FAILED) {
-      data_ = nullptr;
-      errno = error;
-      fail(path);
+    size_ = static_cast<std::uint64_t>(status.st_size);
+  }
+  ~OpenBundle() { ::close(file_); }
+  OpenBundle(const OpenBundle&) = delete;
+  OpenBundle& operator=(const OpenBundle&) = delete;
+
+  std::uint64_t size() const { return size_; }
+
+  /// @param count of items that the file was long enough for when it was opened
+  template <class T>
+  std::vector<T> read(std::uint64_t at, std::uint64_t count) const {
+    std::vector<T> items(static_cast<std::size_t>(count));
+    char* to = reinterpret_cast<char*>(items.data());
+    for (std::uint64_t left = count * sizeof(T); left > 0;) {
+      constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // of one call
+      const ssize_t got = ::pread(file_, to, static_cast<std::size_t>(std::min(left, kMost)),
+                                  static_cast<off_t>(at));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail();
+      if (got == 0)
+        throw FileError(path_ + ": was cut off while it was read; compile the camera again");
+      to += got, at += static_cast<std::uint64_t>(got), left -= static_cast<std::uint64_t>(got);
     }
+    return items;
   }
-  ~MappedFile() {
-    if (data_) ::munmap(data_, size_);
-  }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  std::string_view bytes() const { return {static_cast<const char*>(data_), size_}; }
 
  private:
-  [[noreturn]] static void fail(const std::string& path) {
-    throw FileError("cannot read '" + path + "': " + std::strerror(errno));
+  [[noreturn]] void fail() const {
+    throw FileError("cannot read '" + path_ + "': " + std::strerror(errno));
   }
-  void* data_ = nullptr;
-  std::size_t size_ = 0;
+  std::string path_;
+  int file_ = -1;
+  std::uint64_t size_ = 0;
 };
-
-template <class T>
-std::span<const T> items_at(std::string_view bytes, std::size_t begin, std::size_t count) {
-  return {reinterpret_cast<const T*>(bytes.data() + begin), count};
-}
 
 /// Every tile's groups and nodes follow those of the one before.
 bool are_in_order(const CompiledCamera& camera) {
   std::uint64_t group = 0, node = 0;
   for (const CompiledTile& tile : camera.tiles) {
     if (tile.first_group != group || tile.first_node != node ||
-        tile.groups > camera.groups.size() - group || tile.nodes > camera.nodes.size() - node)
+        tile.groups > camera.groups - group || tile.nodes > camera.nodes - node)
       return false;
     group += tile.groups, node += tile.nodes;
   }
-  return group == camera.groups.size() && node == camera.nodes.size();
+  return group == camera.groups && node == camera.nodes;
+}
+
+bool is_finite(Vec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool is_unit(Vec3 v) {
+  return std::fabs(dot(v, v) - 1) < 1e-6;
 }
 
 bool is_sound(const CompiledCamera& camera) {
   const PixelWindow& w = camera.window;
   return w.x >= 0 && w.y >= 0 && w.width > 0 && w.height > 0 && camera.sensor_width >= w.width &&
          camera.sensor_height >= w.height && w.x <= camera.sensor_width - w.width &&
-         w.y <= camera.sensor_height - w.height;
+         w.y <= camera.sensor_height - w.height && is_finite(camera.region.lower) &&
+         is_finite(camera.region.upper) && is_finite(camera.anchor) && is_unit(camera.across) &&
+         is_unit(camera.down) && is_unit(camera.along) && std::isfinite(camera.error) &&
+         camera.samples > 0;
+}
+
+/// As many tiles as a Film of this window has, which need not have room in memory.
+std::uint64_t tiles_of(const PixelWindow& window) {
+  const auto along = [](int pixels) {
+    return (static_cast<std::uint64_t>(pixels) + Film::kTile - 1) / Film::kTile;
+  };
+  return along(window.width) * along(window.height);
+}
+
+/// Rays whose places, slopes and weights can be those of a camera.
+bool is_sound(const CompiledContent& content) {
+  constexpr float kFarthest = 1e9F;  // [m], and of slopes
+  std::uint64_t nodes = 0;
+  for (const CompiledGroup& group : content.groups) {
+    nodes += std::uint64_t{group.count[0]} + group.count[1];
+    if (group.pixel >= Film::kTile * Film::kTile) return false;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (!(std::fabs(group.lower[k]) <= kFarthest) ||
+          !(group.step[k] >= 0 && group.step[k] <= kFarthest))
+        return false;
+  }
+  return nodes == content.nodes.size() &&
+         std::all_of(content.nodes.begin(), content.nodes.end(), [](const CompiledNode& node) {
+           return node.weight >= 0 && node.weight <= 1;  // [m^2 sr] of a pixel
+         });
 }
 
 void read_header(const Json& json, CompiledCamera& camera) {
@@ -178,61 +224,73 @@ void write_bundle(const std::string& path, const CompiledCamera& camera) {
   AtomicFile file(path);
   file.write(preamble);
   file.write(header);
-  file.write(bytes_of(camera.tiles));
-  file.write(bytes_of(camera.groups));
-  file.write(bytes_of(camera.nodes));
+  file.write(bytes_of<CompiledTile>(camera.tiles));
+  for (std::size_t t = 0; t < camera.tiles.size(); ++t)
+    file.write(bytes_of<CompiledGroup>(camera.content(t).groups));
+  for (std::size_t t = 0; t < camera.tiles.size(); ++t)
+    file.write(bytes_of<CompiledNode>(camera.content(t).nodes));
   file.commit();
 }
 
 CompiledCamera read_bundle(const std::string& path) {
-  const auto file = std::make_shared<const MappedFile>(path);
-  const std::string_view bytes = file->bytes();
+  const auto file = std::make_shared<const OpenBundle>(path);
   const std::string again = "; compile the camera again";
   constexpr std::string_view kAnyVersion = "plenoflame bundle ";
-  if (bytes.substr(0, kAnyVersion.size()) != kAnyVersion)
+  const std::vector<char> begin =
+      file->read<char>(0, std::min<std::uint64_t>(kPreamble, file->size()));
+  const std::string_view preamble(begin.data(), begin.size());
+  if (preamble.substr(0, kAnyVersion.size()) != kAnyVersion)
     throw InputError(path +
                      ": is not a compiled camera; `plenoflame compile` makes one of a scene");
-  if (bytes.substr(0, kBundleMagic.size()) != kBundleMagic)
+  if (preamble.substr(0, kBundleMagic.size()) != kBundleMagic)
     throw FileError(path + ": was written by another version of Plenoflame" + again);
   const FileError cut_off(path + ": is cut off" + again), damaged(path + ": is damaged" + again);
-  if (bytes.size() < kPreamble) throw cut_off;
+  if (preamble.size() < kPreamble) throw cut_off;
   std::uint64_t size = 0, sum = 0;
-  std::memcpy(&size, bytes.data() + kBundleMagic.size(), sizeof size);
-  std::memcpy(&sum, bytes.data() + kBundleMagic.size() + sizeof size, sizeof sum);
+  std::memcpy(&size, preamble.data() + kBundleMagic.size(), sizeof size);
+  std::memcpy(&sum, preamble.data() + kBundleMagic.size() + sizeof size, sizeof sum);
   if (size % kAlignment != 0) throw damaged;
-  if (size > bytes.size() - kPreamble) throw cut_off;
-  const std::string_view header = bytes.substr(kPreamble, static_cast<std::size_t>(size));
-  if (crc(0, header) != sum) throw damaged;
+  if (size > file->size() - kPreamble) throw cut_off;
+  const std::vector<char> header = file->read<char>(kPreamble, size);
+  if (crc(0, {header.data(), header.size()}) != sum) throw damaged;
   CompiledCamera camera;
-  std::uint64_t tiles = 0, groups = 0, nodes = 0, tiles_sum = 0;
+  std::uint64_t tiles = 0, tiles_sum = 0;
   try {
     const Json json = Json::parse(header);
     read_header(json, camera);
     tiles = json.at("tiles").get<std::uint64_t>();
-    groups = json.at("groups").get<std::uint64_t>();
-    nodes = json.at("nodes").get<std::uint64_t>();
+    camera.groups = json.at("groups").get<std::uint64_t>();
+    camera.nodes = json.at("nodes").get<std::uint64_t>();
     tiles_sum = json.at("tiles_checksum").get<std::uint64_t>();
   } catch (const Json::exception&) {
     throw damaged;
   }
-  const std::uint64_t left = bytes.size() - kPreamble - size;
-  if (!is_sound(camera) ||
-      tiles != static_cast<std::uint64_t>(Film(camera.window, 1, 1).tile_count()))
-    throw damaged;
-  if (tiles > left / sizeof(CompiledTile) || groups > left / sizeof(CompiledGroup) ||
-      nodes > left / sizeof(CompiledNode))
+  const std::uint64_t left = file->size() - kPreamble - size;
+  if (!is_sound(camera) || tiles != tiles_of(camera.window)) throw damaged;
+  if (tiles > left / sizeof(CompiledTile) || camera.groups > left / sizeof(CompiledGroup) ||
+      camera.nodes > left / sizeof(CompiledNode))
     throw cut_off;
-  const std::uint64_t wanted =
-      tiles * sizeof(CompiledTile) + groups * sizeof(CompiledGroup) + nodes * sizeof(CompiledNode);
-  if (left < wanted) throw cut_off;
-  if (left > wanted) throw damaged;
-  const std::size_t first = kPreamble + static_cast<std::size_t>(size);
-  camera.tiles = items_at<CompiledTile>(bytes, first, tiles);
-  camera.groups = items_at<CompiledGroup>(bytes, first + camera.tiles.size_bytes(), groups);
-  camera.nodes = items_at<CompiledNode>(
-      bytes, first + camera.tiles.size_bytes() + camera.groups.size_bytes(), nodes);
-  if (crc(0, bytes_of(camera.tiles)) != tiles_sum || !are_in_order(camera)) throw damaged;
-  camera.memory = file;
+  const std::uint64_t first_tile = kPreamble + size,
+                      first_group = first_tile + tiles * sizeof(CompiledTile),
+                      first_node = first_group + camera.groups * sizeof(CompiledGroup),
+                      end = first_node + camera.nodes * sizeof(CompiledNode);
+  if (file->size() < end) throw cut_off;
+  if (file->size() > end) throw damaged;
+  camera.tiles = file->read<CompiledTile>(first_tile, tiles);
+  if (crc(0, bytes_of<CompiledTile>(camera.tiles)) != tiles_sum || !are_in_order(camera))
+    throw damaged;
+  const auto table = std::make_shared<const std::vector<CompiledTile>>(camera.tiles);
+  camera.content = [=](std::size_t number) {
+    const CompiledTile& tile = table->at(number);
+    CompiledContent content;
+    content.groups = file->read<CompiledGroup>(
+        first_group + tile.first_group * sizeof(CompiledGroup), tile.groups);
+    content.nodes =
+        file->read<CompiledNode>(first_node + tile.first_node * sizeof(CompiledNode), tile.nodes);
+    if (tile_checksum(content.groups, content.nodes) != tile.checksum || !is_sound(content))
+      throw damaged;
+    return content;
+  };
   return camera;
 }
 

@@ -11,10 +11,10 @@ namespace plenoflame {
 std::uint32_t tile_checksum(std::span<const CompiledGroup> groups,
                             std::span<const CompiledNode> nodes);
 
-/// The contents of a tile are as they were written, and nothing else follows from it.
-/// @param paths, parts of the scene that it is used for @throws FileError
-void check_tile(const CompiledCamera& camera, const CompiledTile& tile, std::size_t paths,
-                std::size_t parts, const std::string& name);
+/// What a tile keeps, for a scene. @param paths, parts of the scene
+/// @throws FileError for one that is damaged, or of another scene
+CompiledContent content_for(const CompiledCamera& camera, std::size_t tile, std::size_t paths,
+                            std::size_t parts, const std::string& name);
 
 /// That a scene holds nothing but flames. @throws InputError
 void check_content(const CompiledScene& scene);

@@ -71,30 +71,29 @@ Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
   return grown(box, settings.margin);
 }
 
-/// The kept parts of all tiles, in their order.
-struct Kept {
-  std::vector<CompiledTile> tiles;
-  std::vector<CompiledGroup> groups;
-  std::vector<CompiledNode> nodes;
-};
+/// Rays are lines, which go on behind the camera: a region there would be taken for seen.
+void check_in_front(const CompiledScene& scene, const CompiledCamera& camera) {
+  const Vec3 front = scene.camera.to_world().point({0, 0, 0});
+  const double nearest = dot(camera.anchor - front, camera.along) - half_depth(camera);
+  if (!(nearest > 0))
+    throw InputError(fmt::format(
+        "the region begins {:.6g} m behind the front of the camera's lens: give one that lies in "
+        "front of it (--region, --margin)",
+        -nearest));
+}
 
-std::shared_ptr<Kept> put_together(std::vector<TileNodes>& parts) {
-  const auto kept = std::make_shared<Kept>();
-  std::size_t groups = 0, nodes = 0;
-  for (const TileNodes& part : parts) groups += part.groups.size(), nodes += part.nodes.size();
-  kept->groups.reserve(groups);
-  kept->nodes.reserve(nodes);
-  for (TileNodes& part : parts) {
+/// Hands the tiles' contents to the camera.
+void keep(std::vector<CompiledContent> contents, CompiledCamera& camera) {
+  for (const CompiledContent& content : contents) {
     CompiledTile tile;
-    tile.first_group = kept->groups.size(), tile.groups = part.groups.size();
-    tile.first_node = kept->nodes.size(), tile.nodes = part.nodes.size();
-    kept->groups.insert(kept->groups.end(), part.groups.begin(), part.groups.end());
-    kept->nodes.insert(kept->nodes.end(), part.nodes.begin(), part.nodes.end());
-    tile.checksum = tile_checksum(part.groups, part.nodes);
-    kept->tiles.push_back(tile);
-    part = {};
+    tile.first_group = camera.groups, tile.groups = content.groups.size();
+    tile.first_node = camera.nodes, tile.nodes = content.nodes.size();
+    tile.checksum = tile_checksum(content.groups, content.nodes);
+    camera.groups += tile.groups, camera.nodes += tile.nodes;
+    camera.tiles.push_back(tile);
   }
-  return kept;
+  camera.content = [kept = std::make_shared<const std::vector<CompiledContent>>(
+                        std::move(contents))](std::size_t tile) { return kept->at(tile); };
 }
 
 /// Workers' tiles, of which each has one at a time.
@@ -123,7 +122,7 @@ class Gathering {
     }
     own.bundles.add(block);
   }
-  std::vector<TileNodes> take(const Execution& execution) {
+  std::vector<CompiledContent> take(const Execution& execution) {
     Execution quiet = execution.threads_only();
     parallel_for(quiet, workers_.size(), [&](std::size_t i, int) { finish(workers_[i]); });
     return std::move(done_);
@@ -140,7 +139,7 @@ class Gathering {
     own.tile = kNone;
   }
   Film tiles_;
-  std::vector<TileNodes> done_;
+  std::vector<CompiledContent> done_;
   std::vector<Worker> workers_;
 };
 
@@ -170,27 +169,27 @@ CompiledCamera compile_camera(const CompiledScene& scene, const CompileSettings&
   camera.level = close.level;
   camera.seed = settings.seed;
   place_frame(scene, camera);
+  check_in_front(scene, camera);
   Gathering gathering(camera, scene, execution.thread_count());
   if (!stream_rays<float>(
           scene, render, execution,
           [&](const RayBlock<float>& block, int worker) { gathering.add(block, worker); },
           RayStreamContent::rays, {camera.region}))
     throw Cancelled();
-  std::vector<TileNodes> tiles = gathering.take(execution);
-  const std::shared_ptr<Kept> kept = put_together(tiles);
-  camera.tiles = kept->tiles;
-  camera.groups = kept->groups;
-  camera.nodes = kept->nodes;
-  camera.memory = kept;
+  keep(gathering.take(execution), camera);
+  if (camera.nodes == 0)
+    throw InputError(
+        "no pixel sees the region that the camera is compiled for: give a region or a window that "
+        "it looks at (--region, --window)");
   return camera;
 }
 
 double CompiledCamera::lit_pixels() const {
   double count = 0;
-  for (const CompiledTile& tile : tiles) {
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (tiles[t].groups == 0) continue;
     std::vector<bool> lit(static_cast<std::size_t>(Film::kTile) * Film::kTile);
-    for (std::size_t g = tile.first_group; g < tile.first_group + tile.groups; ++g)
-      lit[groups[g].pixel] = true;
+    for (const CompiledGroup& group : content(t).groups) lit[group.pixel] = true;
     count += static_cast<double>(std::count(lit.begin(), lit.end(), true));
   }
   return count;

@@ -19,19 +19,14 @@ bool holds(const PixelWindow& outer, const PixelWindow& inner) {
 
 }  // namespace
 
-void check_tile(const CompiledCamera& camera, const CompiledTile& tile, std::size_t paths,
-                std::size_t parts, const std::string& name) {
-  const auto groups = camera.groups.subspan(tile.first_group, tile.groups);
-  const auto nodes = camera.nodes.subspan(tile.first_node, tile.nodes);
-  std::uint64_t count = 0;
-  bool sound = tile_checksum(groups, nodes) == tile.checksum;
-  for (const CompiledGroup& group : groups) {
-    count += std::uint64_t{group.count[0]} + group.count[1];
-    sound = sound && group.path < paths && group.part < parts &&
-            group.pixel < Film::kTile * Film::kTile;
-  }
-  if (!sound || count != tile.nodes)
+CompiledContent content_for(const CompiledCamera& camera, std::size_t tile, std::size_t paths,
+                            std::size_t parts, const std::string& name) {
+  CompiledContent content = camera.content(tile);
+  if (!std::all_of(content.groups.begin(), content.groups.end(), [&](const CompiledGroup& group) {
+        return group.path < paths && group.part < parts;
+      }))
     throw FileError(name + ": is damaged; compile the camera again");
+  return content;
 }
 
 void check_compiled_window(const CompiledCamera& camera, const PixelWindow& window,
@@ -45,21 +40,19 @@ void check_compiled_window(const CompiledCamera& camera, const PixelWindow& wind
 
 std::vector<CompiledRay> rays_of_tile(const CompiledScene& scene, const CompiledCamera& camera,
                                       std::size_t tile, const std::string& name) {
-  const CompiledTile& content = camera.tiles[tile];
   std::vector<CompiledRay> rays;
-  if (content.groups == 0) return rays;
+  if (camera.tiles[tile].groups == 0) return rays;
   std::size_t parts = 1;
   const auto paths = scene.paths();
   for (const CompiledScene& path : paths) parts = std::max(parts, path.part_mixes.size());
-  check_tile(camera, content, paths.size(), parts, name);
+  const CompiledContent content = content_for(camera, tile, paths.size(), parts, name);
   const PixelWindow from = Film(camera.window, 1, 1).tile(static_cast<int>(tile));
-  rays.reserve(content.nodes);
-  std::size_t node = content.first_node;
-  for (std::size_t g = content.first_group; g < content.first_group + content.groups; ++g) {
-    const CompiledGroup& group = camera.groups[g];
+  rays.reserve(content.nodes.size());
+  std::size_t node = 0;
+  for (const CompiledGroup& group : content.groups) {
     const std::size_t second = node + group.count[0], end = second + group.count[1];
     for (; node < end; ++node) {
-      const CompiledNode& kept = camera.nodes[node];
+      const CompiledNode& kept = content.nodes[node];
       std::array<double, 4> at{};
       for (std::size_t k = 0; k < 4; ++k)
         at[k] = static_cast<double>(group.lower[k]) +

@@ -47,18 +47,18 @@ class NodeIntegrator {
       : camera_(camera), paths_(paths), options_(options), columns_(kRadiance + nodes) {}
 
   /// Adds the pixels of a tile of the film.
-  /// @param check called with each tile of the camera that is used
-  template <class Check>
-  void add_to(int film_tile, const Film& tiles, Film& film, const Check& check) {
+  /// @param content gives what a tile of the camera keeps
+  template <class Content>
+  void add_to(int film_tile, const Film& tiles, Film& film, const Content& content) {
     const PixelWindow place = film.tile(film_tile);
     sums_ = nullptr;
     place_ = place;
     for (int t = 0; t < tiles.tile_count(); ++t) {
-      const CompiledTile& tile = camera_.tiles[static_cast<std::size_t>(t)];
-      if (tile.groups == 0 || !meet(tiles.tile(t), place)) continue;
-      check(tile);
+      const auto number = static_cast<std::size_t>(t);
+      if (camera_.tiles[number].groups == 0 || !meet(tiles.tile(t), place)) continue;
+      const CompiledContent kept = content(number);
       if (!sums_) sums_ = film.tile_sums(film_tile).data();
-      add(tile, tiles.tile(t));
+      add(kept, tiles.tile(t));
     }
     flush();
   }
@@ -67,10 +67,9 @@ class NodeIntegrator {
  private:
   enum Column : std::size_t { kX, kY, kZ, kDx, kDy, kDz, kTransmittance, kRadiance };
 
-  void add(const CompiledTile& tile, const PixelWindow& from) {
-    std::size_t node = tile.first_node;
-    for (std::size_t g = tile.first_group; g < tile.first_group + tile.groups; ++g) {
-      const CompiledGroup& group = camera_.groups[g];
+  void add(const CompiledContent& content, const PixelWindow& from) {
+    std::size_t node = 0;
+    for (const CompiledGroup& group : content.groups) {
       const int column = from.x + group.pixel % Film::kTile - place_.x;
       const int row = from.y + group.pixel / Film::kTile - place_.y;
       const std::size_t end = node + group.count[0] + group.count[1];
@@ -84,7 +83,7 @@ class NodeIntegrator {
       const std::size_t pixel = static_cast<std::size_t>(row * place_.width + column);
       for (; node < end; ++node) {
         if (count_ == kNodesOfBatch) flush();
-        put(group, camera_.nodes[node], pixel + (node < second ? 0 : pixels()));
+        put(group, content.nodes[node], pixel + (node < second ? 0 : pixels()));
       }
     }
   }
@@ -191,8 +190,8 @@ void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
         const std::optional<TileJob> job = next();
         if (!job) break;
         const double before = own.counters().rays;
-        own.add_to(job->tile, tiles, film, [&](const CompiledTile& tile) {
-          check_tile(camera, tile, paths.size(), parts, name);
+        own.add_to(job->tile, tiles, film, [&](std::size_t tile) {
+          return content_for(camera, tile, paths.size(), parts, name);
         });
         film.add_samples(job->tile, 1);
         const std::lock_guard lock(mutex);

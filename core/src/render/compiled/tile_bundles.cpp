@@ -52,7 +52,7 @@ void TileBundles::add(const RayBlock<float>& block) {
   }
 }
 
-TileNodes TileBundles::finish() {
+CompiledContent TileBundles::finish() {
   // By key, rays of the same one in their order.
   std::vector<std::size_t> begin(2 * std::size_t{paths_} * parts_ * Film::kTile * Film::kTile + 1);
   for (const std::uint32_t key : keys_) ++begin[key + 1];
@@ -60,7 +60,7 @@ TileNodes TileBundles::finish() {
   sorted_.resize(rays_.size());
   std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
   for (std::size_t i = 0; i < rays_.size(); ++i) sorted_[next[keys_[i]]++] = rays_[i];
-  TileNodes tile;
+  CompiledContent tile;
   for (std::size_t k = 0; k + 1 < begin.size(); k += 2) {
     if (begin[k] == begin[k + 2]) continue;
     const std::span<const BundleRay> all(sorted_);
@@ -72,7 +72,7 @@ TileNodes TileBundles::finish() {
 }
 
 void TileBundles::add_group(std::uint32_t key, std::span<const BundleRay> first,
-                            std::span<const BundleRay> second, TileNodes& tile) {
+                            std::span<const BundleRay> second, CompiledContent& tile) {
   CompiledGroup group;
   const std::uint32_t part = key / 2 % parts_, rest = key / 2 / parts_;
   const std::uint32_t pixel = rest % (Film::kTile * Film::kTile);

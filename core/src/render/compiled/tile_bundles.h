@@ -8,12 +8,6 @@
 
 namespace plenoflame {
 
-/// The part of a compiled camera that belongs to one tile.
-struct TileNodes {
-  std::vector<CompiledGroup> groups;
-  std::vector<CompiledNode> nodes;
-};
-
 /// Gathers the rays of a tile and makes few of them. One for each worker.
 class TileBundles {
  public:
@@ -22,12 +16,12 @@ class TileBundles {
 
   void begin(const PixelWindow& tile) { tile_ = tile, keys_.clear(), rays_.clear(); }
   void add(const RayBlock<float>& block);
-  TileNodes finish();
+  CompiledContent finish();
   double rays() const { return traced_; }  ///< that were added so far, in all tiles
 
  private:
   void add_group(std::uint32_t key, std::span<const BundleRay> first,
-                 std::span<const BundleRay> second, TileNodes& tile);
+                 std::span<const BundleRay> second, CompiledContent& tile);
 
   const CompiledCamera& camera_;
   std::uint32_t paths_, parts_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/progress_share.h"
 #include "render/estimators/run_control.h"
 
 namespace plenoflame {
@@ -32,9 +33,11 @@ BenchmarkPoint benchmark_point(const CompiledScene& scene, RenderSettings settin
                       *std::max_element(truth.flux.pixels.begin(), truth.flux.pixels.end());
   double squares = 0, difference = 0, variance = 0;
   double lit = 0, total = 0, truth_variance = 0;
+  const double runs = repeat;
   for (int run = 0; run < repeat; ++run) {
     const auto start = std::chrono::steady_clock::now();
-    const RenderResult result = render(scene, settings, execution);
+    const RenderResult result =
+        render(scene, settings, share_of(execution, run / runs, (run + 1) / runs));
     point.seconds.push_back(seconds_since(start));
     if (!result.statistics.complete) throw Cancelled();
     ++settings.seed;

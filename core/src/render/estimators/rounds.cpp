@@ -326,7 +326,9 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     const TileErrors errors = measure_errors(film, execution);
     if (is_started(film)) {
       statistics.relative_error = errors.stated.relative_rmse;
-      progress.set_relative_error(statistics.relative_error);
+      std::vector<double> squares = errors.mean_square;
+      for (std::size_t t = 0; t < squares.size(); ++t) squares[t] *= errors.lit[t];
+      tile_progress.measured(film, statistics.relative_error, std::move(squares));
       if (is_met(film, errors, settings)) break;
       if (settings.target_error > 0 && seems_dark(film, errors)) break;
     }

@@ -1,8 +1,11 @@
 #include "render/estimators/run_progress.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "render/estimators/run_control.h"
+#include "render/sampling/sample_plan.h"
 
 namespace plenoflame {
 namespace {
@@ -95,10 +98,27 @@ void TileProgress::explore(const Film& film, const std::vector<double>& samples)
   run_.explore(weigh(film, samples).left);
 }
 
+void TileProgress::measured(const Film& film, double relative_error, std::vector<double> squares) {
+  run_.set_relative_error(relative_error);
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  held_ = film.all_tile_samples();
+  squares_ = std::move(squares);
+  for (double& square : squares_) square *= sum > 0 ? relative_error * relative_error / sum : 0;
+  square_ = sum > 0 ? relative_error * relative_error : 0;
+}
+
 void TileProgress::add(int tile, double samples, double rays) {
   const auto t = static_cast<std::size_t>(tile);
   rays_[t] += rays;
   samples_[t] += samples;
+  if (square_ > 0 && held_[t] > 0) {
+    const double left = squares_[t] * std::pow(1 + samples / held_[t], -2 * kErrorSlope);
+    square_ += left - squares_[t];
+    squares_[t] = left;
+    held_[t] += samples;
+    run_.set_relative_error(std::sqrt(std::max(0.0, square_)));
+  }
   run_.add(costs_[t] * samples, rays);
 }
 

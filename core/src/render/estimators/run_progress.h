@@ -56,6 +56,11 @@ class TileProgress {
   void foresee(const Film& film, const std::vector<double>& samples);
   /// From now on tiles get so many samples, which tell how many more are needed.
   void explore(const Film& film, const std::vector<double>& samples);
+  /// Takes the measured error of the film: from now on each report has the error that further
+  /// samples leave of it, as kErrorSlope foresees.
+  /// @param relative_error of the picture
+  /// @param squares share of each tile in its square, up to a factor
+  void measured(const Film& film, double relative_error, std::vector<double> squares);
   /// A tile got samples; reports.
   void add(int tile, double samples, double rays);
 
@@ -68,6 +73,8 @@ class TileProgress {
   RunProgress& run_;
   std::vector<double> rays_, samples_;  ///< of each tile, in this run
   std::vector<double> costs_;           ///< of a sample of each tile, as last weighed
+  std::vector<double> squares_, held_;  ///< shares in the squared error, samples; empty: not known
+  double square_ = 0;                   ///< sum of squares_
 };
 
 }  // namespace plenoflame

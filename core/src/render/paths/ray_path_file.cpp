@@ -36,13 +36,6 @@ class Output {
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
     return text({digits.data(), static_cast<std::size_t>(end - digits.data())});
   }
-  /// Little-endian bytes.
-  template <class Number>
-  Output& bytes(Number value) {
-    std::array<char, sizeof(Number)> raw = std::bit_cast<std::array<char, sizeof(Number)>>(value);
-    if constexpr (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
-    return text({raw.data(), raw.size()});
-  }
   void commit() {
     flush();
     file_.commit();
@@ -60,11 +53,50 @@ class Output {
 
 // --- VTK PolyData -----------------------------------------------------------------------------
 
-/// One array of the file: its values are written by `fill`, behind the XML.
+/// Numbers as little-endian bytes in base64 (RFC 4648): three bytes are four letters. Bytes as they
+/// are would be no XML, and some parsers refuse them.
+class Base64 {
+ public:
+  explicit Base64(Output& out) : out_(out) {}
+
+  template <class Number>
+  void add(Number value) {
+    std::array<unsigned char, sizeof(Number)> raw =
+        std::bit_cast<std::array<unsigned char, sizeof(Number)>>(value);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(raw.begin(), raw.end());
+    for (const unsigned char byte : raw) {
+      bits_ = bits_ << 8 | byte;
+      if (++count_ == 3) write(4);
+    }
+  }
+  void finish() {
+    const int letters = count_ + 1;
+    if (count_ == 0) return;
+    bits_ <<= 8 * (3 - count_);
+    write(letters);
+    out_.text(std::string_view("==").substr(static_cast<std::size_t>(letters - 2)));
+  }
+
+ private:
+  void write(int letters) {
+    constexpr std::string_view kLetters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::array<char, 4> four;
+    for (std::size_t i = 0; i < 4; ++i) four[i] = kLetters[bits_ >> (18 - 6 * i) & 63U];
+    out_.text({four.data(), static_cast<std::size_t>(letters)});
+    bits_ = 0;
+    count_ = 0;
+  }
+  Output& out_;
+  std::uint32_t bits_ = 0;
+  int count_ = 0;  ///< bytes in bits_
+};
+
+/// One array of the file. `fill` writes its values.
 struct DataArray {
   std::string attributes;
   std::size_t bytes;
-  std::function<void(Output&)> fill;
+  std::function<void(Base64&)> fill;
 };
 
 std::string escaped(std::string_view text) {
@@ -105,10 +137,10 @@ DataArray data_array(const std::string& name, std::size_t count, std::size_t com
                            "\" NumberOfComponents=\"" + std::to_string(components) + "\"";
   for (std::size_t k = 0; k < component_names.size(); ++k)
     attributes += " ComponentName" + std::to_string(k) + "=\"" + escaped(component_names[k]) + "\"";
-  return {attributes, count * components * sizeof(Number), [=](Output& out) {
+  return {attributes, count * components * sizeof(Number), [=](Base64& out) {
             for (std::size_t i = 0; i < count; ++i)
               for (std::size_t k = 0; k < components; ++k)
-                out.bytes<Number>(static_cast<Number>(value(i, k)));
+                out.add(static_cast<Number>(value(i, k)));
           }};
 }
 
@@ -191,26 +223,19 @@ void write_vtp(Output& out, const RayPaths& paths) {
       .text("\" NumberOfVerts=\"0\" NumberOfLines=\"")
       .number(rays.size())
       .text("\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n");
-  std::size_t offset = 0;
   for (const Section& section : sections) {
     out.text("<").text(section.name).text(">\n");
     for (const DataArray& array : section.arrays) {
-      out.text("<DataArray ")
-          .text(array.attributes)
-          .text(" format=\"appended\" offset=\"")
-          .number(offset)
-          .text("\"/>\n");
-      offset += sizeof(std::uint64_t) + array.bytes;
+      out.text("<DataArray ").text(array.attributes).text(" format=\"binary\">\n");
+      Base64 coded(out);
+      coded.add(static_cast<std::uint64_t>(array.bytes));
+      array.fill(coded);
+      coded.finish();
+      out.text("\n</DataArray>\n");
     }
     out.text("</").text(section.name).text(">\n");
   }
-  out.text("</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
-  for (const Section& section : sections)
-    for (const DataArray& array : section.arrays) {
-      out.bytes(static_cast<std::uint64_t>(array.bytes));
-      array.fill(out);
-    }
-  out.text("\n</AppendedData>\n</VTKFile>\n");
+  out.text("</Piece>\n</PolyData>\n</VTKFile>\n");
 }
 
 // --- CSV and JSON ------------------------------------------------------------------------------

@@ -1,9 +1,11 @@
 #include "plenoflame/render/ray_stream.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -84,8 +86,13 @@ class BlockWriter : public RayConsumer<Real> {
   BlockWriter& operator=(const BlockWriter&) = delete;
 
   /// @param sequence number of the next block of the tile, counted on
-  void trace(int index, const PixelWindow& tile, int& sequence) {
+  /// @param reached is called with the share of the tile's rows that are done
+  void trace(int index, const PixelWindow& tile, int& sequence,
+             const std::function<void(double)>& reached) {
     sequence_ = &sequence;
+    tile_ = tile;
+    row_ = tile.y;
+    reached_ = &reached;
     tracer_.trace(index, tile);
   }
 
@@ -97,6 +104,16 @@ class BlockWriter : public RayConsumer<Real> {
     std::fill_n(types_.begin() + rays.first, rays.count, rays.type);
   }
   void traced(const TracedRays<Real>& rays) override {
+    write(rays);
+    if (rays.pixels.empty() || rays.pixels.back().row <= row_) return;
+    row_ = rays.pixels.back().row;
+    (*reached_)(static_cast<double>(row_ - tile_.y) / tile_.height);
+  }
+
+ private:
+  enum Column : std::size_t { kEtendue, kSampled, kNear, kFar };
+
+  void write(const TracedRays<Real>& rays) {
     block_.sequence = (*sequence_)++;
     block_.size = rays.count;
     set_lines(rays);
@@ -122,9 +139,6 @@ class BlockWriter : public RayConsumer<Real> {
     block_.sampled_etendue = {columns_[kSampled], size};
     consumer_(block_, worker_);
   }
-
- private:
-  enum Column : std::size_t { kEtendue, kSampled, kNear, kFar };
 
   void set_lines(const TracedRays<Real>& rays) {
     RayBatch<Real>& lines = block_.rays;
@@ -323,6 +337,9 @@ class BlockWriter : public RayConsumer<Real> {
   TileTracer<Real> tracer_;
   std::optional<RadianceIntegrator<Real>> integrator_;
   int* sequence_ = nullptr;
+  PixelWindow tile_;
+  int row_ = 0;  ///< of tile_, which rays have reached
+  const std::function<void(double)>* reached_ = nullptr;
   RayBlock<Real> block_;
   AlignedColumns<Real> columns_;
   std::vector<int> pixel_columns_ = std::vector<int>(kBlockRays),
@@ -369,7 +386,19 @@ bool stream_rays(const CompiledScene& scene, const RenderSettings& settings,
   std::vector<Writers> writers(static_cast<std::size_t>(execution.thread_count()));
   std::mutex mutex;
   std::size_t done = 0;
+  std::vector<double> under_way(writers.size());  ///< share of each worker's tile
   const auto count = static_cast<std::size_t>(tiles.tile_count());
+  // Tiles may be few, and take long.
+  const auto report = [&](int worker, double share) {
+    if (!execution.progress) return;
+    const std::lock_guard lock(mutex);
+    done += share < 1 ? 0 : 1;
+    under_way[static_cast<std::size_t>(worker)] = share < 1 ? share : 0;
+    const double parts = std::accumulate(under_way.begin(), under_way.end(), 0.0);
+    Progress progress;
+    progress.fraction = (static_cast<double>(done) + parts) / static_cast<double>(count);
+    execution.progress(progress);
+  };
   return parallel_for(execution, count, [&](std::size_t tile, int worker) {
     Writers& own = writers[static_cast<std::size_t>(worker)];
     if (own.empty())
@@ -378,12 +407,12 @@ bool stream_rays(const CompiledScene& scene, const RenderSettings& settings,
                                                           content, worker, consumer));
     int sequence = 0;
     const int index = static_cast<int>(tile);
-    for (const auto& writer : own) writer->trace(index, tiles.tile(index), sequence);
-    if (!execution.progress) return;
-    const std::lock_guard lock(mutex);
-    Progress progress;
-    progress.fraction = static_cast<double>(++done) / static_cast<double>(count);
-    execution.progress(progress);
+    const auto paths_in_all = static_cast<double>(own.size());
+    for (std::size_t p = 0; p < own.size(); ++p)
+      own[p]->trace(index, tiles.tile(index), sequence, [&](double share) {
+        report(worker, (static_cast<double>(p) + share) / paths_in_all);
+      });
+    report(worker, 1);
   });
 }
 

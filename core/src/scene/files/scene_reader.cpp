@@ -7,7 +7,7 @@
 #include <locale>
 #include <sstream>
 
-#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 #include "plenoflame/optics/f_number.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/lens_file.h"
@@ -553,7 +553,7 @@ SceneDocument read_scene_file(const std::string& path) {
 }
 
 SceneDocument read_scene_file(const std::string& path, const SceneSettings& settings) {
-  return parse_scene(read_file(path), path, settings);
+  return parse_scene(read_text_file(path), path, settings);
 }
 
 }  // namespace plenoflame

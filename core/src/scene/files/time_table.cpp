@@ -11,7 +11,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
-#include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/text_file.h"
 #include "scene/files/nearest.h"
 
 namespace plenoflame {
@@ -152,12 +152,11 @@ double read_number(const Cell& cell, const Column& column, const SourcePosition&
 }  // namespace
 
 TimeTable::TimeTable(const std::string& path) {
-  const std::string text = read_file(path);
+  const std::string text = read_text_file(path);
   std::vector<Column> columns;
   char separator = ',';
   int number = 0;
-  // Spreadsheets begin UTF-8 files with a mark.
-  for (std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0; at < text.size();) {
+  for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     std::string_view line(text.data() + at, end - at);
     at = end + 1;

@@ -1,4 +1,5 @@
 #pragma once
+#include "optics/kernel_lens_limit.h"
 #include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/scene_schema.h"
@@ -146,9 +147,11 @@ inline constexpr SchemaKey kCameraName = key<CAMERA, &CameraSpec::name>(
     "camera.name",
     "Name of the camera: letters, digits, _ and -. Each of several `[[cameras]]` has its own, "
     "and the picture of one carries it.");
+inline constexpr SchemaList kLensSurfaces =
+    list<SURFACE>("camera.lens.surfaces", 0, kMaxLensSurfaces);
 inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
     "camera.pupil_filters[].transmission",
     "Its transmission, straight lines between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; "
-    "empty: everything passes.");
+    "empty: everything passes. 0 at all points: an opaque mask.");
 
 }  // namespace plenoflame::schema

@@ -573,7 +573,7 @@ constexpr SchemaKey kRows[] = {
 };
 
 constexpr SchemaList kListRows[] = {
-    list<&Scene::cameras>("cameras", 0, 100), list<SURFACE>("camera.lens.surfaces", 0, 1000),
+    list<&Scene::cameras>("cameras", 0, 100), kLensSurfaces,
     list<TYPE>("camera.array.types", 0, 3),   list<FILTER>("camera.pupil_filters", 0, 16),
     list<FLAME>("flames", 0, 1000),           list<LAYER>("flames[].layers", 0, 100000),
     list<LINE>("flames[].lines", 0, 8),       list<SOLID>("surfaces", 0, 10000),

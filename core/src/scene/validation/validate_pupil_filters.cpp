@@ -5,7 +5,7 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/pupil_filters.h"
-#include "plenoflame/radiometry/spectral_response.h"
+#include "plenoflame/radiometry/filter_points.h"
 #include "plenoflame/scene/spectral.h"
 #include "scene/files/nearest.h"
 #include "scene/validation/issues.h"
@@ -59,10 +59,8 @@ bool check_filter(const PupilFilterSpec& filter, std::size_t i, Issues& issues) 
                      " is not convex, or its corners are not listed around it; split it into "
                      "convex filters with the same transmission");
   if (!filter.transmission.empty())
-    issues.expect(path + ".transmission", path + ".transmission", [&] {
-      for (const SpectralPoint& point : parse_spectral_points(filter.transmission))
-        if (point.value > 1) throw InputError("a filter lets at most everything through, 1");
-    });
+    issues.expect(path + ".transmission", path + ".transmission",
+                  [&] { static_cast<void>(parse_filter_points(filter.transmission)); });
   if (issues.errors() != errors) return false;
   if (PupilFilters({filter}).areas().front() < kNothing)
     issues.error_among(
@@ -94,8 +92,9 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
             fmt::format("{} and {} overlap; a part of the stop can have one filter only",
                         in_words(filters[k], k), in_words(filters[i], i)));
   if (issues.errors() > 0) return;
-  // Something must be left of each channel, through one part or another.
+  // Something is left of each channel, through one part or another, unless the stop is opaque.
   if (PupilFilters(filters).areas().back() > kNothing) return;
+  std::vector<std::size_t> dark;
   for (std::size_t c = 0; c < scene.channels.size(); ++c) {
     const ChannelSpec& channel = scene.channels[c];
     if (channel.kind == ChannelKind::curve && channel.curve.empty()) continue;
@@ -108,10 +107,16 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
             return false;  // not through this one
           }
         });
-    if (!seen)
-      issues.error(fmt::format("channels[{}].kind", c),
-                   "none of the pupil filters lets anything through of channel " +
-                       quote_for_message(channel.name));
+    if (!seen) dark.push_back(c);
+  }
+  for (const std::size_t c : dark) {
+    const std::string path = fmt::format("channels[{}].kind", c);
+    const std::string what = "none of the pupil filters lets anything through of channel " +
+                             quote_for_message(scene.channels[c].name);
+    if (dark.size() == scene.channels.size())
+      issues.warning(path, what + ", so its picture is black");
+    else
+      issues.error(path, what);
   }
 }
 

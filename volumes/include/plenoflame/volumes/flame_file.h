@@ -54,6 +54,11 @@ std::span<const LineGrid> line_grids();
 FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
                        const Execution& execution);
 
+/// The grids of a file as a script wants them: temperature and absorption as read_flame() has them,
+/// by these names; of a file with neither of them (a reconstruction's emission) all that can be
+/// read, by their own names and as stored. @param path of the file @throws as read_flame
+std::vector<VoxelField> read_flame_grids(const std::string& path, const Execution& execution);
+
 /// Writes all grids of a flame with their units, and who wrote them.
 /// @return size of the file [byte] @throws as write_grids
 std::uint64_t write_flame(const std::string& path, const FlameFields& flame,

@@ -55,8 +55,10 @@ class SceneSession {
 
   /// Forgets compiled scenes, for files that have changed.
   void forget();
+  /// @param unsaid warnings that do not matter for what the caller does with the scene
   /// @throws as plenoflame::compile()
-  std::shared_ptr<const CompiledScene> compile(const Execution& execution);
+  std::shared_ptr<const CompiledScene> compile(const Execution& execution,
+                                               const std::vector<IssueCode>& unsaid = {});
 
  private:
   SceneDocument document_;

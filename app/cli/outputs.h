@@ -1,0 +1,22 @@
+#pragma once
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
+
+namespace plenoflame::cli {
+
+/// Marks an option that names an output, a file or a folder. The mark refuses nothing itself:
+///     command.add_option("-o,--output", settings->output, "What it is")->check(written());
+CLI::Validator written();
+
+/// Marks an option whose file may also be the output: the command continues it.
+CLI::Validator continued();
+
+/// No output of a command may be another one, nor a file that it reads, by whatever name (links,
+/// "./"). What it reads are all files that its other options and its scenes name.
+/// @param app after parsing: the chosen command is looked at @throws UsageError
+void check_outputs(CLI::App& app);
+
+}  // namespace plenoflame::cli

@@ -1,0 +1,48 @@
+#include "terminal.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace plenoflame {
+
+std::size_t output_columns() {
+  if (isatty(STDOUT_FILENO) != 1) return 0;
+  winsize size{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return 80;
+}
+
+void append_wrapped(std::string& text, const std::string& line, std::size_t used, std::size_t begin,
+                    std::size_t width) {
+  std::size_t at = 0;
+  while (at < line.size()) {
+    const std::size_t word = line.find_first_not_of(' ', at);
+    if (word == std::string::npos) break;
+    const std::size_t end = std::min(line.find(' ', word), line.size());
+    if (at > 0 && used + end - at > width) {
+      text.append("\n").append(begin, ' ');
+      used = begin;
+    } else {
+      text.append(line, at, word - at);
+      used += word - at;
+    }
+    text.append(line, word, end - word);
+    used += end - word;
+    at = end;
+  }
+}
+
+std::string fitting(const std::string& text) {
+  const std::size_t columns = output_columns();
+  if (columns == 0) return text;
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); result += '\n')
+    append_wrapped(result, line, 0, 4, columns);
+  return result;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""Counts sentences that are hard to read in pages and comments, and holds the counts to limits.
+
+Usage: prose.py [--list] [--check] [--limits]
+
+Prints one row for each folder. --list prints each finding with its file and line. --check fails when a count is above its limit in LIMITS
+and says which limits can be lowered. --limits prints the table LIMITS with today's counts. Code, tables and addresses are ignored.
+"""
+
+import argparse
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+MOST_WORDS = 25
+RULES = ("long", "opening", "diary", "gets", "glossary")
+# Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
+LIMITS = {
+    "README, CONTRIBUTING": (1, 0, 0, 0, 0),
+    "docs": (67, 21, 4, 1, 2),
+    "docs/benchmarks.md": (8, 2, 1, 0, 0),
+    "docs/developer": (21, 5, 0, 0, 0),
+    "docs/numerics.md": (14, 1, 0, 0, 1),
+    "docs/reference": (2, 5, 0, 0, 0),
+    "docs/theory": (21, 4, 0, 0, 1),
+    "docs/user": (12, 1, 0, 0, 1),
+    "docs/validation.md": (17, 0, 0, 0, 1),
+    "core (comments)": (506, 74, 36, 0, 61),
+    "volumes (comments)": (26, 4, 1, 0, 0),
+    "app (comments)": (89, 19, 25, 0, 2),
+}
+GENERATED = ("docs/reference/", "docs/benchmarks.md", "docs/numerics.md", "docs/validation.md")
+SOURCES = ("core", "volumes", "app")
+OPENING = re.compile(r"^(Of|What|That of|Those|So many|As far|Whether|Where)\b")
+DIARY = re.compile(r"\b(was tried|were tried|asked for|was asked|next time|not reached|fell short|falls short)\b", re.I)
+GETS = re.compile(r"^what\b.*\bgets?\b", re.I)
+SENTENCE_END = re.compile(r"(?<=[.!?:;])[\"')*_]*\s+(?=[\"'(*_\[]*[A-Z])")
+
+
+class Sentence:
+    def __init__(self, line, text, heading=False):
+        self.line, self.text, self.heading = line, text, heading
+        self.words = sum(bool(re.search(r"\w", word)) for word in text.split())
+
+
+def plain(text):
+    """A line without markup: inline code becomes one word, a link its text, an address nothing."""
+    text = re.sub(r"`[^`]*`", "Code", text)
+    text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    return re.sub(r"<!--.*?-->|<?\bhttps?://\S+", "", text)
+
+
+def sentences(paragraph, first_line):
+    """The sentences of a paragraph (its lines), each with the line on which it begins."""
+    text = "\n".join(paragraph)
+    begin = 0
+    for end in [m.start() for m in SENTENCE_END.finditer(text)] + [len(text)]:
+        part = text[begin:end]
+        line = first_line + text[:begin + len(part) - len(part.lstrip("\"')*_ \n"))].count("\n")
+        if part.strip():
+            yield Sentence(line, " ".join(part.split()).lstrip("\"')*_ "))
+        begin = end
+
+
+def page_sentences(text):
+    """Sentences and headings of a Markdown page."""
+    paragraph, start, fence, comment = [], 0, False, False
+    for number, line in enumerate(text.splitlines() + [""], 1):
+        bare = line.strip()
+        if bare.startswith("```"):
+            fence, bare = not fence, ""
+        elif bare.startswith("<!--") and "-->" not in bare:
+            comment = True
+        formula = line.startswith("    ") and not paragraph
+        ignored = fence or comment or formula or not bare or bare.startswith(("|", "<!--"))
+        item = re.match(r"([-*+]|\d+\.)\s+", bare)
+        heading = re.match(r"#+\s+", bare)
+        if paragraph and (ignored or item or heading):
+            yield from sentences(paragraph, start)
+            paragraph = []
+        if comment:
+            comment = "-->" not in bare
+        elif heading and not ignored:
+            yield Sentence(number, plain(bare[heading.end():]), heading=True)
+        elif not ignored:
+            start = start if paragraph else number
+            paragraph.append(plain(bare[item.end():] if item else bare))
+
+
+def comment_sentences(text, mark):
+    """Sentences of a source file's comments; a comment on a line of code stands alone."""
+    paragraph, start = [], 0
+    whole, behind = (re.compile(before + mark + r"(?P<text>.*)") for before in (r"^\s*", r"\S\s+"))
+    for number, line in enumerate(text.splitlines() + [""], 1):
+        found = whole.match(line)
+        comment = plain(found["text"]).strip() if found else ""
+        item = re.match(r"([-*]|\d+\.|@\w+)\s+", comment)
+        if paragraph and (not comment or item):
+            yield from sentences(paragraph, start)
+            paragraph = []
+        if comment:
+            start = start if paragraph else number
+            paragraph.append(comment[item.end():] if item else comment)
+        elif not found and (end := behind.search(line)):
+            yield from sentences([plain(end["text"]).strip()], number)
+
+
+def avoided_words(glossary):
+    """{word: replacement} of the glossary's section "Words to avoid"."""
+    section = glossary.partition("## Words to avoid")[2].partition("\n## ")[0]
+    rows = [[cell.strip() for cell in row.strip("|").split("|")] for row in section.splitlines() if row.startswith("|")]
+    return {word.strip(): row[1] for row in rows[2:] for word in row[0].split(",")}
+
+
+def findings(sentence, avoided):
+    """(rule, remark) of everything that is wrong with a sentence."""
+    text = sentence.text
+    if sentence.heading and GETS.search(text):
+        yield "gets", "name the topic"
+    if not sentence.heading and sentence.words > MOST_WORDS:
+        yield "long", f"{sentence.words} words"
+    if not sentence.heading and (opening := OPENING.match(text)) and not text.endswith("?"):
+        yield "opening", f'begins with "{opening[0]}"'
+    if diary := DIARY.search(text):
+        yield "diary", f'"{diary[0]}"'
+    for word, better in avoided.items():
+        if re.search(rf"\b{re.escape(word)}\b", text, re.I):
+            yield "glossary", f'"{word}": say "{better}"'
+
+
+def folder_of(path):
+    """The row in which a file counts."""
+    if path.startswith(SOURCES):
+        return f"{path.split('/')[0]} (comments)"
+    if path.startswith(GENERATED):
+        return path if path.count("/") == 1 else "docs/reference"
+    return path.rpartition("/")[0] or "README, CONTRIBUTING"
+
+
+def texts(root):
+    """(path, sentences) of every page and source."""
+    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
+    for page in pages:
+        yield page.relative_to(root).as_posix(), page_sentences(page.read_text())
+    for folder in SOURCES:
+        for path in sorted((root / folder).rglob("*")):
+            mark = "///?<?" if path.suffix in (".h", ".cpp", ".cxx") else "#(?!!)" if path.suffix in (".py", ".txt", ".cmake") else None
+            if mark:
+                yield path.relative_to(root).as_posix(), comment_sentences(path.read_text(), mark)
+
+
+def count(root, show):
+    """{folder: {"words": n, rule: n}}; show is called with each finding."""
+    avoided = avoided_words((root / "docs/developer/glossary.md").read_text())
+    counts = {}
+    for path, parts in texts(root):
+        row = counts.setdefault(folder_of(path), dict.fromkeys(("words", *RULES), 0))
+        for sentence in parts:
+            row["words"] += sentence.words
+            # The glossary itself names the words to avoid.
+            for rule, remark in findings(sentence, {} if path.endswith("glossary.md") else avoided):
+                row[rule] += 1
+                show(f"{path}:{sentence.line}: {rule}: {remark}: {sentence.text[:100]}")
+    return counts
+
+
+def check(counts, limits):
+    """True when no count is above its limit."""
+    fits = True
+    for folder, row in counts.items():
+        for rule, limit in zip(RULES, limits.get(folder, (0,) * len(RULES))):
+            if row[rule] > limit:
+                fits = False
+                print(f"{folder}: {rule}: {row[rule]}, limit {limit}: rewrite the new ones (tools/prose.py --list)")
+            elif row[rule] < limit:
+                print(f"{folder}: {rule}: {row[rule]}, limit {limit}: lower the limit in tools/prose.py")
+    return fits
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    for option in ("--list", "--check", "--limits"):
+        parser.add_argument(option, action="store_true")
+    options = parser.parse_args()
+    counts = count(ROOT, print if options.list else lambda line: None)
+    if options.limits:
+        print("\n".join(f'    "{folder}": ({", ".join(str(row[rule]) for rule in RULES)}),' for folder, row in counts.items()))
+        return
+    print(f"{'':24}" + "".join(f"{name:>10}" for name in ("words", *RULES)))
+    for folder, row in counts.items():
+        print(f"{folder:24}" + "".join(f"{n:10}" for n in row.values()))
+    if options.check and not check(counts, LIMITS):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()
