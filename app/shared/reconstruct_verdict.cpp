@@ -40,10 +40,11 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
   const MeanDeviations means = mean_deviations(result.estimate, unknowns);
   if (!means.emission) return "It is not known how far this can be believed: no deviations.";
   const std::string one = kind == "voxels" ? "voxel" : kind == "rings" ? "ring" : "layer";
-  std::string text = fmt::format("The emission of a {} is known to {}", one,
-                                 readable_percent(*means.emission));
+  std::string text =
+      fmt::format("The emission of a {} is known to {}", one, readable_percent(*means.emission));
   if (means.temperature)
-    text += fmt::format(", its temperature to {}", readable(*means.temperature, Dimension::temperature));
+    text += fmt::format(", its temperature to {}",
+                        readable(*means.temperature, Dimension::temperature));
   if (means.absorption)
     text += fmt::format(", its absorption to {}", readable_percent(*means.absorption));
   text += '.';

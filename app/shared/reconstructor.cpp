@@ -184,9 +184,10 @@ void check_order(const ReconstructCameras& cameras, const std::vector<LightField
     if (may_be_taken_by(pictures[v], cameras.cameras[v].scene->scene)) continue;
     for (const ReconstructCamera& other : cameras.cameras)
       if (may_be_taken_by(pictures[v], other.scene->scene))
-        throw InputError(fmt::format("{} is given for {}, but it is the picture of {}: give the "
-                                     "pictures in the order of the cameras",
-                                     names[v], cameras.cameras[v].what, other.what));
+        throw InputError(
+            fmt::format("{} is given for {}, but it is the picture of {}: give the "
+                        "pictures in the order of the cameras",
+                        names[v], cameras.cameras[v].what, other.what));
   }
 }
 

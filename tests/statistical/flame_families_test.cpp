@@ -6,6 +6,8 @@
 
 #include <cstdio>
 
+#include "support/length.h"
+
 namespace plenoflame::test::flame_families_test {
 namespace {
 
@@ -27,8 +29,6 @@ struct Totals {
             covered / count, covered_once / count};
   }
 };
-
-#ifdef PLENOFLAME_LONG_TEST
 
 void print(const std::string& what, const Errors& errors) {
   std::printf("| %s | %.1f | %.1f | %.2f | %.0f | %.0f |\n", what.c_str(), 100 * errors.error,
@@ -66,6 +66,7 @@ void expect_true(const Totals& totals) {
 }
 
 TEST(FlameFamilies, DeviationsAreTheErrors) {
+  if (!in_full()) return;
   for (const bool rings : {true, false})
     for (const int cameras : {1, 3, 6}) {
       Totals unused;
@@ -81,6 +82,7 @@ TEST(FlameFamilies, DeviationsAreTheErrors) {
 }
 
 TEST(FlameFamilies, DeviationsOfTemperatures) {
+  if (!in_full()) return;
   for (const bool rings : {true, false}) {
     Totals temperature;
     FamilyTrial trial;
@@ -93,8 +95,6 @@ TEST(FlameFamilies, DeviationsOfTemperatures) {
     expect_true(temperature);
   }
 }
-
-#else
 
 // A few of the flames. Smoothing takes more from them than noise adds: without its part, deviations
 // are a half of the errors or less.
@@ -125,8 +125,6 @@ TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
   EXPECT_GT(found.stated, 0.3);
   EXPECT_GT(found.covered, 0.8);
 }
-
-#endif
 
 }  // namespace
 }  // namespace plenoflame::test::flame_families_test

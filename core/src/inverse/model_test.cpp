@@ -30,9 +30,8 @@ std::vector<double> slope_along(const Unknowns& unknowns, std::span<const double
 /// Score tests of one problem.
 class ScoreTests {
  public:
-  ScoreTests(const ScaledProblem& problem, const CameraRays& rays,
-             std::span<const double> residual, const Reconstruction& found,
-             const ProbeAccuracy& accuracy, const Execution& execution)
+  ScoreTests(const ScaledProblem& problem, const CameraRays& rays, std::span<const double> residual,
+             const Reconstruction& found, const ProbeAccuracy& accuracy, const Execution& execution)
       : problem_(problem),
         rays_(rays),
         residual_(residual),

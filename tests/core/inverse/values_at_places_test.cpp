@@ -54,7 +54,8 @@ TEST(ValuesAtPlaces, AreThoseOfTheFieldThatLinesComeNearestTo) {
   EXPECT_LT(std::sqrt(after), 0.1 * std::sqrt(before));
 }
 
-// By hand: an isolated sample along two axes; the light stays, but not in what is known to be empty.
+// By hand: an isolated sample along two axes; the light stays, but not in what is known to be
+// empty.
 TEST(ValuesAtPlaces, KeepTheLightAndLeaveEmptyOnesEmpty) {
   RegularLattice lattice = line_of(5);
   lattice.count = {5, 5, 1};
@@ -80,8 +81,7 @@ TEST(ValuesAtPlaces, AtACentreAndOfConstantVoxels) {
   grid.rings = 4;
   grid.heights = 1;
   const std::vector<double> samples{12, 6, 0, 0};
-  const std::vector<double> values =
-      values_at_places(*make_ring_unknowns(grid), samples, {});
+  const std::vector<double> values = values_at_places(*make_ring_unknowns(grid), samples, {});
   EXPECT_TRUE(relative(values[0], 11, 1e-13));
   EXPECT_TRUE(relative(values[1], 6, 1e-13));
   EXPECT_TRUE(relative(values[2], 0.5, 1e-13));

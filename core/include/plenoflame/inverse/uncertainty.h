@@ -44,6 +44,11 @@ void draw_posterior(const LinearProblem& problem, const Regularisation& regulari
                     std::uint64_t seed, const std::function<void(std::span<const double>)>& use,
                     const Execution& execution = {}, const ProbeAccuracy& accuracy = {});
 
+/// Draws of the prior about its mean, of a penalty that determines every unknown.
+void draw_prior(const Regularisation& regularisation, int draws, std::uint64_t seed,
+                const std::function<void(std::span<const double>)>& use,
+                const Execution& execution = {}, const ProbeAccuracy& accuracy = {});
+
 /// Resolution and deviations exactly, by dense algebra. @throws UsageError above kMostDense
 /// unknowns
 inline constexpr std::size_t kMostDense = 4000;

@@ -187,14 +187,14 @@ Solution ScaledProblem::solve(std::span<const double> b, double strength,
 }
 
 StrengthChoice ScaledProblem::choose(std::span<const double> b, const std::vector<double>& start,
-                                     const SolverOptions& options,
+                                     const StrengthRange& range, const SolverOptions& options,
                                      const Execution& execution) const {
   SolverOptions own = options;
   if (!start.empty()) own.start = scaled(start);
   own.gradient = kGradient * noise_gradient_;
   own.relative_change = 0;
-  StrengthChoice choice = choose_strength(problem(b), {scaled_penalty_.get(), 0, prior_}, unit_,
-                                          kLinearRange, own, execution);
+  StrengthChoice choice =
+      choose_strength(problem(b), {scaled_penalty_.get(), 0, prior_}, unit_, range, own, execution);
   for (double& value : choice.solution.x) value = std::max(value, 0.0);
   return choice;
 }

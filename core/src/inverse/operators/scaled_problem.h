@@ -60,7 +60,8 @@ class ScaledProblem {
                  const SolverOptions& options, const Execution& execution) const;
   /// By cross-validation. Values of the solution are not negative.
   StrengthChoice choose(std::span<const double> b, const std::vector<double>& start,
-                        const SolverOptions& options, const Execution& execution) const;
+                        const StrengthRange& range, const SolverOptions& options,
+                        const Execution& execution) const;
 
   /// The quadratic problem and its penalty in u, for uncertainties.
   LinearProblem problem(std::span<const double> b) const { return {&scaled_a_, b, weights_}; }

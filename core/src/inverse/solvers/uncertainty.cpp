@@ -51,6 +51,22 @@ Execution quiet(const Execution& execution) {
   return inner;
 }
 
+/// Standard normal numbers by Box and Muller: std::normal_distribution is not the same everywhere.
+class NormalSequence {
+ public:
+  explicit NormalSequence(std::uint64_t seed) : random_(seed) {}
+  std::vector<double> next(std::size_t count) {
+    std::vector<double> numbers(count);
+    for (double& number : numbers)
+      number = std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
+    return numbers;
+  }
+
+ private:
+  double uniform() { return (static_cast<double>(random_() >> 11) + 0.5) * 0x1p-53; }
+  std::mt19937_64 random_;
+};
+
 void report(const Execution& execution, int done, int all) {
   if (!execution.progress) return;
   Progress progress;
@@ -90,20 +106,28 @@ void draw_posterior(const LinearProblem& problem, const Regularisation& regulari
   if (draws < 1) throw UsageError("at least one draw is needed");
   const Execution inner = quiet(execution);
   const StackedOperator stacked(problem, regularisation);
-  std::mt19937_64 random(seed);
-  // Box and Muller: std::normal_distribution is not the same everywhere.
-  const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
-  const auto normal = [&] {
-    return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
-  };
-  std::vector<double> noise(stacked.rows());
+  NormalSequence random(seed);
   for (int draw = 0; draw < draws; ++draw) {
     if (execution.stop.stop_requested()) throw Cancelled();
-    for (double& value : noise) value = normal();
+    std::vector<double> noise = random.next(stacked.rows());
     for (std::size_t i = 0; i < problem.weights.size(); ++i)
       if (!(problem.weights[i] > 0)) noise[i] = 0;
     use(solve_cgls({&stacked, noise}, {}, options_of(accuracy), inner).x);
     report(execution, draw + 1, draws);
+  }
+}
+
+void draw_prior(const Regularisation& regularisation, int draws, std::uint64_t seed,
+                const std::function<void(std::span<const double>)>& use, const Execution& execution,
+                const ProbeAccuracy& accuracy) {
+  if (!regularisation.penalty || !(regularisation.strength > 0) || draws < 1)
+    throw UsageError("draws of a prior need a penalty with a strength, and at least one draw");
+  NormalSequence random(seed);
+  for (int draw = 0; draw < draws; ++draw) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    std::vector<double> noise = random.next(regularisation.penalty->rows());
+    for (double& value : noise) value /= std::sqrt(regularisation.strength);
+    use(solve_cgls({regularisation.penalty, noise}, {}, options_of(accuracy), quiet(execution)).x);
   }
 }
 
