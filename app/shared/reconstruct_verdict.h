@@ -16,8 +16,14 @@ struct MeanDeviations {
 };
 MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& unknowns);
 
-/// How well the flame is known. @param kind "voxels", "rings" or "layers"
+/// How well the flame is known, and what is wrong with the model. @param kind "voxels", "rings" or
+/// "layers" @param cameras their names
 std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
-                    const std::string& kind, std::size_t cameras);
+                    const std::string& kind, const std::vector<std::string>& cameras);
+
+/// A sentence for each thing that the pictures say is wrong: quantities of cameras, and a block
+/// that cuts the flame.
+std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,
+                                       const std::vector<std::string>& cameras);
 
 }  // namespace plenoflame

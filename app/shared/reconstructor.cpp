@@ -442,9 +442,13 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
                              const Execution& execution) const {
   warn_of(result.figures, settings_, execution);
   Report report;
-  const std::string words =
-      verdict(result, *unknowns_, request_.unknowns.kind, cameras_.cameras.size());
+  std::vector<std::string> cameras;
+  for (const ReconstructCamera& camera : cameras_.cameras) cameras.push_back(camera.what);
+  const std::string& kind = request_.unknowns.kind;
+  const std::string words = verdict(result, *unknowns_, kind, cameras);
   report.add("in words", words, "verdict", words);
+  for (const std::string& line : what_is_wrong(result.figures, kind, cameras)) execution.warn(line);
+  report_suspects(result.figures, cameras, report);
   std::string names = cameras_.channel_name(0);
   for (std::size_t k = 1; k < cameras_.channels.size(); ++k)
     names += ", " + cameras_.channel_name(k);
@@ -466,7 +470,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
     report_scale(result, request_.sought() == Sought::both ? nullptr : &source, *unknowns_, report);
   }
   if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
-  if (cameras_.cameras.size() == 1 && request_.unknowns.kind == "voxels")
+  if (cameras.size() == 1 && kind == "voxels")
     warn_single_camera(result.figures, *unknowns_,
                        half_angle(cameras_.first(), *unknowns_, settings_.rays), execution, report);
   if (!result.figures.complete)

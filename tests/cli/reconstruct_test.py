@@ -96,9 +96,9 @@ class Reconstruct(CommandTest):
                                     "-o", "glow.vdb")
         self.assertNotIn("mean_temperature_K", found)
         self.assertGreater(found["largest_emission"], 0)
-        self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "8,16",
+        self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "16,32",
                          "--absorption", "scene", "-o", "found.vdb")
-        # The flame that was found can be rendered as any other.
+        # Straight lines between values lie below a curved field: 12 % of the light on half as many rings. The flame that was found can be rendered as any other.
         scene = self.read("front.toml").decode().replace("candle.vdb", "found.vdb").replace(
             '"1 m", "0 m", "-16 mm"', '"0 m", "0 m", "0 m"')
         self.write("again.toml", scene)
@@ -124,7 +124,7 @@ class Reconstruct(CommandTest):
                              solver in ("fista", "nnls", "cgls", "lsqr", "tv"), solver)
         coarse, _ = self.reconstruct(*self.RINGS, "--absorption", "scene", "--truth", "--draws", "0", "--probes", "0",
                                      "-o", "coarse.vdb")
-        self.assertLess(abs(errors.pop("nnls") / coarse["truth_emission_error"] - 1), 1e-3, errors)
+        self.assertLess(abs(errors.pop("nnls") / coarse["truth_emission_error"] - 1), 5e-3, errors)
         self.assertLess(abs(errors["lsqr"] / errors["cgls"] - 1), 1e-3, errors)
         self.assertLess(max(abs(misfits[s] - 1) for s in ("fista", "cgls", "lsqr")), 0.1, misfits)
         self.assertLess(max(errors[s] for s in ("fista", "mlem", "osem")), 0.2, errors)

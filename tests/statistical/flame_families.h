@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/inverse/glowing_grid.h"
+#include "inverse/displaced_camera.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/reconstruction.h"
 #include "plenoflame/lightfield/smoothed_error.h"
@@ -150,6 +151,9 @@ struct FamilyTrial {
   std::uint64_t seed = 1;
   /// [1/m] known and the same everywhere; above 0 temperatures follow.
   double absorption = 0;
+  /// Wrong in the first camera of the model, by so much.
+  SuspectKind wrong = SuspectKind::exposure;
+  double by = 0;
 };
 
 /// Errors of what is lit, above 5 % of the brightest.
@@ -164,6 +168,7 @@ struct FamilyOutcome {
   Errors emission, temperature;
   double chi_squared = 0, noise_factor = 1, resolved = 0, strength = 0;
   std::size_t unknowns = 0;
+  std::vector<Suspect> suspects;
 };
 
 inline Errors errors_of(const std::vector<double>& found, const std::vector<double>& stated,
@@ -295,6 +300,11 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
     input.measurements.push_back(
         frame_of(light, brightest / trial.electrons, 100 * trial.seed + v));
   }
+  const CompiledScene displaced = displaced_scene(scenes[0], trial.wrong, -trial.by);
+  input.views[0].scene = &displaced;
+  if (trial.wrong == SuspectKind::exposure)
+    for (float& value : input.measurements[0].flux.pixels)
+      value *= static_cast<float>(1 + trial.by);
   settings.rays.samples = 64;
   settings.rays.seed = 500 + trial.seed;
   const Reconstruction found = reconstruct(input, settings);
@@ -316,6 +326,7 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
   if (trial.absorption > 0)
     outcome.temperature =
         errors_of(estimate.temperature, estimate.temperature_deviation, temperature, lit);
+  outcome.suspects = found.suspects;
   outcome.chi_squared = found.chi_squared;
   outcome.noise_factor = found.noise_factor;
   outcome.resolved = found.resolved_unknowns;

@@ -126,5 +126,30 @@ TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
   EXPECT_GT(found.covered, 0.8);
 }
 
+// One camera of three is 5 % too bright or stands 0.5 mm aside, or the axis of rings is as far off:
+// it is named first, by the amount. Nothing is named where all is right.
+TEST(ModelTest, NamesWhatIsWrong) {
+  ReconstructionSettings settings;
+  settings.draws = 1;
+  settings.probes = 4;
+  FamilyTrial trial{Family::blobs, false, 3, 8000, 8, 0};
+  for (const Suspect& suspect : reconstruct_family(trial, settings).suspects)
+    EXPECT_FALSE(suspect.named) << static_cast<int>(suspect.kind) << ' ' << suspect.view;
+  const auto expect_named = [&](SuspectKind kind, double by) {
+    trial.wrong = kind;
+    trial.by = by;
+    const std::vector<Suspect> suspects = reconstruct_family(trial, settings).suspects;
+    ASSERT_FALSE(suspects.empty());
+    EXPECT_TRUE(suspects[0].named);
+    EXPECT_EQ(suspects[0].kind, kind);
+    EXPECT_EQ(suspects[0].view, 0U);
+    EXPECT_NEAR(suspects[0].estimate, by, 0.2 * by);
+  };
+  expect_named(SuspectKind::exposure, 0.05);
+  expect_named(SuspectKind::right, 0.5e-3);
+  trial = {Family::candle, true, 1, 8000, 8, 0};
+  expect_named(SuspectKind::right, 0.5e-3);
+}
+
 }  // namespace
 }  // namespace plenoflame::test::flame_families_test

@@ -125,8 +125,6 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
   const Image errors = has_error && replicates >= 2 && replicates < kManyReplicates
                            ? smoothed_error(own.flux, own.standard_error)
                            : own.standard_error;
-  if (!has_error && !(noise > 0))
-    throw InputError(what + " has no standard error, and no noise is given");
 
   Measurement result;
   result.window = picture.window;
@@ -149,6 +147,8 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
       if (value < full && !left_out(column, row)) largest = std::max(largest, value - dark);
     }
   if (!(largest > 0)) throw InputError(what + " is dark in channel " + own.name);
+  if (!has_error && !(noise > 0))
+    throw InputError(what + " has no standard error, and no noise is given");
   // No pixel is known better than a part in a million of the brightest.
   const double least = 1e-6 * largest, model_error = noise * largest;
   result.model_error = factor * model_error;

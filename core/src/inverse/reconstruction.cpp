@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "inverse/expected_misfit.h"
+#include "inverse/model_test.h"
 #include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/worthwhile_threads.h"
@@ -109,6 +110,39 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
       empty[j] |= seen[j] > 0 && ruled[j] > 0.3 * seen[j];
   }
   return empty;
+}
+
+/// Share of each view's light in pixels of no row, where it is above their noise by five standard
+/// deviations: the block of the unknowns cuts the flame. Nothing where other things shine.
+std::vector<double> light_outside(const std::vector<CameraView>& views,
+                                  const std::vector<Measurement>& measurements,
+                                  const CameraRays& rays, int bin) {
+  for (const CameraView& view : views)
+    if (shines_without_flames(*view.scene)) return {};
+  std::vector<Image> outside;
+  for (const Measurement& m : measurements) outside.push_back(m.flux);
+  for (std::size_t r = 0; r < rays.rows.size(); ++r) {
+    const auto v = static_cast<std::size_t>(rays.rows[r].view);
+    rays.for_each_pixel(r, bin, [&](int column, int row) {
+      outside[v].at(column - measurements[v].window.x, row - measurements[v].window.y) = 0;
+    });
+  }
+  std::vector<double> shares;
+  for (std::size_t v = 0; v < measurements.size(); ++v) {
+    double all = 0, beside = 0, variance = 0, pixels = 0;
+    for (std::size_t k = 0; k < outside[v].pixels.size(); ++k) {
+      const double deviation = static_cast<double>(measurements[v].deviation.pixels[k]);
+      if (!(deviation > 0)) continue;
+      all += static_cast<double>(measurements[v].flux.pixels[k]);
+      if (outside[v].pixels[k] == 0) continue;
+      beside += static_cast<double>(outside[v].pixels[k]);
+      variance += deviation * deviation;
+      ++pixels;
+    }
+    const double error = std::hypot(std::sqrt(variance), pixels * measurements[v].model_error);
+    shares.push_back(beside > 5 * error && all > 0 ? beside / all : 0);
+  }
+  return shares;
 }
 
 /// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
@@ -371,6 +405,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   leave_out_parts(input.parts, rays, execution, measured);
 
   Reconstruction result;
+  result.light_outside = light_outside(views, input.measurements, rays, settings.rays.bin);
   result.model = model;
   result.rows = rays.rows.size();
   result.rays = rays.ray_count();
@@ -451,6 +486,9 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       result.strength = settings.strength;
     else
       reached = start = choose_strength_of(*weighted, b, guess, input, watch, result);
+    // Projected gradients are slow with a strong penalty, and hardly begin from nothing.
+    if (settings.solver == ReconstructionSolver::fista && start.empty())
+      start = weighted->without_bounds(b, result.strength, watch.inner());
     const SolverOptions last =
         watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
     const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());
@@ -484,6 +522,14 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv) {
         add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
+        if (settings.test_model && settings.draws > 0) {
+          std::vector<double> left = b;
+          for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
+          CameraRaySettings how = settings.rays;
+          how.keep = !result.drawn;
+          result.suspects = test_model({&problem, &views, &*weighted, how, explained, left}, result,
+                                       {kLeastProbe, 1e-3}, watch.inner());
+        }
       }
       watch.reached(1);
     } catch (const Cancelled&) {

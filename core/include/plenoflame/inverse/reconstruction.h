@@ -12,6 +12,7 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/row_noise.h"
 #include "plenoflame/inverse/solvers.h"
+#include "plenoflame/inverse/suspect.h"
 #include "plenoflame/inverse/unknowns.h"
 #include "plenoflame/radiometry/source_function.h"
 
@@ -60,8 +61,9 @@ struct ReconstructionSettings {
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
-  int draws = 30;   ///< of the posterior, for the standard deviations; 0: none
-  int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
+  int draws = 30;          ///< of the posterior, for the standard deviations; 0: none
+  bool test_model = true;  ///< after deviations: suspect.h
+  int probes = 16;         ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
@@ -137,6 +139,11 @@ struct Reconstruction {
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
+  /// What may be wrong with the cameras, those first that the pictures name; empty: not asked for.
+  std::vector<Suspect> suspects;
+  /// Per view: share of the light that pixels see which look past all unknowns, where it is above
+  /// its noise. Light of lamps and surfaces is not told from it: none then.
+  std::vector<double> light_outside;
   bool complete = true;  ///< false: stopped early; what was reached by then
   /// Per view, [W] what the reconstruction explains and the measured rows, at the first pixel of
   /// each row; 0 elsewhere.

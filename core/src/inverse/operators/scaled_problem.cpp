@@ -186,6 +186,17 @@ Solution ScaledProblem::solve(std::span<const double> b, double strength,
                         execution);
 }
 
+std::vector<double> ScaledProblem::without_bounds(std::span<const double> b, double strength,
+                                                  const Execution& execution) const {
+  SolverOptions options;
+  options.iterations = kLinearRange.iterations;
+  options.gradient = kGradient * noise_gradient_;
+  options.relative_change = 0;
+  Solution solution = solve_cgls(problem(b), regularisation(strength), options, execution);
+  for (double& value : solution.x) value = std::max(value, 0.0);
+  return samples(solution.x);
+}
+
 StrengthChoice ScaledProblem::choose(std::span<const double> b, const std::vector<double>& start,
                                      const StrengthRange& range, const SolverOptions& options,
                                      const Execution& execution) const {

@@ -58,6 +58,9 @@ class ScaledProblem {
   /// In units of u. @param strength relative  @param start in x's units; empty: none
   Solution solve(std::span<const double> b, double strength, const std::vector<double>& start,
                  const SolverOptions& options, const Execution& execution) const;
+  /// Least squares without bounds, with negative values cut off: a start, in x's units.
+  std::vector<double> without_bounds(std::span<const double> b, double strength,
+                                     const Execution& execution) const;
   /// By cross-validation. Values of the solution are not negative.
   StrengthChoice choose(std::span<const double> b, const std::vector<double>& start,
                         const StrengthRange& range, const SolverOptions& options,
