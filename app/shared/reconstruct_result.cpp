@@ -128,6 +128,36 @@ void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const
                "truth_absorption_error", errors.absorption);
 }
 
+namespace {
+
+/// "0.5 mm x 4 mm" along the axes of the unknowns.
+std::string widths_of(const PointSpread& spread, const Unknowns& unknowns) {
+  std::vector<std::string> widths;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (unknowns.shape()[a] > 1)
+      widths.push_back(std::isfinite(spread.widths[a])
+                           ? readable(spread.widths[a], Dimension::length)
+                           : "the whole grid");
+  return fmt::format("{}", fmt::join(widths, " x "));
+}
+
+std::string readable_place(Vec3 p) {
+  return fmt::format("{}, {}, {}", readable(p.x, Dimension::length),
+                     readable(p.y, Dimension::length), readable(p.z, Dimension::length));
+}
+
+nlohmann::json json_of(const PointSpread& spread, const Unknowns& unknowns) {
+  nlohmann::json widths = nlohmann::json::array();
+  for (std::size_t a = 0; a < 3; ++a)
+    if (unknowns.shape()[a] > 1)
+      widths.push_back(std::isfinite(spread.widths[a]) ? nlohmann::json(spread.widths[a])
+                                                       : nlohmann::json());
+  const Vec3 p = spread.place;
+  return {{"place", {p.x, p.y, p.z}}, {"widths", widths}, {"peak", spread.peak}};
+}
+
+}  // namespace
+
 void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
                            const Unknowns& unknowns, Report& report) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
@@ -192,22 +222,16 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
         "resolved_unknowns", reconstruction.resolved_unknowns);
   nlohmann::json spreads = nlohmann::json::array();
   for (const PointSpread& spread : reconstruction.spreads) {
-    std::vector<std::string> widths;
-    nlohmann::json json_widths = nlohmann::json::array();
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (unknowns.shape()[a] < 2) continue;
-      const bool known = std::isfinite(spread.widths[a]);
-      widths.push_back(known ? readable(spread.widths[a], Dimension::length) : "the whole grid");
-      json_widths.push_back(known ? nlohmann::json(spread.widths[a]) : nlohmann::json());
-    }
-    const Vec3 p = spread.place;
-    report.add_text(
-        "point spread",
-        fmt::format("{} wide, {} of the point stay, at {}, {}, {}", fmt::join(widths, " x "),
-                    readable_percent(spread.peak), readable(p.x, Dimension::length),
-                    readable(p.y, Dimension::length), readable(p.z, Dimension::length)));
-    spreads.push_back({{"place", {p.x, p.y, p.z}}, {"widths", json_widths}, {"peak", spread.peak}});
+    report.add_text("point spread",
+                    fmt::format("{} wide, {} of the point stay, at {}", widths_of(spread, unknowns),
+                                readable_percent(spread.peak), readable_place(spread.place)));
+    spreads.push_back(json_of(spread, unknowns));
   }
+  for (const PointSpread& spread : reconstruction.resolution)
+    report.add(
+        "resolution",
+        widths_of(spread, unknowns) + " where it is brightest, at " + readable_place(spread.place),
+        "resolution", json_of(spread, unknowns));
   if (!spreads.empty()) report.add_json("point_spreads", spreads);
   // Weighted by what emits, as what does not emit has no temperature.
   double weight = 0, sum = 0, hottest = 0, brightest = 0;

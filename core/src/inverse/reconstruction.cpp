@@ -272,32 +272,45 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     result.deviation.push_back(result.noise_factor * std::sqrt(square / settings.draws));
 }
 
+PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
+                      const LinearProblem& linear, const Regularisation& penalty,
+                      const Execution& execution) {
+  PointSpread spread;
+  spread.unknown = unknown;
+  spread.place = unknowns.place(unknown);
+  std::vector<double> one(unknowns.size(), 0.0);
+  one[unknown] = 1;
+  const double unit = problem.scaled(one)[unknown];
+  if (!(unit > 0)) return spread;
+  std::vector<double> column = problem.samples(
+      point_spread(linear, penalty, unknown, execution, ProbeAccuracy{kLeastProbe, 1e-5}));
+  for (double& value : column) value *= unit;
+  spread.peak = column[unknown];
+  spread.widths = half_widths(column, unknowns.shape(), unknowns.spacing(), unknown);
+  return spread;
+}
+
+/// Of places that are asked for, and of the brightest one.
 void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
                  const ReconstructionSettings& settings, std::span<const double> b,
                  const Execution& execution, Reconstruction& result) {
-  const ProbeAccuracy accuracy{std::max(50, settings.iterations), 1e-5};
+  const LinearProblem linear = problem.problem(b);
+  const Regularisation penalty = problem.regularisation(result.strength);
   for (const Vec3& place : input.spread_at) {
-    PointSpread spread;
-    double nearest = 1e300;
+    std::size_t unknown = 0;
+    double nearest = std::numeric_limits<double>::max();
     for (std::size_t j = 0; j < input.unknowns->size(); ++j) {
       const double distance = length(input.unknowns->place(j) - place);
-      if (distance < nearest) nearest = distance, spread.unknown = j;
+      if (distance < nearest) nearest = distance, unknown = j;
     }
-    spread.place = input.unknowns->place(spread.unknown);
-    std::vector<double> one(input.unknowns->size(), 0.0);
-    one[spread.unknown] = 1;
-    const double unit = problem.scaled(one)[spread.unknown];
-    if (unit > 0) {
-      std::vector<double> column =
-          problem.samples(point_spread(problem.problem(b), problem.regularisation(result.strength),
-                                       spread.unknown, execution, accuracy));
-      for (double& value : column) value *= unit;
-      spread.peak = column[spread.unknown];
-      spread.widths =
-          half_widths(column, input.unknowns->shape(), input.unknowns->spacing(), spread.unknown);
-    }
-    result.spreads.push_back(spread);
+    result.spreads.push_back(
+        spread_of(unknown, *input.unknowns, problem, linear, penalty, execution));
   }
+  if (settings.probes < 1) return;
+  const auto brightest = static_cast<std::size_t>(std::ranges::max_element(result.at_places) -
+                                                  result.at_places.begin());
+  result.resolution.push_back(
+      spread_of(brightest, *input.unknowns, problem, linear, penalty, execution));
 }
 
 /// Rows of the temperatures that follow, as the renderer would fill them.

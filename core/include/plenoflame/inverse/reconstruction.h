@@ -139,6 +139,8 @@ struct Reconstruction {
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
+  /// Of the unknown that shines most: its widths are the resolution. Empty as `resolved`.
+  std::vector<PointSpread> resolution;
   /// What may be wrong with the cameras, those first that the pictures name; empty: not asked for.
   std::vector<Suspect> suspects;
   /// Per view: share of the light that pixels see which look past all unknowns, where it is above
