@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Measures what each device of the sampler is worth, and writes docs/developer/ablation.md.
+"""Measures the gain of each optimisation ("device") of the sampler, and writes docs/developer/ablation.md.
 
 Usage: ablation.py [--scenes NAME,..] [--devices NAME,..] [--samples 16,128] [--repeat 5] [--jobs 2] [--built] [--page] [--check]
 
 Builds the command from a copy of the sources, in build/ablation, in which tools/ablation_devices.py has put a switch at each device,
 and renders each scene with all devices and with one of them off, in turn and with the same seeds. Error is the relative RMSE against a
-picture of many more samples and another seed; time is the processor's, of one thread, without compiling the scene. Ratios are those of the
-shortest times, which other programs disturb least, and of root mean squares of errors. --check only looks whether the switches fit the sources.
-What is not measured again stays on the page.
+picture of many more samples and another seed. Time is processor time of one thread, without compiling the scene. Ratios are of the
+shortest times, which other programs disturb least, and of root mean squares of errors. --check only tests whether the switches fit the
+sources. Results that are not measured again stay on the page.
 """
 
 import argparse
@@ -189,39 +189,38 @@ def lines_of(parts):
 
 
 NOTHING_TO_DO = "-"
-TABLES = (("Gain in error^2 x time", "gain"), ("Time", "time"), ("Error", "error"), ("Memory", "memory"))
+GAIN = "### Gain in error^2 x time"
 
 
 def results_on(page):
-    """{device: {"SCENE SAMPLES": {"gain", ...}}} of the tables that page_of() wrote."""
+    """{device: {"SCENE SAMPLES": {"gain", "time"}}} of the table that page_of() wrote."""
     results = {}
-    for title, what in TABLES:
-        table = page.split(f"### {title}\n")[1].split("\n\n")[1].splitlines()
-        cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
-        for row in cells[2:]:
-            for key, cell in zip(cells[0][1:], row[1:]):
-                if cell not in ("", NOTHING_TO_DO):
-                    results.setdefault(row[0], {}).setdefault(key.replace(",", ""), {})[what] = float(cell)
+    table = page.split(f"{GAIN}\n")[1].split("\n\n")[1].splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+    for row in cells[2:]:
+        for key, cell in zip(cells[0][1:-1], row[1:-1]):
+            if found := re.fullmatch(r"([\d.]+)(?: \(([\d.]+)\))?", cell):
+                results.setdefault(row[0], {})[key.replace(",", "")] = {"gain": float(found[1]), "time": float(found[2] or found[1])}
     return results
+
+
+def cell_of(figures):
+    if figures is None:
+        return ""
+    gain, time = f"{figures['gain']:.2f}", f"{figures['time']:.2f}"
+    return gain if gain == time else f"{gain} ({time})"
 
 
 def page_of(results):
     keys = sorted({key for of_device in results.values() for key in of_device},
                   key=lambda key: (list(SCENES).index(key.split()[0]), int(key.split()[1])))
-    text = ""
-    for title, what in TABLES:
-        text += f"### {title}\nWithout the device divided by with it: above 1 the device pays.\n\n"
-        text += "| device | " + " | ".join(f"{key.split()[0]}, {key.split()[1]}" for key in keys) + " |\n"
-        text += "|---" * (len(keys) + 1) + "|\n"
-        for device in DEVICES:
-            of_device = results.get(device.name, {})
-            cells = [NOTHING_TO_DO if key.split()[0] not in WHICH.get(device.name, SCENES) else
-                     f"{of_device[key][what]:.2f}" if what in of_device.get(key, {}) else "" for key in keys]
-            text += f"| {device.name} | " + " | ".join(cells) + " |\n"
-        text += "\n"
-    text += "### Devices and their size\n| device | what it does | lines | of tests |\n|---|---|---|---|\n"
+    text = f"{GAIN}\n\nQuotient without the optimisation over with it. In brackets: the quotient of the times alone, if it differs.\nThe last column has the lines of code.\n\n"
+    text += "| optimisation | " + " | ".join(f"{key.split()[0]}, {key.split()[1]}" for key in keys) + " | lines |\n"
+    text += "|---" * (len(keys) + 2) + "|\n"
     for device in DEVICES:
-        text += f"| {device.name} | {device.what} | {lines_of(device.parts) or ''} | {lines_of(device.tests) or ''} |\n"
+        of_device = results.get(device.name, {})
+        cells = [NOTHING_TO_DO if key.split()[0] not in WHICH.get(device.name, SCENES) else cell_of(of_device.get(key)) for key in keys]
+        text += f"| {device.name} | " + " | ".join(cells) + f" | {lines_of(device.parts) or ''} |\n"
     return text
 
 

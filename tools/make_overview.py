@@ -1,11 +1,15 @@
 #!/usr/bin/python3
-"""Makes docs/images/overview.png, the README's figure: what the program is for, from what the tutorial makes.
+"""Makes docs/images/overview.png, the README's figure: a turbulent flame, and what a camera like the Raytrix R29 records of it.
 
-    tools/measure_tutorial.py --keep out/tutorial && tools/make_overview.py out/tutorial
+    tools/make_overview.py [FOLDER]     the flame and the light fields stay in FOLDER (out/overview) and are used again
 
-Needs matplotlib, Xvfb, and the built command and Python package (PLENOFLAME: build/release/app/cli/plenoflame).
+Colours follow from the channels X, Y and Z of examples/python/turbulent.toml: CIE 1931 to linear sRGB, white at WHITE, a tenth
+of the plain camera's light spread by the bloom. Needs SciPy, Pillow, and the built command and Python package
+(PLENOFLAME: build/release/app/cli/plenoflame).
 """
 
+import csv
+import math
 import os
 import pathlib
 import shutil
@@ -14,78 +18,151 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-sys.path.insert(0, str(COMMAND.parents[2] / "python"))
+PACKAGES = COMMAND.parents[2] / "lib/python3/dist-packages"
+sys.path.insert(0, str(PACKAGES))
 
 try:
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     import numpy
     import plenoflame
+    from PIL import Image, ImageDraw, ImageFont
+    from scipy import ndimage
 except ImportError as missing:
-    sys.exit(f"make_overview.py: {missing}: tools/setup.sh python, and cmake --build build/release")
+    sys.exit(f"make_overview.py: {missing}: tools/setup.sh python dev, and cmake --build build/release")
+
+WHITE = 90e3  # [cd/m^2] becomes the white of sRGB
+TO_RGB = numpy.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+BLOOM = ((0.05, 6), (0.03, 20), (0.02, 60))  # share of the light, standard deviation in pixels
+HEIGHT, GAP, SIDE = 1004, 8, 498             # pixels of the figure
+RAW = (6576, 4384)                           # columns and rows of the R29
+DETAIL = (990, 2970, 249)                  # left, top and side of the enlarged part of the upright raw picture
+CLOSE = (1010, 3068, 83)
+TYPES = {"far": "#56b4e9", "middle": "#ffffff", "near": "#00d19a"}
+FONT = "DejaVuSans.ttf"
+SIZE = 24
 
 
-
-FOOT = (1, 0, -0.016)  # of the flame in the scene [m]
-
-
-def middle(path, foot=(0, 0, 0)):
-    """The temperature of a flame in the plane through its axis: ([K], extent in mm from its foot)."""
-    arrays, spacing, origin, _ = plenoflame.flame_arrays(plenoflame.read_flame(path, grid="temperature"))
-    (values,) = arrays.values()
-    x, z = (1e3 * (origin[k] - foot[k] + numpy.array([-0.5, values.shape[k] - 0.5]) * spacing[k]) for k in (0, 2))
-    return values[:, values.shape[1] // 2, :].T, (*x, *z)
+def run(*arguments):
+    subprocess.run([str(a) for a in arguments], check=True, stdout=subprocess.DEVNULL)
 
 
-def scene_picture(folder, view, size):
-    """The candle or the camera, with the rays of two pixels."""
-    path = folder / f"scene-{view}.png"
-    subprocess.run([shutil.which("xvfb-run") or sys.exit("make_overview.py: xvfb-run is missing: tools/setup.sh vtk"), "-a",
-                    str(COMMAND), "picture", "examples/reconstruct-front.toml", "--pixel", "50,60", "--pixel", "50,120",
-                    "--view", view, "--no-axes", "--size", size, "-o", path.name], cwd=folder, check=True)
-    return plt.imread(path)
+def rendered(folder):
+    """Paths of the plain picture, the raw picture, its detail and the list of micro-images; made where missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    scene = folder / "turbulent.toml"
+    shutil.copy(ROOT / "examples/python/turbulent.toml", scene)
+    if not (folder / "turbulent.vdb").exists():
+        subprocess.run(["/usr/bin/python3", ROOT / "examples/python/turbulent_flame.py", "1", folder], check=True,
+                       env={**os.environ, "PYTHONPATH": str(PACKAGES)}, stdout=subprocess.DEVNULL)
+    left, top, side = DETAIL
+    window = f"{RAW[0] - top - side},{left},{side},{side}"
+    for name, options in (("plain", ("--camera", "plain", "--samples", "8")),
+                          ("raw", ("--camera", "r29", "--samples", "1")),
+                          ("detail", ("--camera", "r29", "--samples", "48", "--window", window))):
+        if not (folder / f"{name}.exr").exists():
+            run(COMMAND, "render", scene, *options, "--quiet", "-o", folder / f"{name}.exr")
+    run(COMMAND, "truth", folder / "detail.exr", "-o", folder / "micro-images.csv")
+    return folder / "plain.exr", folder / "raw.exr", folder / "detail.exr", folder / "micro-images.csv"
 
 
-def show(axes, image, title, **options):
-    drawn = axes.imshow(image, **options)
-    axes.set_title(title, fontsize=9, loc="left")
-    axes.set_xticks([])
-    axes.set_yticks([])
-    return drawn
+def linear(path, pitch, f_number):
+    """Linear sRGB of a light field: WHITE is 1. Pixels of this pitch [m] see an aperture of this f-number."""
+    field = plenoflame.read_light_field(path)
+    xyz = numpy.stack([field[channel] for channel in "XYZ"], -1)
+    etendue = math.pi / (4 * f_number ** 2) * pitch ** 2
+    return numpy.clip(683 * xyz / etendue / WHITE @ TO_RGB.T, 0, None)
+
+
+def encoded(light):
+    light = numpy.clip(light, 0, 1)
+    curve = numpy.where(light < 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return Image.fromarray(numpy.round(255 * curve).astype(numpy.uint8))
+
+
+def label(image, text, bar=0, length=""):
+    """Writes what a panel shows at its top left, and a bar of this many pixels at its bottom left."""
+    draw, font = ImageDraw.Draw(image), ImageFont.truetype(FONT, SIZE)
+    draw.rectangle((0, 0, draw.textlength(text, font=font) + 36, 2 * SIZE), fill="black")
+    draw.text((18, SIZE), text, font=font, fill="white", anchor="lm")
+    if not bar:
+        return image
+    y = image.height - SIZE
+    draw.rectangle((0, y - SIZE, bar + draw.textlength(length, font=font) + 50, image.height), fill="black")
+    draw.line((18, y, 18 + bar, y), fill="white", width=4)
+    draw.text((18 + bar + 14, y), length, font=font, fill="white", anchor="lm")
+    return image
+
+
+def plain_picture(path):
+    light = linear(path, 22.2e-6, 1000 / 9 / 2)
+    glow = sum(share * ndimage.gaussian_filter(light, (width, width, 0)) for share, width in BLOOM)
+    light = (1 - sum(share for share, _ in BLOOM)) * light + glow
+    picture = encoded(light)
+    scale = HEIGHT / picture.height
+    picture = picture.resize((round(picture.width * scale), HEIGHT), Image.LANCZOS)
+    return label(picture, "the flame", 0.02 / 9 / 22.2e-6 * scale, "20 mm")
+
+
+def raw_picture(path, width):
+    """The raw picture at the scale of the plain one, upright, with a frame around the detail."""
+    light = numpy.rot90(linear(path, 5.5e-6, 1200 / 165))
+    scale = HEIGHT / (1450 * 22.2e-6) * 5.5e-6
+    channels = [Image.fromarray(numpy.ascontiguousarray(light[..., k], numpy.float32)) for k in range(3)]
+    size = (round(RAW[1] * scale), round(RAW[0] * scale))
+    small = encoded(numpy.stack([numpy.asarray(c.resize(size, Image.BOX)) for c in channels], -1))
+    x, y = (size[0] - width) // 2, (size[1] - HEIGHT) // 2
+    picture = small.crop((x, y, x + width, y + HEIGHT))
+    left, top, side = DETAIL
+    box = (left * scale - x, top * scale - y, (left + side) * scale - x, (top + side) * scale - y)
+    ImageDraw.Draw(picture).rectangle(box, outline="white", width=2)
+    return label(picture, "raw picture", 0.002 / 5.5e-6 * scale, "2 mm")
+
+
+def detail_picture(light, part):
+    left, top, side = (part[0] - DETAIL[0], part[1] - DETAIL[1], part[2])
+    picture = encoded(light[top:top + side, left:left + side])
+    return picture.resize((SIDE, SIDE), Image.NEAREST)
+
+
+def mark_types(picture, lenses):
+    """A ring around each micro-image of the close view, in the colour of its type."""
+    draw, font, scale = ImageDraw.Draw(picture), ImageFont.truetype(FONT, SIZE), SIDE / CLOSE[2]
+    with open(lenses) as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    for row in rows:
+        x = (float(row["row"]) - CLOSE[0]) * scale
+        y = (RAW[0] - float(row["column"]) - CLOSE[1]) * scale
+        r = float(row["radius"]) * scale - 2
+        if -r < x < SIDE + r and -r < y < SIDE + r:
+            draw.ellipse((x - r, y - r, x + r, y + r), outline=TYPES[row["type"]], width=3)
+    draw.rectangle((0, SIDE - 2 * SIZE, draw.textlength("  ".join(TYPES), font=font) + 60, SIDE), fill="black")
+    x = 18
+    for name, colour in TYPES.items():
+        draw.text((x, SIDE - SIZE), name, font=font, fill=colour, anchor="lm")
+        x += draw.textlength(name, font=font) + 24
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("make_overview.py: give the folder of tools/measure_tutorial.py --keep")
-    folder = pathlib.Path(sys.argv[1])
-    field = plenoflame.read_light_field(folder / "front.exr")
-    views = field.views(3)
-    truth, extent = middle(folder / "examples/candle.vdb")
-    found, found_extent = middle(folder / "candle-back.vdb", FOOT)
-
-    figure = plt.figure(figsize=(10, 6.2), dpi=110)
-    grid = figure.add_gridspec(2, 5, height_ratios=(1.15, 1), hspace=0.12, wspace=0.12,
-                               left=0.012, right=0.93, top=0.95, bottom=0.02)
-    show(figure.add_subplot(grid[0, :3]), scene_picture(folder, "camera", "1300x800"), "1  camera, with the rays of two pixels ...")
-    show(figure.add_subplot(grid[0, 3:]), scene_picture(folder, "flame", "900x800"), "    ... that end in the flame")
-    raw = field.develop() / 2 ** 14
-    show(figure.add_subplot(grid[1, 0]), raw, "2  raw image", cmap="gray")
-    part = raw[70:110, 38:62]
-    show(figure.add_subplot(grid[1, 1]), part, "    enlarged: micro-images", cmap="gray", interpolation="nearest")
-    show(figure.add_subplot(grid[1, 2]), views.sheet, "3  views from 3 x 3 places", cmap="gray")
-    kelvin = {"cmap": "inferno", "vmin": 300, "vmax": 1950, "origin": "lower"}
-    frame = (-14, 14, min(extent[2], found_extent[2]), max(extent[3], found_extent[3]))
-    for place, values, reach, title in ((3, found, found_extent, "4  reconstructed [K]"), (4, truth, extent, "    the flame it was [K]")):
-        axes = figure.add_subplot(grid[1, place])
-        axes.set_facecolor("black")
-        drawn = show(axes, values, title, extent=reach, **kelvin)
-        axes.set_xlim(frame[:2])
-        axes.set_ylim(frame[2:])
-    bar = figure.add_axes([0.94, 0.04, 0.012, 0.38])
-    figure.colorbar(drawn, cax=bar).ax.tick_params(labelsize=7)
+    folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out/overview")
+    plain, raw, detail, lenses = rendered(folder)
+    flame = plain_picture(plain)
+    sensor = raw_picture(raw, flame.width)
+    light = numpy.rot90(linear(detail, 5.5e-6, 1200 / 165))
+    wide = detail_picture(light, DETAIL)
+    scale = SIDE / DETAIL[2]
+    ImageDraw.Draw(wide).rectangle([(a - b) * scale for a, b in ((CLOSE[0], DETAIL[0]), (CLOSE[1], DETAIL[1]))] +
+                                   [(a + CLOSE[2] - b) * scale for a, b in ((CLOSE[0], DETAIL[0]), (CLOSE[1], DETAIL[1]))],
+                                   outline="white", width=2)
+    label(wide, "micro-images", 0.0005 / 5.5e-6 * scale, "0.5 mm")
+    close = detail_picture(light, CLOSE)
+    mark_types(close, lenses)
+    label(close, "three types of microlenses")
+    figure = Image.new("RGB", (2 * flame.width + SIDE + 2 * GAP, HEIGHT), "#3c3c3c")
+    figure.paste(flame, (0, 0))
+    figure.paste(sensor, (flame.width + GAP, 0))
+    figure.paste(wide, (2 * (flame.width + GAP), 0))
+    figure.paste(close, (2 * (flame.width + GAP), HEIGHT - SIDE))
     target = ROOT / "docs/images/overview.png"
-    figure.savefig(target)
+    figure.quantize(200, dither=Image.Dither.NONE).save(target, optimize=True)
     print(target)
 
 

@@ -20,6 +20,7 @@ command -v convert >/dev/null || {
 wanted=" $* "
 size=600 # of a panel
 zoom=6   # picture pixels per sensor pixel in the last panel
+shades=96 # of a picture, so that its file stays below 400 kB
 mkdir -p out docs/images
 
 chosen() { [ "$wanted" = "  " ] || [[ "$wanted" == *" $1 "* ]]; }
@@ -42,7 +43,7 @@ panel() {
 join() { # SCENE PANEL ...
   local name=$1
   shift
-  convert "$@" -background gray30 -gravity center +smush 8 -depth 8 -strip "docs/images/$name.png"
+  convert "$@" -background gray30 -gravity center +smush 8 +dither -colors "$shades" -strip "PNG8:docs/images/$name.png"
   echo "docs/images/$name.png"
 }
 
@@ -56,25 +57,16 @@ picture() {
   join "$1" out/panel-whole.png out/panel-100.png "out/panel-$((100 * zoom)).png"
 }
 
+if chosen overview; then PLENOFLAME=$plenoflame tools/make_overview.py; fi
+if chosen planes; then PLENOFLAME=$plenoflame tools/draw_light_field.py; fi
+if chosen reconstruction; then PLENOFLAME=$plenoflame tools/draw_reconstruction.py; fi
+if chosen calibration; then PLENOFLAME=$plenoflame tools/draw_calibration.py; fi # needs the flame of the overview
 picture paper-flame-1m 0.53,0.5
 picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture candle 0.57,0.5
 
-# The candle in colour, its two-colour temperature, the true one.
-if chosen candle-temperature; then
-  "$plenoflame" flame candle -o examples/candle.vdb
-  "$plenoflame" render examples/candle-colours.toml --truth --samples "$samples" -o out/candle-colours.exr
-  "$plenoflame" develop out/candle-colours.exr --colour -o out/candle-colours.png
-  "$plenoflame" pyrometry out/candle-colours.exr --channels 650nm,850nm --picture out/two-colours.png \
-    --truth-picture out/truth-temperature.png --range "1650 K,1850 K"
-  for map in two-colours truth-temperature; do
-    convert "out/$map.png" -filter point -resize 200% -font DejaVu-Sans -fill white -pointsize 16 -gravity NorthEast -annotate +28+4 "1850 K" \
-      -gravity SouthEast -annotate +28+4 "1650 K" "out/$map.png"
-  done
-  convert out/candle-colours.png -filter point -resize 200% out/candle-colours.png
-  join candle-temperature out/candle-colours.png out/two-colours.png out/truth-temperature.png
-fi
+if chosen candle-temperature; then PLENOFLAME=$plenoflame tools/draw_temperature.py; fi
 
 # The candle with its blue base in colour, in the light of CH* and in that of soot.
 if chosen candle-blue; then
@@ -90,21 +82,26 @@ if chosen candle-blue; then
   join candle-blue out/candle-blue.png out/candle-CH.png out/candle-soot.png
 fi
 
+# The raw picture of the tutorial, and views of it.
+if chosen tutorial; then
+  "$plenoflame" flame candle -o examples/candle.vdb
+  render tutorial
+  rm -rf out/tutorial-views
+  "$plenoflame" views out/tutorial.exr --grid 3 -o out/tutorial-views
+  convert out/tutorial.png -filter point -resize 300% out/panel-raw.png
+  convert out/tutorial-views/contact.png -filter point -resize 500% out/panel-views.png
+  join tutorial out/panel-raw.png out/panel-views.png
+fi
+
 # A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.
 if chosen paper-previous-60x60; then
   render paper-previous-60x60
   panel paper-previous-60x60 $((size / zoom)) 0.5,0.5 $((100 * zoom))
   join paper-previous-60x60 out/paper-previous-60x60.png "out/panel-$((100 * zoom)).png"
-  rm -rf out/views out/stack
-  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 3
-  convert out/views/contact.png -filter point -resize 300% -depth 8 -strip docs/images/views-contact.png
-  "$plenoflame" refocus out/paper-previous-60x60.exr -o out/stack --depths 0.9m:1.1m:3
-  mapfile -t stack < <(find out/stack -name '*.png' | sort)
-  convert "${stack[@]}" -filter point -resize 400% -background gray30 +smush 8 -depth 8 -strip \
-    docs/images/refocus-stack.png
-  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 9 --epipolar-row 30 --force
+  rm -rf out/views
+  "$plenoflame" views out/paper-previous-60x60.exr -o out/views --grid 9 --epipolar-row 30
   convert out/views/epipolar_row.png -filter point -resize '1000%' -depth 8 -strip docs/images/epipolar.png
-  echo "docs/images/views-contact.png docs/images/refocus-stack.png docs/images/epipolar.png"
+  echo "docs/images/epipolar.png"
 fi
 
 # Pictures in 3-D (docs/scripting.md, docs/rays.md), and what the Python examples plot.
@@ -112,9 +109,9 @@ if chosen lenslets-30; then
   scene=examples/lenslets-30.toml
   "$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
   draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
-  draw --image out/lenslets-30.exr --pixel 150,150 --rays 48 -o docs/images/picture-scene.png
   draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
-  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o docs/images/picture-array.png
+  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o out/picture-array.png
+  join picture-array out/picture-array.png
   xvfb-run -a "$plenoflame" picture examples/paper-objects-5m.toml --view flame -o docs/images/picture-objects.png
   build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
   packages=$(find "$build/lib" -type d -path '*/python3/dist-packages')
@@ -124,6 +121,9 @@ if chosen lenslets-30; then
   cp out/render.png docs/images/scripting-render.png
   cp out/rays.png docs/images/scripting-rays.png
 fi
+
+# Setups with shortened distances (docs/scripting.md, docs/user/cameras.md); they need the flame of the overview.
+if chosen setups; then PLENOFLAME=$plenoflame xvfb-run -a tools/draw_setups.py; fi
 
 # The paper's objects through three cameras, side by side.
 if chosen paper-objects-5m; then
@@ -159,7 +159,7 @@ if chosen smoke; then
   convert out/smoke-planes/*.png -filter point -resize 300% -background gray30 +smush 8 out/panel-planes.png
   join smoke out/panel-smoke.png out/panel-planes.png
 fi
-picture calibration-plate 0.3,0.3
+shades=48 picture calibration-plate 0.3,0.3
 
 # The plots of docs/design.md, made by its commands.
 if chosen design; then

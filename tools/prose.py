@@ -3,7 +3,7 @@
 
 Usage: prose.py [--list] [--check] [--limits]
 
-Prints one row for each folder. --list prints each finding with its file and line. --check fails when a count is above its limit in LIMITS
+Prints one row for each folder, and the number of words of all pages. --list prints each finding with its file and line. --check fails when a count is above its limit in LIMITS
 and says which limits can be lowered. --limits prints the table LIMITS with today's counts. Code, tables and addresses are ignored.
 """
 
@@ -17,18 +17,18 @@ MOST_WORDS = 25
 RULES = ("long", "opening", "diary", "gets", "glossary")
 # Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
 LIMITS = {
-    "README, CONTRIBUTING": (1, 0, 0, 0, 0),
-    "docs": (67, 21, 4, 1, 2),
-    "docs/benchmarks.md": (8, 2, 1, 0, 0),
-    "docs/developer": (21, 5, 0, 0, 0),
-    "docs/numerics.md": (14, 1, 0, 0, 1),
+    "README, CONTRIBUTING": (0, 0, 0, 0, 0),
+    "docs": (34, 12, 4, 1, 1),
+    "docs/benchmarks.md": (0, 0, 0, 0, 0),
+    "docs/developer": (0, 0, 0, 0, 0),
+    "docs/numerics.md": (0, 0, 0, 0, 0),
     "docs/reference": (2, 5, 0, 0, 0),
     "docs/theory": (21, 4, 0, 0, 1),
-    "docs/user": (12, 1, 0, 0, 1),
-    "docs/validation.md": (17, 0, 0, 0, 1),
-    "core (comments)": (506, 74, 36, 0, 61),
+    "docs/user": (0, 0, 0, 0, 0),
+    "docs/validation.md": (9, 0, 0, 0, 1),
+    "core (comments)": (506, 69, 36, 0, 61),
     "volumes (comments)": (26, 4, 1, 0, 0),
-    "app (comments)": (89, 19, 25, 0, 2),
+    "app (comments)": (89, 16, 25, 0, 2),
 }
 GENERATED = ("docs/reference/", "docs/benchmarks.md", "docs/numerics.md", "docs/validation.md")
 SOURCES = ("core", "volumes", "app")
@@ -138,10 +138,13 @@ def folder_of(path):
     return path.rpartition("/")[0] or "README, CONTRIBUTING"
 
 
+def pages_of(root):
+    return [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
+
+
 def texts(root):
     """(path, sentences) of every page and source."""
-    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
-    for page in pages:
+    for page in pages_of(root):
         yield page.relative_to(root).as_posix(), page_sentences(page.read_text())
     for folder in SOURCES:
         for path in sorted((root / folder).rglob("*")):
@@ -190,6 +193,7 @@ def main():
     print(f"{'':24}" + "".join(f"{name:>10}" for name in ("words", *RULES)))
     for folder, row in counts.items():
         print(f"{folder:24}" + "".join(f"{n:10}" for n in row.values()))
+    print(f"all pages, with tables, code and formulas: {sum(len(page.read_text().split()) for page in pages_of(ROOT))} words")
     if options.check and not check(counts, LIMITS):
         sys.exit(1)
 

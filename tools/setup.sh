@@ -77,6 +77,11 @@ tests         python3                  tests of the architecture and of the docu
 tests         python3-numpy            reads exports as Python users do
 tests         python3-h5py             the same for HDF5
 tests         python3-scipy            solvers that ours are held against
+tests         python3-xarray           Python results with coordinates
+tests         python3-tqdm             progress bars of the Python package
+tests         python3-matplotlib       plots of the Python results
+tests         python3-nbconvert        runs the notebooks
+tests         python3-ipykernel        the same
 tests         binutils                 nm: tests for symbols that must not exist
 tests         clang-format-14          format check
 tests         git                      tests of releases; --version names the commit
@@ -85,6 +90,7 @@ tests         zsh                      tests of completions
 tests         fish                     the same
 tests         mypy                     tests of the types of the Python package
 tests         desktop-file-utils       test of the entry of the desktop application in menus
+tests         ffmpeg                   tests of films
 tests         mmdebstrap               a bare Debian that follows each way to build (tests/bare)
 slurm         slurm-wlm                test of a job array (tests/cli/slurm_test.py)
 slurm         munge                    the same

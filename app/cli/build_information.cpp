@@ -24,11 +24,11 @@ std::string build_information() {
 }
 
 std::string missing_part(const std::string& command, const std::string& part) {
-  const bool vtk = part == "VTK";
-  return "'" + command + "' needs " + part + ", which this build was made without; get it with " +
-         (vtk ? "tools/setup.sh core volumes cli vtk" : "tools/setup.sh core volumes cli") +
-         " and cmake --preset release" + (vtk ? " -DPLENOFLAME_WITH_DESKTOP=OFF" : "") +
-         " && cmake --build --preset release (docs/user/install.md)";
+  const std::string preset = part == "VTK" ? "python" : "command";
+  return "'" + command + "' needs " + part +
+         ", which this build was made without; get it with tools/setup.sh " + preset +
+         " && cmake --preset " + preset + " && cmake --build --preset " + preset +
+         " (docs/user/install.md)";
 }
 
 }  // namespace plenoflame::cli

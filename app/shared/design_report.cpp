@@ -38,6 +38,23 @@ std::string object_text(double value) {
   return value < 0 ? "past infinity" : length_text(value);
 }
 
+/// Beyond this a distance that was computed is rounding noise about infinity.
+constexpr double kFar = 1e6;  // [m]
+
+std::string focus_text(double value) {
+  return std::fabs(value) > kFar ? "infinity" : object_text(value);
+}
+
+/// Beside a pitch of many pixels.
+std::string overlap_text(double pixels) {
+  if (std::fabs(pixels) < 1e-9) return "as wide as the pitch";
+  return readable_number(std::fabs(pixels)) + (pixels > 0 ? " more" : " less") + " than the pitch";
+}
+
+std::string place_text(double behind, const std::string& vertex) {
+  return length_text(std::fabs(behind)) + (behind < 0 ? " in front of " : " behind ") + vertex;
+}
+
 std::vector<ResolutionPoint> design_curve(const Camera& camera, const Scene& scene) {
   constexpr int kCurvePoints = 61;
   return resolution_curve(camera, kCurvePoints, own_wavelength(scene.channels.front()));
@@ -50,11 +67,11 @@ void add_main_lens(const CameraDesign& d, Report& report) {
              lens.back_focal_distance);
   report.add("entrance pupil",
              length_text(lens.entrance_pupil_diameter) + " wide, " +
-                 length_text(lens.entrance_pupil) + " behind the first vertex",
+                 place_text(lens.entrance_pupil, "the first vertex"),
              "entrance_pupil_m", {lens.entrance_pupil, lens.entrance_pupil_diameter});
   report.add("exit pupil",
-             length_text(lens.exit_pupil_diameter) + " wide, " + length_text(lens.exit_pupil) +
-                 " behind the last vertex",
+             length_text(lens.exit_pupil_diameter) + " wide, " +
+                 place_text(lens.exit_pupil, "the last vertex"),
              "exit_pupil_m", {lens.exit_pupil, lens.exit_pupil_diameter});
   report.add("in focus", "object at " + object_text(d.object_distance), "object_distance_m",
              d.object_distance);
@@ -72,15 +89,15 @@ void add_types(const Camera& camera, const CameraDesign& d, Report& report) {
     report.add_text("  f-number", "B/D " + readable_number(t.f_number) + " against " +
                                       readable_number(d.array_f_number) + " of the main lens");
     report.add_text("  micro-image", readable_number(t.image_diameter / pixel) + " pixels wide, " +
-                                         readable_number(std::fabs(overlap)) +
-                                         (overlap > 0 ? " more" : " less") + " than the pitch");
-    report.add_text("  sharp at the array", array_range_text(t.array.near, t.array.far) +
-                                                ", best " + length_text(t.array.focus) +
-                                                ", v = " + readable_number(t.virtual_depth));
+                                         overlap_text(overlap));
+    report.add_text(
+        "  sharp at the array",
+        array_range_text(t.array.near, t.array.far) + ", best " + focus_text(t.array.focus) +
+            (std::fabs(t.array.focus) > kFar ? "" : ", v = " + readable_number(t.virtual_depth)));
     report.add_text("  sharp in the scene",
                     object_text(t.object.near) + " to " + object_text(t.object.far) +
                         (t.object_through_infinity ? " (through infinity)" : "") + ", best " +
-                        object_text(t.object.focus));
+                        focus_text(t.object.focus));
     report.add_text("  disparity", readable_number(t.disparity_rate) +
                                        " pixels between neighbouring lenses per metre of distance");
     types.push_back({{"name", t.name},
@@ -101,9 +118,13 @@ void add_types(const Camera& camera, const CameraDesign& d, Report& report) {
   }
   if (d.types.empty()) return;
   report.add_json("types", types);
-  report.add("all types together",
-             readable_number(d.joint_ratio) + " times the depth of field of the first, in dioptres",
-             "joint_ratio", d.joint_ratio);
+  if (d.types.size() > 1)
+    report.add(
+        "all types together",
+        readable_number(d.joint_ratio) + " times the depth of field of the first, in dioptres",
+        "joint_ratio", d.joint_ratio);
+  else
+    report.add_json("joint_ratio", d.joint_ratio);
   if (d.covering_depth > 0)
     report.add("total covering", "from |v| = " + readable_number(d.covering_depth) + " on",
                "covering_depth", d.covering_depth);

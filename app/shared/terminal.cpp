@@ -11,8 +11,8 @@ namespace plenoflame {
 std::size_t output_columns() {
   if (isatty(STDOUT_FILENO) != 1) return 0;
   winsize size{};
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
-  return 80;
+  // A terminal of unknown width has 0 columns: it may stand between mpirun and a file.
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 void append_wrapped(std::string& text, const std::string& line, std::size_t used, std::size_t begin,

@@ -22,12 +22,12 @@ count = scene.list_size("camera.lens.surfaces")
 stop = next(i for i in range(count) if scene[f"camera.lens.surfaces[{i}].stop"])
 full = 1e3 * float(scene[f"camera.lens.surfaces[{stop}].diameter"])  # mm
 diameters = full * numpy.linspace(0.2, 1, 9)
-fluxes = []
+sums = []
 for diameter in diameters:
     changed = scene.copy()
     changed[f"camera.lens.surfaces[{stop}].diameter"] = f"{diameter} mm"
-    fluxes.append(changed.render(samples=4).flux.sum(dtype=float))
-fluxes = numpy.array(fluxes)
+    sums.append(changed.render(samples=4).flux.sum(dtype=float))
+fluxes = numpy.array(sums)
 
 figure, axis = plt.subplots(figsize=(6, 4.2), layout="constrained")
 axis.plot(diameters, fluxes * 1e6, "o-", label="rendered")

@@ -16,7 +16,7 @@ scene = plenoflame.Scene(sys.argv[1] if len(sys.argv) > 1 else here.parent / "le
 folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ".")
 
 rays = scene.rays(pixels=[(scene.columns // 2, scene.rows // 2)], rays=64, flame_samples=32)
-blocks = {"camera": scene.camera(LevelOfDetail=1), "flame": scene.flame(96), "rays": rays.polydata,
+blocks = {"camera": scene.camera(LevelOfDetail=1), "flame": scene.flame(96).image, "rays": rays.polydata,
           "light field": scene.render(samples=4).image}
 together = vtkMultiBlockDataSet()
 for number, (name, data) in enumerate(blocks.items()):

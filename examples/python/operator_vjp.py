@@ -26,22 +26,25 @@ and for JAX:
 
 import pathlib
 import sys
+from typing import Any, Callable
 
 import numpy
 import plenoflame
 
 STEPS = 60
+Back = Callable[[Any], Any]
+Layer = Callable[[Any], tuple[Any, Back]]
 
 
-def chain(*layers):
+def chain(*layers: Layer) -> Layer:
     """A function of functions that have a vjp, with its own."""
-    def composed(x):
+    def composed(x: Any) -> tuple[Any, Back]:
         backs = []
         for layer in layers:
             x, back = layer(x)
             backs.append(back)
 
-        def vjp(gradient):
+        def vjp(gradient: Any) -> Any:
             for back in reversed(backs):
                 gradient = back(gradient)
             return gradient
@@ -49,25 +52,25 @@ def chain(*layers):
     return composed
 
 
-def softplus(u):
+def softplus(u: Any) -> tuple[Any, Back]:
     """ln(1 + e^u), which is never negative."""
     return numpy.logaddexp(0, u), lambda gradient: gradient / (1 + numpy.exp(-u))
 
 
-def misfit_to(data):
+def misfit_to(data: Any) -> Layer:
     """|y - data|^2."""
     return lambda y: (numpy.sum((y - data) ** 2), lambda gradient: 2 * gradient * (y - data))
 
 
-def main(scene="examples/lenslets-30.toml", folder="."):
-    scene = plenoflame.Scene(scene)
+def main(path: str = "examples/lenslets-30.toml", folder: str = ".") -> None:
+    scene = plenoflame.Scene(path)
     picture = scene.render(16)
     operator = scene.operator(unknowns="rings", grid=(8, 12), rays=16)
     data = picture.flux[operator.pixels[:, 1], operator.pixels[:, 0]].astype(float)
     unit = numpy.linalg.norm(data) / numpy.linalg.norm(operator @ numpy.ones(operator.shape[1]))  # W/(m^3 sr)
     scale = numpy.linalg.norm(data)
 
-    def camera(x):
+    def camera(x: Any) -> tuple[Any, Back]:
         y, back = operator.vjp(unit * x)
         return y / scale, lambda gradient: unit * back(gradient / scale)
 

@@ -29,7 +29,7 @@ figure, axes = plt.subplots(2, 1, figsize=(10, 7), layout="constrained")
 colours = {pixel: f"C{i}" for i, pixel in enumerate(pixels)}
 for i in range(len(rays)):
     path = rays.path(i) * 1e3
-    colour = colours[tuple(map(int, rays.pixel[i]))]
+    colour = colours[int(rays.pixel[i, 0]), int(rays.pixel[i, 1])]
     for axis in axes:
         axis.plot(path[:, 0], path[:, 2], color=colour if rays.status[i] == 0 else "0.7", linewidth=0.5)
 for block in range(lens.GetNumberOfBlocks()):

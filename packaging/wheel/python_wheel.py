@@ -31,12 +31,21 @@ def tag():
     return f"{python}-{python}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
 
 
+CLASSIFIERS = ["Intended Audience :: Science/Research", "Operating System :: POSIX :: Linux",
+               "Programming Language :: Python :: 3", "Topic :: Scientific/Engineering :: Physics", "Typing :: Typed"]
+EXTRAS = {"operators": ["scipy"], "notebooks": ["tqdm", "xarray"]}
+
+
 def metadata():
+    classifiers = "".join(f"Classifier: {name}\n" for name in CLASSIFIERS)
+    extras = "".join(f"Provides-Extra: {extra}\n" + "".join(f'Requires-Dist: {name}; extra == "{extra}"\n' for name in names)
+                     for extra, names in EXTRAS.items())
     return ("Metadata-Version: 2.1\nName: plenoflame\n"
             f"Version: {version()}\nSummary: What a light-field camera sees of a flame\n"
             "Author: The Plenoflame developers\nLicense: Apache-2.0\nProject-URL: Homepage, https://plenoflame.invalid/\n"
-            "Requires-Python: >=3.9\nRequires-Dist: numpy\n"
-            "Provides-Extra: operators\nRequires-Dist: scipy; extra == \"operators\"\n")
+            "Keywords: light field,plenoptic camera,flame,pyrometry,tomography\n"
+            f"{classifiers}Requires-Python: >=3.9\nRequires-Dist: numpy\n{extras}"
+            f"Description-Content-Type: text/markdown\n\n{(ROOT / 'README.md').read_text()}")
 
 
 def _run(*command):

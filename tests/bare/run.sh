@@ -2,7 +2,7 @@
 # Follows each documented way to build in a minimal Debian 12, where nothing is installed that a stranger would not have.
 #
 #   tests/bare/run.sh          set-up and configuration of each way
-#   tests/bare/run.sh --all    and builds: ./demo.sh to its pictures, pip install, ./test.sh --quick
+#   tests/bare/run.sh --all    and builds: ./demo.sh to its pictures, pip install, ParaView's plugin, ./test.sh --quick
 #
 # The minimal system, what each way installs and the downloaded packages stay in ~/.cache/plenoflame/bare (XDG_CACHE_HOME).
 # Ends with 77, which skips the test, where it cannot be done: it wants root, mmdebstrap and the package registry.
@@ -51,6 +51,7 @@ said=$(as somebody "tools/setup.sh 2>&1" && echo done) || true
 [[ "$said" == *"no sudo"*"apt-get install"* ]] || fail "set-up without root and sudo says: $said"
 
 # way NAME COMMAND...: sets NAME up as root, and configures as another user.
+declare -A layers
 way() {
   local name=$1 layer
   say "$name"
@@ -63,6 +64,7 @@ way() {
     mv "$root/written" "$layer"
     rm -rf "$root" && root=
   fi
+  layers[$name]=$layer
   enter "$name" "$layer"
   as somebody "tools/setup.sh $name" || fail "tools/setup.sh $name leaves something to be installed"
   as somebody "$2 >/srv/scratch/configured 2>&1" || { cat "$root/system/srv/scratch/configured"; fail "configuration of $name"; }
@@ -92,6 +94,14 @@ say "pip install"
 share_compiler_cache
 as somebody "/srv/scratch/venv/bin/pip install --no-deps --no-build-isolation . >/srv/scratch/pip 2>&1" || { tail -30 "$root/system/srv/scratch/pip"; fail "pip install"; }
 as somebody "cd /srv/scratch && /srv/scratch/venv/bin/python -c 'import plenoflame'" || fail "import plenoflame"
+
+say "the plugin in ParaView, which Debian does not install beside python3-vtk9"
+enter paraview "${layers[python]}"
+share_compiler_cache
+as_root "cmake --preset python >/dev/null && cmake --build --preset python >/dev/null" || fail "the build of python"
+as_root "apt-get -qq install -y --no-install-recommends paraview python3-paraview >/dev/null" || fail "the packages of ParaView"
+as_root "PLENOFLAME_PLUGIN=\$PWD/build/python/paraview/Plenoflame.py PLENOFLAME_COMMAND=\$PWD/build/python/app/cli/plenoflame PLENOFLAME_ROOT=\$PWD \
+  python3 -B tests/paraview/run.py /usr/bin/pvpython /usr/bin/xvfb-run tests/paraview/plugin.py" || fail "the plugin in ParaView"
 
 say "./demo.sh from nothing"
 enter demo

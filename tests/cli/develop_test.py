@@ -125,9 +125,10 @@ class Develop(CommandTest):
         self.fails(1, "develop", "raw.exr", "-o", "none/a.png", mentions="none' does not exist")
         os.mkdir(self.path("folder"))
         self.fails(1, "develop", "raw.exr", "-o", "folder", mentions="it is a folder")
-        self.fails(1, "develop", "raw.exr", "-o", "/dev/null", mentions="regular")
+        os.symlink("/dev/null", self.path("null.png"))
+        self.fails(1, "develop", "raw.exr", "-o", "null.png", mentions="regular")
         self.assertEqual(self.read("a.png"), before)
-        self.assertEqual(self.files(), ["a.png", "folder", "raw.exr"])
+        self.assertEqual(self.files(), ["a.png", "folder", "null.png", "raw.exr"])
 
 
 if __name__ == "__main__":

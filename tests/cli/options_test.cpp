@@ -87,7 +87,7 @@ TEST(Options, MissingPart) {
   } catch (const UsageError& error) {
     const std::string text = error.what();
     EXPECT_EQ(text.rfind("'picture' needs VTK, which this build was made without; get it with "
-                         "tools/setup.sh core volumes cli vtk and cmake --preset release",
+                         "tools/setup.sh python && cmake --preset python",
                          0),
               0U)
         << text;

@@ -118,6 +118,21 @@ class Outputs(CommandTest):
         self.write("c.csv", "1,2\n")
         self.fails(2, "operator", "s.toml", "-o", "a.npz", "--pixels", "c.csv", "--center", "1 m, 0 m, 0 m", "--size", "1 cm, 1 cm, 1 cm", mentions="'c.csv' is a file that this command reads")
 
+    def test_endings_tell_what_is_written(self):
+        present = {name for name, _, _ in self.present()}
+        self.write("s.toml", '[camera]\npreset = "paper-plenoptic2"\n')
+        for line, ending in (("render s.toml -o a.png", ".exr"), ("import x.tif -o a.png", ".exr"), ("compile s.toml -o a.exr", ".bundle"),
+                             ("operator s.toml -o a.exr", ".npz"), ("rays s.toml --pixel 5,5 -o a.exr", ".vtp"),
+                             ("corners s.toml -o a.exr", ".csv"), ("merge r.exr q.exr -o a.png", ".exr"), ("develop r.exr -o a.csv", ".png"),
+                             ("pyrometry r.exr -o a.csv", ".exr"), ("pyrometry r.exr --picture a.exr", ".png"),
+                             ("camera import s.xml -o a.exr", ".toml"), ("calibrate white w.tif --camera s.toml -o a.exr", ".toml"),
+                             ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.exr", ".csv"),
+                             ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.csv --picture a.exr", ".png")):
+            if line.split(" ")[0] not in present and " ".join(line.split()[:2]) not in present:
+                continue
+            with self.subTest(line=line):
+                self.fails(2, *self.with_what_is_required(line.split()), mentions=["must end in", ending])
+
     def test_a_folder_that_is_merged_is_no_output(self):
         os.mkdir(self.path("set"))
         self.fails(2, "merge", "set", "-o", "./set", mentions="this command reads")

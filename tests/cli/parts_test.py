@@ -5,6 +5,7 @@ import os
 import subprocess
 
 import command
+import h5py
 from command import CommandTest, main
 from exr import read_exr
 
@@ -126,6 +127,18 @@ class Parts(CommandTest):
         refused("1/999", "20 tiles")
         refused("auto", "SLURM_ARRAY_TASK_ID")
         self.assertEqual(self.files(), ["a.toml"])
+
+    def test_a_part_of_an_operator_claims_more_than_it_holds(self):
+        """Refused in one line before memory is asked for: 8 GB here, of a file of some kilobytes."""
+        common = ("a.toml", "--center", "1 m, 0 m, 0 m", "--size", "1 cm, 1 cm, 1 cm", "--grid", "2", "--rays", "2", "--quiet",
+                  "--set", "camera.sensor.columns=128", "--set", "camera.sensor.rows=64")
+        for k in (1, 2):
+            self.succeeds("operator", *common, "--part", f"{k}/2", "-o", f"{k}.h5")
+        self.succeeds("merge", "1.h5", "2.h5", "-o", "whole.h5")
+        with h5py.File(self.path("2.h5"), "r+") as file:
+            del file["data"]
+            file.create_dataset("data", shape=(1 << 30,), dtype="f8", chunks=(1 << 20,), compression="gzip")
+        self.fails(1, "merge", "1.h5", "2.h5", "-o", "x.h5", address_space=2 << 30, mentions=["2.h5", "data"])
 
     def test_the_task_of_a_job_array(self):
         def part(text, **variables):

@@ -81,7 +81,7 @@ TEST(RenderOptions, RefusesWhatMakesNoSense) {
   };
   for (const char* target : {"0", "0%", "100%", "1", "2", "-1%", "nan"})
     refused({std::string("--target-error=") + target}, "--target-error");
-  for (const char* limit : {"0s", "0", "60", "-1s", "inf s", "1 m"})
+  for (const char* limit : {"0s", "0", "60", "-1s", "inf s", "1 mm"})
     refused({std::string("--time-limit=") + limit}, "--time-limit");
   for (const char* samples : {"0", "-1", "1.5", "1e10", "64x", "1e-3"})
     refused({std::string("--samples=") + samples}, "--samples takes a whole number from 1");

@@ -24,6 +24,8 @@ preset = "paper-layered"
 position = ["1 m", "0 m", "-29 mm"]
 """
 WINDOW = "--window 1400,1400,200,128"
+# Some ten seconds of a node: what is to end it finds it under way.
+LONG = "--samples 4096 --window 1300,1300,800,512"
 CONFIGURATION = """ClusterName=plenoflame
 SlurmctldHost={host}(127.0.0.1)
 SlurmctldPort={control}
@@ -160,35 +162,43 @@ class Slurm(CommandTest):
         self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "8", *WINDOW.split(), "--quiet")
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
 
-    def long_task(self, samples, *limit):
+    def long_task(self, options, *limit):
         """A task of one picture that is under way, with a state; its job."""
-        job, = self.submit(*limit, "--options", f"--samples {samples} --checkpoint 1s {WINDOW}")
+        job, = self.submit(*limit, "--options", f"{options} --checkpoint 1s")
         self.cluster.wait_for(lambda: os.path.exists(self.path("flame.exr.state")), "the task's state")
         return job
 
     def test_a_task_that_is_begun_anew_goes_on(self):
-        job = self.long_task(4096)
+        job = self.long_task(LONG)
         self.cluster.said("scontrol", "requeue", job)  # ends the task, and puts it into the queue again
         self.wait_until(job, "PENDING")
         self.assertTrue(os.path.exists(self.path("flame.exr.state")))
         self.cluster.said("scontrol", "update", f"jobid={job}", "StartTime=now")
         self.wait_until(job, "COMPLETED", most=1500)
-        self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "4096", *WINDOW.split(), "--quiet")
+        self.succeeds("render", "flame.toml", "-o", "alone.exr", *LONG.split(), "--quiet")
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
         self.assertFalse(os.path.exists(self.path("flame.exr.state")))
 
+    def kill(self):
+        """Ends the task as a lack of memory would: Slurm itself asks by SIGTERM first."""
+        pids = self.cluster.said("pgrep", "-f", "plenoflame render").split()
+        ours = [pid for pid in pids if os.path.realpath(f"/proc/{pid}/cwd") == os.path.realpath(self.folder)]
+        self.assertTrue(ours, pids)
+        for pid in ours:
+            os.kill(int(pid), signal.SIGKILL)
+
     def test_a_task_that_was_killed_goes_on(self):
-        job = self.long_task(4096)
-        self.cluster.said("scancel", "--signal=KILL", "--full", job)
+        job = self.long_task(LONG)
+        self.kill()
         self.wait_until(job, "FAILED", "CANCELLED")
         self.assertFalse(os.path.exists(self.path("flame.exr")))
         job = re.search(r"\d+", self.cluster.said("sbatch", "--parsable", "jobs.sbatch", folder=self.folder))[0]
         self.wait_until(job, "COMPLETED", most=1500)
-        self.succeeds("render", "flame.toml", "-o", "alone.exr", "--samples", "4096", *WINDOW.split(), "--quiet")
+        self.succeeds("render", "flame.toml", "-o", "alone.exr", *LONG.split(), "--quiet")
         self.assertEqual(self.read("flame.exr"), self.read("alone.exr"), self.logs())
 
     def test_the_time_limit_keeps_what_was_rendered(self):
-        job = self.long_task(1048576, "--time", "0-00:01:00")
+        job = self.long_task("--samples 16384", "--time", "0-00:01:00")
         self.wait_until(job, "TIMEOUT", "COMPLETING", most=400)
         self.wait_until(job, "TIMEOUT")
         self.assertIn("stopped; flame.exr holds what was rendered, marked partial", self.logs())

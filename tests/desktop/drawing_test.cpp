@@ -378,13 +378,7 @@ class DrawingTest : public test::SceneFixture {
   }
 
   void filmIsPutTogetherByAnEncoder() {
-    // In the place of ffmpeg: keeps what it was called with, and makes a file.
-    write(file("ffmpeg"),
-          "#!/bin/sh\necho \"$@\" > \"$(dirname \"$0\")/called\"\n"
-          "for last; do :; done\necho film > \"$last\"\n");
-    QFile::setPermissions(file("ffmpeg"), QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);
-    const QByteArray path = qgetenv("PATH");
-    qputenv("PATH", folder_->path().toUtf8() + ":" + path);
+    const QByteArray path = encoder_in_place_of_ffmpeg();
     write(file("small.toml"), test::small_scene_text().c_str());
     QVERIFY(window_->open(file("small.toml")));
     QVERIFY(settled());
@@ -437,13 +431,15 @@ class DrawingTest : public test::SceneFixture {
     QVERIFY2(changed > 1e-3, qPrintable(QString::number(changed)));
     QVERIFY(settled());
     // In the midst: no file is left, and the scene is as it was.
+    const QByteArray path = encoder_in_place_of_ffmpeg();
     film_of("the picture", "stopped.mp4", 50);
     auto* const bar = film->findChild<QProgressBar*>();
     QVERIFY(until([&] { return bar->value() >= 2 || !film->is_recording(); }));
     QTest::mouseClick(child<QPushButton>("filmStop"), Qt::LeftButton);
     QVERIFY(!film->is_recording());
-    QVERIFY(film->message().contains("stopped"));
+    QVERIFY2(film->message().contains("stopped"), qPrintable(film->message()));
     QVERIFY(!QFile::exists(file("stopped.mp4")));
+    qputenv("PATH", path);
     QCOMPARE(session().document().scene().flames[0].scale, 1.0);
     film->close();
     QVERIFY(settled());
@@ -508,6 +504,19 @@ class DrawingTest : public test::SceneFixture {
                qPrintable(QString("%1: %2 %3").arg(name).arg(light(1)).arg(light(5))));
     }
     film->close();
+  }
+
+ private:
+  // In the place of ffmpeg: keeps what it was called with, and makes a file.
+  // @return the search path as it was before
+  QByteArray encoder_in_place_of_ffmpeg() {
+    write(file("ffmpeg"),
+          "#!/bin/sh\necho \"$@\" > \"$(dirname \"$0\")/called\"\n"
+          "for last; do :; done\necho film > \"$last\"\n");
+    QFile::setPermissions(file("ffmpeg"), QFile::ReadOwner | QFile::WriteOwner | QFile::ExeOwner);
+    const QByteArray path = qgetenv("PATH");
+    qputenv("PATH", folder_->path().toUtf8() + ":" + path);
+    return path;
   }
 };
 

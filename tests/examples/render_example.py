@@ -52,7 +52,7 @@ def main():
 def check_camera(plenoflame, folder, scene, camera):
     columns, rows = camera["sensor"]
     chosen = ["--camera", camera["name"]] if "name" in camera else []
-    width, height = min(columns, 200), min(rows, 200)
+    width, height = min(columns, 100), min(rows, 100)
     window = f"{(columns - width) // 2},{(rows - height) // 2},{width},{height}"
     errors = []
     for samples, seed in ((16, 1), (256, 1), (256, 2)):

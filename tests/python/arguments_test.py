@@ -1,7 +1,7 @@
 """Bad arguments are refused with plenoflame.Error and one sentence, wherever they are given."""
 
 import numpy
-from package import VTK, PackageTest, main
+from package import PackageTest, main
 
 import plenoflame
 
@@ -79,10 +79,9 @@ class Arguments(PackageTest):
         self.refused("spacing takes one length or three", make, hot, hot, spacing=(1, 2))
         self.refused("temperature is no array of numbers", make, [["hot"]], hot, spacing=1)
         self.refused("there is no flame 'match'", plenoflame.make_flame, "match")
-        self.refused("has no parameter 'colour'", plenoflame.make_flame, "candle", colour="red")
         self.refused("height: ", plenoflame.make_flame, "candle", height=3)
         scene = self.small.copy()
-        self.refused("image takes a vtkImageData" if VTK else "image takes a voxels", scene.add_flame, hot)
+        self.refused("image takes a Flame", scene.add_flame, hot)
         cold = hot.copy()
         cold[1, 2, 3] = numpy.nan
         self.refused("at (1, 2, 3); values must be finite and not negative", scene.add_flame,

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import inspect
 import os
 import pathlib
 import unittest
@@ -14,6 +15,13 @@ MODULES = ["plenoflame"] + ["plenoflame." + path.stem for path in sorted(pathlib
                             if not path.stem.startswith("_")]
 
 
+class Finder(doctest.DocTestFinder):
+    """Looks behind the check of keywords (_arguments.py)."""
+
+    def _from_module(self, module, object):
+        return super()._from_module(module, inspect.unwrap(object) if inspect.isfunction(object) else object)
+
+
 class Docstrings(PackageTest):
     def test_examples(self):
         """In a folder with the scene small.toml, as the examples name it."""
@@ -23,7 +31,8 @@ class Docstrings(PackageTest):
         self.addCleanup(os.chdir, before)
         tried = 0
         for name in MODULES:
-            suite = doctest.DocTestSuite(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
+            suite = doctest.DocTestSuite(importlib.import_module(name), optionflags=doctest.ELLIPSIS,
+                                         test_finder=Finder())
             result = unittest.TestResult()
             suite.run(result)
             self.assertEqual([text for _, text in result.errors + result.failures], [], name)

@@ -47,6 +47,19 @@ class Examples(PackageTest):
         self.assertEqual(found["emission"].shape, (8, 12))
         self.assertGreaterEqual(found["emission"].min(), 0)
 
+    def test_turbulent_flame(self):
+        """Sooting gas is hot, the air around is not, and both cameras of the scene see the flame."""
+        voxels = plenoflame.read_flame(self.run_example("turbulent_flame.py", "4"))
+        arrays = plenoflame.flame_arrays(voxels)[0]
+        sooting = arrays["absorption"] > 0.1 * arrays["absorption"].max()
+        self.assertGreater(arrays["temperature"][sooting].min(), 1500)
+        self.assertLess(numpy.median(arrays["temperature"]), 400)
+        (self.folder / "turbulent.toml").write_text((ROOT / "examples/python/turbulent.toml").read_text())
+        scene = plenoflame.Scene(self.folder / "turbulent.toml")
+        for name, window in (("r29", (3250, 2160, 60, 60)), ("plain", (400, 700, 60, 60))):
+            field = scene.with_camera(name).render(samples=2, window=window)
+            self.assertGreater(field["Y"].min(), 0)
+
     def test_for_paraview(self):
         reader = vtkXMLMultiBlockDataReader()
         reader.SetFileName(str(self.run_example("for_paraview.py", self.small_scene())))

@@ -31,13 +31,13 @@ class Flames(PackageTest):
         grids = {grid["name"]: grid for grid in self.figures("info", "block.vdb")["grids"]}
         self.assertEqual(grids["temperature"]["maximum"], 1700)
         self.assertEqual(grids["absorption"]["maximum"], 25)
-        read = plenoflame.read_flame(self.folder / "block.vdb")
+        read = plenoflame.read_flame(self.folder / "block.vdb").image
         numpy.testing.assert_array_equal(vtk_to_numpy(read.GetPointData().GetArray("absorption")), 25)
         numpy.testing.assert_allclose(read.GetOrigin(), (-0.011, -0.011, 0), atol=1e-17)
 
     def test_vti_becomes_a_flame(self):
         """The scene's flame through VTK's own .vti, then as .vdb, is the same."""
-        flame = self.scene().flame(24)
+        flame = self.scene().flame(24).image
         writer = vtkXMLImageDataWriter()
         writer.SetFileName(str(self.folder / "f.vti"))
         writer.SetInputData(flame)
@@ -46,7 +46,7 @@ class Flames(PackageTest):
         reader.SetFileName(str(self.folder / "f.vti"))
         reader.Update()
         plenoflame.write_flame(self.folder / "f.vdb", reader.GetOutput())
-        back = plenoflame.read_flame(self.folder / "f.vdb")
+        back = plenoflame.read_flame(self.folder / "f.vdb").image
         # Unburnt space at the rims need not be stored: compare the voxels that are, by their place.
         numpy.testing.assert_allclose(back.GetSpacing(), flame.GetSpacing(), rtol=1e-12)
         start = numpy.rint((numpy.array(back.GetOrigin()) - flame.GetOrigin()) / flame.GetSpacing()).astype(int)
@@ -59,7 +59,7 @@ class Flames(PackageTest):
         self.assertGreater(vtk_to_numpy(back.GetPointData().GetArray("absorption")).max(), 0)
 
     def test_scene_is_sampled(self):
-        flame = self.scene().flame(50)
+        flame = self.scene().flame(50).image
         temperature = vtk_to_numpy(flame.GetPointData().GetArray("temperature"))
         self.assertEqual(temperature.max(), 1900)
         self.assertEqual(max(flame.GetDimensions()), 50)

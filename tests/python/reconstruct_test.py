@@ -143,7 +143,7 @@ class Reconstruct(PackageTest):
             numpy.testing.assert_array_equal(*(plenoflame.flame_arrays(image)[0][grid] for image in (mine, theirs)))
         again = self.small.copy()
         again.remove("flames", 0)
-        again.add_flame(found.image)
+        again.add_flame(found.flame)
         self.assertGreater(again.render(2).flux.max(), 0.2 * self.picture.flux.max())
         # And the start of the next, which begins within 1 % of the way from where one without begins.
         once = {"absorption": "scene", "strength": found.figures["strength"], "draws": 0, "probes": 0, **self.RINGS}

@@ -3,9 +3,11 @@
 import ast
 import importlib
 import inspect
+import os
 import pathlib
+import subprocess
 
-from package import VTK, PackageTest, main, needs_vtk
+from package import ROOT, VTK, PackageTest, main, needs_vtk
 
 import plenoflame
 
@@ -80,6 +82,15 @@ class Stubs(PackageTest):
         arrays = {group.GetArrayName(i) for group in (data.GetCellData(), data.GetPointData())
                   for i in range(group.GetNumberOfArrays())}
         self.assertEqual(named, arrays)
+
+    def test_examples_are_typed(self):
+        """mypy needs the stubs alone, not the package."""
+        examples = sorted((ROOT / "examples" / "python").glob("*.py"))
+        self.assertGreater(len(examples), 5)
+        run = subprocess.run(["mypy", "--strict", "--ignore-missing-imports", "--cache-dir", self.folder, *examples],
+                             capture_output=True, text=True, cwd=self.folder,
+                             env={**os.environ, "MYPYPATH": str(FOLDER.parent)})
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
     def test_marked_as_typed(self):
         self.assertTrue((FOLDER / "py.typed").exists())

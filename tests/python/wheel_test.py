@@ -21,7 +21,8 @@ PROGRAM = """
 import sys
 sys.modules["vtkmodules"] = None
 sys.path.insert(0, sys.argv[1])
-import numpy, plenoflame
+import importlib.metadata, numpy, plenoflame
+assert importlib.metadata.version("plenoflame") == plenoflame.__version__
 assert plenoflame.__file__.startswith(sys.argv[1]), plenoflame.__file__
 numpy.save(sys.argv[3], plenoflame.Scene(sys.argv[2]).render(samples=2).flux)
 """
@@ -81,6 +82,12 @@ class Wheel(PackageTest):
                          (project["name"], project["description"], project["requires-python"]))
         self.assertEqual(said["Author"], project["authors"][0]["name"])
         self.assertEqual(said["License"], project["license"]["text"])
+        self.assertEqual(said["Keywords"].split(","), project["keywords"])
+        self.assertEqual(said.get_all("Classifier"), project["classifiers"])
+        extras = [f'{name}; extra == "{extra}"' for extra, names in project["optional-dependencies"].items() for name in names]
+        self.assertEqual(said.get_all("Requires-Dist"), project["dependencies"] + extras)
+        self.assertEqual(said.get_all("Provides-Extra"), list(project["optional-dependencies"]))
+        self.assertEqual(said.get_payload(), (ROOT / "README.md").read_text())
         self.assertIn("Apache License", self.backend._information()["LICENSE"])
         self.assertEqual(said.get_all("Project-URL"), [f"{name}, {url}" for name, url in project["urls"].items()])
 

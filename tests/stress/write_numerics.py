@@ -5,53 +5,60 @@
     write_numerics.py --output docs/numerics.md --bounds bounds_of_examples EXAMPLES
     write_numerics.py --output docs/numerics.md --bounds-printed FILE
 
-The second form measures in how many pictures the true error is below the stated bound, in every example of a folder, whose flames
-(.vdb) must be there (tests/statistical/bounds_of_examples.cpp; minutes), and leaves the rest of the page as it is; the third takes what
-that program printed, for runs in parts, each of a scene.
-The first runs the executables, collects their lines "stress | area | case | reference | worst | bound | at"
-(tests/stress/stress_table.h) and writes one table per area; draws the lines "order | ..." of the voxel
+The first form runs the executables and writes one table for each area of their lines
+"stress | area | case | reference | worst | bound | at" (tests/stress/stress_table.h). It draws the lines "order | ..." of the voxel
 suite. Needs python3-matplotlib.
+The second form measures in how many pictures the true error is below the stated bound, in every example of a folder
+(tests/statistical/bounds_of_examples.cpp; minutes). The flames (.vdb) must be there. The rest of the page stays.
+The third form takes the output of that program, for runs in parts, each of a scene.
 """
 
 import argparse
 import os
+import re
+import statistics
 import subprocess
 import sys
 import tempfile
 
-HEAD = """# Numerical accuracy under stress
+HEAD = """# Numerical accuracy
 
-Made by `ninja -C build/release numerics` from the stress suite (`tests/stress`), which also runs with the other tests and
-holds every line to its bound. Errors are the worst of all cases and of all instruction sets that the processor has; the
-reference never shares code with what it judges. "ulp" is one unit in the last place of the exact value.
+This page shows the largest errors of the formulas for extreme values, and how often the stated error of a picture holds.
+`ninja -C build/release numerics` makes it from the stress suite (`tests/stress`). The tests fail if an error exceeds its bound.
+
+- Each error is the largest of all cases and of all instruction sets that the processor has.
+- A reference shares no code with the formula that it tests.
+- The unit of an error stands in brackets. "ulp" is one unit in the last place of the exact value.
+- Rows with two numbers have single precision first, then double precision.
 """
 
 
 ORDER = """
-## Error of a grid against its spacing
+## Error of a voxel grid against its spacing
 
-A smooth flame in a cube of 16 mm (300 K of sines and a ramp around 1500 K, absorption varying by half), five oblique rays
-across; sigma T^4. Full lines: what two nodes per cell and interval leave of the radiance of the trilinear fields, against
-adaptive quadrature of the same fields: fourth order in the spacing. Broken lines: against the flame itself, by Runge-Kutta
-integration of the transfer equation: what trilinear interpolation makes of it, second order. What bounds the accuracy of a
-grid is its spacing, not the integration. Exact slopes are drawn in grey.
+The flame fills a cube of 16 mm. Its temperature varies around 1500 K by 300 K (sines and a ramp), its absorption by half. Five oblique
+rays cross it; the source function is sigma T^4.
+
+- *Quadrature* (full lines): error of two nodes per cell, against adaptive quadrature of the same trilinear fields. It is of fourth order.
+- *Grid* (broken lines): error against the smooth flame, by Runge-Kutta integration of the transfer equation. It is the error of trilinear
+  interpolation, of second order.
+
+The spacing limits the accuracy of a grid; the error of the integration is much smaller. Grey lines have the exact slopes.
 
 ![Relative error against spacing](images/voxel-order.png)
 
-| optical thickness | spacing [mm] | quadrature, relative RMS | grid, relative RMS |
-|---|---|---|---|
 """
 
 
-BOUNDS_TITLE = "\n## How often the stated bound of the error holds\n"
+BOUNDS_TITLE = "\n## How often the stated limit of the error holds\n"
 
 BOUNDS = BOUNDS_TITLE + """
-Made by `write_numerics.py --bounds` (tests/stress) over all examples: pictures of that many seeds, one by one, each held against one of 64 times the
-samples, in the brightest window of 48 x 48 and of 8 x 8 pixels. "below 95 % limit" is the share of them whose true relative RMSE lies below
-the stated limit ([Errors](theory/errors.md)), with its standard error; shares below 93 % are bold. "wide" is the median of limit over true error. Rows
-that would take more than SECONDS are named below the table.
+The true relative RMSE of a picture shall lie below the stated 95 % limit ([errors](theory/errors.md)). The table has the share of pictures
+for which this holds. Each picture has its own seed and is compared with one of 64 times the samples, in the brightest window. Shares have
+standard errors of at most MOST %, from LEAST or more pictures for each example. Examples whose pictures would take longer than SECONDS
+in total are left out. `write_numerics.py --bounds` (`tests/stress`) makes the table.
 
-| example | side [pixels] | samples | randomisations | pictures | below 95 % limit | wide |
+| window [pixels] | samples | replicates | examples | lowest share | median share | limit over true error, median |
 |---|---|---|---|---|---|---|
 """
 
@@ -66,23 +73,17 @@ def bounds_section(program, folder, seconds):
 def bounds_text(printed, seconds):
     """The section of the page, of what the program printed."""
     rows = [line.split(" | ")[1:] for line in printed.splitlines() if line.startswith("coverage | ")]
-    left_out = {}
-    for line in printed.splitlines():
-        if line.startswith("left out | "):
-            scene, *row, reason = line.split(" | ")[1:]
-            left_out.setdefault(scene, []).append((row, reason))
     if not rows:
         sys.exit("no pictures were made:\n" + printed[-2000:])
-    text = BOUNDS.replace("SECONDS", f"{seconds:g} s")
+    found, errors = {}, []
     for scene, side, samples, replicates, pictures, share, wide in rows:
-        share, error = float(share), 100 * (float(share) * (1 - float(share)) / int(pictures)) ** 0.5
-        told = f"{100 * share:.1f} +- {error:.1f} %"
-        text += f"| {scene} | {side} | {samples} | {replicates} | {pictures} | " \
-                f"{'**' + told + '**' if share < 0.93 else told} | {wide} |\n"
-    if left_out:
-        text += "\nNot measured (side, samples, randomisations):\n\n"
-    for scene, of_scene in left_out.items():
-        text += f"- {scene}: " + "; ".join(f"{', '.join(row)}: {reason}" if row[0] != "-" else reason for row, reason in of_scene) + "\n"
+        found.setdefault((int(side), int(samples), int(replicates)), []).append((100 * float(share), scene, float(wide)))
+        errors.append(100 * (float(share) * (1 - float(share)) / int(pictures)) ** 0.5)
+    text = BOUNDS.replace("SECONDS", f"{seconds:g} s").replace("MOST", f"{max(errors):.1f}").replace("LEAST", str(min(int(row[4]) for row in rows)))
+    for (side, samples, replicates), cases in sorted(found.items()):
+        lowest = min(cases)
+        text += line_of([f"{side} x {side}", str(samples), str(replicates), str(len(cases)), f"{lowest[0]:.1f} % ({lowest[1]})",
+                         f"{statistics.median(case[0] for case in cases):.1f} %", f"{statistics.median(case[2] for case in cases):.2f}"])
     return text
 
 
@@ -121,10 +122,40 @@ def collect(executable, orders):
     return rows
 
 
+def line_of(cells):
+    return "| " + " | ".join(cells) + " |\n"
+
+
 def table(rows):
-    lines = ["| case | reference | worst error | bound | at |", "|---|---|---|---|---|"]
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join(lines)
+    """A line for each case: rows that differ in precision share one, of several that differ in nothing but place the worst counts."""
+    cases = {}
+    for case, reference, worst, bound, _ in rows:
+        precision = re.search(r", (single|double)(?=[ ,])", case)
+        name = case.replace(precision[0], "", 1) if precision else case
+        found = cases.setdefault((name, reference), {})
+        key = precision[1] if precision else ""
+        if key not in found or float(worst) > float(found[key][0]):
+            found[key] = (worst, bound)
+    references = list(dict.fromkeys(reference for _, reference in cases if not reference.startswith("none")))
+    text = f"References: {'; '.join(references)}.\n\n" if references else ""
+    text += line_of(["case", "largest error", "bound"]) + "|---|---|---|\n"
+    for (name, _), found in cases.items():
+        order = [key for key in ("single", "double", "") if key in found]
+        if len(order) == 1 and order[0]:
+            name = re.sub(r"( \[[^\]]*\])?$", f", {order[0]}\\1", name, count=1)
+        text += line_of([name, *("; ".join(found[key][i] for key in order) for i in (0, 1))])
+    return text.rstrip("\n")
+
+
+def order_table(orders):
+    """A line for each spacing [mm]; errors of quadrature and grid for each optical thickness."""
+    thicknesses = sorted({row[0] for row in orders})
+    found = {(t, h): (f"{q:.2g}", f"{g:.2g}") for t, h, q, g in orders}
+    text = line_of(["spacing [mm]", *(f"{what}, tau {t:g}" for t in thicknesses for what in ("quadrature", "grid"))])
+    text += "|---" * (2 * len(thicknesses) + 1) + "|\n"
+    for h in sorted({row[1] for row in orders}, reverse=True):
+        text += line_of([f"{1e3 * h:g}", *(cell for t in thicknesses for cell in found[t, h])])
+    return text
 
 
 def main():
@@ -150,7 +181,7 @@ def main():
             areas.setdefault(area, []).append(row)
     text = HEAD + "".join(f"\n## {area}\n\n{table(rows)}\n" for area, rows in areas.items())
     if orders:
-        text += ORDER + "".join(f"| {t:g} | {1e3 * h:g} | {q:.2g} | {g:.2g} |\n" for t, h, q, g in orders)
+        text += ORDER + order_table(orders)
         images = os.path.join(os.path.dirname(os.path.abspath(options.output)), "images")
         plot(orders, os.path.join(images, "voxel-order.png"))
     write(options.output, text + title + bounds)

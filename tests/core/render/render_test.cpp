@@ -284,7 +284,7 @@ TEST(Render, NearlyAllRaysReachTheScene) {
     const CompiledScene compiled = compile(scene);
     const SensorSpec& sensor = scene.camera.sensor;
     RenderSettings settings;
-    settings.samples = 64;
+    settings.samples = 4;
     const int width = std::min(400, sensor.columns), height = std::min(400, sensor.rows);
     settings.window = {(sensor.columns - width) / 2, (sensor.rows - height) / 2, width, height};
     const RenderStatistics statistics = render(compiled, settings, one_thread()).statistics;

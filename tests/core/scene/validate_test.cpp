@@ -222,6 +222,11 @@ TEST(Validate, MainLens) {
               s.camera.lens.diameter = 0.1;
             }).find("camera.lens.focal_length"),
             std::string::npos);
+  const auto with_stop_of = [](double d) {
+    return warning_after([&](Scene& s) { s.camera.lens.surfaces[2].diameter = d; });
+  };
+  EXPECT_NE(with_stop_of(0.5).find("the stop of the main lens is 500 mm wide"), std::string::npos);
+  EXPECT_EQ(with_stop_of(0.01), "0 warnings");
   EXPECT_NE(warning_after([](Scene& s) { s.camera.lens.focal_length = 0.3; }).find("not used"),
             std::string::npos);
 }

@@ -88,8 +88,8 @@ class BoardCornersRun {
           "--board: from 2x2 to 1000x1000 points; of a checkerboard, the corners "
           "between its squares");
     if (!(board_.cell > 0)) throw UsageError("--cell: above 0");
-    if (!arguments_.picture.empty() && !arguments_.picture.ends_with(".png"))
-      throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
+    check_ending("-o", arguments_.output, {".csv"});
+    if (!arguments_.picture.empty()) check_ending("--picture", arguments_.picture, {".png"});
     check_writable(arguments_.output);
     if (!arguments_.picture.empty()) check_writable(arguments_.picture);
   }

@@ -39,7 +39,7 @@ std::string errors_text(double count) {
 std::string largest_text(const Comparison& c) {
   if (c.freedom < kFreedomForPixels)
     return fmt::format(
-        "not judged: errors from {:g} randomisations are too rough for single pixels",
+        "not judged: errors from {:g} replicates are too rough for single pixels",
         c.freedom + 1);
   const std::string size = fmt::format("{:.1f} of its errors", c.largest_z) +
                            at_pixel(c.largest_z_column, c.largest_z_row);

@@ -80,6 +80,7 @@ int run_develop(const DevelopArguments& settings) {
   if (frames && settings.colour)
     throw UsageError("--colour makes a picture to look at, not a frame of the sensor");
   check_writable(output);
+  if (!frames) check_ending("--output", output, {".png"});
   const LightField light_field = read_light_field(settings.input);
   if (frames)
     return develop_sensor(settings.sensor, light_field, needed_scene(settings, light_field),

@@ -179,6 +179,9 @@ int run_with_filters(const PyrometryArguments& settings, const LightField& field
 int run_pyrometry(const PyrometryArguments& settings) {
   for (const std::string& path : {settings.output, settings.picture, settings.truth})
     if (!path.empty()) check_writable(path);
+  if (!settings.output.empty()) check_ending("--output", settings.output, {".exr"});
+  for (const std::string& path : {settings.picture, settings.truth})
+    if (!path.empty()) check_ending("--picture", path, {".png"});
   if (settings.filters.empty() && !settings.channels.empty() && settings.channels.size() != 2)
     throw UsageError("--channels: two names, separated by a comma");
   const LightField field = read_light_field(settings.input);

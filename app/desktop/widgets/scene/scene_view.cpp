@@ -99,6 +99,9 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   v.before_drawing->SetClientData(&v);
   v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
     auto* const drawn = static_cast<View*>(drawn_by);
+    // VTK 9.1 now and then keeps an aspect of 1. The flame has rays of its own: it would then stand
+    // beside its place, or outside of the picture.
+    drawn->renderer->SetAspect(drawn->renderer->GetTiledAspectRatio(), 1);
     fit_clipping(*drawn->renderer);
     drawn->scale_bar->update(*drawn->renderer);
     drawn->place_labels();

@@ -13,6 +13,7 @@
 #include <QMessageBox>
 #include <QMimeData>
 #include <QSplitter>
+#include <QScreen>
 #include <QStatusBar>
 #include <QThread>
 #include <QTreeView>
@@ -87,7 +88,7 @@ MainWindow::MainWindow(std::unique_ptr<QSettings> settings, const std::string& r
     }
   });
   autosave_.start(kAutosaveInterval);
-  resize(1500, 950);
+  resize(QSize(1500, 950).boundedTo(screen()->availableSize()));
   restoreGeometry(settings_->value("window/geometry").toByteArray());
   restoreState(settings_->value("window/state").toByteArray());
   set_dark(settings_->value("window/dark", false).toBool());

@@ -88,6 +88,8 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
           tr("Three moments of it, with the time to be played"));
   example("quartz-tube", tr("A candle in a tube of quartz"), tr("Behind a window as well"));
   example("burner", tr("A candle on a burner"), tr("Its light on a metal tube and a wall"));
+  example("tutorial", tr("The tutorial's candle"),
+          tr("Micro-images that touch and do not overlap"));
   example("candle-r29", tr("A candle before an R29"), tr("With the noise of a sensor"));
   example("reconstruct-front", tr("For a reconstruction, from the front"),
           tr("One of two cameras that look at a candle at right angles"));

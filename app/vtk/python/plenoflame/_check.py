@@ -4,6 +4,8 @@ import math
 import numbers
 import os
 
+import numpy
+
 from ._run import Error
 
 _MOST = 2 ** 31 - 1
@@ -36,6 +38,14 @@ def several(name, values, count, what, kind=whole, **limits):
     if len(items) != count:
         raise Error(f"{name} takes {what}, not {values!r}")
     return [kind(name, item, **limits) for item in items]
+
+
+def array(name, values, shape):
+    """An array of this shape, or a single number for all of it."""
+    values = numpy.asarray(values)
+    if values.shape in (shape, ()):
+        return values
+    raise Error(f"{name} takes an array of the shape {shape}, not {values.shape}")
 
 
 def choice(name, value, choices):

@@ -1,21 +1,9 @@
-"""Arguments as the texts that the command's options take, and the command's sentences with the arguments' names."""
-
-import contextlib
-import re
+"""Arguments as the texts that the command's options take."""
 
 from . import _check
 from ._library import data
 from ._run import Error
 from ._values import Quantity, text_of
-
-
-@contextlib.contextmanager
-def in_our_words():
-    """The command speaks of --absorption-ratios, who writes Python of absorption_ratios."""
-    try:
-        yield
-    except Error as error:
-        raise Error(re.sub(r"--([a-z][a-z-]*)", lambda match: match[1].replace("-", "_"), str(error))) from None
 
 
 def lengths(value, unit="m"):
@@ -36,7 +24,7 @@ def words(value):
 
 def set_options(algorithm, **options):
     """Sets those that are not None on an algorithm with SetOption()."""
-    with in_our_words(), data.errors_of(algorithm):
+    with data.errors_of(algorithm):
         for name, value in options.items():
             if value is not None:
                 algorithm.SetOption(name.replace("_", "-"), value)

@@ -45,7 +45,8 @@ def image_array(image, name):
 def image_texts(image, name):
     """What a light field says about itself, as a list of texts or numbers."""
     return {"channels": image.Channels, "layers": image.Layers, "scene": lambda: [image.SceneText()],
-            "window": image.Window, "complete": lambda: [image.Complete()]}[name]()
+            "window": image.Window, "complete": lambda: [image.Complete()],
+            "unit": lambda: [image.State()["texts"][3]]}[name]()
 
 
 def touch(_image):
@@ -92,7 +93,7 @@ def write_rays(path, rays):
     try:
         _core.WriteRays(path, rays)
     except _core.Failure as failure:
-        raise Error(str(failure)) from None
+        deliver([str(failure)], [])
 
 
 def table_rows(table):

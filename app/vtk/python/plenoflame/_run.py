@@ -2,21 +2,38 @@
 threads at work meanwhile."""
 
 import contextlib
+import re
 import signal
+import sys
 import threading
 import warnings
+
+from ._progress import watcher
 
 
 class Error(RuntimeError):
     """What went wrong, in the words of the command line."""
 
 
+def in_our_words(text):
+    """The command speaks of --absorption-ratios, who writes Python of absorption_ratios."""
+    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda match: match[1].replace("-", "_"), text)
+
+
+def _depth_of_caller():
+    """How many frames warnings.warn() has to go up to the code that uses the package."""
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] in (__package__, "contextlib"):
+        depth, frame = depth + 1, frame.f_back
+    return depth
+
+
 def deliver(errors, cautions):
     """Passes warnings on, and raises the first error."""
     for text in cautions:
-        warnings.warn(text, RuntimeWarning, stacklevel=5)
+        warnings.warn(in_our_words(text), RuntimeWarning, stacklevel=_depth_of_caller())
     if errors:
-        raise Error(errors[0])
+        raise Error(in_our_words(errors[0]))
 
 
 @contextlib.contextmanager
@@ -35,11 +52,23 @@ def _interrupt_noted(noted):
         before(noted[0], None)  # Python's own raises KeyboardInterrupt
 
 
-def update(algorithm, progress=None):
+def update(algorithm, progress=None, what="progress"):
     """Runs an algorithm, with Python's lock released. `progress` is called with the fraction done, now and then; a true
-    result stops the run, and so do an exception, which is raised again, and Ctrl-C."""
+    result stops the run, and so do an exception, which is raised again, and Ctrl-C. True shows a bar, named `what`."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise Error(f"progress takes True or a function of the fraction done, not {progress!r}")
+    errors, cautions = [], []
+    with watcher(progress, what) as (watch, show_the_end):
+        _run(algorithm, watch, errors, cautions)
+        if not errors:
+            show_the_end()
+    deliver(errors, cautions)
+    return algorithm
+
+
+def _run(algorithm, progress, errors, cautions):
     from ._library import data
-    raised, interrupted, errors, cautions = [], [], [], []
+    raised, interrupted = [], []
 
     def on_progress(fraction):
         try:
@@ -57,5 +86,3 @@ def update(algorithm, progress=None):
     finally:
         if raised:
             raise raised[0]
-    deliver(errors, cautions)
-    return algorithm

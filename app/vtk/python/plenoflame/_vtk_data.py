@@ -8,7 +8,7 @@ import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.util.vtkConstants import VTK_STRING
 from vtkmodules.vtkCommonCore import vtkCommand, vtkPoints, vtkStringArray
-from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData, vtkTable
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from . import vtkPlenoflame
@@ -218,7 +218,9 @@ def _add(data, arrays):
 
 
 def state_of(data):
-    """A dict of plain values that holds all of a vtkImageData or vtkPolyData with lines."""
+    """A dict of plain values that holds all of a vtkImageData, a vtkTable, or a vtkPolyData with lines."""
+    if isinstance(data, vtkTable):
+        return {"row": _arrays(data.GetRowData()), "field": _arrays(data.GetFieldData())}
     state = {"point": _arrays(data.GetPointData()), "cell": _arrays(data.GetCellData()),
              "field": _arrays(data.GetFieldData())}
     scalars = data.GetPointData().GetScalars()
@@ -236,7 +238,12 @@ def state_of(data):
 
 
 def data_of(state):
-    """The vtkImageData or vtkPolyData of a state."""
+    """The vtkImageData, vtkTable or vtkPolyData of a state."""
+    if "row" in state:
+        data = vtkTable()
+        _add(data.GetRowData(), state["row"])
+        _add(data.GetFieldData(), state["field"])
+        return data
     if "image" in state:
         extent, spacing, origin, direction = state["image"]
         data = vtkImageData()

@@ -2,6 +2,8 @@
 
 import json
 import os
+import pathlib
+import tempfile
 
 from ._library import data, library
 from ._run import Error
@@ -28,6 +30,12 @@ class CompiledCamera:
 
     def __repr__(self):
         return f"<plenoflame.CompiledCamera, {self.rays} rays of {self.pixels} pixels, window {self.window}>"
+
+    def __reduce__(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "camera.bundle")
+            self.save(path)
+            return _camera_of, (pathlib.Path(path).read_bytes(),)
 
     @property
     def window(self):
@@ -63,6 +71,14 @@ class CompiledCamera:
         """Writes it for --compiled of the command, and read_bundle(). Raises Error."""
         with data.errors_of(self.algorithm):
             self.algorithm.Write(os.fspath(path))
+
+
+def _camera_of(content):
+    """A file that is mapped stays in memory without its name."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "camera.bundle")
+        pathlib.Path(path).write_bytes(content)
+        return read_bundle(path)
 
 
 def read_bundle(path):

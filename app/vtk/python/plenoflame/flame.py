@@ -1,14 +1,121 @@
-"""Flames as voxels: made, read, imported and written. Voxels are a vtkImageData with VTK and an object of the package's
-own without; flame_arrays() gives the arrays of both."""
+"""Flames as voxels: made, read, imported and written."""
 
 import json
 import os
 
 import numpy
 
-from . import _check
+from . import _check, _home
+from ._arguments import refusal
 from ._library import data, library, need_vtk
 from ._run import Error, update
+
+
+class Flame(_home.AtHome):
+    """Fields on voxels: "temperature" [K], "absorption" [1/m], of emission lines [W/m^3], and of a reconstruction also
+    "emission" [W/(m^3 sr)]. flame["temperature"] is an array [i, j, k], a view without a copy.
+
+        >>> import plenoflame
+        >>> candle = plenoflame.make_flame("candle", voxel_size="2 mm", height="40 mm")
+        >>> candle
+        <plenoflame.Flame, ... voxels: absorption, temperature>
+        >>> candle["temperature"].dtype
+        dtype('float32')
+
+    numpy.asarray(flame) is the temperature, or the first field where there is none. to_xarray() is a Dataset of all
+    fields with the axes z, y, x.
+    """
+
+    def __init__(self, image):
+        """With VTK it takes a vtkImageData, as vtkPlenoflameFlameReader gives it."""
+        if not data.is_voxels(image):
+            raise Error(f"image takes a {data.VOXELS}, not {type(image).__name__}")
+        self._data = image
+
+    def __reduce__(self):
+        return _flame_of, (data.state_of(self._data),)
+
+    def __repr__(self):
+        arrays = self.arrays
+        shape = " x ".join(map(str, self._values().shape)) if arrays else "no"
+        return f"<plenoflame.Flame, {shape} voxels: {', '.join(sorted(arrays))}>"
+
+    @property
+    def image(self):
+        """The vtkImageData. Raises Error without VTK."""
+        need_vtk("Flame.image")
+        return self._data
+
+    @property
+    def arrays(self):
+        """{name: array [i, j, k]}, views without a copy."""
+        return data.voxel_arrays(self._data)[0]
+
+    @property
+    def spacing(self):
+        """Between voxels along the three axes [m]."""
+        return tuple(data.voxel_arrays(self._data)[1])
+
+    @property
+    def origin(self):
+        """Place of voxel [0, 0, 0] [m]."""
+        return tuple(data.voxel_arrays(self._data)[2])
+
+    @property
+    def directions(self):
+        """Unit vectors of the three axes."""
+        return [tuple(axis) for axis in data.voxel_arrays(self._data)[3]]
+
+    def __getitem__(self, name):
+        arrays = self.arrays
+        if name not in arrays:
+            raise KeyError(f"the flame has no field {name!r}; it has {', '.join(sorted(arrays)) or 'none'}")
+        return arrays[name]
+
+    def _main(self):
+        arrays = self.arrays
+        return "temperature" if "temperature" in arrays else next(iter(arrays))
+
+    def _values(self):
+        return self[self._main()]
+
+    def _labelled(self, xarray):
+        axes = {}
+        for axis, (name, count) in enumerate(zip("xyz", self._values().shape)):
+            places = numpy.arange(count) * self.spacing[axis]
+            own = self.directions[axis] == tuple(float(k == axis) for k in range(3))
+            axes[name] = ((self.origin[axis] + places, name, "m") if own
+                          else (places, f"{name} along the flame's own axes, from the first voxel", "m"))
+        backwards = dict(reversed(axes.items()))  # z up and x to the right in the plot of a slice
+        return xarray.Dataset({name: _home.labelled(xarray, values.transpose(), name, _home.unit_of(name), backwards)
+                               for name, values in self.arrays.items()})
+
+    def _summary(self):
+        steps = " x ".join(f"{1e3 * step:.4g}" for step in self.spacing)
+        yield "voxels", f"{' x '.join(map(str, self._values().shape))} of {steps} mm"
+        for name, values in sorted(self.arrays.items()):
+            yield name, _home.span(values, _home.unit_of(name))
+
+    def _preview(self):
+        """The largest values along y, x to the right and z up; temperatures where something absorbs."""
+        arrays, main = self.arrays, self._main()
+        values = arrays[main]
+        if main == "temperature" and "absorption" in arrays:
+            values = numpy.where(arrays["absorption"] > 0, values, 0)
+        return _home.small_picture(values.max(1).T[::-1], hot=main == "temperature")
+
+
+def _flame_of(state):
+    return Flame(data.data_of(state))
+
+
+def voxels_of(image):
+    """The voxels of a Flame, or of VTK's image. Raises Error for anything else."""
+    if isinstance(image, Flame):
+        return image._data
+    if not data.is_voxels(image):
+        raise Error(f"image takes a Flame, as make_flame() and flame_from_arrays() give it, not {type(image).__name__}")
+    return image
 
 
 def flame_generators():
@@ -17,26 +124,31 @@ def flame_generators():
     return json.loads(library.FlameGenerator.GetGeneratorsAsJson())
 
 
-def make_flame(name, **parameters):
-    """A generated flame, as `plenoflame flame NAME` makes it: voxels with the arrays "temperature" [K],
-    "absorption" [1/m], and one per emission line [W/m^3].
+def make_flame(name, *, progress=None, **parameters):
+    """A generated flame, as `plenoflame flame NAME` makes it: a Flame with "temperature" [K],
+    "absorption" [1/m], and one field per emission line [W/m^3].
 
         >>> import plenoflame
         >>> candle = plenoflame.make_flame("candle", voxel_size="2 mm", height="40 mm")
-        >>> sorted(plenoflame.flame_arrays(candle)[0])
+        >>> sorted(candle.arrays)
         ['absorption', 'temperature']
 
-    parameters: those of flame_generators(), as text with units, or as numbers where there is no unit. Raises Error.
+    parameters: those of flame_generators(), as text with units, or as numbers where there is no unit; progress: True for a
+    bar, or a function that is called with the fraction done. Raises Error.
     """
+    known = {flame["name"]: [parameter["name"] for parameter in flame["parameters"]] for flame in flame_generators()}
+    for key in parameters:
+        if key not in known.get(name, parameters):
+            raise TypeError(refusal("make_flame", key, known[name]))
     generator = library.FlameGenerator()
     generator.SetFlameName(_check.text("name", name))
     for key, value in parameters.items():
         generator.SetParameter(key, getattr(value, "text", str(value)))
-    return update(generator).GetOutput()
+    return Flame(update(generator, progress, "flame").GetOutput())
 
 
 def flame_from_arrays(temperature, absorption, *, spacing, origin=(0, 0, 0), **lines):
-    """A flame of numpy arrays: voxels as make_flame gives them, for Scene.add_flame and write_flame.
+    """A Flame of numpy arrays, for Scene.add_flame and write_flame.
 
     temperature [K], absorption [1/m]: arrays [i, j, k] of the samples at origin + (i, j, k) spacing
     spacing: between samples [m], one number or three; origin: the place of sample [0, 0, 0] [m]
@@ -63,7 +175,7 @@ def flame_from_arrays(temperature, absorption, *, spacing, origin=(0, 0, 0), **l
         if values.shape != shape:
             raise Error(f"{name} has the shape {values.shape}, the temperature {shape}; they must be equal")
         arrays[name] = values
-    return data.voxels_from(arrays, steps, start)
+    return Flame(data.voxels_from(arrays, steps, start))
 
 
 def flame_arrays(image):
@@ -80,15 +192,14 @@ def flame_arrays(image):
         >>> arrays["temperature"].shape, spacing
         ((2, 3, 4), (0.001, 0.001, 0.001))
     """
-    if not data.is_voxels(image):
-        raise Error(f"image takes a {data.VOXELS}, as make_flame() gives it, not {type(image).__name__}")
-    return data.voxel_arrays(image)
+    return data.voxel_arrays(voxels_of(image))
 
 
 def read_flame(path, *, grid="", local_frame=False):
-    """Reads the grids of a .vdb file as voxels, with the arrays "temperature" [K] and "absorption" [1/m], or any
-    one grid by its name. A file with neither of them, as a reconstruction of emission alone, gives all its grids. Origin, spacing and direction matrix place it as the file says. With local_frame it stands
-    unrotated at the origin, and the result is (image, vtkMatrix4x4 to the world); that needs VTK. Raises Error."""
+    """Reads the grids of a .vdb file as a Flame with "temperature" [K] and "absorption" [1/m], or any one grid by its name. A
+    file with neither of them, as a reconstruction of emission alone, gives all its grids. Origin, spacing and directions
+    place it as the file says. With local_frame it stands unrotated at the origin, and the result is (flame, vtkMatrix4x4 to
+    the world); that needs VTK. Raises Error."""
     if local_frame:
         need_vtk("read_flame(local_frame=True)")
     reader = library.FlameReader()
@@ -96,18 +207,19 @@ def read_flame(path, *, grid="", local_frame=False):
     reader.SetGridName(grid)
     if local_frame:
         reader.SetLocalFrame(True)
-    image = update(reader).GetOutput()
+    image = Flame(update(reader).GetOutput())
     return (image, reader.GetLocalToWorld()) if local_frame else image
 
 
 def import_flame(path, *, temperature="T", temperature_unit="K", absorption="", absorption_unit="1/m", soot="",
                  soot_function=0.26, wavelength=650e-9, constant=0.0, voxel_size=0.0, bounds=None, length_scale=1.0,
-                 step=0, solution=None):
-    """A flame from a simulation's file, on voxels: a vtkImageData as write_flame takes it. Needs VTK.
+                 step=0, solution=None, progress=None):
+    """A flame from a simulation's file, on voxels: a Flame. Needs VTK.
 
     temperature: its array; absorption (array), soot (array of volume fraction) or constant [1/m]: exactly one of them
     voxel_size: [m], 0: a 128th of the longest side; bounds: (x low, x high, y low, ...) [m]
     length_scale: metre per unit of the mesh; step: of a series of times; solution: the .q of a PLOT3D grid
+    progress: True for a bar, or a function that is called with the fraction done
 
     Raises Error.
     """
@@ -130,16 +242,14 @@ def import_flame(path, *, temperature="T", temperature_unit="K", absorption="", 
         source.SetBounds(*bounds)
     source.SetLengthScale(length_scale)
     source.SetTimeStep(step)
-    return update(source).GetOutput()
+    return Flame(update(source, progress, "import").GetOutput())
 
 
 def write_flame(path, image, *, temperature="temperature", absorption="absorption", ambient=293.15, half=False):
-    """Writes voxels as the grids of a flame. temperature, absorption: names of its arrays, in K and 1/m;
+    """Writes a Flame as grids. temperature, absorption: names of its arrays, in K and 1/m;
     ambient: temperature outside [K]; half: values with 16 bits. Raises Error."""
-    if not data.is_voxels(image):
-        raise Error(f"image takes a {data.VOXELS}, as make_flame() gives it, not {type(image).__name__}")
     writer = library.FlameWriter()
-    writer.SetInputData(image)
+    writer.SetInputData(voxels_of(image))
     writer.SetFileName(os.fspath(path))
     writer.SetTemperatureArray(temperature)
     writer.SetAbsorptionArray(absorption)

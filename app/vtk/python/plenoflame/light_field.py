@@ -3,22 +3,27 @@
 import collections
 import json
 import os
+import re
 import threading
 
 import numpy
 
-from . import _check
+from . import _check, _home
 from ._library import data, library, need_vtk
 from ._run import Error, update
 
 _RESAMPLINGS = {"nearest": 0, "barycentric": 1, "paper9": 2, "paper10": 3}
 
 
-class LightField:
+class LightField(_home.AtHome):
     """The raw image of a plenoptic camera: radiant flux per pixel [W].
 
     Arrays are numpy views (rows, columns), row 0 at the top: what is written to them is what develop(), views() and the
     others see. With VTK they are views of the vtkImageData `image`.
+
+    numpy.asarray(light_field) is the flux of a single channel (rows, columns), in the same memory; of several it is a copy
+    (rows, columns, channels). to_xarray() has the axes row, column, channel; places
+    on the sensor count from its middle, x to the right of the picture.
     """
 
     def __init__(self, image, relative_error=-1.0):
@@ -39,6 +44,38 @@ class LightField:
         rows, columns = self.flux.shape
         return f"<plenoflame.LightField, {columns} x {rows} pixels, channels {', '.join(self.channels)}>"
 
+    def _values(self):
+        return self.flux if len(self.channels) == 1 else self._stack()
+
+    def _stack(self):
+        """(rows, columns, channels)"""
+        return numpy.stack([self[name] for name in self.channels], -1) if len(self.channels) > 1 else self.flux[..., None]
+
+    def _labelled(self, xarray):
+        sensor = _camera_of(self.scene_text)
+        x, y, width, height = self.window
+        pitch = float(sensor["camera.sensor.pixel_pitch"])
+        pitch_y = float(sensor["camera.sensor.pixel_pitch_y"]) or pitch
+        return _home.labelled(xarray, self._stack(), "flux", self.unit, {
+            "row": (-_home.middles(sensor.rows, pitch_y)[y:y + height], "height on the sensor", "m"),
+            "column": (_home.middles(sensor.columns, pitch)[x:x + width], "x on the sensor", "m"),
+            "channel": (self.channels, "channel", "")})
+
+    def _summary(self):
+        x, y, width, height = self.window
+        yield "pixels", f"{width} x {height}" + (f", from column {x}, row {y} of the sensor" if (x, y) != (0, 0) else "")
+        for name in self.channels:
+            yield name, f"{self[name].sum(dtype=float):.4g} {self.unit}, at most {self[name].max():.4g} {self.unit} a pixel"
+        if self.relative_error >= 0:
+            yield "error", f"{100 * self.relative_error:.3g} % of a lit pixel"
+        if self.layers:
+            yield "layers", ", ".join(self.layers)
+        if not self.complete:
+            yield "state", "stopped early"
+
+    def _preview(self):
+        return _home.small_picture(self.flux)
+
     def _texts(self, name):
         return data.image_texts(self._data, name)
 
@@ -52,6 +89,11 @@ class LightField:
     def channels(self):
         """Names of the channels."""
         return self._texts("channels")
+
+    @property
+    def unit(self):
+        """"W", and "e-" or "DN" of pictures that were imported so."""
+        return self._texts("unit")[0]
 
     @property
     def scene_text(self):
@@ -78,15 +120,28 @@ class LightField:
         light_field["truth.distance"]."""
         return self._texts("layers")
 
+    def __setitem__(self, channel, values):
+        """Writes new values into the memory of a channel or layer."""
+        place = self[channel]
+        place[...] = _check.array(channel, values, place.shape)
+
     @property
     def flux(self):
         """Flux [W] of the first channel."""
         return self[self.channels[0]]
 
+    @flux.setter
+    def flux(self, values):
+        self[self.channels[0]] = values
+
     @property
     def error(self):
         """Standard error [W] of the first channel's flux."""
         return self[self.channels[0] + ".error"]
+
+    @error.setter
+    def error(self, values):
+        self[self.channels[0] + ".error"] = values
 
     def save(self, path):
         """Writes the light field as EXR."""
@@ -120,8 +175,11 @@ class LightField:
             develop.SetChannel(_check.text("channel", channel))
             return data.image_array(update(develop).GetOutput(), "digital_number").copy()
 
-    def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0):
+    def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0,
+              progress=None):
         """Sub-aperture views: the scene from grid x grid places on the main lens. Returns Views.
+
+        progress: True for a bar, or a function that is called with the fraction done; so of refocus() and focus_stack()
 
             >>> import plenoflame
             >>> views = plenoflame.Scene("small.toml").render(samples=2).views(3)
@@ -140,8 +198,8 @@ class LightField:
             views.SetWhiteCorrection(bool(white_correction))
             views.SetChannel(_check.text("channel", channel))
             views.SetNumberOfThreads(threads)
-            update(views)
-            return Views(views, grid, "radiance" if white_correction else "flux")
+            update(views, progress, "views")
+            return Views(views, grid, "radiance" if white_correction else "flux", spread, self.scene_text)
 
     def _refocusing(self, kind, width, aperture, channel, threads):
         refocus = self._filter(kind)
@@ -151,7 +209,7 @@ class LightField:
         refocus.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
         return refocus
 
-    def refocus(self, depth, *, width=0, aperture=1.0, channel="", threads=0):
+    def refocus(self, depth, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
         """The picture focused on the plane at `depth` [m] in front of the main lens. Returns Refocused.
 
             >>> import plenoflame
@@ -162,11 +220,11 @@ class LightField:
         with self._filtering:
             refocus = self._refocusing(library.Refocus, width, aperture, channel, threads)
             refocus.SetDepth(depth)
-            update(refocus)
+            update(refocus, progress, "refocus")
             return Refocused(data.image_array(refocus.GetOutput(), "radiance").copy(), depth, refocus.GetPixelSize(),
                              refocus.GetCorner())
 
-    def focus_stack(self, depths, *, width=0, aperture=1.0, channel="", threads=0):
+    def focus_stack(self, depths, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
         """Pictures at several depths [m], ascending, at least three, and the one that is sharp everywhere. Returns
         FocusStack."""
         try:
@@ -178,7 +236,7 @@ class LightField:
             stack.RemoveAllDepths()
             for depth in depths:
                 stack.AddDepth(depth)
-            output = update(stack).GetOutput()
+            output = update(stack, progress, "focus stack").GetOutput()
             arrays = [data.image_array(output, name).copy() for name in ("all_in_focus", "depth", "confidence")]
             planes = [data.image_array(output, f"plane_{i:04}").copy() for i in range(len(depths))]
             return FocusStack(*arrays, planes, depths)
@@ -227,6 +285,14 @@ class LightField:
         return json.loads(comparison.GetFiguresAsJson())
 
 
+def _camera_of(text):
+    """The camera that a light field was taken with, as a Scene without anything else. It opens no file: where the text names
+    one, it is left out."""
+    from .scene import Scene
+    parts = [part for part in re.split(r"(?m)^(?=\[)", text) if part.startswith(("[camera", "[[camera"))]
+    return Scene(text=re.sub(r"(?m)^.*\b(file|preset|filter)\b *=.*$", "", "".join(parts)))
+
+
 def _light_field_of(state, relative_error):
     return LightField(data.data_of(state), relative_error)
 
@@ -241,19 +307,55 @@ Export = collections.namedtuple("Export", "files notes")
 Export.__doc__ = "What LightField.export wrote: names of files, and notes."
 
 
-class Views:
-    """Sub-aperture views; indexed [row, column] of the grid, each a numpy array (rows, columns)."""
+class Views(_home.AtHome):
+    """Sub-aperture views; indexed [row, column] of the grid, each a numpy array (rows, columns).
 
-    def __init__(self, algorithm, grid, array):
+    numpy.asarray(views) is all of them in the same memory, [row, column of the grid, row, column of the view]. to_xarray() has
+    the axes u, v (x and height on the main lens) and y, x (on the microlens array, from the middle of the view).
+    """
+
+    def __init__(self, algorithm, grid, array, spread, scene_text):
         self.grid = grid
         self.unit = "W/(m^2 sr)" if array == "radiance" else "W"
-        self._views, self.sheet = data.views_of(algorithm, array)  #: sheet: all of them side by side
+        views, self.sheet = data.views_of(algorithm, array)  #: sheet: all of them side by side
+        self._views = numpy.stack(views).reshape(grid, grid, *views[0].shape)
+        self._spread = spread
+        self._scene_text = scene_text
+
+    def __repr__(self):
+        rows, columns = self._views.shape[2:]
+        return f"<plenoflame.Views, {self.grid} x {self.grid} views of {columns} x {rows} pixels, {self.unit}>"
+
+    def _values(self):
+        return self._views
+
+    def _labelled(self, xarray):
+        camera = _camera_of(self._scene_text)
+        # Row by row in the grid: to the right and down.
+        pupil = self._spread * camera.design()["entrance_pupil_m"][1]
+        places = _home.middles(self.grid, pupil / self.grid)
+        step = float(camera["camera.array.pitch"]) * (0.75 ** 0.25 if camera["camera.array.lattice"] == "hexagonal" else 1)
+        rows, columns = self._views.shape[2:]
+        return _home.labelled(
+            xarray, self._views.transpose(1, 0, 2, 3), "radiance" if "sr" in self.unit else "flux", self.unit, {
+                "u": (places, "x on the main lens", "m"),
+                "v": (-places, "height on the main lens", "m"),
+                "y": (-_home.middles(rows, step), "height on the microlens array", "m"),
+                "x": (_home.middles(columns, step), "x on the microlens array", "m")})
+
+    def _summary(self):
+        rows, columns = self._views.shape[2:]
+        return [("views", f"{self.grid} x {self.grid}"), ("pixels of each", f"{columns} x {rows}"),
+                ("values", _home.span(self._views, self.unit))]
+
+    def _preview(self):
+        return _home.small_picture(self.sheet)
 
     def __getitem__(self, place):
         row, column = place
         if not (0 <= row < self.grid and 0 <= column < self.grid):
             raise IndexError(f"view {row}, {column} of {self.grid} x {self.grid}")
-        return self._views[row * self.grid + column]
+        return self._views[row, column]
 
     def epipolar(self, *, row=None, column=None):
         """Epipolar slice: one row (or column) of the scene as the viewpoint moves along the middle row (column) of the
@@ -269,14 +371,14 @@ class Views:
         return numpy.stack([self[v, middle][:, column] for v in range(self.grid)])
 
     def __len__(self):
-        return len(self._views)
+        return self.grid ** 2
 
     def __iter__(self):
-        return iter(self._views)
+        return iter(self._views.reshape(-1, *self._views.shape[2:]))
 
 
-class Refocused:
-    """A refocused picture."""
+class Refocused(_home.AtHome):
+    """A refocused picture. numpy.asarray(refocused) is its image, in the same memory; to_xarray() has the axes y, x."""
 
     def __init__(self, image, depth, pixel, corner=(0.0, 0.0)):
         self.image = image  #: radiance [W/(m^2 sr)], numpy array (rows, columns)
@@ -293,6 +395,25 @@ class Refocused:
     def y(self):
         """Camera's y of the rows' middles on the object plane [m], downwards."""
         return self.corner[1] + (numpy.arange(self.image.shape[0]) + 0.5) * self.pixel
+
+    def __repr__(self):
+        rows, columns = self.image.shape
+        return f"<plenoflame.Refocused, {columns} x {rows} pixels, {self.depth:g} m in front of the main lens>"
+
+    def _values(self):
+        return self.image
+
+    def _labelled(self, xarray):
+        return _home.labelled(xarray, self.image, "radiance", "W/(m^2 sr)", {
+            "y": (-self.y, "height on the plane in focus", "m"), "x": (self.x, "x on the plane in focus", "m")})
+
+    def _summary(self):
+        rows, columns = self.image.shape
+        return [("pixels", f"{columns} x {rows}"), ("focused on", f"{self.depth:.4g} m"),
+                ("pixel there", f"{1e3 * self.pixel:.4g} mm"), ("values", _home.span(self.image, "W/(m^2 sr)"))]
+
+    def _preview(self):
+        return _home.small_picture(self.image)
 
 
 class FocusStack:

@@ -6,8 +6,9 @@ from scipy.sparse.linalg import LinearOperator
 
 from . import _check
 from ._library import data, library
-from ._options import cameras_of, in_our_words, set_options, unknowns_options
+from ._options import cameras_of, set_options, unknowns_options
 from ._run import Error, update
+from .light_field import LightField
 
 
 class Operator(LinearOperator):
@@ -19,14 +20,18 @@ class Operator(LinearOperator):
     Python's lock released.
     """
 
-    def __init__(self, algorithm, sensors, bin):
+    def __init__(self, algorithm, sensors, bin, request):
         """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block, 1 for cells
-        of micro-images."""
+        of micro-images; request: the arguments of make_operator(), by which a pickled one is made again."""
         self.algorithm = algorithm  #: the vtkPlenoflameOperator, or what stands for it without VTK
         super().__init__(numpy.dtype(float), (algorithm.GetNumberOfRows(), algorithm.GetNumberOfColumns()))
         self._matrix = None
         self._sensors = sensors
         self._bin = bin
+        self._request = request
+
+    def __reduce__(self):
+        return make_operator, self._request
 
     def __repr__(self):
         return f"<plenoflame.Operator, {self.shape[0]} rows, {self.shape[1]} unknowns, {self.rays} rays>"
@@ -76,8 +81,7 @@ class Operator(LinearOperator):
         there is not enough memory."""
         if self._matrix is None:
             self.algorithm.SetStored(True)
-            with in_our_words():
-                update(self.algorithm)
+            update(self.algorithm)
             parts = [data.numbers(part) for part in (self.algorithm.GetValues(), self.algorithm.GetColumnIndices(),
                                                      self.algorithm.GetRowStarts())]
             for part in parts:
@@ -89,6 +93,27 @@ class Operator(LinearOperator):
         vector = numpy.ascontiguousarray(numpy.asarray(vector).ravel(), dtype=float)
         return data.operator_times(self.algorithm, transpose, vector, self.shape[1 if transpose else 0])
 
+    def _dimensions(self, name, values, size):
+        shape = numpy.shape(values)
+        if len(shape) not in (1, 2) or shape[0] != size:
+            raise ValueError(f"dimension mismatch: {name} has the shape {shape}, the operator {self.shape}; {name} takes {size} numbers")
+
+    def matvec(self, x):
+        self._dimensions("x", x, self.shape[1])
+        return super().matvec(x)
+
+    def rmatvec(self, x):
+        self._dimensions("y", x, self.shape[0])
+        return super().rmatvec(x)
+
+    def matmat(self, X):
+        self._dimensions("X", X, self.shape[1])
+        return super().matmat(X)
+
+    def rmatmat(self, X):
+        self._dimensions("Y", X, self.shape[0])
+        return super().rmatmat(X)
+
     def _matvec(self, x):
         return self._times(False, x)
 
@@ -99,6 +124,32 @@ class Operator(LinearOperator):
         """A x, and the function that takes a gradient with regard to it back to one with regard to x (which, as A is
         linear, is A^T): what automatic differentiation asks of a function."""
         return self @ x, lambda gradient: self.rmatvec(gradient)
+
+    def rows(self, images):
+        """The fluxes of pictures as a vector of the rows, the inverse of image(): of blocks the sums over their pixels. Raises
+        Error for rows that are parts of micro-images.
+
+        images: a LightField or an array (rows, columns) of the sensor; of several cameras a list of them, in their order
+        """
+        scenes, channel, bin = self._request[0], self._request[8], self._request[10]
+        if bin in ("view", "micro-image"):
+            raise Error(f"rows() needs rows of whole pixels, not bin={bin!r}")
+        images = images if isinstance(images, (list, tuple)) else [images]
+        if len(images) != len(scenes):
+            raise Error(f"images takes a picture of each of {len(scenes)} cameras, not {len(images)}")
+        result = numpy.empty(self.shape[0])
+        for camera, (scene, image) in enumerate(zip(scenes, images)):
+            if isinstance(image, LightField):
+                image = image[channel] if channel else image.flux
+            picture = numpy.asarray(image, dtype=float)
+            if picture.shape != (scene.rows, scene.columns):
+                raise Error(f"images takes the whole sensor, an array of the shape {(scene.rows, scene.columns)}, "
+                            f"not {picture.shape}")
+            lines, columns = self._sensors[camera]
+            blocks = picture[:lines * self._bin, :columns * self._bin].reshape(lines, self._bin, columns, self._bin).sum((1, 3))
+            own = self.pixels[:, 2] == camera
+            result[own] = blocks[self.pixels[own, 1] // self._bin, self.pixels[own, 0] // self._bin]
+        return result
 
     def image(self, fluxes, camera=0):
         """Fluxes of the rows as a picture: numpy array (rows, columns) of a camera's pixels, or blocks of them; 0 where
@@ -119,15 +170,15 @@ def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, 
     """Scene.operator()."""
     algorithm = library.Operator()
     scenes = cameras_of(scene)
+    request = (scenes, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form, threads, None)
     set_options(algorithm, **unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel),
                 rays=str(rays), bin=str(bin), cells=None if cells is None else str(cells),
                 seed=None if seed is None else str(seed), form=_check.text("form", form))
     algorithm.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
     for one in scenes:
         algorithm.AddCamera(one._scene)
-    with in_our_words():
-        update(algorithm, progress)
+    update(algorithm, progress, "operator")
     if algorithm.GetNumberOfRows() == 0:
         raise Error("stopped before there was a result")
     side = 1 if str(bin) in ("view", "micro-image") else int(bin)
-    return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side)
+    return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side, request)

@@ -1,7 +1,7 @@
 from os import PathLike
-from typing import Optional, Union
+from typing import Any, Optional, Union
 
-from numpy import ndarray
+from numpy.typing import NDArray
 
 from .light_field import LightField
 from .rays import Rays
@@ -10,4 +10,4 @@ from .scene import Scene
 def picture(scene: Scene, path: Optional[Union[str, PathLike[str]]] = ..., *, view: str = ...,
             rays: Optional[Rays] = ..., light_field: Optional[LightField] = ..., colour_by: str = ...,
             pixel: Optional[tuple[int, int]] = ..., size: tuple[int, int] = ..., flame: bool = ..., surfaces: bool = ...,
-            insets: bool = ..., axes: bool = ...) -> Optional[ndarray]: ...
+            insets: bool = ..., axes: bool = ...) -> Optional[NDArray[Any]]: ...

@@ -27,6 +27,9 @@ class RayBlock:
     def __init__(self, table):
         self._data = table
 
+    def __reduce__(self):
+        return _block_of, (data.state_of(self._data),)
+
     @property
     def table(self):
         """The vtkTable. Raises Error without VTK."""
@@ -70,6 +73,10 @@ class RayBlock:
             raise AttributeError(f"a block of rays has no {name!r}" + (
                 ": ask for it by ray_blocks(radiance=True)" if name == "radiance" else ""))
         return values.reshape(len(values), -1) if name == "radiance" else values
+
+
+def _block_of(state):
+    return RayBlock(data.data_of(state))
 
 
 def ray_blocks(scene, samples, window, precision, radiance, seed, skip, rays_per_block, threads):

@@ -1,32 +1,44 @@
 """Flames back from pictures of them."""
 
+import functools
 import json
 import os
+import pathlib
+import tempfile
 
 import numpy
 
-from . import _check
+from . import _check, _home
 from ._library import data, library
-from ._options import cameras_of, in_our_words, lengths, set_options, unknowns_options, words
-from ._run import Error, update
+from ._options import cameras_of, lengths, set_options, unknowns_options, words
+from ._run import Error, in_our_words, update
+from .flame import Flame
 from .light_field import LightField, read_light_field
 
 _FIELDS = ("emission", "temperature", "absorption")
+_DIMENSIONS = {"voxels": 3, "rings": 2, "layers": 1}
 
 
-class Reconstruction:
+class Reconstruction(_home.AtHome):
     """What reconstruct() found. Fields are numpy arrays over the unknowns, e.g. (rings, heights) or (x, y, z), and None
     where they are not known:
 
     temperature [K] (0: none), absorption [1/m], emission [W/(m^3 sr)], each with NAME_deviation; resolved: 1 where the
     pictures decide, 0 where the penalty does; resolved_absorption.
+
+    numpy.asarray(found) is the temperature, or else the emission: of rings upright (heights from the top, radii), of voxels
+    [x, y, z]. to_xarray() is a Dataset of all fields: rings with the axes z, r, voxels with z, y, x.
     """
 
-    def __init__(self, algorithm):
-        self.algorithm = algorithm  #: the vtkPlenoflameReconstruction, or what stands for it without VTK
-        self.image = algorithm.GetOutput()  #: the fields on voxels, a vtkImageData (with VTK) as Scene.add_flame takes it
+    def __init__(self, algorithm, unknowns):
+        self.algorithm = algorithm  #: the vtkPlenoflameReconstruction, or what stands for it without VTK; None when unpickled
+        self.unknowns = unknowns  #: "voxels", "rings" or "layers"
+        self.complete = algorithm.IsComplete()  #: False when it was stopped early: what was reached by then
+        self.flame = Flame(algorithm.GetOutput())  #: the fields on voxels, as Scene.add_flame takes it
         self.figures = json.loads(algorithm.GetFiguresAsJson())  #: as `plenoflame reconstruct --json` prints them
-        self.report = algorithm.GetReport()  #: the same as text, a line each
+        if "warning" in self.figures:
+            self.figures["warning"] = in_our_words(self.figures["warning"])
+        self.report = in_our_words(algorithm.GetReport())  #: the same as text, a line each
         shape = [algorithm.GetShape(axis) for axis in range(3)]
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
@@ -38,10 +50,63 @@ class Reconstruction:
         state = "" if self.complete else ", stopped early"
         return f"<plenoflame.Reconstruction, {' x '.join(map(str, self.shape))} unknowns: {', '.join(self._fields)}{state}>"
 
-    @property
-    def complete(self):
-        """False when it was stopped early: what was reached by then."""
-        return self.algorithm.IsComplete()
+    def _main(self):
+        return next(name for name in ("temperature", *self._fields) if name in self._fields)
+
+    def _values(self):
+        values = self._fields[self._main()]
+        return values.T[::-1] if self.unknowns == "rings" and values.ndim == 2 else values
+
+    def _labelled(self, xarray):
+        full = (*self.shape, *(1,) * (_DIMENSIONS[self.unknowns] - len(self.shape)))
+        places = self.places.reshape(*full, 3)
+        if self.unknowns == "voxels":
+            axes = {name: (places[(slice(None), 0, 0) if k == 0 else (0, slice(None), 0) if k == 1 else (0, 0)][..., k], name, "m")
+                    for k, name in enumerate("xyz")}
+        elif self.unknowns == "rings":
+            along = places[0] - places[0, 0]
+            stands = not along[:, :2].any()
+            axes = {"r": (numpy.linalg.norm(places[:, 0] - places[0, 0], axis=-1), "distance from the axis", "m"),
+                    "z": (places[0, :, 2], "z", "m") if stands
+                    else (numpy.linalg.norm(along, axis=-1), "height above the lowest ring", "m")}
+        else:
+            axes = {"layer": (numpy.arange(full[0]) / full[0], "share of the outermost layer's semi-axes", "")}
+        backwards = dict(reversed(axes.items()))  # z up in the plot
+        return xarray.Dataset({name: _home.labelled(xarray, values.reshape(full).transpose(), name, _home.unit_of(name), backwards)
+                               for name, values in self._fields.items()})
+
+    def _summary(self):
+        yield "unknowns", f"{' x '.join(map(str, self.shape))}, {self.unknowns}"
+        for name, values in self._fields.items():
+            yield name.replace("_", " "), _home.span(values, _home.unit_of(name))
+        yield "chi^2 per row", f"{self.figures['chi_squared']:.4g}"
+        yield "iterations", self.figures["iterations"]
+        if not self.complete:
+            yield "state", "stopped early"
+        if "warning" in self.figures:
+            yield "warning", self.figures["warning"]
+
+    def _preview(self):
+        values = self._values()
+        if values.ndim == 1:
+            return None
+        return _home.small_picture(values.max(1).T[::-1] if values.ndim == 3 else values, hot=self._main() == "temperature")
+
+    def __getstate__(self):
+        """All of it, with the file that save() writes in place of the algorithm."""
+        places, residuals, explained = self.places, self.residuals, self.explained
+        return {**vars(self), "algorithm": None, "_file": self._content(), "places": places, "residuals": residuals,
+                "explained": explained}
+
+    def _content(self):
+        """The bytes of the .vdb file."""
+        if self.algorithm is None:
+            return self._file
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "found.vdb")
+            with data.errors_of(self.algorithm):
+                self.algorithm.Write(path)
+            return pathlib.Path(path).read_bytes()
 
     @property
     def temperature(self):
@@ -83,7 +148,7 @@ class Reconstruction:
         """The same of the absorption, where it was solved for."""
         return self._fields.get("resolved_absorption")
 
-    @property
+    @functools.cached_property
     def places(self):
         """Place of each unknown in the world [m]: shape + (3,)."""
         return data.numbers(self.algorithm.GetPlaces()).reshape((*self.shape, 3))
@@ -93,13 +158,13 @@ class Reconstruction:
         """chi^2 per row, iteration by iteration."""
         return numpy.array(self.figures["history"])
 
-    @property
+    @functools.cached_property
     def residuals(self):
         """What the flame does not explain of each picture [W]: arrays (rows, columns), of the cameras of the first channel,
         then of the second."""
         return self._pictures("residual")
 
-    @property
+    @functools.cached_property
     def explained(self):
         """What it does [W]."""
         return self._pictures("explained")
@@ -109,8 +174,12 @@ class Reconstruction:
 
     def save(self, path):
         """Writes the grids as `plenoflame reconstruct -o` does. Raises Error."""
+        name = _check.file(path, ".vdb")
+        if self.algorithm is None:
+            pathlib.Path(name).write_bytes(self._file)
+            return
         with data.errors_of(self.algorithm):
-            self.algorithm.Write(_check.file(path, ".vdb"))
+            self.algorithm.Write(name)
 
 
 def _set_earlier(algorithm, use, result):
@@ -158,7 +227,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
 
         found = plenoflame.reconstruct(scene, scene.render(512), unknowns="rings", grid=(16, 32), absorption="scene")
         found.temperature, found.temperature_deviation
-        scene.add_flame(found.image)
+        scene.add_flame(found.flame)
 
     scene: a Scene, or several; all cameras of each, or the one that is chosen
     images: a LightField or the name of its file, a list of them in the order of the cameras, or a dict by their names
@@ -169,7 +238,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     memory: of a stored matrix [MB]; beyond it rays are followed again in each iteration
     form: what is kept: the "matrix", its "rays", or nothing: rays are "drawn" again in each iteration; "auto": the first that
     there is memory for
-    progress: called with the fraction done; a true result ends the run early, with what was reached until then
+    progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what was reached until then
 
     Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
     by then is its `reconstruction` (None: nothing yet).
@@ -194,11 +263,10 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     for one, (picture, name) in zip(scenes, pictures):
         algorithm.AddCamera(one._scene, picture._data, name)
     try:
-        with in_our_words():
-            update(algorithm, progress)
+        update(algorithm, progress, "reconstruct")
     except KeyboardInterrupt as interrupt:
-        interrupt.reconstruction = Reconstruction(algorithm) if algorithm.HasResult() else None
+        interrupt.reconstruction = Reconstruction(algorithm, unknowns) if algorithm.HasResult() else None
         raise
     if not algorithm.HasResult():
         raise Error("stopped before there was a result")
-    return Reconstruction(algorithm)
+    return Reconstruction(algorithm, unknowns)

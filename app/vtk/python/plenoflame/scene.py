@@ -3,11 +3,13 @@
 import json
 import os
 
-from . import _check
+from . import _check, _home
+from ._arguments import refusal
 from ._library import data, library, need_vtk
 from ._run import Error, update
 from ._values import text_of, tree, value_of
 from .compiled import CompiledCamera
+from .flame import Flame, voxels_of
 from .light_field import LightField
 from .ray_blocks import ray_blocks
 from .rays import Rays
@@ -15,7 +17,7 @@ from .rays import Rays
 _ESTIMATORS = {None: 0, "backward": 1, "forward": 2}
 
 
-class Scene:
+class Scene(_home.Shown):
     """The scene of a TOML file.
 
     Values are read and set by the paths of docs/reference/scene.md. Numbers come as numbers in SI units that know their
@@ -60,6 +62,29 @@ class Scene:
         cameras = "cameras " + ", ".join(self.cameras) if several else f"{self.columns} x {self.rows} pixels"
         return (f"<plenoflame.Scene, {cameras}, {self.list_size('flames')} flames, "
                 f"channels {', '.join(self.channels)}>")
+
+    def _summary(self):
+        if len(self.cameras) > 1:
+            yield "cameras", ", ".join(self.cameras) + (f"; chosen: {self.camera_name}" if self.camera_name else "")
+        if len(self.cameras) == 1 or self.camera_name:
+            yield "sensor", f"{self.columns} x {self.rows} pixels"
+            try:
+                design = self.design()
+            except Error as error:
+                yield "camera", error
+            else:
+                yield "lens", f"f = {1e3 * design['focal_length_m']:.4g} mm, f/{design['f_number']:.3g}"
+                if design.get("object_distance_m"):
+                    yield "focused on", f"{design['object_distance_m']:.4g} m"
+        yield "channels", ", ".join(self.channels)
+        yield "flames", ", ".join(flame["name"] or flame["kind"] for flame in self["flames"]) or "none"
+
+    def _preview(self):
+        try:
+            one = self if self.camera_name or len(self.cameras) == 1 else self.with_camera(self.cameras[0])
+            return one.flame(48)._preview()
+        except Error:  # no flame, or one of emission alone
+            return None
 
     @property
     def scene(self):
@@ -198,16 +223,15 @@ class Scene:
             self._scene.RemoveListItem(path, _check.whole("position", position, -1))
 
     def add_flame(self, image, *, lines=(), ambient=293.15, **values):
-        """Adds a flame from memory: voxels as make_flame, flame_from_arrays, import_flame and read_flame give
-        them. It lasts as long as the scene and its copies; a file of the scene cannot hold it.
+        """Adds a flame from memory: a Flame, as make_flame, flame_from_arrays, import_flame and read_flame give
+        it. It lasts as long as the scene and its copies; a file of the scene cannot hold it.
 
             scene.add_flame(plenoflame.flame_from_arrays(T, kappa, spacing=1e-3), position="1 m, 0 m, -20 mm")
 
         lines: emission lines that it has arrays for, e.g. ["ch"]; ambient: temperature outside [K]; values: of the
         flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, with the scene unchanged.
         """
-        if not data.is_voxels(image):
-            raise Error(f"image takes a {data.VOXELS}, as flame_from_arrays() makes of arrays, not {type(image).__name__}")
+        image = voxels_of(image)
         ambient = _check.number("ambient", ambient, 0)
         name = f"memory:{len(self._images)}"
         place = self.list_size("flames")
@@ -272,7 +296,7 @@ class Scene:
         truth: adds layers of ground truth, such as "truth.distance"
         compiled: a CompiledCamera, whose rays take the place of new ones; samples, seed, estimator, target_error and
         time_limit have no place beside it, and window: None is all of its window
-        progress: called with the fraction done; a true result ends the run early, with what is there until then
+        progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what is there until then
 
         Returns a LightField. Raises Error.
 
@@ -302,7 +326,7 @@ class Scene:
             for name in (name for name, is_given in given.items() if is_given):
                 raise Error(f"{name}: a compiled camera (compiled) has its own rays; leave one of the two")
             source.SetCompiledCamera(compiled.algorithm)
-        update(source, progress)
+        update(source, progress, "render")
         return LightField(source.GetOutput(), relative_error=source.GetRelativeError())
 
     def _window_of(self, window):
@@ -323,7 +347,7 @@ class Scene:
         error needs
         seed: of the rays
         threads: 0: one per processor; the rays do not depend on it
-        progress: called with the fraction done; a true result stops it
+        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
         Returns CompiledCamera. Raises Error.
         """
@@ -344,7 +368,7 @@ class Scene:
             if not all(a < b for a, b in zip(lower, upper)):
                 raise Error(f"region: the second corner must lie above the first along x, y and z, not {region!r}")
             camera.SetRegion(*lower, *upper)
-        update(camera, progress)
+        update(camera, progress, "compile")
         return CompiledCamera(camera)
 
     def rays(self, *, pixels=(), microlenses=(), points=(), random=0, chief=False, rays=64, flame_samples=0,
@@ -433,7 +457,7 @@ class Scene:
         parts of each micro-image; seed: None: the scene's
         form: "rays" are kept, or "drawn" again in each product, where their number takes no memory; "auto": kept where the
         machine has memory for them
-        progress: called with the fraction done; a true result stops it
+        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
         Of a scene with several cameras: all of them, one after the other, unless one is chosen. Returns Operator. Raises
         Error.
@@ -452,15 +476,18 @@ class Scene:
         source = library.CameraSource()
         source.SetInputDataObject(self._scene)
         for name, value in settings.items():
+            if not hasattr(source, "Set" + name):
+                known = [method[3:] for method in dir(source) if method.startswith("Set")]
+                raise TypeError(refusal("Scene.camera", name, known))
             getattr(source, "Set" + name)(value)
         return update(source).GetOutput()
 
     def flame(self, resolution=128):
-        """The flames sampled on a lattice: voxels (flame_arrays) with "temperature" [K] and "absorption" [1/m]."""
+        """The flames sampled on a lattice: a Flame with "temperature" [K] and "absorption" [1/m]."""
         source = library.FlameSource()
         source.SetInputDataObject(self._scene)
         source.SetResolution(_check.whole("resolution", resolution, 2, 1024))
-        return update(source).GetOutput()
+        return Flame(update(source).GetOutput())
 
 
 def _corner(name, values):

@@ -1,7 +1,10 @@
 from os import PathLike
-from typing import Any, Callable, Iterable, Iterator, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, Optional, Sequence, Union
 
+from ._home import Shown
+from ._run import Progress
 from .compiled import CompiledCamera
+from .flame import Flame
 from .light_field import LightField
 from .operators import Operator
 from .ray_blocks import RayBlock
@@ -10,7 +13,7 @@ from .rays import Rays
 _Path = Union[str, PathLike[str]]
 _Value = Union[str, bool, int, float, Sequence[Union[str, bool, int, float]]]
 
-class Scene:
+class Scene(Shown):
     @property
     def scene(self) -> Any: ...
     def __init__(self, path: Optional[_Path] = ..., *, text: Optional[str] = ..., name: _Path = ...) -> None: ...
@@ -53,11 +56,11 @@ class Scene:
                window: Optional[tuple[int, int, int, int]] = ..., target_error: float = ..., time_limit: float = ...,
                threads: int = ...,
                truth: bool = ..., compiled: Optional[CompiledCamera] = ...,
-               progress: Optional[Callable[[float], Any]] = ...) -> LightField: ...
+               progress: Optional[Progress] = ...) -> LightField: ...
     def compile(self, error: float = ..., *, window: Optional[tuple[int, int, int, int]] = ...,
                 region: Optional[tuple[Sequence[float], Sequence[float]]] = ..., margin: float = ..., samples: int = ...,
                 level: int = ..., seed: int = ..., threads: int = ...,
-                progress: Optional[Callable[[float], Any]] = ...) -> CompiledCamera: ...
+                progress: Optional[Progress] = ...) -> CompiledCamera: ...
     def rays(self, *, pixels: Iterable[tuple[int, int]] = ..., microlenses: Iterable[tuple[int, int]] = ...,
              points: Iterable[tuple[float, float, float]] = ..., random: int = ..., chief: bool = ..., rays: int = ...,
              flame_samples: int = ..., status: Union[None, str, Iterable[str]] = ..., lens_type: Optional[int] = ...,
@@ -70,6 +73,6 @@ class Scene:
                  axis: Union[None, str, Sequence[float]] = ..., basis: Optional[str] = ...,
                  absorption: Union[None, str, float] = ..., channel: Optional[str] = ..., rays: int = ...,
                  bin: Union[int, str] = ..., cells: Optional[int] = ..., seed: Optional[int] = ..., form: str = ...,
-                 threads: int = ..., progress: Optional[Callable[[float], Any]] = ...) -> Operator: ...
+                 threads: int = ..., progress: Optional[Progress] = ...) -> Operator: ...
     def camera(self, **settings: Any) -> Any: ...
-    def flame(self, resolution: int = ...) -> Any: ...
+    def flame(self, resolution: int = ...) -> Flame: ...

@@ -147,8 +147,10 @@ PLENOFLAME_INLINE int next_cell(int low, int rest, bool crosses, int up, Real p)
 
 template <class Real>
 PLENOFLAME_INLINE int floor_of(Real x) {
-  const int whole = static_cast<int>(x);
-  return whole - (static_cast<Real>(whole) > x ? 1 : 0);
+  // Far outside of every lattice one cell is like another, and int holds this one.
+  const Real held = clamp(x, Real(-1e9), Real(1e9));
+  const int whole = static_cast<int>(held);
+  return whole - (static_cast<Real>(whole) > held ? 1 : 0);
 }
 
 // 2^e for -126 <= e <= 127.

@@ -84,6 +84,22 @@ void check_strength(const std::string& key, double focal_length, double diameter
                                 short_length(kShortest * diameter)));
 }
 
+/// A stop may be somewhat wider than the glass beside it, and the light still converges to less
+/// than it. Beyond that the rims of the glass end the light, and the f-number, which is that of the
+/// stop, is none of the lens.
+void check_stop(const std::vector<SurfaceSpec>& surfaces, std::size_t stop, Issues& issues) {
+  constexpr double kMostWider = 1.5;
+  double widest = 0;
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (i != stop) widest = std::max(widest, surfaces[i].diameter);
+  if (widest > 0 && surfaces[stop].diameter > kMostWider * widest)
+    issues.warning(fmt::format("camera.lens.surfaces[{}].diameter", stop),
+                   fmt::format("the stop of the main lens is {} wide and its widest surface {}: "
+                               "the surfaces end the light, and the f-number is smaller than that "
+                               "of the lens; make the stop smaller",
+                               short_length(surfaces[stop].diameter), short_length(widest)));
+}
+
 void check_lens(const MainLensSpec& lens, Issues& issues) {
   if (lens.surfaces.empty()) {
     if (lens.model == LensModel::real) {
@@ -139,6 +155,7 @@ void check_lens(const MainLensSpec& lens, Issues& issues) {
     issues.error("camera.lens.surfaces",
                  "the main lens does not converge, so it forms no image; its focal length is " +
                      (std::isfinite(focal_length) ? short_length(focal_length) : "infinite"));
+  check_stop(lens.surfaces, stops.front(), issues);
   if (lens.focal_length != 0)
     issues.warning("camera.lens.focal_length",
                    "camera.lens.focal_length is not used, because the lens has surfaces");

@@ -1,0 +1,6 @@
+from typing import Sequence, TypeVar
+
+_Thing = TypeVar("_Thing")
+
+def guarded(thing: _Thing) -> _Thing: ...
+def refusal(function: str, name: str, known: Sequence[str]) -> str: ...
