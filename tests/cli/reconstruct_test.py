@@ -117,7 +117,7 @@ class Reconstruct(CommandTest):
             # Active sets are dense: their problem, and the one that they are held against, is small.
             rings = self.RINGS if solver == "nnls" else self.FINE_RINGS
             found, _ = self.reconstruct(*rings, "--absorption", "scene", "--truth", "--solver", solver,
-                                        *(("--strength", "1") if solver == "tv" else ()), "--draws", "0", "--probes", "0",
+                                        *{"tv": ("--strength", "1"), "mart": ("--noise", "0.0015")}.get(solver, ()), "--draws", "0", "--probes", "0",
                                         "-o", f"{solver}.vdb")
             errors[solver], misfits[solver] = found["truth_emission_error"], found["chi_squared"]
             self.assertEqual("strength" in found and found["strength"] > 0,
